@@ -1,0 +1,147 @@
+//! Diagnostics as data: code, severity, place, explanation, fix. A leaf of the dependency graph;
+//! drawing them is the work of `report`.
+
+use std::fmt;
+
+use crate::text::{Edit, SourceFile, Span};
+
+/// A stable rule code such as `T001`: a family letter and three digits. Codes are never reused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Code(pub &'static str);
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+/// How bad a diagnostic is. Errors and warnings are findings; information is not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// Worth knowing; never changes the exit status.
+    Info,
+    /// Probably wrong.
+    Warning,
+    /// Wrong.
+    Error,
+}
+
+impl Severity {
+    /// `error`, `warning` or `info`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Info => "info",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// Whether a fix may be applied without asking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Safety {
+    /// The meaning is kept, or the text was invalid and has one sensible reading.
+    Safe,
+    /// Results may change; needs `--unsafe-fixes`.
+    Unsafe,
+}
+
+/// A change that repairs what a diagnostic reports, in the file of the diagnostic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What the fix does, as an imperative sentence without a full stop.
+    pub title: String,
+    /// The edits; they do not overlap.
+    pub edits: Vec<Edit>,
+    /// Whether it may be applied without asking.
+    pub safety: Safety,
+}
+
+/// A further place that belongs to a diagnostic, possibly in another file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// The file of the place.
+    pub file: SourceFile,
+    /// The place.
+    pub span: Span,
+    /// What is to be seen there.
+    pub message: String,
+}
+
+/// One thing to tell about a text: what is wrong, why, and what to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// The rule.
+    pub code: Code,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What is wrong: one sentence in words about the source, without a full stop.
+    pub message: String,
+    /// The file.
+    pub file: SourceFile,
+    /// The place in the file.
+    pub span: Span,
+    /// What stands at the place, in a few words; shown beside the underlined text.
+    pub label: String,
+    /// Further places.
+    pub related: Vec<Label>,
+    /// Why it is wrong or what happens.
+    pub why: Option<String>,
+    /// What to do when there is no fix, or besides it.
+    pub help: Option<String>,
+    /// The repair, when there is one.
+    pub fix: Option<Fix>,
+}
+
+impl Diagnostic {
+    /// A diagnostic with the required parts only.
+    pub fn new(code: Code, severity: Severity, file: &SourceFile, span: Span, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            severity,
+            message: message.into(),
+            file: file.clone(),
+            span,
+            label: String::new(),
+            related: Vec::new(),
+            why: None,
+            help: None,
+            fix: None,
+        }
+    }
+
+    /// Sets the words beside the underlined text.
+    #[must_use]
+    pub fn with_label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    /// Adds a further place.
+    #[must_use]
+    pub fn with_related(mut self, file: &SourceFile, span: Span, message: impl Into<String>) -> Self {
+        self.related.push(Label { file: file.clone(), span, message: message.into() });
+        self
+    }
+
+    /// Sets the reason.
+    #[must_use]
+    pub fn with_why(mut self, why: impl Into<String>) -> Self {
+        self.why = Some(why.into());
+        self
+    }
+
+    /// Sets the advice.
+    #[must_use]
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Sets the fix.
+    #[must_use]
+    pub fn with_fix(mut self, title: impl Into<String>, safety: Safety, edits: Vec<Edit>) -> Self {
+        self.fix = Some(Fix { title: title.into(), edits, safety });
+        self
+    }
+}

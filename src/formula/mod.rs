@@ -1,0 +1,41 @@
+//! Reference formulas in binary64. Written by hand from the mathematics; this module imports the
+//! standard library and glam alone, so that it shares nothing with the shaders that it judges.
+//!
+//! A formula has named inputs and outputs. Where it has no value (a direction of a zero vector,
+//! say) it writes NaN.
+
+mod args;
+
+pub use args::{Args, Emission, Kind, Param};
+
+/// A named reference formula.
+pub struct Formula {
+    /// Name, as suites write it.
+    pub name: &'static str,
+    /// What it computes and where it comes from: equation number or reference.
+    pub source: &'static str,
+    /// Inputs in the order of [`Args`].
+    pub inputs: &'static [Param],
+    /// Outputs in order. Their words follow each other without padding.
+    pub outputs: &'static [Param],
+    /// How outputs come about.
+    pub rule: Rule,
+}
+
+/// How a formula gives its outputs.
+pub enum Rule {
+    /// One set of outputs for each set of inputs: vertex stages and functions.
+    Pointwise(fn(&Args<'_>, &mut [f64])),
+    /// A list of vertices in strips for each set of inputs: geometry stages.
+    Emission(fn(&Args<'_>, &mut Emission)),
+}
+
+/// All formulas.
+pub fn all() -> &'static [&'static Formula] {
+    &[]
+}
+
+/// The formula called `name`.
+pub fn by_name(name: &str) -> Option<&'static Formula> {
+    all().iter().copied().find(|f| f.name == name)
+}

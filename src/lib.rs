@@ -1,0 +1,16 @@
+//! Property tests, lint and reference data for shaders, on a machine without a GPU.
+
+pub mod cli;
+pub mod diagnostic;
+pub mod formula;
+pub mod glsl;
+pub mod lane;
+pub mod lint;
+pub mod lower;
+pub mod program;
+pub mod property;
+pub mod report;
+pub mod suite;
+pub mod text;
+pub mod value;
+pub mod verdict;

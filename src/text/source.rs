@@ -1,0 +1,216 @@
+//! A source file in memory and positions in it.
+
+use std::fmt;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+/// A half-open range of bytes, `start..end`, in a [`SourceFile`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Span {
+    /// Offset of the first byte.
+    pub start: usize,
+    /// Offset after the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// The span `start..end`. An end before the start is moved to the start.
+    pub fn new(start: usize, end: usize) -> Self {
+        Self { start, end: end.max(start) }
+    }
+
+    /// The empty span at `offset`.
+    pub fn at(offset: usize) -> Self {
+        Self { start: offset, end: offset }
+    }
+
+    /// The smallest span that holds both.
+    pub fn to(self, other: Self) -> Self {
+        Self { start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+
+    /// True when the span holds no byte.
+    pub fn is_empty(self) -> bool {
+        self.start == self.end
+    }
+
+    /// Length in bytes.
+    pub fn len(self) -> usize {
+        self.end - self.start
+    }
+
+    /// True when `offset` lies inside.
+    pub fn contains(self, offset: usize) -> bool {
+        self.start <= offset && offset < self.end
+    }
+
+    /// The span as a range, for slicing.
+    pub fn range(self) -> std::ops::Range<usize> {
+        self.start..self.end
+    }
+}
+
+/// A place in a text as people name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Position {
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in characters (Unicode scalar values, not bytes), counted from 1.
+    pub column: usize,
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.line, self.column)
+    }
+}
+
+/// Why bytes are not a source text.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum TextError {
+    /// The bytes are not UTF-8 from this place on.
+    #[error(
+        "{name}:{position}: not UTF-8 (byte 0x{byte:02x}); convert it first, for example with `iconv -f SHIFT_JIS -t UTF-8`"
+    )]
+    NotUtf8 {
+        /// Name of the file.
+        name: String,
+        /// Place of the first byte that is not UTF-8.
+        position: Position,
+        /// That byte.
+        byte: u8,
+    },
+}
+
+/// A text with a name and its line starts. Cheap to clone.
+#[derive(Clone, PartialEq, Eq)]
+pub struct SourceFile {
+    name: Arc<str>,
+    text: Arc<str>,
+    line_starts: Arc<[usize]>,
+}
+
+impl fmt::Debug for SourceFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "SourceFile({}, {} bytes)", self.name, self.text.len())
+    }
+}
+
+impl SourceFile {
+    /// A file called `name` (shown in messages) that holds `text`.
+    pub fn new(name: impl Into<Arc<str>>, text: impl Into<Arc<str>>) -> Self {
+        let text: Arc<str> = text.into();
+        let bytes = text.as_bytes();
+        let mut starts = vec![0];
+        for (i, &b) in bytes.iter().enumerate() {
+            // A line ends at LF, CR LF, or a CR alone.
+            if b == b'\n' || (b == b'\r' && bytes.get(i + 1) != Some(&b'\n')) {
+                starts.push(i + 1);
+            }
+        }
+        Self { name: name.into(), text, line_starts: starts.into() }
+    }
+
+    /// Reads bytes as UTF-8.
+    ///
+    /// # Errors
+    /// [`TextError::NotUtf8`] with the place of the first wrong byte.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, TextError> {
+        match std::str::from_utf8(bytes) {
+            Ok(text) => Ok(Self::new(name, text)),
+            Err(error) => {
+                let good = std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or_default();
+                let before = Self::new(name, good);
+                Err(TextError::NotUtf8 {
+                    name: name.to_owned(),
+                    position: before.position(good.len()),
+                    byte: bytes[error.valid_up_to()],
+                })
+            }
+        }
+    }
+
+    /// The name shown in messages, as the user gave it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The text of a span; empty when the span does not lie on character borders inside the text.
+    pub fn slice(&self, span: Span) -> &str {
+        self.text.get(span.range()).unwrap_or("")
+    }
+
+    /// Line and column of a byte offset. An offset inside a character counts as that character;
+    /// one past the end counts as the end.
+    pub fn position(&self, offset: usize) -> Position {
+        let mut offset = offset.min(self.text.len());
+        while !self.text.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        let line = self.line_starts.partition_point(|&start| start <= offset) - 1;
+        let start = self.line_starts[line];
+        Position { line: line + 1, column: self.text[start..offset].chars().count() + 1 }
+    }
+
+    /// Byte offset of a position; the end of the line for a column past it.
+    pub fn offset(&self, position: Position) -> usize {
+        let Some(line) = position.line.checked_sub(1) else { return 0 };
+        let Some(&start) = self.line_starts.get(line) else { return self.text.len() };
+        let text = self.line_text(position.line);
+        text.char_indices().nth(position.column.saturating_sub(1)).map_or(start + text.len(), |(i, _)| start + i)
+    }
+
+    /// Number of lines; a text that ends with a line break has an empty last line.
+    pub fn line_count(&self) -> usize {
+        self.line_starts.len()
+    }
+
+    /// A line without its line break; empty when there is no such line. Lines count from 1.
+    pub fn line_text(&self, line: usize) -> &str {
+        let Some(&start) = line.checked_sub(1).and_then(|l| self.line_starts.get(l)) else {
+            return "";
+        };
+        let end = self.line_starts.get(line).copied().unwrap_or(self.text.len());
+        self.text[start..end].trim_end_matches(['\n', '\r'])
+    }
+
+    /// `name:line:column` of a byte offset.
+    pub fn locate(&self, offset: usize) -> String {
+        format!("{}:{}", self.name, self.position(offset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_count_characters_not_bytes() {
+        let file = SourceFile::new("a.vert", "float x; // 球の頂点\nint y;");
+        let offset = file.text().find("頂点").unwrap();
+        assert_eq!(file.position(offset), Position { line: 1, column: 15 });
+        assert_eq!(file.offset(Position { line: 1, column: 15 }), offset);
+        assert_eq!(file.position(file.text().len()), Position { line: 2, column: 7 });
+    }
+
+    #[test]
+    fn all_three_line_breaks_count() {
+        let file = SourceFile::new("a", "a\r\nb\rc\nd");
+        assert_eq!(file.line_count(), 4);
+        assert_eq!((1..=4).map(|l| file.line_text(l)).collect::<Vec<_>>(), ["a", "b", "c", "d"]);
+    }
+
+    #[test]
+    fn bytes_that_are_not_utf8_are_refused_with_their_place() {
+        let error = SourceFile::from_bytes("s.vert", b"in vec4 p; // \x8b\x85\n").unwrap_err();
+        let TextError::NotUtf8 { position, byte, .. } = &error;
+        assert_eq!((*position, *byte), (Position { line: 1, column: 15 }, 0x8b));
+        assert!(error.to_string().starts_with("s.vert:1:15: not UTF-8"));
+    }
+}
