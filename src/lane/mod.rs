@@ -1,1 +1,130 @@
-//! Placeholder.
+//! Lanes: what runs a kernel. A lane is a device with a pipeline; each is one file (or folder) and
+//! one line of the registry.
+
+mod actual;
+pub mod vulkan;
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::program::Kernel;
+use crate::value::Batch;
+
+pub use actual::{Actual, Marks};
+
+/// Stage of the pipeline in which a kernel runs on a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// A compute stage.
+    Compute,
+    /// A vertex stage with vertex buffers and uniform buffers.
+    Vertex,
+}
+
+impl Stage {
+    /// `compute` or `vertex`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Compute => "compute",
+            Self::Vertex => "vertex",
+        }
+    }
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What a lane is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Description {
+    /// Name of the lane, as `--lane` takes it.
+    pub name: &'static str,
+    /// Device and driver with version.
+    pub driver: String,
+    /// Stages in which it can run kernels.
+    pub stages: Vec<Stage>,
+}
+
+/// A lane that cannot be had here.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{why}; {remedy}")]
+pub struct Unavailable {
+    /// What is missing, without a full stop.
+    pub why: String,
+    /// What makes it available, as an imperative sentence without a full stop.
+    pub remedy: String,
+}
+
+/// Why a lane gave no outputs.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum LaneError {
+    /// The device's API reported an error.
+    #[error("the device reported an error: {0}")]
+    Api(String),
+    /// The kernel needs something that the lane lacks.
+    #[error("not supported on this lane: {0}")]
+    Unsupported(String),
+    /// The dispatch left the record of an invocation unwritten, or an older dispatch wrote it.
+    #[error(
+        "the record of invocation {invocation} of {count} was not written by this dispatch (found 0x{found:08x}, expected 0x{expected:08x})"
+    )]
+    NotWritten {
+        /// Index of the invocation.
+        invocation: usize,
+        /// Number of invocations of the dispatch.
+        count: usize,
+        /// The word found in place of the canary.
+        found: u32,
+        /// The word that proves the writing.
+        expected: u32,
+    },
+}
+
+/// A device that runs kernels.
+///
+/// Contract: a runner gives the outputs of exactly the batch it was given, or an error. Before each
+/// dispatch it fills the output buffer with [`Marks::sentinel`], hands a fresh [`Marks::canary`] to
+/// the kernel, and builds [`Actual`] only through [`Actual::accept`], which proves that each record
+/// was written. It never retries and never substitutes another device.
+pub trait Lane {
+    /// What this lane is.
+    fn description(&self) -> &Description;
+
+    /// Makes a kernel ready for batches of at most `capacity` invocations; the runner may take fewer
+    /// at a time, see [`Runner::capacity`].
+    ///
+    /// # Errors
+    /// [`LaneError`] when the device refuses the kernel.
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError>;
+}
+
+/// A kernel on a device.
+pub trait Runner {
+    /// Largest number of invocations of one batch.
+    fn capacity(&self) -> usize;
+
+    /// Runs a batch in one dispatch.
+    ///
+    /// # Errors
+    /// [`LaneError`]; the outputs are then gone.
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError>;
+}
+
+/// A lane that may be had.
+pub struct Candidate {
+    /// Name, as `--lane` takes it.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// Opens it.
+    pub open: fn() -> Result<Box<dyn Lane>, Unavailable>,
+}
+
+/// All lanes that this build knows.
+pub fn registry() -> &'static [Candidate] {
+    &[Candidate { name: "vulkan", about: "any Vulkan driver, through wgpu", open: vulkan::open }]
+}

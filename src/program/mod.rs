@@ -1,1 +1,143 @@
-//! Placeholder.
+//! A program: a naga module with the interface that the author sees and the way back to the text.
+
+mod capture;
+mod contain;
+mod front;
+mod interface;
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};
+use thiserror::Error;
+
+use crate::diagnostic::Diagnostic;
+use crate::lower::{Lowered, Role};
+use crate::value::Field;
+
+pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding};
+pub use contain::contain;
+pub use front::{NAGA, VALIDATOR};
+
+/// Why there is no program or kernel.
+#[derive(Debug, Error)]
+pub enum ProgramError {
+    /// The text is wrong; each diagnostic stands at its place in the author's text.
+    #[error("{}", summary(.0))]
+    Source(Vec<Diagnostic>),
+    /// Something that cannot be run here.
+    #[error("not supported: {what}")]
+    Unsupported {
+        /// What it is.
+        what: String,
+    },
+    /// A defect of shadercheck itself.
+    #[error("internal error, please report: {0}")]
+    Internal(String),
+}
+
+impl ProgramError {
+    pub(crate) fn internal(what: String) -> Self {
+        Self::Internal(what)
+    }
+}
+
+fn summary(diagnostics: &[Diagnostic]) -> String {
+    let lines: Vec<String> = diagnostics
+        .iter()
+        .map(|d| format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message))
+        .collect();
+    lines.join("\n")
+}
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// An entry point, by index.
+    Point(usize),
+    /// An ordinary function.
+    Function(Handle<naga::Function>),
+}
+
+/// Where an input or output lies in the module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PortAt {
+    /// An argument, by value.
+    Argument(u32),
+    /// An argument, by reference (`out`, `inout`).
+    Reference(u32),
+    /// The value that the function returns.
+    Result,
+    /// A member of the structure that the entry point returns.
+    ResultMember(u32),
+    /// A global variable.
+    Global(Handle<GlobalVariable>),
+    /// A member of a global structure.
+    Member(Handle<GlobalVariable>, u32),
+    /// One member of each element of a global array of structures: `gl_in[].gl_Position`.
+    Vertices {
+        /// The array.
+        global: Handle<GlobalVariable>,
+        /// Index of the member.
+        member: u32,
+        /// Number of elements.
+        count: u32,
+    },
+}
+
+/// An input, uniform or output of a program.
+#[derive(Clone, Debug)]
+pub struct Port {
+    /// Name and shape as the author sees them.
+    pub field: Field,
+    /// Type in the module. For [`PortAt::Vertices`], the array of the member's type.
+    pub ty: Handle<Type>,
+    /// Where it lies.
+    pub at: PortAt,
+    /// The private variable that holds an output of an entry point until it returns.
+    pub backing: Option<Handle<GlobalVariable>>,
+}
+
+/// A shader that can be run: a validated module and its interface.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The module, as the front end made it.
+    pub module: Module,
+    /// What the validator found out about it.
+    pub info: ModuleInfo,
+    /// What is run.
+    pub entry: Entry,
+    /// How it is run.
+    pub role: Role,
+    /// What one invocation takes.
+    pub inputs: Vec<Port>,
+    /// What one case takes.
+    pub uniforms: Vec<Port>,
+    /// What one vertex, primitive vertex or call gives.
+    pub outputs: Vec<Port>,
+    /// Built-in arguments of the entry point, by argument index.
+    pub built_ins: Vec<(u32, BuiltIn)>,
+    /// The lowered text and the way back.
+    pub lowered: Lowered,
+}
+
+impl Program {
+    /// Parses and validates lowered text.
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] with diagnostics at the author's places; [`ProgramError::Unsupported`]
+    /// for what naga cannot express.
+    pub fn new(lowered: Lowered) -> Result<Self, ProgramError> {
+        let (module, info) = front::parse(&lowered)?;
+        interface::resolve(module, info, lowered)
+    }
+}
+
+/// Validates a module that a pass of our own made.
+pub(crate) fn validate(module: &Module) -> Result<ModuleInfo, ProgramError> {
+    contain(|| validator().validate(module))
+        .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?
+        .map_err(|error| ProgramError::internal(format!("{:?}", error.into_inner())))
+}
+
+pub(crate) fn validator() -> Validator {
+    Validator::new(ValidationFlags::all(), Capabilities::default() | Capabilities::CLIP_DISTANCES)
+}

@@ -1,0 +1,85 @@
+//! One dispatch of the compute kernel for a batch.
+
+use super::gpu::{Gpu, Outputs, as_bytes};
+use crate::lane::{Actual, LaneError, Runner};
+use crate::program::{ENTRY_POINT, Kernel, WORKGROUP, binding};
+use crate::value::Batch;
+
+pub(super) struct ComputeRunner {
+    gpu: Gpu,
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+    invocations: wgpu::Buffer,
+    cases: wgpu::Buffer,
+    outputs: Outputs,
+    capacity: usize,
+}
+
+impl ComputeRunner {
+    pub fn new(gpu: &Gpu, kernel: &Kernel, capacity: usize) -> Result<Self, LaneError> {
+        let words = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()) as u64;
+        let groups = u64::from(gpu.device.limits().max_compute_workgroups_per_dimension) * u64::from(WORKGROUP);
+        let capacity = (capacity as u64).min(gpu.storage_words() / words.max(1)).min(groups).max(1) as usize;
+        gpu.checked(|| {
+            let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: None,
+                layout: None,
+                module: &gpu.shader(kernel),
+                entry_point: Some(ENTRY_POINT),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            let input = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            let size = |words: usize| 4 * (words * capacity) as u64;
+            let invocations = gpu.buffer(size(kernel.invocation.words()), input);
+            let cases = gpu.buffer(size(kernel.case.words()), input);
+            let outputs = Outputs::new(gpu, &kernel.output, capacity);
+            let entry = |at, buffer: &wgpu::Buffer| (at, buffer.clone());
+            let mut bound = vec![entry(binding::PARAMS, &outputs.params), entry(binding::OUTPUTS, &outputs.storage)];
+            // A layout made from the module has no binding for a buffer that the module never reads.
+            if kernel.invocation.words() > 0 {
+                bound.push(entry(binding::INVOCATIONS, &invocations));
+            }
+            if kernel.case.words() > 0 {
+                bound.push(entry(binding::CASES, &cases));
+            }
+            let entries: Vec<_> = bound
+                .iter()
+                .map(|(at, buffer)| wgpu::BindGroupEntry { binding: *at, resource: buffer.as_entire_binding() })
+                .collect();
+            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &pipeline.get_bind_group_layout(0),
+                entries: &entries,
+            });
+            Self { gpu: gpu.clone(), pipeline, group, invocations, cases, outputs, capacity }
+        })
+    }
+}
+
+impl Runner for ComputeRunner {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let count = batch.invocation_count();
+        if count > self.capacity {
+            return Err(LaneError::Unsupported(format!("a batch of {count} invocations; {} fit", self.capacity)));
+        }
+        let gpu = self.gpu.clone();
+        gpu.checked(|| {
+            gpu.queue.write_buffer(&self.invocations, 0, as_bytes(&batch.invocations));
+            gpu.queue.write_buffer(&self.cases, 0, as_bytes(&batch.cases));
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let marks = self.outputs.begin(&mut encoder, count, batch.per_case);
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(&self.pipeline);
+                pass.set_bind_group(0, &self.group, &[]);
+                pass.dispatch_workgroups((count as u32).div_ceil(WORKGROUP), 1, 1);
+            }
+            self.outputs.finish(encoder, count, marks)
+        })?
+    }
+}

@@ -1,0 +1,291 @@
+//! Draws of the vertex kernel: one draw a case, points that are clipped away.
+
+use super::gpu::{Gpu, Outputs, as_bytes};
+use crate::lane::{Actual, LaneError, Runner};
+use crate::program::{Attribute, ENTRY_POINT, Kernel, UniformBlock, binding};
+use crate::value::{Batch, Scalar};
+
+/// Size of the target that nothing is drawn to.
+const TARGET: u32 = 4;
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+pub(super) struct VertexRunner {
+    gpu: Gpu,
+    pipeline: wgpu::RenderPipeline,
+    harness: wgpu::BindGroup,
+    uniforms: wgpu::BindGroup,
+    target: wgpu::TextureView,
+    /// One vertex buffer with all attributes side by side.
+    vertices: wgpu::Buffer,
+    /// For each word of the vertex buffer, the word of the invocation record that it holds.
+    fed: Vec<usize>,
+    record_words: usize,
+    blocks: Vec<Uniforms>,
+    outputs: Outputs,
+    capacity: usize,
+}
+
+/// A uniform buffer that holds a block for each case.
+struct Uniforms {
+    buffer: wgpu::Buffer,
+    block: UniformBlock,
+    /// Distance between the blocks of neighbouring cases, in bytes.
+    stride: u32,
+}
+
+impl VertexRunner {
+    pub fn new(
+        gpu: &Gpu,
+        kernel: &Kernel,
+        attributes: &[Attribute],
+        blocks: &[UniformBlock],
+        capacity: usize,
+    ) -> Result<Self, LaneError> {
+        let limits = gpu.device.limits();
+        if blocks.len() > limits.max_dynamic_uniform_buffers_per_pipeline_layout as usize {
+            return Err(LaneError::Unsupported(format!(
+                "{} uniform blocks; the device takes {}",
+                blocks.len(),
+                limits.max_dynamic_uniform_buffers_per_pipeline_layout
+            )));
+        }
+        let align = limits.min_uniform_buffer_offset_alignment;
+        let stride = |block: &UniformBlock| block.bytes.next_multiple_of(align);
+        let largest = blocks.iter().map(stride).max().unwrap_or(16);
+        let words = kernel.output.words().max(kernel.invocation.words()) as u64;
+        let fit = (gpu.storage_words() / words.max(1)).min(limits.max_buffer_size / u64::from(largest));
+        let capacity = (capacity as u64).min(fit).max(1) as usize;
+
+        let mut fed = Vec::new();
+        let mut wgpu_attributes = Vec::new();
+        for (k, attribute) in attributes.iter().enumerate() {
+            let start = kernel.invocation.range(k).start;
+            let missing = attribute.components > attribute.field.shape.rows;
+            if missing {
+                return Err(LaneError::Unsupported(format!(
+                    "{} components for attribute `{}` of type `{}`",
+                    attribute.components, attribute.field.name, attribute.field.shape
+                )));
+            }
+            wgpu_attributes.push(wgpu::VertexAttribute {
+                format: format(attribute.field.shape.scalar, attribute.components),
+                offset: 4 * fed.len() as u64,
+                shader_location: attribute.location,
+            });
+            fed.extend((0..attribute.components as usize).map(|c| start + c));
+        }
+        gpu.checked(|| {
+            let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+            let blocks: Vec<Uniforms> = blocks
+                .iter()
+                .map(|block| Uniforms {
+                    buffer: gpu.buffer(u64::from(stride(block)) * capacity as u64, usage),
+                    stride: stride(block),
+                    block: block.clone(),
+                })
+                .collect();
+            let outputs = Outputs::new(gpu, &kernel.output, capacity);
+            let (harness_layout, uniform_layout) = layouts(gpu, &blocks);
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(&harness_layout), Some(&uniform_layout)],
+                immediate_size: 0,
+            });
+            let buffer_layout = wgpu::VertexBufferLayout {
+                array_stride: 4 * fed.len() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu_attributes,
+            };
+            let module = gpu.shader(kernel);
+            let pipeline = pipeline(gpu, &layout, &module, (!fed.is_empty()).then_some(buffer_layout));
+            let harness = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &harness_layout,
+                entries: &[
+                    wgpu::BindGroupEntry { binding: binding::PARAMS, resource: outputs.params.as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: binding::OUTPUTS, resource: outputs.storage.as_entire_binding() },
+                ],
+            });
+            let entries: Vec<_> = blocks
+                .iter()
+                .zip(0..)
+                .map(|(uniforms, binding)| wgpu::BindGroupEntry {
+                    binding,
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: &uniforms.buffer,
+                        offset: 0,
+                        size: std::num::NonZeroU64::new(u64::from(uniforms.block.bytes)),
+                    }),
+                })
+                .collect();
+            let uniforms = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &uniform_layout,
+                entries: &entries,
+            });
+            let vertex_usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+            Self {
+                vertices: gpu.buffer(4 * (fed.len() * capacity) as u64, vertex_usage),
+                target: target(gpu),
+                record_words: kernel.invocation.words(),
+                gpu: gpu.clone(),
+                pipeline,
+                harness,
+                uniforms,
+                fed,
+                blocks,
+                outputs,
+                capacity,
+            }
+        })
+    }
+
+    fn upload(&self, batch: &Batch, count: usize) {
+        if !self.fed.is_empty() {
+            let mut words = Vec::with_capacity(count * self.fed.len());
+            for record in batch.invocations.chunks_exact(self.record_words) {
+                words.extend(self.fed.iter().map(|&k| record[k]));
+            }
+            self.gpu.queue.write_buffer(&self.vertices, 0, as_bytes(&words));
+        }
+        for uniforms in &self.blocks {
+            let stride = uniforms.stride as usize / 4;
+            let mut words = vec![0; stride * batch.case_count()];
+            for (case, block) in words.chunks_exact_mut(stride).enumerate() {
+                let values = batch.case(case);
+                for slot in &uniforms.block.slots {
+                    block[slot.byte as usize / 4] = values[slot.word as usize];
+                }
+            }
+            self.gpu.queue.write_buffer(&uniforms.buffer, 0, as_bytes(&words));
+        }
+    }
+}
+
+impl Runner for VertexRunner {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let count = batch.invocation_count();
+        if count > self.capacity {
+            return Err(LaneError::Unsupported(format!("a batch of {count} vertices; {} fit", self.capacity)));
+        }
+        let gpu = self.gpu.clone();
+        gpu.checked(|| {
+            self.upload(batch, count);
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let marks = self.outputs.begin(&mut encoder, count, batch.per_case);
+            {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                        view: &self.target,
+                        depth_ops: Some(wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(1.0),
+                            store: wgpu::StoreOp::Discard,
+                        }),
+                        stencil_ops: None,
+                    }),
+                    ..wgpu::RenderPassDescriptor::default()
+                });
+                pass.set_pipeline(&self.pipeline);
+                pass.set_bind_group(0, &self.harness, &[]);
+                if !self.fed.is_empty() {
+                    pass.set_vertex_buffer(0, self.vertices.slice(..));
+                }
+                for case in 0..batch.case_count() as u32 {
+                    let offsets: Vec<u32> = self.blocks.iter().map(|u| u.stride * case).collect();
+                    pass.set_bind_group(1, &self.uniforms, &offsets);
+                    let first = case * batch.per_case as u32;
+                    pass.draw(first..first + batch.per_case as u32, 0..1);
+                }
+            }
+            self.outputs.finish(encoder, count, marks)
+        })?
+    }
+}
+
+fn layouts(gpu: &Gpu, blocks: &[Uniforms]) -> (wgpu::BindGroupLayout, wgpu::BindGroupLayout) {
+    let buffer = |binding, ty, dynamic| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: dynamic, min_binding_size: None },
+        count: None,
+    };
+    let storage = wgpu::BufferBindingType::Storage { read_only: false };
+    let make = |entries: &[wgpu::BindGroupLayoutEntry]| {
+        gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
+    };
+    let uniform = wgpu::BufferBindingType::Uniform;
+    let uniforms: Vec<_> = (0..blocks.len() as u32).map(|k| buffer(k, uniform, true)).collect();
+    let harness = [buffer(binding::PARAMS, uniform, false), buffer(binding::OUTPUTS, storage, false)];
+    (make(&harness), make(&uniforms))
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
+    buffer: Option<wgpu::VertexBufferLayout<'_>>,
+) -> wgpu::RenderPipeline {
+    let buffers: Vec<_> = buffer.into_iter().map(Some).collect();
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: None,
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(ENTRY_POINT),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &buffers,
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::PointList,
+            ..wgpu::PrimitiveState::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn target(gpu: &Gpu) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: TARGET, height: TARGET, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: DEPTH,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn format(scalar: Scalar, components: u8) -> wgpu::VertexFormat {
+    use wgpu::VertexFormat as F;
+    match (scalar, components) {
+        (Scalar::F32, 1) => F::Float32,
+        (Scalar::F32, 2) => F::Float32x2,
+        (Scalar::F32, 3) => F::Float32x3,
+        (Scalar::F32, _) => F::Float32x4,
+        (Scalar::I32, 1) => F::Sint32,
+        (Scalar::I32, 2) => F::Sint32x2,
+        (Scalar::I32, 3) => F::Sint32x3,
+        (Scalar::I32, _) => F::Sint32x4,
+        // `bool` attributes do not exist in GLSL; lowering refuses them.
+        (Scalar::U32 | Scalar::Bool, 1) => F::Uint32,
+        (Scalar::U32 | Scalar::Bool, 2) => F::Uint32x2,
+        (Scalar::U32 | Scalar::Bool, 3) => F::Uint32x3,
+        (Scalar::U32 | Scalar::Bool, _) => F::Uint32x4,
+    }
+}

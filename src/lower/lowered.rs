@@ -1,0 +1,131 @@
+//! What lowering hands on.
+
+use crate::text::{Edited, SourceFile, Span};
+use crate::value::{Field, Shape};
+
+/// How the program is run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A vertex stage: attributes in, `gl_Position` and varyings out.
+    Vertex,
+    /// A geometry stage, turned into a function over the vertices of one primitive.
+    Geometry(Primitives),
+    /// One function of a library: parameters in, `out` parameters and the return value out.
+    Function {
+        /// Name of the function.
+        name: String,
+    },
+}
+
+/// What a geometry stage takes and gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Primitives {
+    /// Input primitive.
+    pub input: InputPrimitive,
+    /// Output primitive.
+    pub output: OutputPrimitive,
+    /// Declared limit of emitted vertices.
+    pub max_vertices: u32,
+}
+
+/// Input primitive of a geometry stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputPrimitive {
+    /// One vertex.
+    Points,
+    /// Two vertices.
+    Lines,
+    /// Four vertices: a line between its neighbours.
+    LinesAdjacency,
+    /// Three vertices.
+    Triangles,
+    /// Six vertices: corners and neighbours in turn.
+    TrianglesAdjacency,
+}
+
+impl InputPrimitive {
+    /// The primitive with this GLSL name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "points" => Self::Points,
+            "lines" => Self::Lines,
+            "lines_adjacency" => Self::LinesAdjacency,
+            "triangles" => Self::Triangles,
+            "triangles_adjacency" => Self::TrianglesAdjacency,
+            _ => return None,
+        })
+    }
+
+    /// Vertices of one primitive.
+    pub fn vertices(self) -> u32 {
+        match self {
+            Self::Points => 1,
+            Self::Lines => 2,
+            Self::Triangles => 3,
+            Self::LinesAdjacency => 4,
+            Self::TrianglesAdjacency => 6,
+        }
+    }
+}
+
+/// Output primitive of a geometry stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputPrimitive {
+    /// Separate points.
+    Points,
+    /// Connected lines.
+    LineStrip,
+    /// Connected triangles.
+    TriangleStrip,
+}
+
+impl OutputPrimitive {
+    /// The primitive with this GLSL name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "points" => Self::Points,
+            "line_strip" => Self::LineStrip,
+            "triangle_strip" => Self::TriangleStrip,
+            _ => return None,
+        })
+    }
+}
+
+/// A variable of the interface and where the author declared it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variable {
+    /// Name as the author wrote it.
+    pub name: String,
+    /// Shape of its value.
+    pub shape: Shape,
+    /// The name in the original text.
+    pub span: Span,
+    /// Location given to it, for attributes and varyings of a vertex stage.
+    pub location: Option<u32>,
+}
+
+impl Variable {
+    /// The variable as a field of a record.
+    pub fn field(&self) -> Field {
+        Field { name: self.name.clone(), shape: self.shape }
+    }
+}
+
+/// A shader in the dialect that naga reads, with the way back to the author's text.
+#[derive(Clone, Debug)]
+pub struct Lowered {
+    /// The author's text.
+    pub file: SourceFile,
+    /// The lowered text and the position map.
+    pub edited: Edited,
+    /// How the program is run.
+    pub role: Role,
+    /// Attributes of a vertex stage; inputs of a geometry stage, each an array over the vertices of
+    /// the primitive (`gl_Position` stands for `gl_in[].gl_Position`); parameters of a function.
+    pub inputs: Vec<Variable>,
+    /// Uniforms, in order of declaration.
+    pub uniforms: Vec<Variable>,
+    /// Outputs that are captured: `gl_Position` first when it is written, then the user's outputs in
+    /// order of declaration; for a function, `return` first, then `out` and `inout` parameters.
+    pub outputs: Vec<Variable>,
+}

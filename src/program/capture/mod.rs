@@ -1,0 +1,145 @@
+//! Capture: a pass over the naga module that makes a program's outputs readable, as transform
+//! feedback would, without changing its body. The program's entry point becomes an ordinary function;
+//! a new entry point feeds it and stores what it gives.
+//!
+//! There are two kernels, since they test different things. The *compute* kernel runs one
+//! invocation per vertex (or primitive, or call) with attributes and uniforms of every case read
+//! from storage buffers. The *vertex* kernel is a real vertex stage with vertex buffers and uniform
+//! buffers that writes a storage buffer.
+
+mod builder;
+mod compute;
+mod geometry;
+mod vertex;
+mod words;
+
+use std::sync::Arc;
+
+use naga::valid::ModuleInfo;
+
+use super::{Program, ProgramError};
+use crate::value::{Field, Record};
+
+pub use vertex::{Attribute, UniformBlock, UniformSlot};
+pub use words::shape_of;
+
+/// Bindings of group 0 of every kernel.
+pub mod binding {
+    /// Uniform `vec4<u32>`: invocation count, invocations per case, canary, sentinel.
+    pub const PARAMS: u32 = 0;
+    /// Storage, written: one output record per invocation.
+    pub const OUTPUTS: u32 = 1;
+    /// Storage, read: the words of all invocations (compute kernel only).
+    pub const INVOCATIONS: u32 = 2;
+    /// Storage, read: the words of all cases (compute kernel only).
+    pub const CASES: u32 = 3;
+}
+
+/// Name of the entry point of a kernel.
+pub const ENTRY_POINT: &str = "capture";
+
+/// Invocations of a workgroup of the compute kernel.
+pub const WORKGROUP: u32 = 64;
+
+/// Layout of the output record of one invocation, in words:
+/// `canary ^ invocation`, then for a pointwise program the outputs; for a geometry stage the number
+/// of emitted vertices (emissions past the limit are counted, not stored), the number of ended
+/// strips, and for each of `max_vertices` vertices its strip and its outputs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputLayout {
+    /// The outputs of one vertex.
+    pub vertex: Arc<Record>,
+    /// For a geometry stage, the number of vertices that the record has room for.
+    pub max_vertices: Option<u32>,
+}
+
+impl OutputLayout {
+    /// Words before the first vertex.
+    pub fn header_words(&self) -> usize {
+        if self.max_vertices.is_some() { 3 } else { 1 }
+    }
+
+    /// Words of one vertex, its strip number included for a geometry stage.
+    pub fn vertex_words(&self) -> usize {
+        self.vertex.words() + usize::from(self.max_vertices.is_some())
+    }
+
+    /// Words of the whole record of one invocation.
+    pub fn words(&self) -> usize {
+        self.header_words() + self.vertex_words() * self.max_vertices.unwrap_or(1) as usize
+    }
+}
+
+/// A program made runnable: a validated module and what to feed it.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// The module; its only entry point is [`ENTRY_POINT`].
+    pub module: naga::Module,
+    /// What the validator found out about it.
+    pub info: ModuleInfo,
+    /// What one invocation gets.
+    pub invocation: Arc<Record>,
+    /// What one case gets.
+    pub case: Arc<Record>,
+    /// What one invocation writes.
+    pub output: OutputLayout,
+    /// How it runs.
+    pub form: Form,
+}
+
+/// The two forms of a kernel.
+#[derive(Clone, Debug)]
+pub enum Form {
+    /// A compute entry point; inputs are read from storage.
+    Compute,
+    /// A vertex entry point.
+    Vertex {
+        /// Vertex attributes, in the order of the invocation record.
+        attributes: Vec<Attribute>,
+        /// Uniform blocks, bound in group 1 by index.
+        blocks: Vec<UniformBlock>,
+    },
+}
+
+impl Program {
+    /// The compute kernel of this program.
+    ///
+    /// # Errors
+    /// [`ProgramError::Unsupported`] when an input or output cannot be captured.
+    pub fn compute_kernel(&self) -> Result<Kernel, ProgramError> {
+        compute::kernel(self)
+    }
+
+    /// The vertex kernel of this program. `components` gives, for each attribute in order, how many
+    /// components the host feeds; missing ones are filled by the vertex fetch with (0, 0, 0, 1).
+    ///
+    /// # Errors
+    /// [`ProgramError::Unsupported`] when the program is no vertex stage, or an input or output
+    /// cannot be captured.
+    pub fn vertex_kernel(&self, components: &[u8]) -> Result<Kernel, ProgramError> {
+        vertex::kernel(self, components)
+    }
+
+    /// What one invocation of this program takes.
+    pub fn invocation_record(&self) -> Record {
+        record(self.inputs.iter().map(|p| &p.field))
+    }
+
+    /// What one case of this program takes.
+    pub fn case_record(&self) -> Record {
+        record(self.uniforms.iter().map(|p| &p.field))
+    }
+
+    /// What this program gives.
+    pub fn output_layout(&self) -> OutputLayout {
+        let max_vertices = match self.role {
+            crate::lower::Role::Geometry(primitives) => Some(primitives.max_vertices),
+            crate::lower::Role::Vertex | crate::lower::Role::Function { .. } => None,
+        };
+        OutputLayout { vertex: Arc::new(record(self.outputs.iter().map(|p| &p.field))), max_vertices }
+    }
+}
+
+fn record<'a>(fields: impl Iterator<Item = &'a Field>) -> Record {
+    Record::new(fields.cloned().collect())
+}
