@@ -1,5 +1,7 @@
 //! What lowering hands on.
 
+use crate::glsl::Stage;
+use crate::glsl::interface::{InputPrimitive, OutputPrimitive};
 use crate::text::{Edited, SourceFile, Span};
 use crate::value::{Field, Shape};
 
@@ -26,69 +28,6 @@ pub struct Primitives {
     pub output: OutputPrimitive,
     /// Declared limit of emitted vertices.
     pub max_vertices: u32,
-}
-
-/// Input primitive of a geometry stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InputPrimitive {
-    /// One vertex.
-    Points,
-    /// Two vertices.
-    Lines,
-    /// Four vertices: a line between its neighbours.
-    LinesAdjacency,
-    /// Three vertices.
-    Triangles,
-    /// Six vertices: corners and neighbours in turn.
-    TrianglesAdjacency,
-}
-
-impl InputPrimitive {
-    /// The primitive with this GLSL name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "points" => Self::Points,
-            "lines" => Self::Lines,
-            "lines_adjacency" => Self::LinesAdjacency,
-            "triangles" => Self::Triangles,
-            "triangles_adjacency" => Self::TrianglesAdjacency,
-            _ => return None,
-        })
-    }
-
-    /// Vertices of one primitive.
-    pub fn vertices(self) -> u32 {
-        match self {
-            Self::Points => 1,
-            Self::Lines => 2,
-            Self::Triangles => 3,
-            Self::LinesAdjacency => 4,
-            Self::TrianglesAdjacency => 6,
-        }
-    }
-}
-
-/// Output primitive of a geometry stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutputPrimitive {
-    /// Separate points.
-    Points,
-    /// Connected lines.
-    LineStrip,
-    /// Connected triangles.
-    TriangleStrip,
-}
-
-impl OutputPrimitive {
-    /// The primitive with this GLSL name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "points" => Self::Points,
-            "line_strip" => Self::LineStrip,
-            "triangle_strip" => Self::TriangleStrip,
-            _ => return None,
-        })
-    }
 }
 
 /// A variable of the interface and where the author declared it.
@@ -118,6 +57,8 @@ pub struct Lowered {
     pub file: SourceFile,
     /// The lowered text and the position map.
     pub edited: Edited,
+    /// Stage of the text.
+    pub stage: Stage,
     /// How the program is run.
     pub role: Role,
     /// Attributes of a vertex stage; inputs of a geometry stage, each an array over the vertices of

@@ -6,7 +6,8 @@ use naga::{Handle, Module, ShaderStage, WithSpan};
 
 use super::{ProgramError, contain, validator};
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::lower::{Lowered, Role};
+use crate::glsl::Stage;
+use crate::lower::Lowered;
 use crate::text::Span;
 
 /// naga's parser refuses the text.
@@ -15,10 +16,7 @@ pub const NAGA: Code = Code("E901");
 pub const VALIDATOR: Code = Code("E902");
 
 pub(super) fn parse(lowered: &Lowered) -> Result<(Module, ModuleInfo), ProgramError> {
-    let stage = match lowered.role {
-        Role::Vertex => ShaderStage::Vertex,
-        Role::Geometry(_) | Role::Function { .. } => ShaderStage::Compute,
-    };
+    let stage = if lowered.stage == Stage::Vertex { ShaderStage::Vertex } else { ShaderStage::Compute };
     let text = &lowered.edited.text;
     let options = glsl::Options::from(stage);
     let module = contain(|| glsl::Frontend::default().parse(&options, text))

@@ -89,12 +89,17 @@ fn port(module: &Module, variable: &Variable, ty: Handle<Type>, at: PortAt) -> R
 }
 
 fn uniform(module: &Module, variable: &Variable) -> Result<Port, ProgramError> {
+    // `block.member` when the author's block has an instance name.
+    let (instance, name) = match variable.name.split_once('.') {
+        Some((instance, name)) => (Some(instance), name),
+        None => (None, variable.name.as_str()),
+    };
     for (handle, global) in module.global_variables.iter() {
-        if global.space != AddressSpace::Uniform {
+        if global.space != AddressSpace::Uniform || instance.is_some_and(|i| global.name.as_deref() != Some(i)) {
             continue;
         }
         if let TypeInner::Struct { ref members, .. } = module.types[global.ty].inner {
-            let member = members.iter().position(|m| m.name.as_deref() == Some(&variable.name));
+            let member = members.iter().position(|m| m.name.as_deref() == Some(name));
             if let Some(k) = member {
                 return port(module, variable, members[k].ty, PortAt::Member(handle, k as u32));
             }

@@ -1,0 +1,193 @@
+//! The vertex stage, and single functions.
+
+use super::Work;
+use super::declaration::{by_declaration, variable};
+use super::lowered::{Role, Variable};
+use crate::glsl::interface::{self, Storage};
+use crate::glsl::symbols::Direction;
+use crate::glsl::types::Type;
+use crate::glsl::{Stage, ast};
+use crate::text::{Edit, Span};
+use crate::value::{Scalar, Shape};
+
+type Parts = (Role, Vec<Variable>, Vec<Variable>);
+
+pub(super) fn vertex(work: &mut Work<'_>) -> Parts {
+    let shader = work.shader;
+    let inputs = located(work, &shader.interface().inputs, "in", "attribute");
+    let mut outputs = built_in_outputs(work);
+    outputs.extend(located(work, &shader.interface().outputs, "out", "output"));
+    if outputs.is_empty() {
+        let help = "write `gl_Position` or declare an output";
+        work.incomplete(Span::at(0), "the shader writes no output, so there is nothing to judge", help);
+    }
+    for block in shader.interface().blocks.iter().filter(|b| matches!(b.storage, Storage::In | Storage::Out)) {
+        let message = format!("interface block `{}`", block.name.name);
+        work.unsupported(block.name.span, message, "declare its members as separate variables");
+    }
+    rename_indices(work);
+    qualified_names(work);
+    (Role::Vertex, inputs, outputs)
+}
+
+/// Gives each variable a location and a declaration of its own. Locations that the author wrote stay.
+fn located(work: &mut Work<'_>, variables: &[interface::Variable], keyword: &str, kind: &str) -> Vec<Variable> {
+    let shader = work.shader;
+    let written = |v: &interface::Variable| {
+        let value = v.qualifiers.layout_entry("location")?.value?;
+        shader.fold(value).and_then(|c| c.as_integer()).and_then(|n| u32::try_from(n).ok())
+    };
+    let mut taken: Vec<u32> = Vec::new();
+    for group in by_declaration(variables) {
+        let mut at = written(group[0]);
+        for v in group {
+            if let Some(location) = at {
+                let size = v.ty.shape().map_or(1, slots);
+                taken.extend(location..location + size);
+                at = Some(location + size);
+            }
+        }
+    }
+    let mut next = 0;
+    let mut lowered = Vec::new();
+    for group in by_declaration(variables) {
+        let mut explicit = written(group[0]);
+        let mut heads = Vec::new();
+        for &v in &group {
+            if !work.is_editable(v) {
+                return lowered;
+            }
+            let Some(shape) = work.shape_of(v, kind) else { return lowered };
+            if keyword == "in" && (shape.columns > 1 || shape.array.is_some()) {
+                let message = format!("attribute `{}` of type `{}` takes several locations", v.name, v.ty);
+                work.unsupported(v.name_span, message, "declare one vector attribute for each column or element");
+            }
+            if shape.scalar == Scalar::Bool {
+                let message = format!("{kind} `{}` of type `{}`", v.name, v.ty);
+                work.unsupported(v.name_span, message, "use an `int`");
+            }
+            let size = slots(shape);
+            let location = explicit.unwrap_or_else(|| {
+                while (next..next + size).any(|l| taken.contains(&l)) {
+                    next += 1;
+                }
+                taken.extend(next..next + size);
+                next
+            });
+            explicit = explicit.map(|l| l + size);
+            // An integer is never interpolated; GLSL lets a vertex stage leave the word out, naga does not.
+            let flat = shape.scalar != Scalar::F32 && keyword == "out";
+            heads.push(format!("layout(location = {location}) {}{keyword} ", interpolation(v, flat)));
+            lowered.push(variable(v, shape, Some(location)));
+        }
+        work.split(&group, |k| heads[k].clone());
+    }
+    lowered
+}
+
+fn interpolation(variable: &interface::Variable, flat: bool) -> &'static str {
+    match variable.qualifiers.interpolation() {
+        _ if flat => "flat ",
+        Some((ast::Interpolation::Flat, _)) => "flat ",
+        Some((ast::Interpolation::NoPerspective, _)) => "noperspective ",
+        Some((ast::Interpolation::Smooth, _)) | None => "",
+    }
+}
+
+/// Locations that a value takes: one for each column of each element.
+fn slots(shape: Shape) -> u32 {
+    u32::from(shape.columns) * shape.elements() as u32
+}
+
+/// `gl_Position` and `gl_PointSize`, when they are written.
+pub(super) fn built_in_outputs(work: &Work<'_>) -> Vec<Variable> {
+    let shader = work.shader;
+    [("gl_Position", Shape::VEC4), ("gl_PointSize", Shape::FLOAT)]
+        .into_iter()
+        .filter_map(|(name, shape)| {
+            let symbol = shader.builtin(name).filter(|&s| shader.is_written(s))?;
+            let first = shader.uses_of(symbol).find(|u| u.access.writes())?;
+            Some(Variable { name: name.to_owned(), shape, span: first.span, location: None })
+        })
+        .collect()
+}
+
+/// Vulkan GLSL has other names for the vertex and instance number, and counts them without sign.
+fn rename_indices(work: &mut Work<'_>) {
+    let shader = work.shader;
+    for (old, new) in [("gl_VertexID", "int(gl_VertexIndex)"), ("gl_InstanceID", "int(gl_InstanceIndex)")] {
+        if shader.builtin(old).is_none() {
+            continue;
+        }
+        for token in shader.tokens() {
+            if work.slice(token.span) == old {
+                work.edits.push(Edit::replace(token.span, new));
+            }
+        }
+    }
+}
+
+/// `invariant gl_Position;` and the like promise the same value in several programs; the harness
+/// runs one program at a time, and naga does not read them.
+fn qualified_names(work: &mut Work<'_>) {
+    for item in &work.shader.unit().items {
+        if matches!(item.kind, ast::ItemKind::Qualified(_)) {
+            work.edits.push(Edit::delete(item.span));
+        }
+    }
+}
+
+pub(super) fn function(work: &mut Work<'_>, name: &str) -> Parts {
+    let shader = work.shader;
+    let role = Role::Function { name: name.to_owned() };
+    let mut found = shader.functions().filter(|(_, f)| f.name.name == name && f.definition.is_some());
+    let Some((_, info)) = found.next() else {
+        let known: Vec<&str> = shader.functions().map(|(_, f)| f.name.name.as_str()).collect();
+        let help = format!("the file defines: {}", known.join(", "));
+        work.incomplete(Span::at(0), format!("there is no function `{name}`"), &help);
+        return (role, Vec::new(), Vec::new());
+    };
+    if let Some((_, other)) = found.next() {
+        work.unsupported(other.name.span, format!("`{name}` is overloaded"), "rename the one to test");
+    }
+    let mut inputs = Vec::new();
+    let mut outputs = Vec::new();
+    let value = |work: &mut Work<'_>, ty: &Type, name: &str, span: Span| {
+        let shape = ty.shape();
+        if shape.is_none() {
+            let message = format!("`{name}` of type `{ty}` cannot be fed or captured");
+            work.unsupported(span, message, "only numbers, vectors, matrices and arrays of them are passed");
+        }
+        shape.map(|shape| Variable { name: name.to_owned(), shape, span, location: None })
+    };
+    if info.return_type != Type::Void {
+        outputs.extend(value(work, &info.return_type, "return", info.name.span));
+    }
+    for param in &info.params {
+        let Some(ident) = &param.name else {
+            work.unsupported(param.span, "a parameter without name", "give it a name, so that a suite can feed it");
+            continue;
+        };
+        let Some(variable) = value(work, &param.ty, &ident.name, ident.span) else { continue };
+        if matches!(param.direction, Direction::In | Direction::InOut) {
+            inputs.push(variable.clone());
+        }
+        if matches!(param.direction, Direction::Out | Direction::InOut) {
+            outputs.push(variable);
+        }
+    }
+    if outputs.is_empty() {
+        work.incomplete(
+            info.name.span,
+            format!("`{name}` gives nothing back"),
+            "return a value or use `out` parameters",
+        );
+    }
+    if shader.stage() != Stage::Vertex {
+        work.preamble.push_str("layout(local_size_x = 1) in;\n");
+        if shader.function("main").is_none() {
+            work.edits.push(Edit::insert(shader.file().text().len(), "\nvoid main() {}\n"));
+        }
+    }
+    (role, inputs, outputs)
+}
