@@ -4,6 +4,7 @@ mod capture;
 mod contain;
 mod front;
 mod interface;
+mod translate;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};
@@ -16,6 +17,7 @@ use crate::value::Field;
 pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding};
 pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};
+pub use translate::{Language, TranslateError, Translation, read_back};
 
 /// Why there is no program or kernel.
 #[derive(Debug, Error)]

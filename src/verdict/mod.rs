@@ -1,1 +1,13 @@
-//! Placeholder.
+//! The judge: the only place where what a lane wrote is compared with what the formula says.
+
+mod batch;
+mod expected;
+mod judge;
+mod observe;
+mod tolerance;
+
+pub use batch::{BatchVerdict, Failure, judge_batch};
+pub use expected::{Expected, Reference, ReferenceError};
+pub use judge::{Component, Deviation, Reason, Verdict, judge_sample, judge_value};
+pub use observe::observe;
+pub use tolerance::Tolerance;

@@ -4,6 +4,9 @@ mod compute;
 mod gpu;
 mod vertex;
 
+#[cfg(test)]
+mod tests;
+
 use super::{Description, Lane, LaneError, Runner, Stage, Unavailable};
 use crate::program::{Form, Kernel, contain};
 

@@ -1,0 +1,224 @@
+//! Translation of a program to the languages that naga writes, without coordinate flips.
+
+use std::fmt;
+use std::str::FromStr;
+
+use naga::back::{glsl, hlsl, msl, spv, wgsl};
+use naga::proc::BoundsCheckPolicies;
+use naga::valid::ModuleInfo;
+use naga::{Module, ShaderStage};
+use thiserror::Error;
+
+use super::{Program, ProgramError, contain, validator};
+use crate::lower::Role;
+
+/// A target language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Language {
+    /// SPIR-V 1.1, binary.
+    SpirV,
+    /// WGSL.
+    Wgsl,
+    /// GLSL 3.30 core.
+    Glsl330,
+    /// GLSL 4.50 core.
+    Glsl450,
+    /// GLSL ES 3.10.
+    GlslEs310,
+    /// Metal Shading Language 2.0.
+    Msl,
+    /// HLSL, shader model 5.1.
+    Hlsl,
+}
+
+impl Language {
+    /// All languages.
+    pub const ALL: [Self; 7] =
+        [Self::SpirV, Self::Wgsl, Self::Glsl330, Self::Glsl450, Self::GlslEs310, Self::Msl, Self::Hlsl];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SpirV => "spirv",
+            Self::Wgsl => "wgsl",
+            Self::Glsl330 => "glsl330",
+            Self::Glsl450 => "glsl450",
+            Self::GlslEs310 => "glsl-es310",
+            Self::Msl => "msl",
+            Self::Hlsl => "hlsl",
+        }
+    }
+}
+
+impl fmt::Display for Language {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Language {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        // `glsl` alone means the version nearest to what people write by hand for the desktop.
+        if text == "glsl" {
+            return Ok(Self::Glsl330);
+        }
+        Self::ALL.into_iter().find(|l| l.name() == text).ok_or_else(|| {
+            let names: Vec<&str> = Self::ALL.iter().map(|l| l.name()).collect();
+            format!("unknown language `{text}`; known are {} and glsl (for glsl330)", names.join(", "))
+        })
+    }
+}
+
+/// A translated program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Translation {
+    /// Words of a SPIR-V module.
+    Words(Vec<u32>),
+    /// Text in any other language.
+    Text(String),
+}
+
+impl Translation {
+    /// The bytes of a file: SPIR-V in little endian, text in UTF-8.
+    pub fn into_bytes(self) -> Vec<u8> {
+        match self {
+            Self::Words(words) => words.into_iter().flat_map(u32::to_le_bytes).collect(),
+            Self::Text(text) => text.into_bytes(),
+        }
+    }
+}
+
+/// Why there is no translation.
+#[derive(Debug, Error)]
+pub enum TranslateError {
+    /// The language cannot express the program.
+    #[error("{language} cannot express this shader: {reason}")]
+    Inexpressible {
+        /// The language.
+        language: Language,
+        /// What naga says.
+        reason: String,
+    },
+    /// naga does not read back what it wrote.
+    #[error("the {language} translation does not read back: {reason}")]
+    ReadBack {
+        /// The language.
+        language: Language,
+        /// What naga says.
+        reason: String,
+    },
+    /// There is nothing to translate.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
+}
+
+impl Program {
+    /// Translates the program. A vertex stage stays a vertex stage. A geometry stage and a function
+    /// have no counterpart in naga: what is translated is the compute kernel that runs them.
+    ///
+    /// # Errors
+    /// [`TranslateError`]: what the language lacks.
+    pub fn translate(&self, language: Language) -> Result<Translation, TranslateError> {
+        match self.role {
+            Role::Vertex => translate(&self.module, &self.info, ShaderStage::Vertex, language),
+            Role::Geometry(_) | Role::Function { .. } => {
+                let kernel = self.compute_kernel()?;
+                translate(&kernel.module, &kernel.info, ShaderStage::Compute, language)
+            }
+        }
+    }
+}
+
+fn translate(
+    module: &Module,
+    info: &ModuleInfo,
+    stage: ShaderStage,
+    language: Language,
+) -> Result<Translation, TranslateError> {
+    let fails = |reason: String| TranslateError::Inexpressible { language, reason };
+    contain(|| match language {
+        Language::SpirV => spirv(module, info).map(Translation::Words),
+        Language::Wgsl => wgsl::write_string(module, info, wgsl::WriterFlags::empty())
+            .map(Translation::Text)
+            .map_err(|e| e.to_string()),
+        Language::Glsl330 => glsl_text(module, info, stage, glsl::Version::Desktop(330)),
+        Language::Glsl450 => glsl_text(module, info, stage, glsl::Version::Desktop(450)),
+        Language::GlslEs310 => {
+            let version = glsl::Version::Embedded { version: 310, is_webgl: false };
+            glsl_text(module, info, stage, version)
+        }
+        Language::Msl => {
+            let options = msl::Options { lang_version: (2, 0), fake_missing_bindings: true, ..msl::Options::default() };
+            msl::write_string(module, info, &options, &msl::PipelineOptions::default())
+                .map(|(text, _)| Translation::Text(text))
+                .map_err(|e| e.to_string())
+        }
+        Language::Hlsl => {
+            let mut text = String::new();
+            let options = hlsl::Options::default();
+            let pipeline = hlsl::PipelineOptions::default();
+            hlsl::Writer::new(&mut text, &options, &pipeline).write(module, info, None).map_err(|e| e.to_string())?;
+            Ok(Translation::Text(text))
+        }
+    })
+    .map_err(|panic| fails(format!("naga panicked: {panic}")))?
+    .map_err(fails)
+}
+
+fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
+    // No coordinate flip: `gl_Position` is the author's. Names stay, so that people can read it.
+    let options = spv::Options { lang_version: (1, 1), flags: spv::WriterFlags::DEBUG, ..spv::Options::default() };
+    spv::write_vec(module, info, &options, None).map_err(|e| e.to_string())
+}
+
+fn glsl_text(
+    module: &Module,
+    info: &ModuleInfo,
+    stage: ShaderStage,
+    version: glsl::Version,
+) -> Result<Translation, String> {
+    let entry = module.entry_points.iter().find(|e| e.stage == stage).ok_or("there is no entry point")?;
+    let options = glsl::Options { version, writer_flags: glsl::WriterFlags::empty(), ..glsl::Options::default() };
+    let pipeline = glsl::PipelineOptions { shader_stage: stage, entry_point: entry.name.clone(), multiview: None };
+    let mut text = String::new();
+    glsl::Writer::new(&mut text, module, info, &options, &pipeline, BoundsCheckPolicies::default())
+        .map_err(|e| e.to_string())?
+        .write()
+        .map_err(|e| e.to_string())?;
+    Ok(Translation::Text(text))
+}
+
+/// Reads a translation back, where naga can: SPIR-V, WGSL and GLSL 4.50. `None` for the others.
+///
+/// # Errors
+/// [`TranslateError::ReadBack`] when naga refuses what it wrote.
+pub fn read_back(translation: &Translation, language: Language, role: &Role) -> Result<Option<Module>, TranslateError> {
+    let fails = |reason: String| TranslateError::ReadBack { language, reason };
+    let parsed = contain(|| match (translation, language) {
+        (Translation::Words(words), Language::SpirV) => {
+            let options = naga::front::spv::Options { adjust_coordinate_space: false, ..Default::default() };
+            naga::front::spv::Frontend::new(words.iter().copied(), &options)
+                .parse()
+                .map(Some)
+                .map_err(|e| e.to_string())
+        }
+        (Translation::Text(text), Language::Wgsl) => {
+            naga::front::wgsl::parse_str(text).map(Some).map_err(|e| e.emit_to_string(text))
+        }
+        (Translation::Text(text), Language::Glsl450) => {
+            let stage = if *role == Role::Vertex { ShaderStage::Vertex } else { ShaderStage::Compute };
+            let options = naga::front::glsl::Options::from(stage);
+            naga::front::glsl::Frontend::default().parse(&options, text).map(Some).map_err(|e| e.emit_to_string(text))
+        }
+        (Translation::Words(_) | Translation::Text(_), _) => Ok(None),
+    });
+    let module = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)?;
+    if let Some(module) = &module {
+        contain(|| validator().validate(module))
+            .map_err(|panic| fails(format!("naga panicked: {panic}")))?
+            .map_err(|e| fails(e.emit_to_string("")))?;
+    }
+    Ok(module)
+}

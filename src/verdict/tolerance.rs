@@ -1,0 +1,92 @@
+//! How far an output may be from the formula. Everything about a tolerance that a suite states is
+//! in this file.
+//!
+//! A suite states a number of ULP. They are ULP *at the scale of the inputs*: of the largest
+//! component of the output variable, plus the sum over all inputs of |x · ∂y/∂x|, which is how much
+//! of the inputs' own size passes through to the output. A sum that cancels keeps the scale of what
+//! was summed, and a quotient by a small length gets the scale of what was divided.
+
+use crate::value::ulp_at;
+
+/// A tolerance in ULP at the scale of the inputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Number of ULP; positive.
+    pub ulp: f64,
+}
+
+/// Beyond this relative size a tolerance says nothing: 2^-10, as for any ill-conditioned sample.
+const USELESS: f64 = 1.0 / 1024.0;
+
+impl Tolerance {
+    /// The tolerance at a given scale. A result in the subnormal range may be flushed to zero.
+    pub fn at(&self, scale: f64) -> f64 {
+        self.ulp * ulp_at(scale) + f64::from(f32::MIN_POSITIVE)
+    }
+
+    /// True when a tolerance at `scale` is no test of an output of size `size` any more.
+    pub fn is_useless(&self, scale: f64, size: f64) -> bool {
+        self.ulp * ulp_at(scale) > USELESS * size.max(f64::from(f32::MIN_POSITIVE))
+    }
+}
+
+/// Relative step by which an input is moved to see what it does: small against the curvature of
+/// every formula at hand, large against the rounding of binary64.
+const STEP: f64 = 1.0 / (1 << 20) as f64;
+
+/// For each output, Σ |x · ∂y/∂x| over the inputs, by moving one input at a time. `is_real` tells
+/// which inputs are real numbers (integers are exact and are not moved). `eval` gives the outputs of
+/// the inputs, always the same number of them. An output that jumps counts as infinitely sensitive.
+pub fn sensitivity(
+    inputs: &[f64],
+    is_real: &[bool],
+    base: &[f64],
+    mut eval: impl FnMut(&[f64], &mut Vec<f64>),
+) -> Vec<f64> {
+    let mut sum = vec![0.0; base.len()];
+    let mut moved = inputs.to_vec();
+    let mut outputs = Vec::with_capacity(base.len());
+    for (k, &x) in inputs.iter().enumerate() {
+        if x == 0.0 || !is_real[k] {
+            continue;
+        }
+        moved[k] = x * (1.0 + STEP);
+        outputs.clear();
+        eval(&moved, &mut outputs);
+        moved[k] = x;
+        if outputs.len() != base.len() {
+            sum.fill(f64::INFINITY);
+            return sum;
+        }
+        for ((sum, &y), &y0) in sum.iter_mut().zip(&outputs).zip(base) {
+            let change = (y - y0).abs() / STEP;
+            *sum += if change.is_nan() { f64::INFINITY } else { change };
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cancelling_difference_keeps_the_scale_of_its_terms() {
+        let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0] - x[1]);
+        let sum = sensitivity(&[1000.0, 999.9], &[true, true], &[0.1], eval);
+        assert!((sum[0] - 1999.9).abs() < 1e-2, "{sum:?}");
+    }
+
+    #[test]
+    fn integers_are_not_moved() {
+        let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0]);
+        assert_eq!(sensitivity(&[7.0], &[false], &[7.0], eval), [0.0]);
+    }
+
+    #[test]
+    fn a_tolerance_of_the_size_of_the_output_is_useless() {
+        let tolerance = Tolerance { ulp: 16.0 };
+        assert!(!tolerance.is_useless(1.0, 1.0));
+        assert!(tolerance.is_useless(1e6, 1e-3));
+    }
+}
