@@ -1,8 +1,20 @@
 //! Properties: strategies that make inputs, relations between outputs, batches of cases, shrinking.
 
+pub mod generators;
+mod nearest;
+mod plan;
+pub mod regressions;
 mod relation;
 pub mod relations;
 mod sample;
+mod sampler;
+pub mod shrink;
+mod strategy;
+mod stream;
 
+pub use nearest::nearest;
+pub use plan::{InputGroup, Plan, PlanError};
 pub use relation::{Claim, Observed, Relation};
 pub use sample::Sample;
+pub use sampler::Sampler;
+pub use strategy::{CaseStrategy, CaseTree};

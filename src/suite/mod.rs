@@ -1,1 +1,130 @@
-//! Placeholder.
+//! Suites: a shader, the domain of its inputs, the formula that says what it should compute, and
+//! how strictly it is judged. A suite is a TOML file beside its shader.
+
+mod error;
+mod files;
+mod parse;
+mod shipped;
+mod table;
+
+use std::sync::Arc;
+
+use crate::property::generators::Strands;
+use crate::property::{InputGroup, Plan, PlanError};
+use crate::text::SourceFile;
+use crate::value::Record;
+
+pub use error::{LoadError, Problem, SuiteError};
+pub use files::{Loaded, load, read_regressions, regressions_path, save_regressions};
+pub use parse::{Names, parse, parse_with};
+pub use shipped::{ShippedSuite, UnknownSuite, find, shipped};
+
+/// What kind of code a suite tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// A vertex shader: `main` is run for vertices.
+    Vertex,
+    /// A geometry shader: `main` is run for primitives.
+    Geometry,
+    /// A single function, called with arguments.
+    Function,
+}
+
+impl Stage {
+    /// All stages.
+    pub const ALL: [Self; 3] = [Self::Vertex, Self::Geometry, Self::Function];
+
+    /// `vertex`, `geometry` or `function`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::Geometry => "geometry",
+            Self::Function => "function",
+        }
+    }
+}
+
+/// How far an output may be from the formula.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tolerance {
+    /// In ULP at the scale of the inputs; above 0.
+    pub ulp: f64,
+    /// Why so much.
+    pub reason: String,
+}
+
+/// What a run must reach so that its success means something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floors {
+    /// Samples that have to be judged at least, when all samples of the suite are run.
+    pub judged: u64,
+    /// Largest share of samples that may stay undetermined, 0 to 1.
+    pub undetermined: f64,
+}
+
+impl Floors {
+    /// Samples that have to be judged when only `samples` of `of` are run: the same share.
+    pub fn judged_of(&self, samples: u64, of: u64) -> u64 {
+        let share = u128::from(self.judged) * u128::from(samples) / u128::from(of.max(1));
+        u64::try_from(share).unwrap_or(u64::MAX)
+    }
+}
+
+/// A suite as its file states it.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    /// Name, as on the command line.
+    pub name: String,
+    /// What is tested, in a few words.
+    pub title: String,
+    /// File name of the shader, relative to the suite file.
+    pub shader: String,
+    /// What kind of code is tested.
+    pub stage: Stage,
+    /// The function that is called; for the stage `function` alone.
+    pub entry: Option<String>,
+    /// Name of the reference formula.
+    pub formula: String,
+    /// Samples of a full run; at least 1.
+    pub samples: u64,
+    /// Invocations that share one set of uniforms; at least 1.
+    pub per_case: usize,
+    /// Names of relations that are checked.
+    pub relations: Vec<String>,
+    /// What fills the inputs.
+    pub inputs: Vec<InputGroup>,
+    /// How far outputs may be from the formula.
+    pub tolerance: Tolerance,
+    /// What a run must reach.
+    pub floors: Floors,
+    /// Strands of which a geometry stage sees windows.
+    pub strands: Option<Strands>,
+    /// The text of the suite file.
+    pub file: SourceFile,
+}
+
+impl Suite {
+    /// Fits the suite to the inputs of its shader: `invocation` holds attributes, inputs of a
+    /// primitive or arguments, `case` the uniforms.
+    ///
+    /// # Errors
+    /// The first input or group that does not fit, with its place in the suite file.
+    pub fn plan(&self, invocation: &Arc<Record>, case: &Arc<Record>) -> Result<Plan, PlanError> {
+        Plan::new(&self.inputs, invocation.clone(), case.clone())
+    }
+
+    /// How many floats the host feeds for an attribute; `None` when the suite does not say, which
+    /// means all of them.
+    pub fn components(&self, input: &str) -> Option<u8> {
+        let group = self.inputs.iter().find(|g| g.names.iter().any(|n| n == input));
+        group.and_then(|g| g.options.components)
+    }
+
+    /// Cases that hold `samples` invocations: rounded up, at least 1.
+    pub fn cases(&self, samples: u64) -> u64 {
+        samples.div_ceil(self.per_case.max(1) as u64).max(1)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,172 @@
+//! `bones`: a skeleton with consistent roots, tips and blend matrices.
+
+use glam::{DMat3, DMat4, DVec3};
+
+use crate::value::{Scalar, Shape};
+
+use super::matrix::{self, SIMPLER_RIGID, with_translation};
+use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, float, word};
+
+/// A number of bones, their roots and tips, and B_i · inverse(M_i), where M_i is the frame of the
+/// bone at rest (origin at the root, y along the bone) and B_i the posed frame: turned about the
+/// root and moved. Roots and tips lie in the range. Every second skeleton is a chain. Entries past
+/// the number are filled too, so that a shader that reads them is found out.
+///
+/// Special: a bone of length zero, all bones equal, lattice points as roots and tips (which the
+/// special points of `point` meet), a rest pose (all blend matrices the identity), one bone, all.
+pub struct Bones;
+
+/// Where the parts of the group lie.
+struct Parts {
+    count: usize,
+    roots: usize,
+    tips: usize,
+    matrices: usize,
+    rows: usize,
+}
+
+fn parts(group: &Group) -> Parts {
+    let [_, roots, tips, _] = group.shapes() else {
+        return Parts { count: 0, roots: 1, tips: 1, matrices: 1, rows: 1 };
+    };
+    let tips_at = 1 + roots.words();
+    Parts {
+        count: roots.elements(),
+        roots: 1,
+        tips: tips_at,
+        matrices: tips_at + tips.words(),
+        rows: roots.element_words(),
+    }
+}
+
+/// The frame of a bone at rest: origin at its root, y axis along it. The y axis of the world for a
+/// bone of length zero.
+fn rest_frame(root: DVec3, tip: DVec3) -> DMat4 {
+    let y = (tip - root).try_normalize().unwrap_or(DVec3::Y);
+    let x = y.any_orthonormal_vector();
+    with_translation(DMat3::from_cols(x, y, x.cross(y)), root)
+}
+
+/// B · inverse(M) for a bone that is turned about its root and then moved.
+fn blend_matrix(root: DVec3, tip: DVec3, pose: &DMat4) -> DMat4 {
+    let rest = rest_frame(root, tip);
+    let turned = rest * with_translation(DMat3::from_mat4(*pose), DVec3::ZERO);
+    let posed = with_translation(DMat3::IDENTITY, pose.w_axis.truncate()) * turned;
+    posed * rest.inverse()
+}
+
+impl Generator for Bones {
+    fn name(&self) -> &'static str {
+        "bones"
+    }
+
+    fn about(&self) -> &'static str {
+        "a skeleton: number of bones, roots, tips (both in `range`) and blend matrices that belong together"
+    }
+
+    fn range(&self) -> RangeRule {
+        RangeRule::Default(-2.0, 2.0)
+    }
+
+    fn check(&self, shapes: &[Shape], _options: &Options) -> Result<(), String> {
+        let wanted = "an int, two arrays of vec3 or vec4 and an array of mat4, all of one length, in this order";
+        let [count, roots, tips, matrices] = shapes else {
+            return Err(format!("generator `bones` fills four inputs ({wanted}), not {}", shapes.len()));
+        };
+        let is_count = matches!(count.scalar, Scalar::I32 | Scalar::U32) && count.words() == 1;
+        let is_points = roots.array.is_some() && roots.scalar == Scalar::F32 && roots.columns == 1 && roots.rows >= 3;
+        let is_matrices = matrices.element() == Shape::MAT4 && matrices.array == roots.array;
+        if is_count && is_points && roots == tips && is_matrices && roots.array != Some(0) {
+            Ok(())
+        } else {
+            Err(format!("generator `bones` fills {wanted}; the inputs are {count}, {roots}, {tips}, {matrices}"))
+        }
+    }
+
+    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
+        let Parts { count, roots, tips, matrices, rows } = parts(group);
+        let range = group.range();
+        let kind = if stream.one_in(SPECIAL) { stream.below(6) } else { usize::MAX };
+        out[0] = match kind {
+            4 => 1,
+            5 => count,
+            _ => 1 + stream.below(count),
+        } as u32;
+        let chain = stream.bits() & 1 == 0;
+        let degenerate = stream.below(out[0] as usize);
+        let mut tip = DVec3::ZERO;
+        let point = |stream: &mut Stream| match kind {
+            2 => matrix::lattice(range, stream),
+            _ => matrix::point(range, stream),
+        };
+        for bone in 0..count {
+            let root = if chain && bone > 0 { tip } else { point(stream) };
+            tip = if kind == 0 && bone == degenerate { root } else { point(stream) };
+            let blend = match kind {
+                3 => DMat4::IDENTITY,
+                2 => {
+                    // Turns that map axes to axes about a lattice point keep all entries whole numbers.
+                    let turn = matrix::quarter_turns(stream);
+                    with_translation(turn, root - turn * root)
+                }
+                _ => blend_matrix(root, tip, &matrix::rigid(range, stream)),
+            };
+            let w = DVec3::ONE.x;
+            for (at, p) in [(roots, root), (tips, tip)] {
+                let out = &mut out[at + bone * rows..][..rows];
+                for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, w]) {
+                    *word_out = word(c);
+                }
+            }
+            matrix::write(&blend, &mut out[matrices + bone * 16..][..16]);
+        }
+        if kind == 1 {
+            for bone in 1..count {
+                out.copy_within(roots..roots + rows, roots + bone * rows);
+                out.copy_within(tips..tips + rows, tips + bone * rows);
+                out.copy_within(matrices..matrices + 16, matrices + bone * 16);
+            }
+        }
+    }
+
+    fn admits(&self, group: &Group, words: &[u32]) -> bool {
+        let Parts { count, roots, matrices, rows, .. } = parts(group);
+        // A turn about a root moves the origin by up to twice its distance, and the pose adds its own.
+        let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
+        let is_point = |p: &[u32]| {
+            p[..3].iter().all(|&c| group.range().contains(float(c))) && p.get(3).is_none_or(|&w| float(w) == 1.0)
+        };
+        (1..=count as u32).contains(&words[0])
+            && words[roots..matrices].chunks_exact(rows).all(is_point)
+            && words[matrices..].chunks_exact(16).all(|m| matrix::is_rigid(&matrix::read(m), &wide))
+    }
+
+    fn simplest(&self, group: &Group, out: &mut [u32]) {
+        let Parts { count, roots, tips, matrices, rows } = parts(group);
+        let origin = group.range().clamp(0.0).to_bits();
+        out[0] = 1;
+        out[roots..matrices].fill(origin);
+        for bone in 0..count {
+            out[tips + bone * rows + 1] = group.range().clamp(1.0).to_bits();
+            if rows == 4 {
+                out[roots + bone * rows + 3] = word(1.0);
+                out[tips + bone * rows + 3] = word(1.0);
+            }
+            matrix::write(&DMat4::IDENTITY, &mut out[matrices + bone * 16..][..16]);
+        }
+    }
+
+    fn simpler(&self, group: &Group, words: &[u32], k: usize, out: &mut [u32]) -> bool {
+        let Parts { count, matrices, .. } = parts(group);
+        let bone = k / SIMPLER_RIGID;
+        if bone >= count {
+            return false;
+        }
+        let at = matrices + bone * 16..matrices + bone * 16 + 16;
+        let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
+        if let Some(m) = matrix::simpler_rigid(&matrix::read(&words[at.clone()]), &wide, k % SIMPLER_RIGID) {
+            matrix::write(&m, &mut out[at]);
+        }
+        true
+    }
+}

@@ -1,0 +1,58 @@
+//! `interval`: numbers in a range.
+
+use crate::value::{Scalar, Shape};
+
+use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_shape};
+
+/// Numbers in a range, each component for itself.
+pub struct Interval;
+
+impl Generator for Interval {
+    fn name(&self) -> &'static str {
+        "interval"
+    }
+
+    fn about(&self) -> &'static str {
+        "numbers in `range`, each component for itself"
+    }
+
+    fn range(&self) -> RangeRule {
+        RangeRule::Required
+    }
+
+    fn takes_components(&self) -> bool {
+        true
+    }
+
+    fn check(&self, shapes: &[Shape], _options: &Options) -> Result<(), String> {
+        every_shape(self.name(), shapes, "floats, vectors and arrays of them", |s| {
+            s.scalar == Scalar::F32 && s.columns == 1
+        })
+    }
+
+    #[inline]
+    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
+        let range = group.range();
+        if stream.one_in(SPECIAL) {
+            // One component is special for sure, the others every second time.
+            let certain = stream.below(out.len());
+            for (i, word) in out.iter_mut().enumerate() {
+                let (choice, bits) = (stream.bits(), stream.bits());
+                let special = i == certain || choice & 1 == 0;
+                *word = if special { range.special(bits) } else { range.ordinary(bits) }.to_bits();
+            }
+        } else {
+            for word in out.iter_mut() {
+                *word = range.ordinary(stream.bits()).to_bits();
+            }
+        }
+    }
+
+    fn admits(&self, group: &Group, words: &[u32]) -> bool {
+        (0..words.len()).all(|i| group.word_in_range(words, i))
+    }
+
+    fn simplest(&self, group: &Group, out: &mut [u32]) {
+        out.fill(group.range().clamp(0.0).to_bits());
+    }
+}

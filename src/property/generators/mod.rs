@@ -1,0 +1,386 @@
+//! Generators: named distributions of inputs, one a file and one line in [`all`].
+//!
+//! A generator fills the words of a *group* of inputs for one sample. About one sample in eight is
+//! special: values where arithmetic has its edges, and structures (coincident nodes, a bone of
+//! length zero, a corner of the simplex) where formulas have theirs.
+
+use std::fmt;
+
+use crate::value::{Scalar, Shape};
+
+use super::stream::{Stream, mix};
+
+mod affine;
+mod bones;
+mod constant;
+mod direction;
+mod index;
+mod interval;
+mod matrix;
+mod node_run;
+mod nodes;
+mod point;
+mod projection;
+mod range;
+mod raw_weights;
+mod rigid;
+mod rigid_parts;
+mod simplex;
+mod spatial;
+mod vector;
+
+pub use range::Range;
+
+/// One sample in this many is special.
+pub const SPECIAL: usize = 8;
+
+/// All generators, in the order of the manual.
+pub fn all() -> &'static [&'static dyn Generator] {
+    &[
+        &interval::Interval,
+        &point::Point,
+        &vector::Vector,
+        &direction::Direction,
+        &simplex::Simplex,
+        &raw_weights::RawWeights,
+        &rigid::Rigid,
+        &affine::Affine,
+        &projection::Projection,
+        &bones::Bones,
+        &rigid_parts::RigidParts,
+        &node_run::NodeRun,
+        &nodes::Nodes,
+        &index::Index,
+        &constant::Constant,
+    ]
+}
+
+/// The generator called `name`.
+pub fn by_name(name: &str) -> Option<&'static dyn Generator> {
+    all().iter().copied().find(|g| g.name() == name)
+}
+
+/// Whether a generator takes a `range`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RangeRule {
+    /// It has to be given.
+    Required,
+    /// This one when none is given.
+    Default(f64, f64),
+    /// The generator has no use for one.
+    None,
+}
+
+/// How the host ends the strands that it draws as strips with adjacency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// The end nodes are repeated: a strand of m nodes gives m - 1 segments.
+    Repeat,
+    /// Nothing is added: a strand of m nodes gives m - 3 segments.
+    AsDrawn,
+}
+
+/// Strands of nodes, drawn as `GL_LINE_STRIP_ADJACENCY`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Strands {
+    /// Nodes of one strand.
+    pub nodes: usize,
+    /// What happens at the ends.
+    pub ends: Ends,
+}
+
+impl Strands {
+    /// Primitives that one strand gives.
+    pub fn primitives(&self) -> usize {
+        match self.ends {
+            Ends::Repeat => self.nodes.saturating_sub(1),
+            Ends::AsDrawn => self.nodes.saturating_sub(3),
+        }
+    }
+
+    /// Index of the node that primitive `primitive` of a strand sees in place `corner` (0 to 3).
+    pub fn node(&self, primitive: usize, corner: usize) -> usize {
+        match self.ends {
+            Ends::Repeat => (primitive + corner).saturating_sub(1).min(self.nodes.saturating_sub(1)),
+            Ends::AsDrawn => primitive + corner,
+        }
+    }
+}
+
+/// What a suite says about a group beside its names and generator.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// `range`: what it bounds is for the generator to say.
+    pub range: Option<[f64; 2]>,
+    /// `values`: for the generator `constant`.
+    pub values: Vec<f64>,
+    /// `components`: how many floats the host feeds for each attribute; the vertex fetch fills the
+    /// rest from (0, 0, 0, 1).
+    pub components: Option<u8>,
+    /// Strands of the suite.
+    pub strands: Option<Strands>,
+}
+
+/// Where a sample stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// A number of its own for every case (and group).
+    pub case_seed: u64,
+    /// Index of the invocation in its case; 0 for uniforms.
+    pub lane: usize,
+}
+
+/// A distribution of the values of a group of inputs.
+pub trait Generator: Sync {
+    /// Name, as suites write it: lower case with `_`.
+    fn name(&self) -> &'static str;
+
+    /// What it makes, as one sentence without a full stop.
+    fn about(&self) -> &'static str;
+
+    /// Whether it takes a range.
+    fn range(&self) -> RangeRule;
+
+    /// Whether it takes `values`.
+    fn takes_values(&self) -> bool {
+        false
+    }
+
+    /// Whether it can leave components to the vertex fetch.
+    fn takes_components(&self) -> bool {
+        false
+    }
+
+    /// Refuses names and shapes that it cannot fill.
+    ///
+    /// # Errors
+    /// What is wrong and what would be right, without a place.
+    fn check(&self, shapes: &[Shape], options: &Options) -> Result<(), String>;
+
+    /// Writes one sample. `out` holds the words of all names, one after the other.
+    fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]);
+
+    /// True when the words could be a sample: what `fill` writes is admitted, and so is what a
+    /// shrunk sample may contain.
+    fn admits(&self, group: &Group, words: &[u32]) -> bool;
+
+    /// Writes the plainest sample, which is admitted.
+    fn simplest(&self, group: &Group, out: &mut [u32]);
+
+    /// Writes the plainer version number `k` of `words` over `out`, a copy of them. False when there
+    /// is no such version. Values that keep a law between words (unit length, a sum of one) can only
+    /// be made plainer together.
+    fn simpler(&self, _group: &Group, _words: &[u32], _k: usize, _out: &mut [u32]) -> bool {
+        false
+    }
+
+    /// Fills many rows: [`Generator::fill`] for each, without a virtual call for each.
+    fn fill_rows(&self, group: &Group, rows: Rows<'_>) {
+        let Rows { words, stride, spans, key, first_case, first_lane, per_case } = rows;
+        let (mut case, mut lane) = (first_case, first_lane);
+        let mut case_seed = mix(key, case);
+        let direct = match spans {
+            [only] => Some(only.clone()),
+            _ => None,
+        };
+        let mut scratch = vec![0; group.words];
+        for row in words.chunks_exact_mut(stride) {
+            let place = Place { case_seed, lane };
+            let mut stream = Stream::new(mix(case_seed, lane as u64));
+            if let Some(span) = &direct {
+                let out = &mut row[span.clone()];
+                self.fill(group, place, &mut stream, out);
+                group.fetch(out);
+            } else {
+                self.fill(group, place, &mut stream, &mut scratch);
+                group.fetch(&mut scratch);
+                let mut at = 0;
+                for span in spans {
+                    row[span.clone()].copy_from_slice(&scratch[at..at + span.len()]);
+                    at += span.len();
+                }
+            }
+            lane += 1;
+            if lane == per_case {
+                (lane, case) = (0, case.wrapping_add(1));
+                case_seed = mix(key, case);
+            }
+        }
+    }
+}
+
+impl fmt::Debug for dyn Generator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Rows of a batch to be filled by [`Generator::fill_rows`].
+pub struct Rows<'a> {
+    /// Whole records, one after the other.
+    pub words: &'a mut [u32],
+    /// Words of one record; at least 1.
+    pub stride: usize,
+    /// Where the group's names lie in a record; neighbours joined, in the order of the names.
+    pub spans: &'a [std::ops::Range<usize>],
+    /// Seed of the group.
+    pub key: u64,
+    /// Case of the first row.
+    pub first_case: u64,
+    /// Invocation of the first row in its case.
+    pub first_lane: usize,
+    /// Rows of one case.
+    pub per_case: usize,
+}
+
+/// A group of inputs with everything that its generator needs.
+#[derive(Clone, Debug)]
+pub struct Group {
+    shapes: Vec<Shape>,
+    options: Options,
+    range: Range,
+    words: usize,
+    elements: Vec<std::ops::Range<usize>>,
+    scalars: Vec<Scalar>,
+    fetched: Vec<(usize, u32)>,
+}
+
+impl Group {
+    /// A group of these shapes, checked by the generator.
+    ///
+    /// # Errors
+    /// What does not fit, without a place.
+    pub fn new(generator: &dyn Generator, shapes: &[Shape], options: Options) -> Result<Self, String> {
+        let name = generator.name();
+        let given = match (generator.range(), options.range) {
+            (RangeRule::None, Some(_)) => return Err(format!("generator `{name}` takes no `range`")),
+            (RangeRule::Required, None) => return Err(format!("generator `{name}` needs a `range = [lo, hi]`")),
+            (RangeRule::Default(lo, hi), None) => [lo, hi],
+            (RangeRule::None, None) => [0.0, 0.0],
+            (RangeRule::Required | RangeRule::Default(..), Some(range)) => range,
+        };
+        if !(given[0] <= given[1] && (given[0] as f32).is_finite() && (given[1] as f32).is_finite()) {
+            return Err(format!("range [{}, {}] is not `lo <= hi` in finite binary32 numbers", given[0], given[1]));
+        }
+        if !options.values.is_empty() && !generator.takes_values() {
+            return Err(format!("generator `{name}` takes no `values`"));
+        }
+        let fetched = fetched(generator, shapes, options.components)?;
+        let (mut words, mut elements, mut scalars) = (0, Vec::new(), Vec::new());
+        for shape in shapes {
+            for _ in 0..shape.elements() {
+                elements.push(words..words + shape.element_words());
+                words += shape.element_words();
+            }
+            scalars.resize(words, shape.scalar);
+        }
+        generator.check(shapes, &options)?;
+        let range = Range::new(given[0], given[1]);
+        Ok(Self { shapes: shapes.to_vec(), options, range, words, elements, scalars, fetched })
+    }
+
+    /// Shapes of the names, in order.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// What the suite says.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// The range, or the generator's own.
+    pub fn range(&self) -> &Range {
+        &self.range
+    }
+
+    /// Words of all names.
+    pub fn words(&self) -> usize {
+        self.words
+    }
+
+    /// Word ranges of all array elements (or whole values) of all names.
+    pub fn elements(&self) -> &[std::ops::Range<usize>] {
+        &self.elements
+    }
+
+    /// Scalar type of each word.
+    pub fn scalars(&self) -> &[Scalar] {
+        &self.scalars
+    }
+
+    /// Words that the vertex fetch fills, with their values.
+    pub fn fetched(&self) -> &[(usize, u32)] {
+        &self.fetched
+    }
+
+    /// True when the vertex fetch fills this word.
+    pub fn is_fetched(&self, word: usize) -> bool {
+        self.fetched.iter().any(|&(w, _)| w == word)
+    }
+
+    /// Writes the words that the vertex fetch fills.
+    #[inline]
+    pub fn fetch(&self, out: &mut [u32]) {
+        for &(word, value) in &self.fetched {
+            out[word] = value;
+        }
+    }
+
+    /// True when a float word lies in the range, or is the fetch's business.
+    fn word_in_range(&self, words: &[u32], word: usize) -> bool {
+        self.range.contains(f32::from_bits(words[word])) || self.is_fetched(word)
+    }
+}
+
+/// Words that the vertex fetch fills when the host feeds `components` floats for each name.
+fn fetched(generator: &dyn Generator, shapes: &[Shape], components: Option<u8>) -> Result<Vec<(usize, u32)>, String> {
+    let Some(components) = components else { return Ok(Vec::new()) };
+    if !generator.takes_components() {
+        return Err(format!("generator `{}` takes no `components`", generator.name()));
+    }
+    let (mut fetched, mut at) = (Vec::new(), 0);
+    for shape in shapes {
+        if shape.scalar != Scalar::F32 || shape.columns != 1 || shape.array.is_some() {
+            return Err(format!("`components` is for float and vector attributes, not for {shape}"));
+        }
+        if components == 0 || components > shape.rows {
+            return Err(format!("{components} components do not feed a {shape}, which has {}", shape.rows));
+        }
+        for row in usize::from(components)..usize::from(shape.rows) {
+            // The fetch expands a short attribute by (0, 0, 0, 1): OpenGL 3.2, section 2.8.
+            fetched.push((at + row, if row == 3 { 1f32.to_bits() } else { 0 }));
+        }
+        at += shape.words();
+    }
+    Ok(fetched)
+}
+
+/// `float` as a word.
+fn word(value: f64) -> u32 {
+    (value as f32).to_bits()
+}
+
+/// A word as `float`.
+fn float(word: u32) -> f32 {
+    f32::from_bits(word)
+}
+
+/// Refuses shapes for which `fits` is false. `wanted` names those that fit.
+fn every_shape(name: &str, shapes: &[Shape], wanted: &str, fits: impl Fn(&Shape) -> bool) -> Result<(), String> {
+    match shapes.iter().find(|s| !fits(s)) {
+        None => Ok(()),
+        Some(shape) => Err(format!("generator `{name}` fills {wanted}, not {shape}")),
+    }
+}
+
+fn is_vector(shape: &Shape) -> bool {
+    shape.scalar == Scalar::F32 && shape.columns == 1 && shape.rows >= 2
+}
+
+fn is_mat4(shape: &Shape) -> bool {
+    shape.element() == Shape::MAT4
+}
+
+#[cfg(test)]
+mod tests;

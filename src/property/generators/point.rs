@@ -1,0 +1,44 @@
+//! `point`: points in a box.
+
+use crate::value::Shape;
+
+use super::{Generator, Group, Options, Place, RangeRule, Stream, every_shape, is_vector, spatial};
+
+/// Points in a box, with w = 1. Special: the origin, lattice points, points on an axis or the
+/// diagonal, corners of the box, edge values, all names at one place.
+pub struct Point;
+
+impl Generator for Point {
+    fn name(&self) -> &'static str {
+        "point"
+    }
+
+    fn about(&self) -> &'static str {
+        "points with coordinates in `range`; the fourth component is 1"
+    }
+
+    fn range(&self) -> RangeRule {
+        RangeRule::Default(-2.0, 2.0)
+    }
+
+    fn takes_components(&self) -> bool {
+        true
+    }
+
+    fn check(&self, shapes: &[Shape], _options: &Options) -> Result<(), String> {
+        every_shape(self.name(), shapes, "vec2, vec3, vec4 and arrays of them", is_vector)
+    }
+
+    #[inline]
+    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
+        spatial::fill(group, 1.0, stream, out);
+    }
+
+    fn admits(&self, group: &Group, words: &[u32]) -> bool {
+        spatial::admits(group, 1.0, words)
+    }
+
+    fn simplest(&self, group: &Group, out: &mut [u32]) {
+        spatial::simplest(group, 1.0, out);
+    }
+}

@@ -1,0 +1,95 @@
+//! Random bits that depend on a seed and a place alone, never on what was drawn before elsewhere.
+
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::SplitMix64;
+
+/// Odd constant of full period: spreads consecutive counters over all 64 bits.
+const STRIDE: u64 = 0xd134_2543_de82_ef95;
+
+/// A hash of two numbers. `mix(mix(seed, case), lane)` names the stream of one sample.
+#[inline]
+pub fn mix(key: u64, counter: u64) -> u64 {
+    SplitMix64::seed_from_u64(key ^ counter.wrapping_mul(STRIDE)).next_u64()
+}
+
+/// A hash of a key and a text, to give every group of inputs its own streams.
+pub fn mix_text(key: u64, text: &str) -> u64 {
+    text.bytes().fold(mix(key, text.len() as u64), |key, byte| mix(key, u64::from(byte)))
+}
+
+/// A short sequence of random bits for one sample.
+#[derive(Clone, Debug)]
+pub struct Stream(SplitMix64);
+
+impl Stream {
+    /// The sequence of this seed. Equal seeds give equal sequences, on every machine.
+    #[inline]
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64::seed_from_u64(seed))
+    }
+
+    /// 64 random bits.
+    #[inline]
+    pub fn bits(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// A number in `0..n`; 0 when `n` is 0. The bias is below 2^-32.
+    #[inline]
+    pub fn below(&mut self, n: usize) -> usize {
+        (((self.bits() >> 32) * n as u64) >> 32) as usize
+    }
+
+    /// True once in `n` draws on average.
+    #[inline]
+    pub fn one_in(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+
+    /// A number in `[0, 1)` with 53 bits.
+    #[inline]
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * 2f64.powi(-53)
+    }
+
+    /// A number in `[lo, hi)`.
+    #[inline]
+    pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn neighbouring_counters_share_nothing() {
+        let seeds: HashSet<u64> = (0..1 << 16).map(|i| mix(7, i)).collect();
+        assert_eq!(seeds.len(), 1 << 16);
+        // Each output bit flips for about half of the neighbours.
+        for bit in 0..64 {
+            let flips = (0..4096).filter(|&i| (mix(7, i) ^ mix(7, i + 1)) >> bit & 1 == 1).count();
+            assert!((1800..2300).contains(&flips), "bit {bit}: {flips}");
+        }
+    }
+
+    #[test]
+    fn below_reaches_every_number_evenly() {
+        let mut stream = Stream::new(1);
+        let mut counts = [0; 5];
+        for _ in 0..5000 {
+            counts[stream.below(5)] += 1;
+        }
+        assert!(counts.iter().all(|&c| (850..1150).contains(&c)), "{counts:?}");
+        assert_eq!(stream.below(0), 0);
+    }
+
+    #[test]
+    fn texts_give_different_keys() {
+        assert_ne!(mix_text(1, "p0"), mix_text(1, "p1"));
+        assert_ne!(mix_text(1, ""), mix_text(2, ""));
+    }
+}

@@ -1,0 +1,72 @@
+//! What can be wrong with a suite file.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::property::regressions::RegressionError;
+use crate::text::TextError;
+
+/// One thing that is wrong in a suite file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// `file:line:column`.
+    pub at: String,
+    /// What is wrong and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.at, self.message)
+    }
+}
+
+/// Everything that is wrong in a suite file, in the order of the file; never empty.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{}", .problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct SuiteError {
+    /// The problems.
+    pub problems: Vec<Problem>,
+}
+
+/// Why a suite, its shader or its regressions cannot be read or written.
+#[derive(Debug, Error)]
+pub enum LoadError {
+    /// A file cannot be read.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The shader that a suite names cannot be read.
+    #[error("{at}: cannot read the shader `{}`: {source}", path.display())]
+    Shader {
+        /// Where the suite names it.
+        at: String,
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A file cannot be written.
+    #[error("cannot write `{}`: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A file is not text.
+    #[error(transparent)]
+    Text(#[from] TextError),
+    /// The suite file is wrong.
+    #[error(transparent)]
+    Suite(#[from] SuiteError),
+    /// The regression file is wrong.
+    #[error(transparent)]
+    Regression(#[from] RegressionError),
+}

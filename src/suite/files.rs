@@ -1,0 +1,91 @@
+//! Suites, shaders and regressions on disk: the only file access of suites, kept thin.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crate::property::Sample;
+use crate::property::regressions::{self, Regression};
+use crate::text::SourceFile;
+
+use super::error::LoadError;
+use super::{Suite, parse};
+
+/// A suite with its shader.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The suite.
+    pub suite: Suite,
+    /// Text of its shader; named as the path that was read.
+    pub shader: SourceFile,
+}
+
+fn read(path: &Path) -> Result<SourceFile, LoadError> {
+    let bytes = fs::read(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
+    Ok(SourceFile::from_bytes(&path.display().to_string(), &bytes)?)
+}
+
+/// Reads a suite file and the shader that it names, which lies beside it.
+///
+/// # Errors
+/// A file that cannot be read or is not UTF-8, and everything that is wrong in the suite file.
+pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+    let suite = parse(&read(path)?)?;
+    let shader = path.parent().unwrap_or(Path::new("")).join(&suite.shader);
+    let shader = read(&shader).map_err(|error| match error {
+        LoadError::Read { path, source } => {
+            let text = suite.file.text();
+            let at = suite.file.locate(text.find(&suite.shader).unwrap_or_default());
+            LoadError::Shader { at, path, source }
+        }
+        other => other,
+    })?;
+    Ok(Loaded { suite, shader })
+}
+
+/// The regression file of a suite file: `sphere.suite.toml` has `sphere.regressions` beside it.
+pub fn regressions_path(suite: &Path) -> PathBuf {
+    let name = suite.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+    let stem = name.strip_suffix(".suite.toml").or(name.strip_suffix(".toml")).unwrap_or(name);
+    suite.with_file_name(format!("{stem}.regressions"))
+}
+
+/// Reads a regression file; nothing when there is none.
+///
+/// # Errors
+/// A file that cannot be read, and the first malformed line.
+pub fn read_regressions(path: &Path) -> Result<Vec<Regression>, LoadError> {
+    Ok(regressions::parse(&existing(path)?)?)
+}
+
+fn existing(path: &Path) -> Result<SourceFile, LoadError> {
+    match read(path) {
+        Err(LoadError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
+            Ok(SourceFile::new(path.display().to_string(), ""))
+        }
+        other => other,
+    }
+}
+
+/// Adds failing samples to a regression file. The file is replaced in one step, so that it is never
+/// half written; what it holds is kept.
+///
+/// # Errors
+/// A file that cannot be read or written, and a malformed line in it.
+pub fn save_regressions(path: &Path, suite: &str, samples: &[Sample]) -> Result<(), LoadError> {
+    let old = existing(path)?;
+    let text = regressions::append(&old, suite, samples)?;
+    if text == old.text() {
+        return Ok(());
+    }
+    let failed = |source| LoadError::Write { path: path.to_owned(), source };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    if let Ok(metadata) = fs::metadata(path) {
+        // The new file takes over who may read the old one.
+        file.as_file().set_permissions(metadata.permissions()).map_err(failed)?;
+    }
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}

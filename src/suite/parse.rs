@@ -1,0 +1,303 @@
+//! From the text of a suite file to a [`Suite`].
+
+use toml::de::DeTable;
+
+use crate::formula;
+use crate::property::generators::{self, Ends, Generator, Options, RangeRule, Strands};
+use crate::property::{InputGroup, nearest, relations};
+use crate::text::SourceFile;
+
+use super::error::SuiteError;
+use super::table::{At, Reader, Table};
+use super::{Floors, Stage, Suite, Tolerance};
+
+const KEYS: [&str; 13] = [
+    "suite",
+    "title",
+    "shader",
+    "stage",
+    "entry",
+    "formula",
+    "samples",
+    "per_case",
+    "relations",
+    "inputs",
+    "tolerance",
+    "floors",
+    "strands",
+];
+const INPUT_KEYS: [&str; 5] = ["names", "generator", "range", "components", "values"];
+/// Largest numbers that are taken for intended: 2^32 samples, 2^20 invocations of a case.
+const MOST_SAMPLES: u64 = 1 << 32;
+const MOST_PER_CASE: u64 = 1 << 20;
+/// Invocations of a case when a suite does not say.
+const PER_CASE: u64 = 16;
+/// Largest share of undetermined samples when a suite does not say.
+const UNDETERMINED: f64 = 0.05;
+
+/// Names that a suite may use.
+#[derive(Clone, Debug)]
+pub struct Names {
+    /// Formulas.
+    pub formulas: Vec<String>,
+    /// Relations.
+    pub relations: Vec<String>,
+}
+
+impl Names {
+    /// The formulas and relations of this crate.
+    pub fn built_in() -> Self {
+        Self {
+            formulas: formula::all().iter().map(|f| f.name.to_owned()).collect(),
+            relations: relations::all().iter().map(|r| r.name().to_owned()).collect(),
+        }
+    }
+}
+
+/// Reads the text of a suite file. Touches no other file: whether the shader exists and has these
+/// inputs shows later.
+///
+/// # Errors
+/// Everything that is wrong, each with `file:line:column`.
+pub fn parse(file: &SourceFile) -> Result<Suite, SuiteError> {
+    parse_with(file, &Names::built_in())
+}
+
+/// The same with other formulas and relations than those of this crate.
+///
+/// # Errors
+/// Everything that is wrong, each with `file:line:column`.
+pub fn parse_with(file: &SourceFile, names: &Names) -> Result<Suite, SuiteError> {
+    let reader = Reader::new(file);
+    let suite = match DeTable::parse(file.text()) {
+        Ok(document) => suite(Table::root(&reader, document.get_ref()), file, names),
+        Err(error) => {
+            let message = error.message().trim_end().replace('\n', "; ");
+            reader.problem(error.span().map_or(0, |s| s.start), format!("not TOML: {message}"));
+            None
+        }
+    };
+    reader.finish(suite)
+}
+
+fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
+    let root = root.only(&KEYS);
+    let name = suite_name(root);
+    let title = root.required_text("title", "title = \"Points of a sphere\"");
+    let shader = root.required_text("shader", "shader = \"sphere.vert\"");
+    let stage = stage(root);
+    let entry = entry(root, stage);
+    let formula = root.required_text("formula", "formula = \"sphere\"");
+    let formula = formula.and_then(|f| known(root, "formula", &f, names.formulas.iter().map(String::as_str)));
+    let samples = root.required_whole("samples", 1, MOST_SAMPLES, "samples = 65536");
+    let per_case = root.whole("per_case", 1, MOST_PER_CASE);
+    let relations = root
+        .texts("relations")
+        .into_iter()
+        .filter_map(|relation| known(root, "relation", &relation, names.relations.iter().map(String::as_str)));
+    let relations = relations.collect();
+    let tolerance = tolerance(root);
+    let floors = floors(root, samples);
+    let strands = strands(root, stage);
+    let inputs = inputs(root, strands);
+    Some(Suite {
+        name: name?,
+        title: title?.value,
+        shader: shader?.value,
+        stage: stage?,
+        entry,
+        formula: formula?,
+        samples: samples?,
+        per_case: per_case.unwrap_or(PER_CASE) as usize,
+        relations,
+        inputs,
+        tolerance: tolerance?,
+        floors: floors?,
+        strands,
+        file: file.clone(),
+    })
+}
+
+/// The name when it is one of `all`; else a problem with a suggestion.
+fn known<'n>(
+    table: Table<'_>,
+    what: &str,
+    given: &At<String>,
+    all: impl Iterator<Item = &'n str> + Clone,
+) -> Option<String> {
+    if all.clone().any(|name| name == given.value) {
+        return Some(given.value.clone());
+    }
+    let hint = match nearest(&given.value, all.clone()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => format!("known: {}", all.collect::<Vec<_>>().join(", ")),
+    };
+    table.reader.problem(given.offset, format!("unknown {what} `{}`; {hint}", given.value));
+    None
+}
+
+fn suite_name(root: Table<'_>) -> Option<String> {
+    let name = root.required_text("suite", "suite = \"sphere\"")?;
+    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    if name.value.chars().all(fits) {
+        return Some(name.value);
+    }
+    let message = format!("suite name `{}` may hold lower case letters, digits and `_` only", name.value);
+    root.reader.problem(name.offset, message);
+    None
+}
+
+fn stage(root: Table<'_>) -> Option<Stage> {
+    let given = root.required_text("stage", "stage = \"vertex\"")?;
+    let name = known(root, "stage", &given, Stage::ALL.into_iter().map(Stage::name))?;
+    Stage::ALL.into_iter().find(|stage| stage.name() == name)
+}
+
+fn entry(root: Table<'_>, stage: Option<Stage>) -> Option<String> {
+    match stage? {
+        Stage::Function => root.required_text("entry", "entry = \"segment_distance\"").map(|e| e.value),
+        other @ (Stage::Vertex | Stage::Geometry) => {
+            if root.has("entry") {
+                let message = format!("`entry` names a function; the stage `{}` starts at main", other.name());
+                root.reader.problem(root.offset_of("entry"), message);
+            }
+            None
+        }
+    }
+}
+
+fn tolerance(root: Table<'_>) -> Option<Tolerance> {
+    if !root.has("tolerance") {
+        root.missing("tolerance", "[tolerance] ulp = 8 reason = \"…\"");
+    }
+    let table = root.table("tolerance", "[tolerance]")?.only(&["ulp", "reason"]);
+    if !table.has("ulp") {
+        table.missing("ulp", "ulp = 8");
+    }
+    let ulp = table.number("ulp");
+    let reason = table.required_text("reason", "reason = \"two roundings in mix\"");
+    let ulp = ulp?;
+    if !(ulp.value > 0.0 && ulp.value.is_finite()) {
+        table.reader.problem(ulp.offset, format!("`ulp` is {}; a tolerance is finite and above 0", ulp.value));
+        return None;
+    }
+    Some(Tolerance { ulp: ulp.value, reason: reason?.value })
+}
+
+fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
+    if !root.has("floors") {
+        root.missing("floors", "[floors] judged = 60000");
+    }
+    let table = root.table("floors", "[floors]")?.only(&["judged", "undetermined"]);
+    let judged = table.required_whole("judged", 1, MOST_SAMPLES, "judged = 60000");
+    if let (Some(judged), Some(samples)) = (judged, samples)
+        && judged > samples
+    {
+        let message = format!("`judged` is {judged}, but the suite has {samples} samples only");
+        table.reader.problem(table.offset_of("judged"), message);
+    }
+    let undetermined = table.number("undetermined");
+    if let Some(At { value, offset }) = undetermined
+        && !(0.0..=1.0).contains(&value)
+    {
+        table.reader.problem(offset, format!("`undetermined` is {value}; a share is from 0 to 1"));
+    }
+    Some(Floors { judged: judged?, undetermined: undetermined.map_or(UNDETERMINED, |u| u.value) })
+}
+
+fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {
+    let table = root.table("strands", "[strands]")?.only(&["nodes", "ends"]);
+    if let Some(stage @ (Stage::Vertex | Stage::Function)) = stage {
+        let message = format!("[strands] feed a geometry stage; this suite has the stage `{}`", stage.name());
+        table.reader.problem(table.offset, message);
+    }
+    let nodes = table.required_whole("nodes", 4, MOST_PER_CASE, "nodes = 8");
+    let given = table.required_text("ends", "ends = \"repeat\"")?;
+    let ends = match known(table, "ends", &given, ["repeat", "as-drawn"].into_iter())?.as_str() {
+        "repeat" => Ends::Repeat,
+        _ => Ends::AsDrawn,
+    };
+    Some(Strands { nodes: nodes? as usize, ends })
+}
+
+fn inputs(root: Table<'_>, strands: Option<Strands>) -> Vec<InputGroup> {
+    let mut groups: Vec<InputGroup> = Vec::new();
+    for table in root.tables("inputs", "[[inputs]]") {
+        let Some(group) = input(table.only(&INPUT_KEYS), strands) else { continue };
+        for name in &group.names {
+            if groups.iter().any(|g| g.names.contains(name)) {
+                table.reader.problem(table.offset_of("names"), format!("the input `{name}` is filled already"));
+            }
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+fn input(table: Table<'_>, strands: Option<Strands>) -> Option<InputGroup> {
+    if !table.has("names") {
+        table.missing("names", "names = [\"position\"]");
+    }
+    let names: Vec<String> = table.texts("names").into_iter().map(|name| name.value).collect();
+    if table.has("names") && names.is_empty() {
+        table.reader.problem(table.offset_of("names"), "`names` is empty; a group fills at least one input");
+    }
+    let generator = table.required_text("generator", "generator = \"point\"");
+    let generator = generator.and_then(|given| {
+        let name = known(table, "generator", &given, generators::all().iter().map(|g| g.name()))?;
+        generators::by_name(&name)
+    });
+    let range = range(table);
+    if let Some(generator) = generator {
+        fits(table, generator);
+    }
+    let components = table.whole("components", 1, 4).map(|n| n as u8);
+    let options = Options { range, values: table.numbers("values"), components, strands };
+    let at = table.reader.locate(table.offset_of("names"));
+    Some(InputGroup { names: Some(names).filter(|n| !n.is_empty())?, generator: generator?, options, at })
+}
+
+/// Notes keys that the generator wants and lacks, or has no use for. Whether the values fit the
+/// inputs shows when the shader is known.
+fn fits(table: Table<'_>, generator: &dyn Generator) {
+    let name = generator.name();
+    let range = generator.range();
+    let no = |key: &str| {
+        table.reader.problem(table.offset_of(key), format!("generator `{name}` takes no `{key}`"));
+    };
+    if table.has("range") && range == RangeRule::None {
+        no("range");
+    }
+    if !table.has("range") && range == RangeRule::Required {
+        table.missing("range", "range = [0.0, 1.0]");
+    }
+    if table.has("components") && !generator.takes_components() {
+        no("components");
+    }
+    match (table.has("values"), generator.takes_values()) {
+        (true, false) => no("values"),
+        (false, true) => table.missing("values", "values = [1.0]"),
+        (true, true) | (false, false) => {}
+    }
+}
+
+fn range(table: Table<'_>) -> Option<[f64; 2]> {
+    if !table.has("range") {
+        return None;
+    }
+    let numbers = table.numbers("range");
+    let offset = table.offset_of("range");
+    let &[lo, hi] = numbers.as_slice() else {
+        table.reader.problem(offset, "`range` is [lo, hi], two numbers");
+        return None;
+    };
+    if !((lo as f32).is_finite() && (hi as f32).is_finite()) {
+        table.reader.problem(offset, format!("range [{lo}, {hi}] is not finite in binary32"));
+        return None;
+    }
+    if hi < lo {
+        table.reader.problem(offset, format!("range [{lo}, {hi}] has its upper end below its lower end"));
+        return None;
+    }
+    Some([lo, hi])
+}
