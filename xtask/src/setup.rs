@@ -36,7 +36,7 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
         // Installing would not help: the variable hides whatever is installed.
         return writeln!(
             messages,
-            "xtask: {name} names no usable Vulkan driver, so shaders cannot run: unset it or point it to a manifest"
+            "xtask: {name} names no usable Vulkan driver, so no shader can run on the lane `vulkan`: unset it or point it to a manifest"
         );
     }
     let apt = on_path(host, "apt-get").is_some();
@@ -58,7 +58,11 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
         }
     };
     let because = failure.map(|failure| format!(" ({failure})")).unwrap_or_default();
-    writeln!(messages, "xtask: {missing} is missing{because}, so shaders cannot run: {}", advice(host, apt, rights))
+    writeln!(
+        messages,
+        "xtask: {missing} is missing{because}, so no shader can run on the lane `vulkan`: {}",
+        advice(host, apt, rights)
+    )
 }
 
 fn missing(found: &Found) -> &'static str {
@@ -177,7 +181,7 @@ mod tests {
         let text = prepared(&mut host);
         assert!(
             text.ends_with(&format!(
-                "(installing needs a password), so shaders cannot run: run `sudo apt-get update && sudo {COMMAND}"
+                "(installing needs a password), so no shader can run on the lane `vulkan`: run `sudo apt-get update && sudo {COMMAND}"
             )),
             "{text}"
         );
