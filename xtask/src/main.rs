@@ -1,1 +1,95 @@
-fn main() {}
+//! Set-up, gate, tests and benchmarks of shadercheck: `cargo xtask`.
+
+mod cargo;
+mod features;
+mod host;
+mod setup;
+mod snapshots;
+mod tasks;
+mod vulkan;
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use anyhow::Result;
+
+const USAGE: &str = "\
+usage: cargo xtask <task> [arguments]
+
+  check [ARGS]...   set the machine up, then run the gate: `shadercheck check ARGS`
+  test [ARGS]...    set the machine up, then run the whole suite of tests; ARGS go to the test runner
+                    (without any, documentation tests run as well and unreferenced snapshots fail)
+  tidy              tests of the project's own structure, unreferenced snapshots, shared builds
+  bench [ARGS]...   set the machine up, then print how fast the gate is
+
+Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
+may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.
+";
+
+fn main() -> ExitCode {
+    let mut messages = io::stderr();
+    let code = run(std::env::args_os().skip(1).collect(), &mut messages).unwrap_or_else(|error| {
+        // Nothing is left to be done when standard error is closed.
+        let _ = writeln!(messages, "xtask: {error:#}");
+        2
+    });
+    ExitCode::from(code)
+}
+
+fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
+    let mut arguments = arguments.into_iter();
+    let task = arguments.next();
+    let rest: Vec<OsString> = arguments.collect();
+    match task.as_ref().and_then(|t| t.to_str()) {
+        Some("check") => tasks::check(&rest, messages),
+        Some("test") => tasks::test(&rest, messages),
+        Some("tidy") if rest.is_empty() => tasks::tidy(messages),
+        Some("bench") => tasks::bench(&rest, messages),
+        Some("help" | "--help" | "-h") => {
+            io::stdout().write_all(USAGE.as_bytes())?;
+            Ok(0)
+        }
+        _ => {
+            if let Some(task) = task {
+                writeln!(messages, "xtask: cannot run `{}`", [vec![task], rest].concat().join(" ".as_ref()).display())?;
+            }
+            messages.write_all(USAGE.as_bytes())?;
+            Ok(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(arguments: &[&str]) -> String {
+        let mut messages = Vec::new();
+        let code = run(arguments.iter().map(OsString::from).collect(), &mut messages).unwrap();
+        assert_eq!(code, 2);
+        String::from_utf8(messages).unwrap()
+    }
+
+    #[test]
+    fn no_task_gives_usage_and_status_2() {
+        assert!(refused(&[]).starts_with("usage: cargo xtask"));
+    }
+
+    #[test]
+    fn an_unknown_task_is_named() {
+        assert!(refused(&["chekc", "sphere"]).starts_with("xtask: cannot run `chekc sphere`\nusage:"));
+    }
+
+    #[test]
+    fn tidy_takes_no_arguments() {
+        assert!(refused(&["tidy", "src"]).starts_with("xtask: cannot run `tidy src`"));
+    }
+
+    #[test]
+    fn usage_names_every_task() {
+        for task in ["check", "test", "tidy", "bench"] {
+            assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Tests across modules and processes, in one binary.
+
+mod tidy;
