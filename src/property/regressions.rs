@@ -240,6 +240,12 @@ fn line(suite: &str, sample: &Sample) -> String {
     format!("{bits} #{comment}")
 }
 
+/// The inputs of a sample as `name=words` parts, as a line of a regression file has them.
+pub fn inputs_text(sample: &Sample) -> String {
+    let line = line("", sample);
+    line.split('#').next().unwrap_or_default().trim().to_owned()
+}
+
 /// A word as people read it.
 pub fn decimal(word: u32, scalar: Scalar) -> String {
     match scalar {

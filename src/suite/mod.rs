@@ -4,6 +4,7 @@
 mod error;
 mod files;
 mod parse;
+pub mod run;
 mod shipped;
 mod table;
 

@@ -41,8 +41,8 @@ impl BatchVerdict {
         self.undetermined.iter().sum()
     }
 
-    /// All judged invocations.
-    pub fn judged(&self) -> u64 {
+    /// All invocations that were looked at.
+    pub fn seen(&self) -> u64 {
         self.agreed + self.deviated + self.undetermined_count()
     }
 
@@ -103,6 +103,22 @@ pub fn judge_batch(reference: &Reference, batch: &Batch, actual: &Actual, tolera
         all.merge(chunk);
     }
     all
+}
+
+/// Judges a single invocation of a batch.
+pub fn judge_one(
+    reference: &Reference,
+    batch: &Batch,
+    actual: &Actual,
+    invocation: usize,
+    tolerance: &Tolerance,
+) -> Verdict {
+    let mut inputs = reference.scratch();
+    reference.read_case(batch, invocation / batch.per_case, &mut inputs);
+    reference.read_invocation(batch, invocation, &mut inputs);
+    let mut expected = Expected::default();
+    reference.eval(&inputs, &mut expected);
+    judge_sample(reference, &inputs, &expected, actual, invocation, tolerance)
 }
 
 fn judge_range(

@@ -6,7 +6,7 @@ mod judge;
 mod observe;
 mod tolerance;
 
-pub use batch::{BatchVerdict, Failure, judge_batch};
+pub use batch::{BatchVerdict, Failure, judge_batch, judge_one};
 pub use expected::{Expected, Reference, ReferenceError};
 pub use judge::{Component, Deviation, Reason, Verdict, judge_sample, judge_value};
 pub use observe::observe;

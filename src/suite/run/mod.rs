@@ -1,0 +1,136 @@
+//! Running a suite on a lane: from a suite and a shader to counted verdicts and findings.
+
+mod coverage;
+mod finding;
+mod prepare;
+mod relate;
+mod sampling;
+mod trial;
+
+use crate::lane::{Lane, LaneError, Stage};
+use crate::property::Sample;
+use crate::suite::Suite;
+use crate::verdict::BatchVerdict;
+
+pub use coverage::Coverage;
+pub use finding::{Case, Finding, FindingKind, InputValue};
+pub use prepare::{Prepared, RunError, prepare};
+
+/// Seed of a run that names none: the same inputs on every machine.
+pub const DEFAULT_SEED: u64 = 0x5eed;
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Samples to judge; `None` for what the suite says.
+    pub samples: Option<u64>,
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// A short run: an eighth of the samples.
+    pub quick: bool,
+    /// Samples that failed before; they run first.
+    pub replay: Vec<Sample>,
+    /// Only the samples of `replay`.
+    pub replay_only: bool,
+    /// The arguments of `shadercheck check` that name the suite and the shader, for reproduction.
+    pub arguments: String,
+}
+
+impl Request {
+    /// Samples of this request for a suite.
+    pub fn samples_of(&self, suite: &Suite) -> u64 {
+        match self.samples {
+            Some(samples) => samples,
+            None if self.quick => (suite.samples / 8).max(1),
+            None => suite.samples,
+        }
+    }
+}
+
+/// What came out of one suite on one stage of one lane.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Name of the suite.
+    pub suite: String,
+    /// The shader, as it was named.
+    pub shader: String,
+    /// Name of the lane.
+    pub lane: &'static str,
+    /// Stage of the lane.
+    pub stage: Stage,
+    /// Verdicts on the samples, replayed ones included.
+    pub verdicts: BatchVerdict,
+    /// Samples that this lane cannot run.
+    pub unsupported: u64,
+    /// Relations: name, samples for which it was checked.
+    pub relations: Vec<(String, u64)>,
+    /// Which segments of strands are drawn, for a suite with strands.
+    pub coverage: Option<Coverage>,
+    /// What is wrong, worst first.
+    pub findings: Vec<Finding>,
+    /// Failing samples as shrunk, to be saved.
+    pub failing: Vec<Sample>,
+}
+
+impl Report {
+    /// Samples that got a verdict: they agree or deviate.
+    pub fn judged(&self) -> u64 {
+        self.verdicts.agreed + self.verdicts.deviated
+    }
+}
+
+/// Runs a prepared suite on one stage of a lane. `progress` is told the number of samples done.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
+pub fn run(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    stage: Stage,
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    let description = lane.description();
+    let mut report = Report {
+        suite: prepared.suite.name.clone(),
+        shader: prepared.shader.clone(),
+        lane: description.name,
+        stage,
+        verdicts: BatchVerdict::default(),
+        unsupported: 0,
+        relations: Vec::new(),
+        coverage: None,
+        findings: Vec::new(),
+        failing: Vec::new(),
+    };
+    let wanted = request.samples_of(&prepared.suite);
+    let kernel = match stage {
+        Stage::Compute => &prepared.compute,
+        Stage::Vertex => match &prepared.vertex {
+            Some(kernel) => kernel,
+            None => {
+                report.unsupported = wanted;
+                return Ok(report);
+            }
+        },
+    };
+    let mut trial = match trial::Trial::new(prepared, lane, kernel) {
+        Ok(trial) => trial,
+        Err(LaneError::Unsupported(_)) => {
+            report.unsupported = wanted;
+            return Ok(report);
+        }
+        Err(error) => return Err(error),
+    };
+    let mut failing = sampling::replay(&mut trial, &request.replay, &mut report)?;
+    if !request.replay_only {
+        failing.extend(sampling::sample(&mut trial, request, wanted, &mut report, progress)?);
+        relate::check(&mut trial, request, &mut report)?;
+        if let Some(strands) = prepared.suite.strands {
+            report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
+        }
+    }
+    finding::deviations(&mut trial, failing, request, &mut report)?;
+    finding::shortfalls(&prepared.suite, request, wanted, &mut report);
+    Ok(report)
+}

@@ -1,0 +1,144 @@
+//! Relations: what must hold between outputs of related inputs, on the lane's own values.
+
+use super::finding::{self, Finding, FindingKind};
+use super::trial::Trial;
+use super::{Report, Request};
+use crate::lane::LaneError;
+use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
+use crate::verdict::observe;
+
+/// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
+/// formula for each input, so there are fewer of them than of plain samples.
+const SAMPLES: u64 = 512;
+/// The same for a short run.
+const QUICK_SAMPLES: u64 = 96;
+/// Failing samples of a relation that are shrunk.
+const SHRUNK: usize = 4;
+
+/// Checks every relation of the suite.
+pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> Result<(), LaneError> {
+    let prepared = trial.prepared;
+    if prepared.relations.is_empty() {
+        return Ok(());
+    }
+    let count = if request.quick { QUICK_SAMPLES } else { SAMPLES };
+    let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
+    let batch =
+        Sampler::new(prepared.plan.clone(), request.seed).batch(0, (count as usize).div_ceil(per_case), per_case);
+    let samples: Vec<Sample> = (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect();
+    for &relation in &prepared.relations {
+        let outcomes = outcomes(trial, relation, &samples)?;
+        let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
+        report.relations.push((relation.name().to_owned(), checked));
+        let failing: Vec<Sample> = samples
+            .iter()
+            .zip(&outcomes)
+            .filter(|(_, o)| matches!(o, Outcome::Fails(_)))
+            .map(|(s, _)| s.clone())
+            .collect();
+        if checked == 0 {
+            report.findings.push(Finding {
+                kind: FindingKind::Vacuous,
+                message: format!("the relation `{}` applied to none of {} samples", relation.name(), samples.len()),
+                case: None,
+                count: 0,
+                reproduce: None,
+            });
+        }
+        if !failing.is_empty() {
+            fail(trial, relation, failing, request, report)?;
+        }
+    }
+    Ok(())
+}
+
+/// What a relation says of a sample.
+enum Outcome {
+    /// It says nothing here: it does not apply, or an output that it needs has no value.
+    Silent,
+    Holds,
+    Fails(Claim),
+}
+
+fn outcomes(trial: &mut Trial<'_>, relation: &dyn Relation, samples: &[Sample]) -> Result<Vec<Outcome>, LaneError> {
+    let prepared = trial.prepared;
+    let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
+    let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
+    let mut observed: Vec<Observed> = Vec::with_capacity(flat.len());
+    if !flat.is_empty() {
+        use rayon::prelude::*;
+        trial.run_samples(&flat, |_, batch, actual| {
+            let seen: Vec<Observed> = (0..batch.invocation_count())
+                .into_par_iter()
+                .map(|i| observe(&prepared.reference, batch, actual, i, &prepared.tolerance))
+                .collect();
+            observed.extend(seen);
+        })?;
+    }
+    let mut rest = observed.into_iter();
+    Ok(inputs
+        .iter()
+        .map(|inputs| {
+            let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
+            judge(relation, inputs, &outputs)
+        })
+        .collect())
+}
+
+fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Outcome {
+    let mut claims = Vec::new();
+    if !inputs.is_empty() {
+        relation.claims(inputs, outputs, &mut claims);
+    }
+    let mut outcome = Outcome::Silent;
+    for claim in claims {
+        if claim.slack == f64::INFINITY {
+            // An output without value, or one that the inputs' rounding decides.
+            continue;
+        }
+        // Written so that a NaN anywhere does not hold.
+        if (claim.left - claim.right).abs() <= claim.slack {
+            outcome = Outcome::Holds;
+        } else {
+            return Outcome::Fails(claim);
+        }
+    }
+    outcome
+}
+
+fn fail(
+    trial: &mut Trial<'_>,
+    relation: &dyn Relation,
+    failing: Vec<Sample>,
+    request: &Request,
+    report: &mut Report,
+) -> Result<(), LaneError> {
+    let count = failing.len() as u64;
+    let plan = trial.prepared.plan.clone();
+    let first: Vec<Sample> = failing.into_iter().take(SHRUNK).collect();
+    let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
+        let outcomes = outcomes(trial, relation, samples)?;
+        Ok(outcomes.iter().map(|o| matches!(o, Outcome::Fails(_))).collect())
+    };
+    let shrunk = shrink::shrink(first, &*plan, &mut oracle)?;
+    let Some(simplest) = shrunk.into_iter().next() else { return Ok(()) };
+    let outcome = outcomes(trial, relation, std::slice::from_ref(&simplest.sample))?.into_iter().next();
+    let Some(Outcome::Fails(claim)) = outcome else { return Ok(()) };
+    report.findings.push(Finding {
+        kind: FindingKind::Relation,
+        message: format!(
+            "the relation `{}` does not hold: {}; {} is {:e} on one side and {:e} on the other, ± {:.1e}",
+            relation.name(),
+            relation.statement(),
+            claim.what,
+            claim.left,
+            claim.right,
+            claim.slack
+        ),
+        count,
+        reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
+        case: Some(finding::case(&simplest, None)),
+    });
+    report.failing.push(simplest.sample);
+    Ok(())
+}

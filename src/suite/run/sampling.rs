@@ -1,0 +1,58 @@
+//! The main loop: batches of generated samples, streamed so that memory does not grow with them.
+
+use super::trial::{Trial, sample_of};
+use super::{Report, Request};
+use crate::lane::LaneError;
+use crate::property::{Sample, Sampler};
+use crate::verdict::{BatchVerdict, judge_batch};
+
+/// Runs saved samples. Gives those that fail.
+pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], report: &mut Report) -> Result<Vec<Sample>, LaneError> {
+    let mut failing = Vec::new();
+    let mut all = BatchVerdict::default();
+    let prepared = trial.prepared;
+    trial.run_samples(samples, |_, batch, actual| {
+        let verdict = judge_batch(&prepared.reference, batch, actual, &prepared.tolerance);
+        failing.extend(verdict.failures.iter().map(|f| sample_of(batch, f.invocation)));
+        all.merge(verdict);
+    })?;
+    report.verdicts.merge(all);
+    Ok(failing)
+}
+
+/// Runs generated samples. Gives the first few that fail.
+pub fn sample(
+    trial: &mut Trial<'_>,
+    request: &Request,
+    wanted: u64,
+    report: &mut Report,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Vec<Sample>, LaneError> {
+    let prepared = trial.prepared;
+    let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
+    // A case is never split over batches; the last case of a run may be shorter than asked for.
+    let per_case = per_case.min(trial.capacity());
+    let cases_per_batch = (trial.capacity() / per_case).max(1) as u64;
+    let sampler = Sampler::new(prepared.plan.clone(), request.seed);
+    let cases = wanted.div_ceil(per_case as u64);
+    let mut failing = Vec::new();
+    let mut first = 0;
+    while first < cases {
+        let count = cases_per_batch.min(cases - first);
+        let batch = sampler.batch(first, count as usize, per_case);
+        let actual = trial.run(&batch)?;
+        let mut verdict = trial.judge(&batch, &actual);
+        for failure in std::mem::take(&mut verdict.failures) {
+            if failing.len() < KEPT {
+                failing.push(sample_of(&batch, failure.invocation));
+            }
+        }
+        report.verdicts.merge(verdict);
+        first += count;
+        progress(first * per_case as u64);
+    }
+    Ok(failing)
+}
+
+/// Failing samples that are kept for shrinking.
+const KEPT: usize = 16;

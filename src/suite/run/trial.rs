@@ -1,0 +1,92 @@
+//! A prepared suite on an open lane.
+
+use crate::lane::{Actual, Lane, LaneError, Runner};
+use crate::program::Kernel;
+use crate::property::Sample;
+use crate::value::Batch;
+use crate::verdict::{Verdict, judge_batch};
+
+use super::Prepared;
+
+/// Invocations of one batch: full dispatches at little memory.
+const BATCH: usize = 1 << 17;
+/// Words of the largest buffer of a batch: 32 MiB.
+const BATCH_WORDS: usize = 1 << 23;
+
+/// A kernel of a suite on a lane.
+pub struct Trial<'a> {
+    pub prepared: &'a Prepared,
+    runner: Box<dyn Runner>,
+}
+
+impl<'a> Trial<'a> {
+    pub fn new(prepared: &'a Prepared, lane: &dyn Lane, kernel: &Kernel) -> Result<Self, LaneError> {
+        let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
+        let capacity = BATCH.min(BATCH_WORDS / widest).max(1);
+        Ok(Self { prepared, runner: lane.prepare(kernel, capacity)? })
+    }
+
+    /// Most invocations of one batch.
+    pub fn capacity(&self) -> usize {
+        self.runner.capacity()
+    }
+
+    /// Runs a batch in one dispatch.
+    pub fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        self.runner.run(batch)
+    }
+
+    /// Runs samples, each with uniforms of its own, in as few dispatches as fit, and hands each
+    /// dispatch to `each` with the index of its first sample.
+    pub fn run_samples(
+        &mut self,
+        samples: &[Sample],
+        mut each: impl FnMut(usize, &Batch, &Actual),
+    ) -> Result<(), LaneError> {
+        let capacity = self.capacity();
+        for (k, chunk) in samples.chunks(capacity).enumerate() {
+            let batch = batch_of(chunk);
+            let actual = self.run(&batch)?;
+            each(k * capacity, &batch, &actual);
+        }
+        Ok(())
+    }
+
+    /// For each sample, whether it deviates.
+    pub fn deviates(&mut self, samples: &[Sample]) -> Result<Vec<bool>, LaneError> {
+        let mut verdicts = Vec::with_capacity(samples.len());
+        let (reference, tolerance) = (&self.prepared.reference, self.prepared.tolerance);
+        self.run_samples(samples, |_, batch, actual| {
+            verdicts.extend((0..batch.invocation_count()).map(|i| {
+                matches!(crate::verdict::judge_one(reference, batch, actual, i, &tolerance), Verdict::Deviate(_))
+            }));
+        })?;
+        Ok(verdicts)
+    }
+
+    /// Judges a whole batch.
+    pub fn judge(&self, batch: &Batch, actual: &Actual) -> crate::verdict::BatchVerdict {
+        judge_batch(&self.prepared.reference, batch, actual, &self.prepared.tolerance)
+    }
+}
+
+/// Samples as a batch with one invocation a case; at least one sample.
+pub fn batch_of(samples: &[Sample]) -> Batch {
+    let first = &samples[0];
+    let mut batch = Batch::with_capacity(first.invocation_record.clone(), first.case_record.clone(), 1, samples.len());
+    for sample in samples {
+        batch.invocations.extend_from_slice(&sample.invocation);
+        batch.cases.extend_from_slice(&sample.case);
+    }
+    batch
+}
+
+/// One invocation of a batch as a sample.
+pub fn sample_of(batch: &Batch, invocation: usize) -> Sample {
+    Sample {
+        invocation_record: batch.invocation_record.clone(),
+        case_record: batch.case_record.clone(),
+        invocation: batch.invocation(invocation).to_vec(),
+        case: batch.case_of(invocation).to_vec(),
+    }
+}
