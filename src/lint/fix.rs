@@ -9,8 +9,8 @@ use super::host::HostFile;
 use super::project::{Input, Language, language_of};
 use super::registry::RULES;
 use super::rule::Rule;
-use super::select::Selection;
 use super::run_rules;
+use super::select::Selection;
 
 /// Rounds after which the engine gives up: fixes that undo each other would go on for ever.
 pub const MOST_ROUNDS: usize = 20;

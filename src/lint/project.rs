@@ -171,9 +171,9 @@ fn lookup<'p, T>(files: &'p BTreeMap<String, T>, from: &str, name: &str) -> Opti
     }
     let tail = normalise(name);
     let tail = tail.trim_start_matches("../");
-    let mut ending = files.iter().filter(|(path, _)| {
-        path.strip_suffix(tail).is_some_and(|rest| rest.is_empty() || rest.ends_with('/'))
-    });
+    let mut ending = files
+        .iter()
+        .filter(|(path, _)| path.strip_suffix(tail).is_some_and(|rest| rest.is_empty() || rest.ends_with('/')));
     match (ending.next(), ending.next()) {
         (Some((_, only)), None) => Some(only),
         _ => None,

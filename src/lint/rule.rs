@@ -18,6 +18,9 @@ pub struct Rule {
     pub summary: &'static str,
     /// Its page of the manual.
     pub page: Page,
+    /// Codes of the front end that tell the same defect less well: what they say about a place that
+    /// this rule reports is left out.
+    pub(super) supersedes: &'static [&'static str],
     /// How it looks.
     pub(super) check: Check,
 }
@@ -49,7 +52,7 @@ pub struct Example {
 /// What a rule looks at.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
-    /// One shader at a time; called for shaders that the front end read without error.
+    /// One shader at a time, as far as the front end could read it.
     Shader(fn(&ShaderFile, &mut Findings<'_>)),
     /// One host file at a time, with the shaders that belong to it.
     Host(fn(&HostFile, &Project, &mut Findings<'_>)),
@@ -64,7 +67,7 @@ impl Rule {
         let mut findings = Findings { rule: self, into };
         match self.check {
             Check::Shader(check) => {
-                project.shaders().filter(|s| s.reported && s.is_sound()).for_each(|s| check(s, &mut findings));
+                project.shaders().filter(|s| s.reported).for_each(|s| check(s, &mut findings));
             }
             Check::Host(check) => {
                 project.hosts().filter(|h| h.reported).for_each(|h| check(h, project, &mut findings));

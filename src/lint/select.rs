@@ -40,8 +40,7 @@ impl Selection {
 
     /// True when diagnostics with `code` are wanted.
     pub fn keeps(&self, code: &str) -> bool {
-        let longest =
-            |list: &[String]| list.iter().filter(|p| code.starts_with(p.as_str())).map(String::len).max();
+        let longest = |list: &[String]| list.iter().filter(|p| code.starts_with(p.as_str())).map(String::len).max();
         match (longest(&self.select), longest(&self.ignore)) {
             (None, Some(_)) => false,
             (None, None) => self.select.is_empty(),

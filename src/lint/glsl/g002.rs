@@ -40,6 +40,7 @@ pub const RULE: Rule = Rule {
             "GLSL 1.50 specification, section 4.3.8.2 \"Output Layout Qualifiers\"",
         ],
     },
+    supersedes: &[],
     check: Check::Shader(check),
 };
 
@@ -125,7 +126,11 @@ impl<'s> Emits<'s> {
                     return None;
                 }
                 let init_emits = self.statement(init)?;
-                let all = if round == 0 { 0 } else { round.checked_mul(self.rounds(init, condition.as_ref(), *step, body)?)? };
+                let all = if round == 0 {
+                    0
+                } else {
+                    round.checked_mul(self.rounds(init, condition.as_ref(), *step, body)?)?
+                };
                 init_emits.checked_add(all)
             }
             StmtKind::While { condition, body } => {
@@ -139,7 +144,9 @@ impl<'s> Emits<'s> {
                 (self.statement(body)? == 0 && self.expression(*condition)? == 0).then_some(0)
             }
             // All cases together: with fall-through each of them may run.
-            StmtKind::Switch { selector, body } => self.expression(*selector)?.checked_add(self.block(&body.statements)?),
+            StmtKind::Switch { selector, body } => {
+                self.expression(*selector)?.checked_add(self.block(&body.statements)?)
+            }
             StmtKind::Case(e) | StmtKind::Return(Some(e)) => self.expression(*e),
             StmtKind::Empty
             | StmtKind::Precision(_)
@@ -179,9 +186,8 @@ impl<'s> Emits<'s> {
         let step_id = step?;
         let step = self.step(step_id, counter)?;
         let step_span = shader.expr(step_id).span;
-        let written_elsewhere = shader
-            .uses_of(counter)
-            .any(|u| u.access.writes() && (u.from_macro || !step_span.contains(u.span.start)));
+        let written_elsewhere =
+            shader.uses_of(counter).any(|u| u.access.writes() && (u.from_macro || !step_span.contains(u.span.start)));
         if written_elsewhere || shader.expr(step_id).from_macro || body.span.is_empty() {
             return None;
         }
@@ -247,7 +253,13 @@ mod tests {
         assert_eq!(lint("", "for (int i = 6; i > 0; i -= 2) { EmitVertex(); EmitVertex(); }"), told(6));
         assert_eq!(lint("", "if (n > 0) { EmitVertex(); EmitVertex(); } else EmitVertex();"), told(2));
         assert_eq!(lint("void two() { EmitVertex(); EmitVertex(); }", "two(); two();"), told(4));
-        assert_eq!(lint("", "for (int i = 0; i < 3; ++i) { for (int j = 0; j < 3; j++) { if (j == n) break; EmitVertex(); } }"), told(9));
+        assert_eq!(
+            lint(
+                "",
+                "for (int i = 0; i < 3; ++i) { for (int j = 0; j < 3; j++) { if (j == n) break; EmitVertex(); } }"
+            ),
+            told(9)
+        );
     }
 
     #[test]

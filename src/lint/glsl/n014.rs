@@ -37,6 +37,7 @@ pub const RULE: Rule = Rule {
             "IEEE 754-2019, section 5.12: 9 decimal digits identify a binary32 number",
         ],
     },
+    supersedes: &[],
     check: Check::Shader(check),
 };
 
@@ -112,11 +113,8 @@ fn meant(text: &str) -> Option<(&str, &'static Constant)> {
         significant >= c.least && (value - c.value).abs() < unit * (1.0 + 1e-9) && is_rounding(value, c.value, unit)
     })?;
     #[expect(clippy::cast_possible_truncation, reason = "rounding to binary32 is what is asked for")]
-    let exact = if is_double(&text[number.len()..]) {
-        value == constant.value
-    } else {
-        value as f32 == constant.value as f32
-    };
+    let exact =
+        if is_double(&text[number.len()..]) { value == constant.value } else { value as f32 == constant.value as f32 };
     (!exact).then_some((number, constant))
 }
 
@@ -163,8 +161,26 @@ mod tests {
     #[test]
     fn other_numbers_are_not() {
         for text in [
-            "3.1", "3.15", "3.14160", "3.0", "3", "1.57", "0.785", "0.318", "57.3", "6.29", "0.0", "3.14e0", "0x3", "314.0",
-            "3.1415927", "3.14159265", "3.14159265358979324", "6.2831853", "6.28318530717958648", "3.141592653589793lf",
+            "3.1",
+            "3.15",
+            "3.14160",
+            "3.0",
+            "3",
+            "1.57",
+            "0.785",
+            "0.318",
+            "57.3",
+            "6.29",
+            "0.0",
+            "3.14e0",
+            "0x3",
+            "314.0",
+            "3.1415927",
+            "3.14159265",
+            "3.14159265358979324",
+            "6.2831853",
+            "6.28318530717958648",
+            "3.141592653589793lf",
         ] {
             assert_eq!(constant(text), None, "{text}");
         }

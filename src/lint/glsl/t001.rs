@@ -38,6 +38,7 @@ pub const RULE: Rule = Rule {
               Otherwise the arguments that are too many are removed, which is unsafe.",
         references: &["GLSL 1.50 specification, section 5.4.2 \"Vector and Matrix Constructors\""],
     },
+    supersedes: &["E030", "E040"],
     check: Check::Shader(check),
 };
 
@@ -54,7 +55,9 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             .at(&file.file, written.name_span, format!("`{ty}` has {}, but is given {given}", components(needed)))
             .with_label(format!("makes a `{ty}`"))
             .with_related(&file.file, surplus, "too many")
-            .with_why("a constructor takes no argument behind the last component that it needs: the shader does not compile");
+            .with_why(
+                "a constructor takes no argument behind the last component that it needs: the shader does not compile",
+            );
         if !expr.from_macro {
             found = fix(shader, id, ty, given, found, written.name_span, || {
                 let last_needed = shader.expr(args[first - 1]).span;

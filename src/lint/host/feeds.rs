@@ -42,10 +42,8 @@ pub fn feeds(host: &HostFile, call: Node<'_>) -> Feeds {
     let variable = host.text(kept.target);
     let Some(scope) = scope(host, kept.target, variable, kept.declares) else { return Feeds::default() };
     // With a second value in the same variable it is not known which one a use means.
-    let values = descendants(scope)
-        .filter_map(write)
-        .filter(|w| host.text(w.target) == variable && !is_number(w.value))
-        .count();
+    let values =
+        descendants(scope).filter_map(write).filter(|w| host.text(w.target) == variable && !is_number(w.value)).count();
     if values != 1 {
         return Feeds::default();
     }
@@ -96,11 +94,7 @@ fn scope<'t>(host: &'t HostFile, target: Node<'t>, variable: &str, declares: boo
         return Some(root);
     }
     let blocks = || ancestors(target).filter(|n| matches!(n.kind(), "compound_statement" | "for_statement"));
-    let block = if declares {
-        blocks().next()
-    } else {
-        blocks().find(|b| declarations(host, *b, variable) > 0)
-    };
+    let block = if declares { blocks().next() } else { blocks().find(|b| declarations(host, *b, variable) > 0) };
     let scope = block.unwrap_or(root);
     (declarations(host, scope, variable) <= 1).then_some(scope)
 }

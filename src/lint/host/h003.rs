@@ -43,6 +43,7 @@ pub const RULE: Rule = Rule {
               the one that was meant.",
         references: &["OpenGL 3.2 core specification, section 2.11.4 (glGetUniformLocation)"],
     },
+    supersedes: &[],
     check: Check::Host(check),
 };
 
@@ -65,7 +66,9 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let mut found = findings
             .at(&host.file, lookup.literal_span(), format!("no uniform of {} is called `{name}`", program.names()))
             .with_label("gives -1")
-            .with_why("glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1");
+            .with_why(
+                "glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1",
+            );
         if let Some(meant) = nearest(name, program.uniforms()) {
             if let Some((shader, variable)) = program.uniform(meant) {
                 found = found.with_related(&shader.file, variable.name_span, format!("`{meant}` is declared here"));

@@ -36,10 +36,9 @@ pub const RULE: Rule = Rule {
         }],
         fix: "There is no fix: the nodes are data. Store the first and the last node of every strip twice and \
               add 2 to its count, or store a further node at each end that continues the curve.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.6.1, \"Line strips with adjacency\"",
-        ],
+        references: &["OpenGL 3.2 core specification, section 2.6.1, \"Line strips with adjacency\""],
     },
+    supersedes: &[],
     check: Check::Host(check),
 };
 
@@ -92,9 +91,9 @@ fn adds_two(host: &HostFile, root: Node<'_>, count: Node<'_>) -> bool {
         }
         // count.push_back(m + 2)
         node.kind() == "call_expression"
-            && node.child_by_field_name("function").is_some_and(|f| {
-                f.kind() == "field_expression" && host.text(root_object(f)) == variable
-            })
+            && node
+                .child_by_field_name("function")
+                .is_some_and(|f| f.kind() == "field_expression" && host.text(root_object(f)) == variable)
             && arguments(node).iter().any(|a| has_plus_two(host, *a))
     })
 }
@@ -102,9 +101,10 @@ fn adds_two(host: &HostFile, root: Node<'_>, count: Node<'_>) -> bool {
 fn has_plus_two(host: &HostFile, node: Node<'_>) -> bool {
     descendants(node).filter(|n| n.kind() == "binary_expression").any(|n| {
         let plus = n.child_by_field_name("operator").is_some_and(|o| o.kind() == "+");
-        let two = ["left", "right"].iter().filter_map(|side| n.child_by_field_name(side)).any(|o| {
-            host.text(bare(o)).trim_end_matches(['u', 'U', 'l', 'L']) == "2"
-        });
+        let two = ["left", "right"]
+            .iter()
+            .filter_map(|side| n.child_by_field_name(side))
+            .any(|o| host.text(bare(o)).trim_end_matches(['u', 'U', 'l', 'L']) == "2");
         plus && two
     })
 }

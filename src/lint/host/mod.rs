@@ -47,9 +47,8 @@ impl HostFile {
 
     /// Number of places that the parser could not read.
     pub fn error_count(&self) -> usize {
-        self.root().map_or(usize::MAX, |root| {
-            syntax::descendants(root).filter(|n| n.is_error() || n.is_missing()).count()
-        })
+        self.root()
+            .map_or(usize::MAX, |root| syntax::descendants(root).filter(|n| n.is_error() || n.is_missing()).count())
     }
 }
 

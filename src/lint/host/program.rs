@@ -88,6 +88,10 @@ pub fn program<'p>(host: &HostFile, project: &'p Project, lookup: &Lookup<'_>) -
             if !names.is_empty() {
                 return one_each(&names).then(|| named(&names)).flatten();
             }
+            // Made from something with a name that is no file: load("phong").
+            if descendants(value).any(|n| n.kind().ends_with("string_literal")) {
+                return None;
+            }
         }
         Loader::Several => return None,
         Loader::Unknown => {}
@@ -174,7 +178,9 @@ fn groups(host: &HostFile) -> Vec<Group<'_>> {
     let Some(root) = host.root() else { return Vec::new() };
     let mut groups: Vec<(usize, Group<'_>)> = Vec::new();
     for literal in descendants(root).filter(|n| n.kind() == "string_literal") {
-        let Some((name, place)) = plain_string(literal, &host.file).filter(|(n, _)| is_shader_name(n)) else { continue };
+        let Some((name, place)) = plain_string(literal, &host.file).filter(|(n, _)| is_shader_name(n)) else {
+            continue;
+        };
         if ancestors(literal).any(|a| a.kind() == "preproc_include") {
             continue;
         }
@@ -247,7 +253,9 @@ mod tests {
 
     #[test]
     fn a_program_is_what_its_loader_names() {
-        let host = format!("void f() {{ GLuint q = load(\"b.vert\"); GLuint program = load(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        let host = format!(
+            "void f() {{ GLuint q = load(\"b.vert\"); GLuint program = load(\"a.vert\", \"a.frag\"); {LOOK} }}"
+        );
         let all = [("a.vert", V), ("a.frag", F), ("b.vert", V)];
         assert_eq!(resolve(&host, &all), Some(("a.vert, a.frag".to_owned(), true)));
         assert_eq!(resolve(&host, &[("a.vert", V)]), Some(("a.vert".to_owned(), false)), "a stage is not there");
@@ -289,6 +297,12 @@ mod tests {
         assert_eq!(resolve(&host("GLuint o = glCreateProgram();"), &all), None, "two programs");
         assert_eq!(resolve(&host("load(dir + \".vert\");"), &all), None, "a name put together at run time");
         assert_eq!(resolve(&host("source = \"#version 150\";"), &all), None, "shader text of its own");
+    }
+
+    #[test]
+    fn a_program_with_a_name_of_its_own_is_not_known() {
+        let host = format!("void f() {{ GLuint program = load(\"phong\"); {LOOK} }}");
+        assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), None);
     }
 
     #[test]

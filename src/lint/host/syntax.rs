@@ -97,7 +97,9 @@ pub fn bare(mut node: Node<'_>) -> Node<'_> {
             },
             "cast_expression" => node.child_by_field_name("value"),
             // static_cast<T>(x): a call of a template function with one argument.
-            "call_expression" if node.child_by_field_name("function").is_some_and(|f| f.kind() == "template_function") => {
+            "call_expression"
+                if node.child_by_field_name("function").is_some_and(|f| f.kind() == "template_function") =>
+            {
                 match arguments(node).as_slice() {
                     &[inner] => Some(inner),
                     _ => None,
@@ -144,8 +146,12 @@ pub fn declared_name(declarator: Node<'_>) -> Option<Node<'_>> {
     loop {
         match node.kind() {
             "identifier" | "field_identifier" => return Some(node),
-            "init_declarator" | "pointer_declarator" | "array_declarator" | "function_declarator"
-            | "parenthesized_declarator" | "reference_declarator" => {
+            "init_declarator"
+            | "pointer_declarator"
+            | "array_declarator"
+            | "function_declarator"
+            | "parenthesized_declarator"
+            | "reference_declarator" => {
                 node = match node.child_by_field_name("declarator") {
                     Some(inner) => inner,
                     // References and parentheses hold their declarator without a field name.
@@ -191,9 +197,7 @@ pub fn root_object(node: Node<'_>) -> Node<'_> {
     loop {
         let next = match node.kind() {
             "subscript_expression" | "field_expression" | "pointer_expression" => node.child_by_field_name("argument"),
-            "call_expression" => {
-                node.child_by_field_name("function").filter(|f| f.kind() == "field_expression")
-            }
+            "call_expression" => node.child_by_field_name("function").filter(|f| f.kind() == "field_expression"),
             _ => None,
         };
         match next {
