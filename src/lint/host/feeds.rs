@@ -3,7 +3,8 @@
 use tree_sitter::Node;
 
 use super::HostFile;
-use super::syntax::{ancestors, arguments, bare, callee, declared_name, descendants, span, wrapped, write};
+use super::index::{Index, within};
+use super::syntax::{ancestors, arguments, bare, callee, wrapped, write};
 
 /// Uses of a location, as far as they can be followed in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +33,8 @@ impl Feeds {
 }
 
 /// Follows the result of `call`: directly into a call, or through the one variable it is kept in.
-pub fn feeds(host: &HostFile, call: Node<'_>) -> Feeds {
+pub fn feeds<'t>(index: &Index<'t>, call: Node<'t>) -> Feeds {
+    let host = index.host;
     let value = wrapped(call);
     let Some(parent) = value.parent() else { return Feeds::default() };
     if parent.kind() == "argument_list" {
@@ -40,15 +42,13 @@ pub fn feeds(host: &HostFile, call: Node<'_>) -> Feeds {
     }
     let Some(kept) = write(parent) else { return Feeds::default() };
     let variable = host.text(kept.target);
-    let Some(scope) = scope(host, kept.target, variable, kept.declares) else { return Feeds::default() };
+    let Some(scope) = scope(index, kept.target, variable, kept.declares) else { return Feeds::default() };
     // With a second value in the same variable it is not known which one a use means.
-    let values =
-        descendants(scope).filter_map(write).filter(|w| host.text(w.target) == variable && !is_number(w.value)).count();
-    if values != 1 {
+    if index.values(scope, variable).count() != 1 {
         return Feeds::default();
     }
     let mut feeds = Feeds::default();
-    for user in descendants(scope).filter(|n| n.kind() == "call_expression") {
+    for &user in index.calls.iter().filter(|c| within(scope, **c)) {
         for argument in arguments(user) {
             if host.text(bare(argument)) == variable {
                 feeds.add(role(host, user, argument));
@@ -56,14 +56,6 @@ pub fn feeds(host: &HostFile, call: Node<'_>) -> Feeds {
         }
     }
     feeds
-}
-
-fn is_number(node: Node<'_>) -> bool {
-    match node.kind() {
-        "number_literal" => true,
-        "unary_expression" => node.child_by_field_name("argument").is_some_and(|a| a.kind() == "number_literal"),
-        _ => false,
-    }
 }
 
 /// What the call `user` does with `argument` as a location.
@@ -87,41 +79,26 @@ fn role(host: &HostFile, user: Node<'_>, argument: Node<'_>) -> Feeds {
 
 /// The part of the file in which `variable` means what it means at `target`; none when the name is
 /// declared more than once there.
-fn scope<'t>(host: &'t HostFile, target: Node<'t>, variable: &str, declares: bool) -> Option<Node<'t>> {
-    let root = host.root()?;
+fn scope<'t>(index: &Index<'t>, target: Node<'t>, variable: &str, declares: bool) -> Option<Node<'t>> {
     if target.kind() != "identifier" {
         // A member: its object is not followed, but its spelling is the same all over the file.
-        return Some(root);
+        return Some(index.root);
     }
-    let blocks = || ancestors(target).filter(|n| matches!(n.kind(), "compound_statement" | "for_statement"));
-    let block = if declares { blocks().next() } else { blocks().find(|b| declarations(host, *b, variable) > 0) };
-    let scope = block.unwrap_or(root);
-    (declarations(host, scope, variable) <= 1).then_some(scope)
-}
-
-fn declarations(host: &HostFile, scope: Node<'_>, variable: &str) -> usize {
-    descendants(scope)
-        .filter(|n| matches!(n.kind(), "declaration" | "parameter_declaration"))
-        .flat_map(|declaration| {
-            let mut cursor = declaration.walk();
-            declaration.children_by_field_name("declarator", &mut cursor).collect::<Vec<_>>()
-        })
-        .filter_map(declared_name)
-        .filter(|name| host.file.slice(span(*name)) == variable)
-        .count()
+    let mut blocks = ancestors(target).filter(|n| matches!(n.kind(), "compound_statement" | "for_statement"));
+    let block = if declares { blocks.next() } else { blocks.find(|b| index.declarations(*b, variable) > 0) };
+    let scope = block.unwrap_or(index.root);
+    (index.declarations(scope, variable) <= 1).then_some(scope)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lint::host::lookup::lookups;
     use crate::text::SourceFile;
 
     fn of(body: &str) -> Feeds {
         let text = format!("void f() {{ {body} }}");
         let host = HostFile::new(&SourceFile::new("a.cpp", text), true);
-        let found = lookups(&host);
-        found[0].feeds
+        host.lookups()[0].feeds
     }
 
     const ATTRIBUTE: Feeds = Feeds { attribute: true, uniform: false };

@@ -6,7 +6,7 @@ use crate::lint::rule::{Check, Example, Findings, Page, Rule};
 use crate::text::Edit;
 
 use super::HostFile;
-use super::lookup::{LookupKind, lookups};
+use super::lookup::LookupKind;
 use super::program::program;
 
 /// The rule.
@@ -53,11 +53,11 @@ const SHADER: &str = "#version 150 core\nin vec4 p0, p1;\nuniform float t;\nunif
                       void main(void)\n{\n  gl_Position = mc * mix(p0, p1, t);\n}\n";
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
-    for lookup in lookups(host) {
+    for lookup in host.lookups() {
         if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
             continue;
         }
-        let Some(program) = program(host, project, &lookup) else { continue };
+        let Some(program) = program(host, project, lookup) else { continue };
         let name = lookup.base_name();
         let Some((shader, variable)) = program.attribute(name) else { continue };
         let elsewhere = program.uniform(name).is_some() || program.in_block(name);

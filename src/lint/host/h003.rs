@@ -6,7 +6,7 @@ use crate::lint::rule::{Check, Example, Findings, Page, Rule};
 use crate::text::{Edit, Span};
 
 use super::HostFile;
-use super::lookup::{LookupKind, lookups};
+use super::lookup::LookupKind;
 use super::program::program;
 use super::suggest::nearest;
 
@@ -52,11 +52,11 @@ const VERTEX: &str = "#version 150 core\nin vec4 position;\nuniform mat4 mc;\n\
 const FRAGMENT: &str = "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n";
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
-    for lookup in lookups(host) {
+    for lookup in host.lookups() {
         if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
             continue;
         }
-        let Some(program) = program(host, project, &lookup) else { continue };
+        let Some(program) = program(host, project, lookup) else { continue };
         let name = lookup.base_name();
         // A block's member has no location either, but its name is known.
         let declared = program.uniform(name).is_some() || program.in_block(name);

@@ -6,7 +6,7 @@ use crate::lint::rule::{Check, Example, Findings, Page, Rule};
 use crate::text::Edit;
 
 use super::HostFile;
-use super::lookup::{LookupKind, lookups};
+use super::lookup::LookupKind;
 use super::program::program;
 use super::suggest::{list, nearest};
 
@@ -51,8 +51,8 @@ const SHADER: &str = "#version 150 core\nin vec2 parameter;\nvoid main(void)\n{\
                       gl_Position = vec4(parameter, 0.0, 1.0);\n}\n";
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
-    let all = lookups(host);
-    for lookup in &all {
+    let all = host.lookups();
+    for lookup in all {
         if lookup.kind == LookupKind::Uniform || lookup.is_reserved() {
             continue;
         }

@@ -52,8 +52,9 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             continue;
         }
         let empty = empty_arrays(host, function);
+        let [(array, declared, dims)] = empty.as_slice() else { continue };
         let filled = undeclared_filled(host, root, function);
-        let ([(array, declared, dims)], [(name, uses)]) = (empty.as_slice(), filled.as_slice()) else { continue };
+        let [(name, uses)] = filled.as_slice() else { continue };
         let first = uses[0];
         if dims_of(first) != *dims || !is_unseen(host, project, name, &mut BTreeSet::new()) {
             continue;

@@ -6,7 +6,9 @@ use crate::text::Span;
 
 use super::HostFile;
 use super::feeds::{Feeds, feeds};
-use super::syntax::{arguments, callee, descendants, plain_string, span};
+use super::index::Index;
+use super::program::{ProgramSource, source};
+use super::syntax::{arguments, callee, plain_string, span};
 
 /// What is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,24 +45,22 @@ impl LookupKind {
 }
 
 /// A look-up with a literal name.
-pub struct Lookup<'t> {
+pub struct Lookup {
     /// What is looked up.
     pub kind: LookupKind,
-    /// The call.
-    pub call: Node<'t>,
     /// Place of the function's name.
     pub function: Span,
-    /// The program, as an expression.
-    pub program: Node<'t>,
     /// The name as written.
-    pub name: &'t str,
+    pub name: String,
     /// Place of the name, without the quotation marks.
     pub name_span: Span,
+    /// Where the shaders of its program are named.
+    pub source: ProgramSource,
     /// What the location is used for.
     pub feeds: Feeds,
 }
 
-impl Lookup<'_> {
+impl Lookup {
     /// Place of the name with its quotation marks.
     pub fn literal_span(&self) -> Span {
         Span::new(self.name_span.start - 1, self.name_span.end + 1)
@@ -68,7 +68,7 @@ impl Lookup<'_> {
 
     /// The variable that the name speaks of: `light` of `light[2].position`.
     pub fn base_name(&self) -> &str {
-        self.name.split(['.', '[']).next().unwrap_or(self.name)
+        self.name.split(['.', '[']).next().unwrap_or(&self.name)
     }
 
     /// True for names that GL reserves; they never have a location.
@@ -78,27 +78,27 @@ impl Lookup<'_> {
 }
 
 /// All look-ups of a file, in the order of the text.
-pub fn lookups(host: &HostFile) -> Vec<Lookup<'_>> {
-    let Some(root) = host.root() else { return Vec::new() };
-    descendants(root).filter_map(|node| lookup(host, node)).collect()
+pub fn find(host: &HostFile) -> Vec<Lookup> {
+    let Some(index) = Index::new(host) else { return Vec::new() };
+    index.calls.iter().filter_map(|&call| lookup(&index, call)).collect()
 }
 
-fn lookup<'t>(host: &'t HostFile, call: Node<'t>) -> Option<Lookup<'t>> {
-    let (function, function_node) = callee(call, &host.file)?;
+fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
+    let file = &index.host.file;
+    let (function, function_node) = callee(call, file)?;
     let kind = LookupKind::of(function)?;
     let arguments = arguments(call);
     if call.has_error() || arguments.len() != kind.arity() {
         return None;
     }
-    let (name, name_span) = plain_string(*arguments.last()?, &host.file)?;
+    let (name, name_span) = plain_string(*arguments.last()?, file)?;
     Some(Lookup {
         kind,
-        call,
         function: span(function_node),
-        program: arguments[0],
-        name,
+        name: name.to_owned(),
         name_span,
-        feeds: feeds(host, call),
+        source: source(index, call, arguments[0]),
+        feeds: feeds(index, call),
     })
 }
 
@@ -123,7 +123,8 @@ mod tests {
             ),
             true,
         );
-        let found: Vec<_> = lookups(&host).iter().map(|l| (l.kind, l.name, l.base_name().to_owned())).collect();
+        let found: Vec<_> =
+            host.lookups().iter().map(|l| (l.kind, l.name.as_str(), l.base_name().to_owned())).collect();
         assert_eq!(
             found,
             [

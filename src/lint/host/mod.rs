@@ -7,14 +7,19 @@ pub(super) mod h003;
 pub(super) mod h004;
 pub(super) mod h029;
 pub(super) mod h030;
+mod index;
 mod lookup;
 mod program;
 mod suggest;
 pub(super) mod syntax;
 
+use std::sync::OnceLock;
+
 use tree_sitter::{Node, Parser, Tree};
 
 use crate::text::SourceFile;
+
+use lookup::Lookup;
 
 pub(super) use program::named_shaders;
 pub(super) use syntax::quoted_includes;
@@ -26,13 +31,14 @@ pub struct HostFile {
     /// False when the file is only there to be looked things up in.
     pub reported: bool,
     tree: Option<Tree>,
+    lookups: OnceLock<Vec<Lookup>>,
 }
 
 impl HostFile {
     /// Parses `file` as C++, of which the C that feeds shaders is a part. Text that cannot be read
     /// becomes error nodes, on which rules stay silent.
     pub fn new(file: &SourceFile, reported: bool) -> Self {
-        Self { tree: parse(file.text()), file: file.clone(), reported }
+        Self { tree: parse(file.text()), file: file.clone(), reported, lookups: OnceLock::new() }
     }
 
     /// The root of the tree; none when the parser gave up.
@@ -43,6 +49,11 @@ impl HostFile {
     /// Text of a node.
     pub fn text(&self, node: Node<'_>) -> &str {
         self.file.slice(syntax::span(node))
+    }
+
+    /// All look-ups with a literal name, in the order of the text.
+    fn lookups(&self) -> &[Lookup] {
+        self.lookups.get_or_init(|| lookup::find(self))
     }
 
     /// Number of places that the parser could not read.

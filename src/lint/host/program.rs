@@ -11,10 +11,9 @@ use crate::glsl::interface::Variable;
 use crate::lint::project::{Project, ShaderFile};
 
 use super::HostFile;
+use super::index::Index;
 use super::lookup::Lookup;
-use super::syntax::{
-    ancestors, callee, declared_name, descendants, enclosing_function, plain_string, root_object, span, write,
-};
+use super::syntax::{ancestors, declared_name, descendants, enclosing_function, plain_string, root_object, span};
 
 /// The stages of one program.
 pub struct Program<'p> {
@@ -71,45 +70,74 @@ fn is_plain(shader: &ShaderFile) -> bool {
     shader.is_sound() && !shader.conditional
 }
 
+/// Where the shaders of a program are named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ProgramSource {
+    /// In the host file: the stages, one file each.
+    Named(Vec<String>),
+    /// Nowhere; the shaders beside the host file may be meant.
+    Beside,
+    /// Not to be known from this file.
+    Unknown,
+}
+
 /// The program of a look-up, when it is known.
-pub fn program<'p>(host: &HostFile, project: &'p Project, lookup: &Lookup<'_>) -> Option<Program<'p>> {
-    let groups = groups(host);
+pub fn program<'p>(host: &HostFile, project: &'p Project, lookup: &Lookup) -> Option<Program<'p>> {
     let from = host.file.name();
-    let named = |names: &[&str]| -> Option<Program<'p>> {
-        let found: Vec<Option<&ShaderFile>> = names.iter().map(|n| project.shader_named(from, n)).collect();
-        let complete = found.iter().all(|s| s.is_some_and(is_plain));
-        let shaders: Vec<&ShaderFile> = found.into_iter().flatten().collect();
-        (!shaders.is_empty()).then_some(Program { shaders, complete })
+    let found: Vec<Option<&ShaderFile>> = match &lookup.source {
+        ProgramSource::Named(names) => names.iter().map(|n| project.shader_named(from, n)).collect(),
+        ProgramSource::Beside => {
+            let beside = project.shaders_beside(from);
+            let names: Vec<&str> = beside.iter().map(|s| s.file.name()).collect();
+            if !one_each(&names) {
+                return None;
+            }
+            beside.into_iter().map(Some).collect()
+        }
+        ProgramSource::Unknown => return None,
     };
-    match loader(host, lookup) {
+    let complete = found.iter().all(|s| s.is_some_and(is_plain));
+    let shaders: Vec<&ShaderFile> = found.into_iter().flatten().collect();
+    (!shaders.is_empty()).then_some(Program { shaders, complete })
+}
+
+/// Where the shaders of the program in a look-up are named.
+pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> ProgramSource {
+    let named = |mut names: Vec<&str>| {
+        names.sort_unstable();
+        names.dedup();
+        if one_each(&names) {
+            ProgramSource::Named(names.into_iter().map(str::to_owned).collect())
+        } else {
+            ProgramSource::Unknown
+        }
+    };
+    match loader(index, call, program) {
         Loader::Value(value) => {
-            let within = |g: &&Group<'_>| span(value).start <= g.start && g.start < span(value).end;
-            let names: Vec<&str> = groups.iter().filter(within).flat_map(|g| g.names.iter().copied()).collect();
+            let inside = span(value);
+            let names: Vec<&str> = index
+                .groups
+                .iter()
+                .filter(|g| inside.contains(g.start))
+                .flat_map(|g| g.names.iter().copied())
+                .collect();
             if !names.is_empty() {
-                return one_each(&names).then(|| named(&names)).flatten();
+                return named(names);
             }
             // Made from something with a name that is no file: load("phong").
             if descendants(value).any(|n| n.kind().ends_with("string_literal")) {
-                return None;
+                return ProgramSource::Unknown;
             }
         }
-        Loader::Several => return None,
+        Loader::Several => return ProgramSource::Unknown,
         Loader::Unknown => {}
     }
     // From here on the file as a whole has to be about one program.
-    if has_unknown_sources(host) || calls(host, "glCreateProgram") > 1 || calls(host, "glLinkProgram") > 1 {
-        return None;
+    if index.unknown_sources || index.call_count("glCreateProgram") > 1 || index.call_count("glLinkProgram") > 1 {
+        return ProgramSource::Unknown;
     }
-    let mut names: Vec<&str> = groups.iter().flat_map(|g| g.names.iter().copied()).collect();
-    names.sort_unstable();
-    names.dedup();
-    if !names.is_empty() {
-        return one_each(&names).then(|| named(&names)).flatten();
-    }
-    let beside = project.shaders_beside(from);
-    let stages: Vec<&str> = beside.iter().map(|s| s.file.name()).collect();
-    let complete = beside.iter().all(|s| is_plain(s));
-    (!beside.is_empty() && one_each(&stages)).then_some(Program { shaders: beside, complete })
+    let names: Vec<&str> = index.groups.iter().flat_map(|g| g.names.iter().copied()).collect();
+    if names.is_empty() { ProgramSource::Beside } else { named(names) }
 }
 
 /// True when no stage is named twice and each name says its stage.
@@ -128,30 +156,25 @@ enum Loader<'t> {
     Unknown,
 }
 
-fn loader<'t>(host: &'t HostFile, lookup: &Lookup<'t>) -> Loader<'t> {
-    let object = root_object(lookup.program);
-    let mut variable = host.text(object);
+fn loader<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Loader<'t> {
+    let host = index.host;
+    let mut variable = host.text(root_object(program));
     if variable == "this" {
-        variable = host.text(lookup.program);
+        variable = host.text(program);
     }
-    let Some(root) = host.root() else { return Loader::Unknown };
-    let writes = |scope: Node<'t>| {
-        descendants(scope)
-            .filter_map(write)
-            .filter(|w| host.text(w.target) == variable && !matches!(w.value.kind(), "number_literal" | "null"))
-            .collect::<Vec<_>>()
-    };
-    let function = enclosing_function(lookup.call);
-    let mut all = function.map(writes).unwrap_or_default();
+    let function = enclosing_function(call);
+    let mut all: Vec<Node<'t>> = function.iter().flat_map(|f| index.values(*f, variable)).map(|w| w.value).collect();
     if all.is_empty() {
         if function.is_some_and(|f| has_parameter(host, f, variable)) {
             return Loader::Unknown;
         }
         // A variable that another function declares for itself is not this one.
-        all = writes(root);
-        all.retain(|w| !(w.declares && enclosing_function(w.target).is_some()));
+        all = index
+            .values(index.root, variable)
+            .filter(|w| !(w.declares && enclosing_function(w.target).is_some()))
+            .map(|w| w.value)
+            .collect();
     }
-    let all: Vec<Node<'t>> = all.into_iter().map(|w| w.value).collect();
     match all.as_slice() {
         [] => Loader::Unknown,
         &[value] => Loader::Value(value),
@@ -169,15 +192,19 @@ fn has_parameter(host: &HostFile, function: Node<'_>, name: &str) -> bool {
 }
 
 /// Shader files named together: the arguments of one call, or one literal elsewhere.
-struct Group<'t> {
-    start: usize,
-    names: Vec<&'t str>,
+pub struct Group<'t> {
+    /// Offset of the first name.
+    pub start: usize,
+    /// The names.
+    pub names: Vec<&'t str>,
+    /// The list they stand in, or the literal.
+    node: usize,
 }
 
-fn groups(host: &HostFile) -> Vec<Group<'_>> {
-    let Some(root) = host.root() else { return Vec::new() };
-    let mut groups: Vec<(usize, Group<'_>)> = Vec::new();
-    for literal in descendants(root).filter(|n| n.kind() == "string_literal") {
+/// The shader files that string literals name.
+pub fn groups<'t>(host: &'t HostFile, strings: &[Node<'t>]) -> Vec<Group<'t>> {
+    let mut groups: Vec<Group<'t>> = Vec::new();
+    for &literal in strings {
         let Some((name, place)) = plain_string(literal, &host.file).filter(|(n, _)| is_shader_name(n)) else {
             continue;
         };
@@ -185,13 +212,13 @@ fn groups(host: &HostFile) -> Vec<Group<'_>> {
             continue;
         }
         let list = ancestors(literal).find(|a| matches!(a.kind(), "argument_list" | "initializer_list"));
-        let id = list.map_or_else(|| literal.id(), |l| l.id());
-        match groups.iter_mut().find(|(known, _)| *known == id) {
-            Some((_, group)) => group.names.push(name),
-            None => groups.push((id, Group { start: place.start, names: vec![name] })),
+        let node = list.map_or_else(|| literal.id(), |l| l.id());
+        match groups.iter_mut().find(|g| g.node == node) {
+            Some(group) => group.names.push(name),
+            None => groups.push(Group { start: place.start, names: vec![name], node }),
         }
     }
-    groups.into_iter().map(|(_, group)| group).collect()
+    groups
 }
 
 /// True for a file name with a shader's ending, in one piece.
@@ -204,37 +231,28 @@ fn is_shader_name(text: &str) -> bool {
         && !file.ends_with(".cs")
 }
 
-/// True when the file holds shader text, or puts names of shaders together at run time.
-fn has_unknown_sources(host: &HostFile) -> bool {
-    let Some(root) = host.root() else { return true };
-    descendants(root)
-        .filter(|n| matches!(n.kind(), "string_literal" | "raw_string_literal" | "concatenated_string"))
-        .map(|n| host.text(n))
-        .any(|text| {
-            let inner = text.trim_matches('"');
-            text.contains("#version")
-                || text.contains("gl_Position")
-                || text.contains("void main")
-                || (!is_shader_name(inner) && [".vert", ".frag", ".geom", ".glsl"].iter().any(|e| inner.ends_with(e)))
-        })
-}
-
-fn calls(host: &HostFile, function: &str) -> usize {
-    host.root().map_or(0, |root| {
-        descendants(root).filter(|&n| callee(n, &host.file).is_some_and(|(name, _)| name == function)).count()
+/// True when string literals hold shader text, or parts of shaders' names.
+pub fn has_unknown_sources(host: &HostFile, strings: &[Node<'_>]) -> bool {
+    strings.iter().map(|n| host.text(*n)).any(|text| {
+        let inner = text.trim_matches('"');
+        let is_part = || [".vert", ".frag", ".geom", ".glsl"].iter().any(|e| inner.ends_with(e));
+        text.contains("#version")
+            || text.contains("gl_Position")
+            || text.contains("void main")
+            || (!is_shader_name(inner) && is_part())
     })
 }
 
 /// The shader files that a host file names in string literals.
 pub fn named_shaders(host: &HostFile) -> Vec<String> {
-    groups(host).into_iter().flat_map(|g| g.names).map(str::to_owned).collect()
+    let groups = Index::new(host).map(|i| i.groups).unwrap_or_default();
+    groups.into_iter().flat_map(|g| g.names).map(str::to_owned).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lint::Input;
-    use crate::lint::host::lookup::lookups;
     use crate::text::SourceFile;
 
     /// Names of the shaders of the first look-up's program, and whether it is complete.
@@ -243,8 +261,7 @@ mod tests {
         inputs.extend(shaders.iter().map(|(n, t)| Input::new(SourceFile::new(*n, *t))));
         let project = Project::new(&inputs);
         let host = project.hosts().next().unwrap();
-        let lookups = lookups(host);
-        program(host, &project, &lookups[0]).map(|p| (p.names(), p.is_complete()))
+        program(host, &project, &host.lookups()[0]).map(|p| (p.names(), p.is_complete()))
     }
 
     const V: &str = "#version 150 core\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
@@ -257,7 +274,7 @@ mod tests {
             "void f() {{ GLuint q = load(\"b.vert\"); GLuint program = load(\"a.vert\", \"a.frag\"); {LOOK} }}"
         );
         let all = [("a.vert", V), ("a.frag", F), ("b.vert", V)];
-        assert_eq!(resolve(&host, &all), Some(("a.vert, a.frag".to_owned(), true)));
+        assert_eq!(resolve(&host, &all), Some(("a.frag, a.vert".to_owned(), true)));
         assert_eq!(resolve(&host, &[("a.vert", V)]), Some(("a.vert".to_owned(), false)), "a stage is not there");
         assert_eq!(resolve(&host, &[("b.vert", V)]), None, "no stage of it is there");
     }
