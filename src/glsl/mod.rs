@@ -1,1 +1,340 @@
-//! Placeholder.
+//! Front end for desktop GLSL 1.10 to 4.60: text to tokens, syntax tree, symbols, types and the
+//! exact stage interface, with byte spans for everything. Broken input gives diagnostics and as
+//! much of the rest as can be read.
+
+pub mod ast;
+mod fold;
+pub mod interface;
+pub mod symbols;
+pub mod types;
+
+use crate::diagnostic::Diagnostic;
+use crate::text::{SourceFile, Span};
+use ast::{Arena, Expr, ExprId, Unit};
+pub use fold::Const;
+use interface::Interface;
+use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
+use types::Type;
+
+/// Pipeline stage of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Vertex shader.
+    Vertex,
+    /// Tessellation control shader.
+    TessControl,
+    /// Tessellation evaluation shader.
+    TessEvaluation,
+    /// Geometry shader.
+    Geometry,
+    /// Fragment shader.
+    Fragment,
+    /// Compute shader.
+    Compute,
+    /// Functions without `main`, to be put before a shader.
+    Library,
+}
+
+impl Stage {
+    /// The stage that a file name says: by its last extension, or the one before `.glsl`
+    /// (`a.vert.glsl`). A bare `.glsl` is a library.
+    pub fn from_path(name: &str) -> Option<Self> {
+        let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let mut parts = file.rsplit('.');
+        let of = |part: &str| {
+            Some(match part.to_ascii_lowercase().as_str() {
+                "vert" | "vs" | "vsh" | "vertex" => Self::Vertex,
+                "tesc" | "tcs" => Self::TessControl,
+                "tese" | "tes" => Self::TessEvaluation,
+                "geom" | "gs" | "gsh" | "geo" | "geometry" => Self::Geometry,
+                "frag" | "fs" | "fsh" | "fragment" => Self::Fragment,
+                "comp" | "cs" | "compute" => Self::Compute,
+                _ => return None,
+            })
+        };
+        let last = parts.next()?;
+        let before = parts.next()?;
+        if last.eq_ignore_ascii_case("glsl") {
+            // The first part of the name is no extension: `vs.glsl` is a library called `vs`.
+            let stage = parts.next().and_then(|_| of(before));
+            return Some(stage.unwrap_or(Self::Library));
+        }
+        of(last)
+    }
+
+    /// `vertex`, `geometry`, …
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::TessControl => "tessellation control",
+            Self::TessEvaluation => "tessellation evaluation",
+            Self::Geometry => "geometry",
+            Self::Fragment => "fragment",
+            Self::Compute => "compute",
+            Self::Library => "library",
+        }
+    }
+}
+
+/// Profile of a `#version` line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Profile {
+    /// `core`, or nothing from 1.50 on.
+    Core,
+    /// `compatibility`, or nothing before 1.50.
+    Compatibility,
+    /// `es`, or version 100.
+    Es,
+}
+
+/// Version of the language.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Version {
+    /// The number: 110 to 460; 110 without a directive.
+    pub number: u32,
+    /// The profile.
+    pub profile: Profile,
+    /// The whole directive line, without its line break; none without a directive.
+    pub span: Option<Span>,
+}
+
+/// `#extension name : behaviour`
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Extension {
+    /// The name, such as `GL_ARB_explicit_attrib_location`, or `all`.
+    pub name: String,
+    /// `require`, `enable`, `warn` or `disable`, as written.
+    pub behavior: String,
+    /// The whole directive line, without its line break.
+    pub span: Span,
+}
+
+/// A comment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Comment {
+    /// Its place, with `//` or `/*` and `*/`, without the line break.
+    pub span: Span,
+    /// True for `/* … */`.
+    pub block: bool,
+}
+
+/// Kind of a token of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TokenKind {
+    /// A name or keyword.
+    Word,
+    /// A number.
+    Number,
+    /// An operator or other punctuation, `#` and `##` included.
+    Punctuation,
+    /// Something that is no token of the language.
+    Unknown,
+}
+
+/// Where a token of the text stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TokenPlace {
+    /// In text that is compiled.
+    Text,
+    /// In a directive, macro bodies included.
+    Directive,
+    /// In text or a directive that an `#if` leaves out.
+    Inactive,
+}
+
+/// A token of the original text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Token {
+    /// Its kind.
+    pub kind: TokenKind,
+    /// Its place; `SourceFile::slice` gives the text.
+    pub span: Span,
+    /// Where it stands.
+    pub place: TokenPlace,
+}
+
+/// A shader and what is wrong with it.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// The shader, as far as it could be read.
+    pub shader: Shader,
+    /// Errors of the front end, in the order of the text.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A shader that has been read.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    file: SourceFile,
+    stage: Stage,
+    version: Version,
+    extensions: Vec<Extension>,
+    comments: Vec<Comment>,
+    tokens: Vec<Token>,
+    unit: Unit,
+    arena: Arena,
+    types: Vec<Type>,
+    values: Vec<Option<Const>>,
+    names: Vec<Option<SymbolId>>,
+    calls: Vec<Option<CallTarget>>,
+    symbols: Vec<Symbol>,
+    functions: Vec<FunctionInfo>,
+    uses: Vec<Use>,
+    interface: Interface,
+}
+
+impl Shader {
+    /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
+    /// next `;` or `}`.
+    pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
+        let shader = Self {
+            file: file.clone(),
+            stage,
+            version: Version { number: 110, profile: Profile::Compatibility, span: None },
+            extensions: Vec::new(),
+            comments: Vec::new(),
+            tokens: Vec::new(),
+            unit: Unit::default(),
+            arena: Arena::default(),
+            types: Vec::new(),
+            values: Vec::new(),
+            names: Vec::new(),
+            calls: Vec::new(),
+            symbols: Vec::new(),
+            functions: Vec::new(),
+            uses: Vec::new(),
+            interface: Interface::default(),
+        };
+        Parsed { shader, diagnostics: Vec::new() }
+    }
+
+    /// The file.
+    pub fn file(&self) -> &SourceFile {
+        &self.file
+    }
+
+    /// The stage.
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// The version, with the place of its directive.
+    pub fn version(&self) -> &Version {
+        &self.version
+    }
+
+    /// Active `#extension` lines.
+    pub fn extensions(&self) -> &[Extension] {
+        &self.extensions
+    }
+
+    /// All comments in the order of the text.
+    pub fn comments(&self) -> &[Comment] {
+        &self.comments
+    }
+
+    /// All tokens of the original text in order, those in directives and in parts that an `#if`
+    /// leaves out included; no comments.
+    pub fn tokens(&self) -> &[Token] {
+        &self.tokens
+    }
+
+    /// The syntax tree.
+    pub fn unit(&self) -> &Unit {
+        &self.unit
+    }
+
+    /// The expressions of the syntax tree.
+    pub fn arena(&self) -> &Arena {
+        &self.arena
+    }
+
+    /// An expression.
+    pub fn expr(&self, id: ExprId) -> &Expr {
+        self.arena.get(id)
+    }
+
+    /// The text of an expression's span.
+    pub fn text_of(&self, id: ExprId) -> &str {
+        self.file.slice(self.expr(id).span)
+    }
+
+    /// The stage interface.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    /// Type of an expression; [`Type::Error`] when it is unknown because of an error told
+    /// elsewhere.
+    pub fn type_of(&self, id: ExprId) -> &Type {
+        self.types.get(id.index()).unwrap_or(&Type::Error)
+    }
+
+    /// Value of a constant scalar expression.
+    pub fn fold(&self, id: ExprId) -> Option<Const> {
+        self.values.get(id.index()).copied().flatten()
+    }
+
+    /// The variable that a name expression means.
+    pub fn symbol_of(&self, id: ExprId) -> Option<SymbolId> {
+        self.names.get(id.index()).copied().flatten()
+    }
+
+    /// What a call expression means; none when no function fits.
+    pub fn callee(&self, id: ExprId) -> Option<&CallTarget> {
+        self.calls.get(id.index())?.as_ref()
+    }
+
+    /// A variable.
+    pub fn symbol(&self, id: SymbolId) -> &Symbol {
+        &self.symbols[id.index()]
+    }
+
+    /// All variables, and the built-in ones that are used.
+    pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &Symbol)> {
+        self.symbols.iter().enumerate().map(|(i, s)| (SymbolId(u32::try_from(i).unwrap_or(u32::MAX)), s))
+    }
+
+    /// All uses of variables in the order of the text.
+    pub fn uses(&self) -> &[Use] {
+        &self.uses
+    }
+
+    /// The uses of one variable.
+    pub fn uses_of(&self, symbol: SymbolId) -> impl Iterator<Item = &Use> {
+        self.uses.iter().filter(move |u| u.symbol == symbol)
+    }
+
+    /// The built-in variable of that name, when the shader uses it.
+    pub fn builtin(&self, name: &str) -> Option<SymbolId> {
+        self.symbols().find(|(_, s)| s.kind == symbols::SymbolKind::Builtin && s.name == name).map(|(id, _)| id)
+    }
+
+    /// True when the variable is written anywhere, in part or as a whole.
+    pub fn is_written(&self, symbol: SymbolId) -> bool {
+        self.uses_of(symbol).any(|u| u.access.writes())
+    }
+
+    /// All functions of the shader with their signatures.
+    pub fn functions(&self) -> impl Iterator<Item = (FunctionId, &FunctionInfo)> {
+        self.functions.iter().enumerate().map(|(i, f)| (FunctionId(u32::try_from(i).unwrap_or(u32::MAX)), f))
+    }
+
+    /// The first function of that name.
+    pub fn function(&self, name: &str) -> Option<&FunctionInfo> {
+        self.functions.iter().find(|f| f.name.name == name)
+    }
+
+    /// A function by its identity.
+    pub fn function_info(&self, id: FunctionId) -> &FunctionInfo {
+        &self.functions[id.index()]
+    }
+
+    /// The syntax of a function's definition, if it has one.
+    pub fn function_syntax(&self, function: &FunctionInfo) -> Option<&ast::Function> {
+        match &self.unit.items.get(function.definition?)?.kind {
+            ast::ItemKind::Function(f) => Some(f),
+            _ => None,
+        }
+    }
+}
