@@ -272,6 +272,57 @@ fn every_shipped_suite_is_sound_and_names_its_own_shader() {
     }
 }
 
+/// All inputs of a formula as inputs of an invocation.
+fn inputs_of(formula: &crate::formula::Formula) -> Arc<Record> {
+    use crate::formula::Kind;
+    let field = |p: &crate::formula::Param| {
+        let shape = match p.kind {
+            Kind::Float => Shape::FLOAT,
+            Kind::Int => Shape::INT,
+            Kind::Vec2 => Shape::VEC2,
+            Kind::Vec3 => Shape::VEC3,
+            Kind::Vec4 => Shape::VEC4,
+            Kind::Mat4 => Shape::MAT4,
+        };
+        Field { name: p.name.into(), shape: p.array.map_or(shape, |len| shape.array_of(len as u32)) }
+    };
+    Arc::new(Record::new(formula.inputs.iter().map(field).collect()))
+}
+
+#[test]
+fn every_shipped_suite_fills_the_inputs_of_its_formula() {
+    use crate::property::shrink::Domain;
+    for shipped in shipped() {
+        let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
+        let formula = crate::formula::by_name(&suite.formula).unwrap();
+        let plan = suite.plan(&inputs_of(formula), &Arc::default()).unwrap_or_else(|e| panic!("{e}"));
+        for lane in 0..64 {
+            let sample = plan.sample(1, 0, lane);
+            assert!(plan.admits(&sample), "{}: {sample:?}", shipped.name);
+            assert!(plan.admits(&plan.simplest(&sample)));
+        }
+    }
+}
+
+#[test]
+fn a_shipped_suite_is_found_by_name_and_guessed_from_a_slip() {
+    assert_eq!(find("sphere").unwrap().shader_name, "sphere.vert");
+    assert_eq!(find("sphera").unwrap_err().to_string(), "there is no suite `sphera`; did you mean `sphere`?");
+    assert_eq!(find("catmul_rom").unwrap_err().suggestion, Some("catmull_rom"));
+}
+
+#[test]
+fn a_suite_on_disk_is_read_with_its_shader() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/chapter9/sphere.suite.toml");
+    let loaded = load(&root).unwrap();
+    assert_eq!(loaded.shader.text(), find("sphere").unwrap().shader_text);
+    let folder = tempfile::tempdir().unwrap();
+    let alone = folder.path().join("sphere.suite.toml");
+    fs::write(&alone, find("sphere").unwrap().toml).unwrap();
+    let error = load(&alone).unwrap_err().to_string();
+    assert!(error.contains("sphere.suite.toml:3:11: cannot read the shader `"), "{error}");
+}
+
 #[test]
 fn an_unknown_suite_is_refused() {
     let error = find("no_such_suite_at_all").unwrap_err();
