@@ -1,1 +1,5 @@
 //! Placeholder.
+
+pub mod explain;
+pub mod lint;
+pub mod status;

@@ -73,6 +73,7 @@ pub(super) fn fill_cases(plan: &Plan, seed: u64, first_case: u64, words: &mut [u
             stride,
             spans: &planned.spans,
             key: key(seed, planned),
+            exact_key: seed,
             first_case,
             first_lane: 0,
             per_case: 1,
@@ -92,8 +93,16 @@ pub(super) fn fill_invocations(
 ) {
     let stride = plan.invocation_record().words();
     for planned in &plan.invocation {
-        let rows =
-            Rows { words, stride, spans: &planned.spans, key: key(seed, planned), first_case, first_lane, per_case };
+        let rows = Rows {
+            words,
+            stride,
+            spans: &planned.spans,
+            key: key(seed, planned),
+            exact_key: seed,
+            first_case,
+            first_lane,
+            per_case,
+        };
         planned.generator.fill_rows(&planned.group, rows);
     }
 }

@@ -47,7 +47,8 @@ impl Strategy for CaseStrategy {
         let lane = (seed % LANES) as usize;
         let sample = self.plan.sample(seed, 0, lane);
         let moves = Moves::new(&sample, self.plan.groups());
-        Ok(CaseTree { plan: self.plan.clone(), moves, best: sample, candidate: None, at: 0, idle: 0 })
+        let plainest = self.plan.simplest(&sample);
+        Ok(CaseTree { plan: self.plan.clone(), moves, plainest, best: sample, candidate: None, at: 0, idle: 0 })
     }
 }
 
@@ -59,6 +60,8 @@ impl Strategy for CaseStrategy {
 pub struct CaseTree {
     plan: Arc<Plan>,
     moves: Moves,
+    /// The plainest sample of the plan.
+    plainest: Sample,
     /// The simplest sample known to fail (at first: the sample itself).
     best: Sample,
     /// What is being tried.
@@ -72,13 +75,14 @@ pub struct CaseTree {
 impl CaseTree {
     /// Puts the next candidate up; false when a whole turn brought none.
     fn advance(&mut self) -> bool {
-        let base = self.plan.simplest(&self.best);
         while self.idle < self.moves.len() {
             let slot = self.moves.slot(self.at);
             self.at = (self.at + 1) % self.moves.len();
             self.idle += 1;
-            let candidate = self.moves.apply(slot, &self.best, &base, &*self.plan);
-            if let Some(candidate) = candidate.filter(|c| simpler_than(c, &self.best) && self.plan.admits(c)) {
+            let candidate = self.moves.apply(slot, &self.best, &self.plainest, &*self.plan);
+            if let Some(candidate) =
+                candidate.filter(|c| simpler_than(c, &self.best, &self.plainest) && self.plan.admits(c))
+            {
                 self.candidate = Some(candidate);
                 return true;
             }

@@ -34,7 +34,22 @@ macro_rules! suites {
 
 /// All suites that come with this crate, in the order in which they are run and listed.
 pub fn shipped() -> &'static [ShippedSuite] {
-    suites! {}
+    suites! {
+        "chapter9" "sphere" "vert";
+        "chapter9" "cylinder" "vert";
+        "chapter9" "morph" "vert";
+        "chapter9" "morph_targets" "vert";
+        "chapter9" "joints" "vert";
+        "chapter9" "two_bones" "vert";
+        "chapter9" "segment_distance" "glsl";
+        "chapter9" "bone_weight" "glsl";
+        "chapter9" "skinning" "vert";
+        "hair" "hermite" "glsl";
+        "hair" "catmull_rom" "glsl";
+        "hair" "cardinal" "glsl";
+        "hair" "kochanek_bartels" "glsl";
+        "hair" "hair" "geom";
+    }
 }
 
 /// A name that no shipped suite has.

@@ -83,10 +83,14 @@ impl Generator for Bones {
         }
     }
 
-    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
+    fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]) {
         let Parts { count, roots, tips, matrices, rows } = parts(group);
         let range = group.range();
-        let kind = if stream.one_in(SPECIAL) { stream.below(6) } else { usize::MAX };
+        let kind = match stream.one_in(SPECIAL) {
+            _ if place.exact => 2,
+            true => stream.below(6),
+            false => usize::MAX,
+        };
         out[0] = match kind {
             4 => 1,
             5 => count,
@@ -111,10 +115,9 @@ impl Generator for Bones {
                 }
                 _ => blend_matrix(root, tip, &matrix::rigid(range, stream)),
             };
-            let w = DVec3::ONE.x;
             for (at, p) in [(roots, root), (tips, tip)] {
                 let out = &mut out[at + bone * rows..][..rows];
-                for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, w]) {
+                for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, 1.0]) {
                     *word_out = word(c);
                 }
             }

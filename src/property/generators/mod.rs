@@ -34,6 +34,9 @@ pub use range::Range;
 /// One sample in this many is special.
 pub const SPECIAL: usize = 8;
 
+/// One case in this many is exact: see [`Place::exact`].
+pub const EXACT: u64 = 32;
+
 /// All generators, in the order of the manual.
 pub fn all() -> &'static [&'static dyn Generator] {
     &[
@@ -128,6 +131,9 @@ pub struct Place {
     pub case_seed: u64,
     /// Index of the invocation in its case; 0 for uniforms.
     pub lane: usize,
+    /// True in one case of [`EXACT`]: all groups of the case prefer whole numbers and turns that map
+    /// axes to axes, so that exact coincidences between groups (a vertex on a bone) come about.
+    pub exact: bool,
 }
 
 /// A distribution of the values of a group of inputs.
@@ -176,16 +182,18 @@ pub trait Generator: Sync {
 
     /// Fills many rows: [`Generator::fill`] for each, without a virtual call for each.
     fn fill_rows(&self, group: &Group, rows: Rows<'_>) {
-        let Rows { words, stride, spans, key, first_case, first_lane, per_case } = rows;
+        let Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case } = rows;
         let (mut case, mut lane) = (first_case, first_lane);
         let mut case_seed = mix(key, case);
+        let is_exact = |case| mix(exact_key, case) % EXACT == 0;
+        let mut exact = is_exact(case);
         let direct = match spans {
             [only] => Some(only.clone()),
             _ => None,
         };
         let mut scratch = vec![0; group.words];
         for row in words.chunks_exact_mut(stride) {
-            let place = Place { case_seed, lane };
+            let place = Place { case_seed, lane, exact };
             let mut stream = Stream::new(mix(case_seed, lane as u64));
             if let Some(span) = &direct {
                 let out = &mut row[span.clone()];
@@ -204,6 +212,7 @@ pub trait Generator: Sync {
             if lane == per_case {
                 (lane, case) = (0, case.wrapping_add(1));
                 case_seed = mix(key, case);
+                exact = is_exact(case);
             }
         }
     }
@@ -225,6 +234,8 @@ pub struct Rows<'a> {
     pub spans: &'a [std::ops::Range<usize>],
     /// Seed of the group.
     pub key: u64,
+    /// Seed that says which cases are exact: the same for all groups.
+    pub exact_key: u64,
     /// Case of the first row.
     pub first_case: u64,
     /// Invocation of the first row in its case.

@@ -30,8 +30,8 @@ impl Generator for Point {
     }
 
     #[inline]
-    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
-        spatial::fill(group, 1.0, stream, out);
+    fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]) {
+        spatial::fill(group, 1.0, place, stream, out);
     }
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {

@@ -28,10 +28,16 @@ impl Generator for Rigid {
         every_shape(self.name(), shapes, "mat4 and arrays of mat4", is_mat4)
     }
 
-    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
+    fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]) {
         let special = stream.one_in(SPECIAL);
         for element in group.elements() {
-            let m = if special {
+            let m = if place.exact {
+                let turn = matrix::quarter_turns(stream);
+                // Without a translation every second time: lattice points then stay lattice points.
+                let moved = matrix::lattice(group.range(), stream);
+                let origin = matrix::nearest_to_origin(group.range());
+                matrix::with_translation(turn, if stream.bits() & 1 == 0 { moved } else { origin })
+            } else if special {
                 matrix::special_rigid(group.range(), stream)
             } else {
                 matrix::rigid(group.range(), stream)

@@ -1,15 +1,19 @@
 //! What points, vectors and nodes have in common: elements of two to four components, of which the
 //! fourth is fixed.
 
-use super::{Group, SPECIAL, Stream, float};
+use super::{Group, Place, SPECIAL, Stream, float};
 
 /// Kinds of special samples in [`fill`].
 const KINDS: usize = 6;
 
 /// Writes elements with components in the range and the fourth component `w`.
 #[inline]
-pub fn fill(group: &Group, w: f32, stream: &mut Stream, out: &mut [u32]) {
-    if stream.one_in(SPECIAL) {
+pub fn fill(group: &Group, w: f32, place: Place, stream: &mut Stream, out: &mut [u32]) {
+    if place.exact && stream.bits() & 1 == 0 {
+        for word in out.iter_mut() {
+            *word = group.range().lattice(stream.bits()).to_bits();
+        }
+    } else if stream.one_in(SPECIAL) {
         special(group, stream, out);
     } else {
         for word in out.iter_mut() {

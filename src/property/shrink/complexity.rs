@@ -5,35 +5,41 @@ use std::cmp::Ordering;
 use crate::property::Sample;
 use crate::value::{Record, Scalar};
 
-/// How hard a sample is to read: the sum over its words. 0 is free; then come 1 and -1, powers of
-/// two by their distance from 1, and numbers with ever more significant bits; infinity and NaN
-/// last. Whole numbers count by size.
-pub fn complexity(sample: &Sample) -> u64 {
-    words(&sample.case_record, &sample.case) + words(&sample.invocation_record, &sample.invocation)
+/// How hard a sample is to read: the sum over its words. A word that is that of `plainest` is free.
+/// Then come 0, 1 and -1, powers of two by their distance from 1, and numbers with ever more
+/// significant bits; infinity and NaN last. Whole numbers count by size.
+///
+/// `plainest` is [`super::Domain::simplest`] of the samples to be compared: next to the identity a
+/// matrix of zeros is not simple.
+pub fn complexity(sample: &Sample, plainest: &Sample) -> u64 {
+    words(&sample.case_record, &sample.case, &plainest.case)
+        + words(&sample.invocation_record, &sample.invocation, &plainest.invocation)
 }
 
 /// True when `a` comes strictly before `b`. The order is total on samples with the same records, and
 /// each sample has finitely many before it: a search that only goes down ends.
-pub fn simpler_than(a: &Sample, b: &Sample) -> bool {
-    compare(a, b) == Ordering::Less
+pub fn simpler_than(a: &Sample, b: &Sample, plainest: &Sample) -> bool {
+    compare(a, b, plainest) == Ordering::Less
 }
 
 /// The order behind [`simpler_than`]: by complexity, then by the words.
-pub fn compare(a: &Sample, b: &Sample) -> Ordering {
-    let key = |s: &Sample| complexity(s);
+pub fn compare(a: &Sample, b: &Sample, plainest: &Sample) -> Ordering {
+    let key = |s: &Sample| complexity(s, plainest);
     key(a).cmp(&key(b)).then_with(|| a.case.cmp(&b.case)).then_with(|| a.invocation.cmp(&b.invocation))
 }
 
-fn words(record: &Record, words: &[u32]) -> u64 {
+fn words(record: &Record, words: &[u32], plainest: &[u32]) -> u64 {
     let mut sum = 0;
     for (i, field) in record.fields().iter().enumerate() {
-        sum += words[record.range(i)].iter().map(|&w| word(w, field.shape.scalar)).sum::<u64>();
+        let range = record.range(i);
+        let pairs = words[range.clone()].iter().zip(&plainest[range]);
+        sum += pairs.filter(|(a, b)| a != b).map(|(&w, _)| 1 + word(w, field.shape.scalar)).sum::<u64>();
     }
     sum
 }
 
 /// Complexity of one word.
-pub fn word(word: u32, scalar: Scalar) -> u64 {
+fn word(word: u32, scalar: Scalar) -> u64 {
     match scalar {
         Scalar::F32 => float(word),
         Scalar::I32 => u64::from((word as i32).unsigned_abs()) * 2 + u64::from(word >> 31),

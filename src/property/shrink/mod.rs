@@ -97,6 +97,8 @@ pub fn shrink<E>(
 struct Search {
     shrunk: Shrunk,
     moves: Moves,
+    /// The plainest sample of the domain: where the search would like to end.
+    plainest: Sample,
     /// Candidates that join several moves that each worked in the last round.
     joined: Vec<Sample>,
     /// Whether single words are tried: only when whole inputs cannot be made plainer any more.
@@ -108,8 +110,9 @@ struct Search {
 impl Search {
     fn new(sample: Sample, domain: &dyn Domain) -> Self {
         let moves = Moves::new(&sample, domain.groups());
+        let plainest = domain.simplest(&sample);
         let shrunk = Shrunk { original: sample.clone(), sample, rounds: 0, tried: 0, accepted: 0, minimal: false };
-        Self { shrunk, moves, joined: Vec::new(), fine: false, proposed: 0 }
+        Self { shrunk, moves, plainest, joined: Vec::new(), fine: false, proposed: 0 }
     }
 
     /// Adds the candidates of this round to the batch.
@@ -122,7 +125,7 @@ impl Search {
             let mut seen = HashSet::new();
             let current = &self.shrunk.sample;
             let mut add = |candidate: Sample| {
-                if simpler_than(&candidate, current)
+                if simpler_than(&candidate, current, &self.plainest)
                     && domain.admits(&candidate)
                     && seen.insert((candidate.case.clone(), candidate.invocation.clone()))
                 {
@@ -131,7 +134,7 @@ impl Search {
                 }
             };
             self.joined.drain(..).for_each(&mut add);
-            self.moves.candidates(current, domain, self.fine, &mut add);
+            self.moves.candidates(current, &self.plainest, domain, self.fine, &mut add);
             if self.proposed > 0 {
                 self.shrunk.rounds += 1;
                 self.shrunk.tried += self.proposed;
@@ -151,13 +154,13 @@ impl Search {
             return;
         }
         let failing: Vec<Sample> = rest.take(self.proposed).filter(|(_, fails)| *fails).map(|(s, _)| s).collect();
-        let Some(best) = failing.iter().min_by(|a, b| complexity::compare(a, b)) else {
+        let Some(best) = failing.iter().min_by(|a, b| complexity::compare(a, b, &self.plainest)) else {
             // Single words come next; when they were tried as well, nothing simpler exists.
             self.shrunk.minimal = self.fine;
             self.fine = true;
             return;
         };
-        self.joined = join(&self.shrunk.sample, &failing);
+        self.joined = join(&self.shrunk.sample, &failing, &self.plainest);
         self.shrunk.sample = best.clone();
         self.shrunk.accepted += 1;
     }
@@ -166,9 +169,9 @@ impl Search {
 /// Candidates that apply several failing changes of `base` at once: all that do not touch the same
 /// words, simplest first, then halves, quarters and eighths of them. Independent changes are then
 /// made in one round instead of one round each.
-fn join(base: &Sample, failing: &[Sample]) -> Vec<Sample> {
+fn join(base: &Sample, failing: &[Sample], plainest: &Sample) -> Vec<Sample> {
     let mut order: Vec<&Sample> = failing.iter().collect();
-    order.sort_by(|a, b| complexity::compare(a, b));
+    order.sort_by(|a, b| complexity::compare(a, b, plainest));
     let flat = |s: &Sample| [&s.case[..], &s.invocation[..]].concat();
     let old = flat(base);
     let mut taken = vec![false; old.len()];

@@ -200,14 +200,20 @@ impl Moves {
     }
 
     /// All candidates, the fine ones only when asked for.
-    pub(super) fn candidates(&self, sample: &Sample, domain: &dyn Domain, fine: bool, add: &mut dyn FnMut(Sample)) {
-        let base = domain.simplest(sample);
+    pub(super) fn candidates(
+        &self,
+        sample: &Sample,
+        base: &Sample,
+        domain: &dyn Domain,
+        fine: bool,
+        add: &mut dyn FnMut(Sample),
+    ) {
         let last = if fine { self.len() } else { self.coarse.len() };
         let mut index = 0;
         while index < last {
             let slot = self.slot(index);
             index += 1;
-            match (self.apply(slot, sample, &base, domain), slot) {
+            match (self.apply(slot, sample, base, domain), slot) {
                 (Some(candidate), _) => add(candidate),
                 // No version of this number: none of a higher one.
                 (None, Slot::Lawful(_, k)) => index += LAWFUL - 1 - k,
@@ -230,8 +236,7 @@ impl Moves {
                 candidate.invocation.copy_from_slice(&base.invocation);
             }
             Slot::AllBut(kept) => {
-                for (i, input) in self.inputs.iter().enumerate().filter(|(i, _)| *i != kept) {
-                    debug_assert_ne!(i, kept);
+                for (_, input) in self.inputs.iter().enumerate().filter(|(i, _)| *i != kept) {
                     copy(base, &mut candidate, input.words.clone());
                 }
             }

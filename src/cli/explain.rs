@@ -1,0 +1,100 @@
+//! `shadercheck explain`: the page of a rule, or the list of all rules.
+
+use std::io::Write;
+
+use clap::Args;
+
+use crate::cli::status::ExitStatus;
+use crate::lint::{Example, RULES, Rule, by_code, nearest_codes};
+
+/// Show what a rule of the lint tool means; without a code, list all rules
+#[derive(Args, Clone, Debug, Default)]
+pub struct ExplainArgs {
+    /// Code (T001) or name (constructor-too-many-args) of a rule
+    #[arg(value_name = "CODE")]
+    pub code: Option<String>,
+}
+
+/// Runs the command: pages go to `out`, complaints to `err`. `color` makes headings bold.
+///
+/// # Errors
+/// When `out` or `err` cannot be written to.
+pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let Some(given) = &args.code else {
+        let width = RULES.iter().map(|r| r.name.len()).max().unwrap_or(0);
+        for rule in RULES {
+            writeln!(out, "{}  {:width$}  {:7}  {}", rule.code, rule.name, rule.severity.name(), rule.summary)?;
+        }
+        return Ok(ExitStatus::Clean);
+    };
+    let Some(rule) = by_code(given) else {
+        let nearest = nearest_codes(given);
+        let hint = if nearest.is_empty() { String::new() } else { format!("; did you mean {}?", nearest.join(", ")) };
+        writeln!(err, "error: no rule is called `{given}`{hint}")?;
+        writeln!(err, "`shadercheck explain` lists all rules")?;
+        return Ok(ExitStatus::Error);
+    };
+    page(rule, out, color)?;
+    Ok(ExitStatus::Clean)
+}
+
+/// Writes a rule's page as Markdown.
+fn page(rule: &Rule, out: &mut dyn Write, color: bool) -> std::io::Result<()> {
+    let (on, off) = if color { ("\u{1b}[1m", "\u{1b}[0m") } else { ("", "") };
+    let page = &rule.page;
+    writeln!(out, "{on}# {} {} ({}){off}\n", rule.code, rule.name, rule.severity.name())?;
+    writeln!(out, "{}.\n", rule.summary)?;
+    writeln!(out, "{on}## What{off}\n\n{}\n", page.what)?;
+    writeln!(out, "{on}## Why{off}\n\n{}\n", page.why)?;
+    writeln!(out, "{on}## Bad{off}\n")?;
+    page.bad.iter().try_for_each(|e| example(e, out))?;
+    writeln!(out, "{on}## Good{off}\n")?;
+    page.good.iter().try_for_each(|e| example(e, out))?;
+    writeln!(out, "{on}## Fix{off}\n\n{}\n", page.fix)?;
+    writeln!(out, "{on}## References{off}\n")?;
+    page.references.iter().try_for_each(|r| writeln!(out, "- {r}"))
+}
+
+fn example(example: &Example, out: &mut dyn Write) -> std::io::Result<()> {
+    let language = if example.name.ends_with(".cpp") { "cpp" } else { "glsl" };
+    writeln!(out, "`{}`\n\n```{language}\n{}\n```\n", example.name, example.text.trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn explain(code: Option<&str>) -> (ExitStatus, String, String) {
+        let (mut out, mut err) = (Vec::new(), Vec::new());
+        let args = ExplainArgs { code: code.map(str::to_owned) };
+        let status = run(&args, &mut out, &mut err, false).unwrap();
+        (status, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
+    }
+
+    #[test]
+    fn every_page_has_all_parts() {
+        for rule in RULES {
+            let (status, out, err) = explain(Some(rule.code.0));
+            assert_eq!((status, err.as_str()), (ExitStatus::Clean, ""));
+            for part in
+                [rule.name, rule.page.why, rule.page.fix, rule.page.references[0], rule.page.bad[0].text.trim_end()]
+            {
+                assert!(out.contains(part), "{}: {part}", rule.code);
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_code_names_the_nearest() {
+        let (status, out, err) = explain(Some("T0O1"));
+        assert_eq!((status, out.as_str()), (ExitStatus::Error, ""));
+        assert!(err.contains("`T0O1`") && err.contains("T001"), "{err}");
+    }
+
+    #[test]
+    fn without_a_code_all_rules_are_listed() {
+        let (_, out, _) = explain(None);
+        assert_eq!(out.lines().count(), RULES.len());
+        assert!(RULES.iter().all(|r| out.contains(r.name)));
+    }
+}

@@ -1,0 +1,205 @@
+//! The command on files of a temporary folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::*;
+
+const CYLINDER: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/printed/cylinder.vert"));
+const REPAIRED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/chapter9/cylinder.vert"));
+
+struct Ran {
+    status: ExitStatus,
+    out: String,
+    err: String,
+}
+
+fn lint(paths: &[PathBuf], change: impl FnOnce(&mut LintArgs)) -> Ran {
+    let mut args = LintArgs { paths: paths.to_vec(), format: Format::Concise, ..LintArgs::default() };
+    change(&mut args);
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let status = run(&args, &mut out, &mut err, false).unwrap();
+    Ran { status, out: String::from_utf8(out).unwrap(), err: String::from_utf8(err).unwrap() }
+}
+
+fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+    folder
+}
+
+fn at(folder: &tempfile::TempDir, name: &str) -> Vec<PathBuf> {
+    vec![folder.path().join(name)]
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn findings_give_status_1_and_information_alone_does_not() {
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |_| {});
+    assert_eq!(ran.status, ExitStatus::Findings);
+    assert!(ran.out.contains("cylinder.vert:13:23: error[T001]: "), "{}", ran.out);
+    assert!(ran.err.contains("1 file: 1 error, 0 warnings, 1 info"), "{}", ran.err);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| a.ignore = vec!["T001".to_owned()]);
+    assert_eq!(ran.status, ExitStatus::Clean);
+    assert!(ran.out.contains("info[N014]"), "{}", ran.out);
+}
+
+#[test]
+fn fix_writes_safe_fixes_and_says_what_more_there_is() {
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| a.fix = true);
+    assert_eq!(ran.status, ExitStatus::Clean, "{}", ran.err);
+    assert!(ran.err.contains("fixed 1 finding in 1 file"), "{}", ran.err);
+    assert!(ran.err.contains("1 finding more with --fix --unsafe-fixes"), "{}", ran.err);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.fix, a.unsafe_fixes) = (true, true));
+    assert_eq!((ran.status, ran.out.as_str()), (ExitStatus::Clean, ""));
+    assert_eq!(read(&folder.path().join("cylinder.vert")), REPAIRED);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.fix, a.unsafe_fixes) = (true, true));
+    assert!(ran.err.contains("fixed 0 findings in 0 files"), "{}", ran.err);
+}
+
+#[test]
+fn byte_order_mark_and_line_ends_are_kept() {
+    let windows = |text: &str| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    let folder = folder(&[("cylinder.vert", windows(CYLINDER).as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.fix, a.unsafe_fixes) = (true, true));
+    assert_eq!(ran.status, ExitStatus::Clean, "{}{}", ran.out, ran.err);
+    assert_eq!(read(&folder.path().join("cylinder.vert")), windows(REPAIRED));
+}
+
+#[test]
+fn diff_prints_a_patch_and_writes_nothing() {
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.fix, a.diff) = (true, true));
+    assert_eq!(ran.status, ExitStatus::Findings, "the file is as it was");
+    let changed: Vec<&str> = ran.out.lines().filter(|l| l.starts_with(['+', '-'])).collect();
+    assert_eq!(changed.len(), 4, "{}", ran.out);
+    assert!(changed[2].ends_with("vec4 p = vec3(cos(th), y, sin(th), 1.0);"));
+    assert!(changed[3].ends_with("vec4 p = vec4(cos(th), y, sin(th), 1.0);"));
+    assert_eq!(read(&folder.path().join("cylinder.vert")), CYLINDER);
+}
+
+#[test]
+fn unsafe_fixes_alone_is_a_usage_error() {
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| a.unsafe_fixes = true);
+    assert_eq!(ran.status, ExitStatus::Error);
+    assert!(ran.err.contains("--fix or --diff"), "{}", ran.err);
+}
+
+#[test]
+fn an_unknown_rule_is_a_usage_error() {
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| a.select = vec!["T0O1".to_owned()]);
+    assert_eq!((ran.status, ran.out.as_str()), (ExitStatus::Error, ""));
+    assert!(ran.err.contains("T001"), "{}", ran.err);
+}
+
+#[test]
+fn what_cannot_be_read_is_named_with_what_to_do() {
+    let folder = folder(&[
+        ("sjis.vert", b"// \x8b\x85\nvoid main() {}\n"),
+        ("empty.vert", b" \n"),
+        ("notes.txt", b"text"),
+        ("none/notes.txt", b"text"),
+    ]);
+    for (name, parts) in [
+        ("sjis.vert", ["sjis.vert:1:4: not UTF-8", "iconv"]),
+        ("empty.vert", ["empty.vert: the file is empty", "name a file"]),
+        ("notes.txt", ["notes.txt: neither a shader nor C", ".vert"]),
+        ("none", ["none: no shader", ".vert"]),
+        ("gone.vert", ["gone.vert: cannot be read", "check the path"]),
+    ] {
+        let ran = lint(&at(&folder, name), |_| {});
+        assert_eq!((ran.status, ran.out.as_str()), (ExitStatus::Error, ""), "{name}");
+        assert!(parts.iter().all(|p| ran.err.contains(p)), "{name}: {}", ran.err);
+    }
+}
+
+#[test]
+fn the_other_files_are_linted_all_the_same() {
+    let folder = folder(&[("a.vert", b"// \x8b\n"), ("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&[folder.path().to_owned()], |_| {});
+    assert_eq!(ran.status, ExitStatus::Error);
+    assert!(ran.out.contains("T001") && ran.err.contains("a.vert:1:4"), "{}{}", ran.out, ran.err);
+}
+
+#[test]
+fn folders_are_searched_and_each_file_is_linted_once() {
+    let folder = folder(&[
+        ("a/b/cylinder.vert", CYLINDER.as_bytes()),
+        ("a/.git/cylinder.vert", CYLINDER.as_bytes()),
+        ("a/empty.h", b""),
+        ("a/notes.txt", b"vec3(1.0, 2.0, 3.0, 4.0)"),
+    ]);
+    let paths = [folder.path().to_owned(), folder.path().join("a"), folder.path().join("a/b/cylinder.vert")];
+    let ran = lint(&paths, |_| {});
+    assert_eq!(ran.out.matches("T001").count(), 1, "{}", ran.out);
+    assert!(ran.err.contains("1 file:"), "{}", ran.err);
+}
+
+#[test]
+fn shaders_that_a_host_file_names_are_read_with_it() {
+    let printed =
+        |name: &str| fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/printed").join(name)).unwrap();
+    let folder = folder(&[("src/morph.cpp", &printed("morph.cpp")), ("src/morph.vert", &printed("morph.vert"))]);
+    let ran = lint(&at(&folder, "src/morph.cpp"), |_| {});
+    assert!(ran.out.contains("morph.cpp:18:17: error[H001]"), "{}", ran.out);
+    assert!(ran.err.contains("1 file:"), "context is not counted: {}", ran.err);
+}
+
+#[test]
+fn json_is_an_array_with_the_rule_s_name() {
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.format, a.select) = (Format::Json, vec!["T".to_owned()]));
+    let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(value.as_array().map(Vec::len), Some(1));
+    assert_eq!(value[0]["name"], "constructor-too-many-args");
+    assert_eq!((&value[0]["line"], &value[0]["column"]), (&13.into(), &23.into()));
+    assert_eq!(value[0]["fix"]["safety"], "safe");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_file_is_left_alone_and_said_so() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
+    let path = folder.path().join("cylinder.vert");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+    let ran = lint(&at(&folder, "cylinder.vert"), |a| a.fix = true);
+    assert_eq!(ran.status, ExitStatus::Error);
+    assert!(ran.err.contains("read-only"), "{}", ran.err);
+    assert_eq!(read(&path), CYLINDER);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link() {
+    let folder = folder(&[("real/cylinder.vert", CYLINDER.as_bytes())]);
+    let link = folder.path().join("link.vert");
+    std::os::unix::fs::symlink("real/cylinder.vert", &link).unwrap();
+    lint(std::slice::from_ref(&link), |a| (a.fix, a.unsafe_fixes) = (true, true));
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(read(&folder.path().join("real/cylinder.vert")), REPAIRED);
+}
+
+#[test]
+fn the_arguments_are_well_formed() {
+    use clap::Parser;
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        lint: LintArgs,
+    }
+    let cli = Cli::try_parse_from(["lint", "a.vert", "--select", "T,H001", "--format", "json"]).unwrap();
+    assert_eq!((cli.lint.select, cli.lint.format), (vec!["T".to_owned(), "H001".to_owned()], Format::Json));
+    assert!(Cli::try_parse_from(["lint"]).is_err(), "a path is required");
+}

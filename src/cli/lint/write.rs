@@ -1,0 +1,99 @@
+//! Replaces a file as a whole or not at all.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Why a file was left as it was.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// The system refused.
+    #[error("{}: cannot be written ({source}); the file is as it was", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It may not be written.
+    #[error("{}: is read-only and was left as it was; make it writable first", .0.display())]
+    ReadOnly(PathBuf),
+    /// Someone else has written it meanwhile.
+    #[error("{}: has changed since it was read and was left as it is; run again", .0.display())]
+    Changed(PathBuf),
+    /// No file was read under this name.
+    #[error("{0}: no file of this name was read")]
+    Unknown(String),
+}
+
+/// Replaces the contents `before` of a file by `after`. Readers see the one or the other, and
+/// nothing in between. The permission bits stay; a symbolic link stays one, and the file it
+/// points to is replaced.
+///
+/// # Errors
+/// [`WriteError`]; the file is then as it was.
+pub fn replace(path: &Path, before: &[u8], after: &[u8]) -> Result<(), WriteError> {
+    let failed = |source| WriteError::Io { path: path.to_owned(), source };
+    let target = fs::canonicalize(path).map_err(failed)?;
+    let permissions = fs::metadata(&target).map_err(failed)?.permissions();
+    if permissions.readonly() {
+        return Err(WriteError::ReadOnly(path.to_owned()));
+    }
+    if fs::read(&target).map_err(failed)? != before {
+        return Err(WriteError::Changed(path.to_owned()));
+    }
+    // In the same folder: a file can only be moved in one step within a file system.
+    let folder = target.parent().unwrap_or(Path::new("."));
+    let mut new = tempfile::Builder::new().prefix(".shadercheck-").tempfile_in(folder).map_err(failed)?;
+    new.write_all(after).map_err(failed)?;
+    new.as_file().set_permissions(permissions).map_err(failed)?;
+    new.as_file().sync_all().map_err(failed)?;
+    new.persist(&target).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_change_and_nothing_is_left_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vert");
+        fs::write(&path, "before").unwrap();
+        replace(&path, b"before", b"after").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"after");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permission_bits_and_links_stay() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.vert"), folder.path().join("link.vert"));
+        fs::write(&path, "before").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o751)).unwrap();
+        symlink("a.vert", &link).unwrap();
+        replace(&link, b"before", b"after").unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o7777, 0o751);
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"after");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_read_only_or_has_changed_is_left_alone() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vert");
+        fs::write(&path, "other").unwrap();
+        assert!(matches!(replace(&path, b"before", b"after"), Err(WriteError::Changed(_))));
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        assert!(matches!(replace(&path, b"other", b"after"), Err(WriteError::ReadOnly(_))));
+        assert_eq!(fs::read(&path).unwrap(), b"other");
+        assert!(matches!(replace(&folder.path().join("none"), b"", b""), Err(WriteError::Io { .. })));
+    }
+}

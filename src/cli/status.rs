@@ -1,0 +1,42 @@
+//! Exit status of the commands.
+
+use std::process::ExitCode;
+
+/// How a command ended. The worse of two counts: [`Ord`] follows the exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ExitStatus {
+    /// Nothing to complain about; exit code 0.
+    Clean,
+    /// Findings, or cases that failed; exit code 1.
+    Findings,
+    /// Usage, configuration, unreadable input, or a defect of our own; exit code 2.
+    Error,
+}
+
+impl ExitStatus {
+    /// 0, 1 or 2.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Clean => 0,
+            Self::Findings => 1,
+            Self::Error => 2,
+        }
+    }
+}
+
+impl From<ExitStatus> for ExitCode {
+    fn from(status: ExitStatus) -> Self {
+        Self::from(status.code())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worse_status_is_the_greater_one() {
+        assert!(ExitStatus::Clean < ExitStatus::Findings && ExitStatus::Findings < ExitStatus::Error);
+        assert_eq!(ExitStatus::Clean.max(ExitStatus::Error).code(), 2);
+    }
+}

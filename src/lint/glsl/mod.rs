@@ -1,0 +1,6 @@
+//! Rules on shaders.
+
+pub(super) mod g002;
+pub(super) mod n014;
+pub(super) mod t001;
+mod walk;

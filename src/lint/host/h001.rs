@@ -1,0 +1,81 @@
+//! H001: the location of an attribute is asked for as that of a uniform.
+
+use crate::diagnostic::{Code, Safety, Severity};
+use crate::lint::project::Project;
+use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::text::Edit;
+
+use super::HostFile;
+use super::lookup::LookupKind;
+use super::program::program;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H001"),
+    name: "uniform-lookup-of-attribute",
+    severity: Severity::Error,
+    summary: "glGetUniformLocation is asked for a vertex attribute",
+    page: Page {
+        what: "Reports `glGetUniformLocation` with the name of a vertex attribute (`in` of the vertex stage). \
+               It stays silent when a stage of the program is not known and could declare a uniform of that \
+               name, unless the location is then used as that of an attribute.",
+        why: "Attributes and uniforms have locations of their own. The call gives -1 and raises no GL error; \
+              `glVertexAttribPointer` with -1 then fails with GL_INVALID_VALUE, the attribute keeps its \
+              constant value (0, 0, 0, 1), and every vertex lands on the same place.",
+        bad: &[
+            Example { name: "morph.vert", text: SHADER },
+            Example {
+                name: "morph.cpp",
+                text: "void setUp(GLuint program)\n{\n  GLint p1Loc = glGetUniformLocation(program, \"p1\");\n  \
+                       glVertexAttribPointer(p1Loc, 3, GL_FLOAT, GL_FALSE, 0, 0);\n}\n",
+            },
+        ],
+        good: &[
+            Example { name: "morph.vert", text: SHADER },
+            Example {
+                name: "morph.cpp",
+                text: "void setUp(GLuint program)\n{\n  GLint p1Loc = glGetAttribLocation(program, \"p1\");\n  \
+                       glVertexAttribPointer(p1Loc, 3, GL_FLOAT, GL_FALSE, 0, 0);\n}\n",
+            },
+        ],
+        fix: "Calls `glGetAttribLocation` instead. Safe when the location is used by `glVertexAttribPointer`, \
+              `glEnableVertexAttribArray` and the like, and by no `glUniform` function: the call gave -1 \
+              before, and has one sensible reading. Unsafe otherwise.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation) and 2.11.4 (glGetUniformLocation)",
+        ],
+    },
+    supersedes: &[],
+    check: Check::Host(check),
+};
+
+const SHADER: &str = "#version 150 core\nin vec4 p0, p1;\nuniform float t;\nuniform mat4 mc;\n\
+                      void main(void)\n{\n  gl_Position = mc * mix(p0, p1, t);\n}\n";
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    for lookup in host.lookups() {
+        if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
+            continue;
+        }
+        let Some(program) = program(host, project, lookup) else { continue };
+        let name = lookup.base_name();
+        let Some((shader, variable)) = program.attribute(name) else { continue };
+        let elsewhere = program.uniform(name).is_some() || program.in_block(name);
+        if elsewhere || !(program.is_complete() || lookup.feeds.attribute) {
+            continue;
+        }
+        let safety = if lookup.feeds.only_attribute() { Safety::Safe } else { Safety::Unsafe };
+        let right = LookupKind::Attribute.function();
+        findings.push(
+            findings
+                .at(&host.file, lookup.function, format!("`{name}` is an attribute, but is looked up as a uniform"))
+                .with_label("gives -1 here")
+                .with_related(&shader.file, variable.name_span, format!("`{name}` is declared `in` here"))
+                .with_why(
+                    "glGetUniformLocation knows no attributes: it gives -1 without a GL error, and the \
+                     attribute never gets its array",
+                )
+                .with_fix(format!("call `{right}`"), safety, vec![Edit::replace(lookup.function, right)]),
+        );
+    }
+}

@@ -1,0 +1,84 @@
+//! H002: the location of a uniform is asked for as that of an attribute.
+
+use crate::diagnostic::{Code, Safety, Severity};
+use crate::lint::project::Project;
+use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::text::Edit;
+
+use super::HostFile;
+use super::lookup::LookupKind;
+use super::program::program;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H002"),
+    name: "attribute-lookup-of-uniform",
+    severity: Severity::Error,
+    summary: "glGetAttribLocation or glBindAttribLocation is given the name of a uniform",
+    page: Page {
+        what: "Reports `glGetAttribLocation` and `glBindAttribLocation` with the name of a uniform that is not a \
+               vertex attribute as well. It stays silent when the vertex stage is not known.",
+        why: "Attributes and uniforms have locations of their own. The look-up gives -1 and raises no GL error; \
+              `glUniform` functions ignore the location -1, so that the uniform keeps the value 0.",
+        bad: &[
+            Example { name: "morph.vert", text: SHADER },
+            Example {
+                name: "morph.cpp",
+                text: "void setTime(GLuint program, float t)\n{\n  GLint tLoc = glGetAttribLocation(program, \"t\");\n  \
+                       glUniform1f(tLoc, t);\n}\n",
+            },
+        ],
+        good: &[
+            Example { name: "morph.vert", text: SHADER },
+            Example {
+                name: "morph.cpp",
+                text: "void setTime(GLuint program, float t)\n{\n  GLint tLoc = glGetUniformLocation(program, \"t\");\n  \
+                       glUniform1f(tLoc, t);\n}\n",
+            },
+        ],
+        fix: "Calls `glGetUniformLocation` instead. Safe when the location is used by `glUniform` functions and by \
+              no function for attributes: the call gave -1 before, and has one sensible reading. Unsafe \
+              otherwise. There is no fix for `glBindAttribLocation`.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation) and 2.11.4 (glGetUniformLocation)",
+        ],
+    },
+    supersedes: &[],
+    check: Check::Host(check),
+};
+
+const SHADER: &str = "#version 150 core\nin vec4 p0, p1;\nuniform float t;\nuniform mat4 mc;\n\
+                      void main(void)\n{\n  gl_Position = mc * mix(p0, p1, t);\n}\n";
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    for lookup in host.lookups() {
+        if lookup.kind == LookupKind::Uniform || lookup.is_reserved() {
+            continue;
+        }
+        let Some(program) = program(host, project, lookup) else { continue };
+        let name = lookup.base_name();
+        let Some((shader, variable)) = program.uniform(name) else { continue };
+        if program.vertex().is_none() || program.attribute(name).is_some() {
+            continue;
+        }
+        let found = findings
+            .at(&host.file, lookup.function, format!("`{name}` is a uniform, but is looked up as an attribute"))
+            .with_related(&shader.file, variable.name_span, format!("`{name}` is declared `uniform` here"));
+        let right = LookupKind::Uniform.function();
+        findings.push(if lookup.kind == LookupKind::BindAttribute {
+            found
+                .with_label("binds nothing")
+                .with_why("glBindAttribLocation of a name that is no attribute has no effect, and raises no GL error")
+                .with_help(format!("remove the call; `{name}` is set with a glUniform function"))
+        } else {
+            let safety = if lookup.feeds.only_uniform() { Safety::Safe } else { Safety::Unsafe };
+            found
+                .with_label("gives -1 here")
+                .with_why(
+                    "glGetAttribLocation knows no uniforms: it gives -1 without a GL error, and glUniform \
+                     functions ignore the location -1",
+                )
+                .with_fix(format!("call `{right}`"), safety, vec![Edit::replace(lookup.function, right)])
+        });
+    }
+}

@@ -1,0 +1,87 @@
+//! H003: a uniform is looked up by a name that no stage declares.
+
+use crate::diagnostic::{Code, Safety, Severity};
+use crate::lint::project::Project;
+use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::text::{Edit, Span};
+
+use super::HostFile;
+use super::lookup::LookupKind;
+use super::program::program;
+use super::suggest::nearest;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H003"),
+    name: "unknown-uniform-name",
+    severity: Severity::Warning,
+    summary: "glGetUniformLocation is given a name that no stage of the program declares",
+    page: Page {
+        what: "Reports `glGetUniformLocation` with a name that no stage declares as a uniform. It speaks only when \
+               all stages of the program are known and read without error, and none has `#if` or `#include`.",
+        why: "The call gives -1 and raises no GL error, and `glUniform` functions ignore the location -1: the \
+              uniform that was meant keeps the value 0. Spaces and capitals count.",
+        bad: &[
+            Example { name: "point.vert", text: VERTEX },
+            Example { name: "point.frag", text: FRAGMENT },
+            Example {
+                name: "point.cpp",
+                text: "void setMatrix(GLuint program, const GLfloat *m)\n{\n  \
+                       glUniformMatrix4fv(glGetUniformLocation(program, \"mvc\"), 1, GL_FALSE, m);\n}\n",
+            },
+        ],
+        good: &[
+            Example { name: "point.vert", text: VERTEX },
+            Example { name: "point.frag", text: FRAGMENT },
+            Example {
+                name: "point.cpp",
+                text: "void setMatrix(GLuint program, const GLfloat *m)\n{\n  \
+                       glUniformMatrix4fv(glGetUniformLocation(program, \"mc\"), 1, GL_FALSE, m);\n}\n",
+            },
+        ],
+        fix: "Writes the one declared name that is nearest to the given one. Unsafe: the nearest name need not be \
+              the one that was meant.",
+        references: &["OpenGL 3.2 core specification, section 2.11.4 (glGetUniformLocation)"],
+    },
+    supersedes: &[],
+    check: Check::Host(check),
+};
+
+const VERTEX: &str = "#version 150 core\nin vec4 position;\nuniform mat4 mc;\n\
+                      void main(void)\n{\n  gl_Position = mc * position;\n}\n";
+const FRAGMENT: &str = "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n";
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    for lookup in host.lookups() {
+        if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
+            continue;
+        }
+        let Some(program) = program(host, project, lookup) else { continue };
+        let name = lookup.base_name();
+        // A block's member has no location either, but its name is known.
+        let declared = program.uniform(name).is_some() || program.in_block(name);
+        if !program.is_complete() || declared || program.attribute(name).is_some() {
+            continue;
+        }
+        let mut found = findings
+            .at(&host.file, lookup.literal_span(), format!("no uniform of {} is called `{name}`", program.names()))
+            .with_label("gives -1")
+            .with_why(
+                "glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1",
+            );
+        if let Some(meant) = nearest(name, program.uniforms()) {
+            if let Some((shader, variable)) = program.uniform(meant) {
+                found = found.with_related(&shader.file, variable.name_span, format!("`{meant}` is declared here"));
+            }
+            let place = Span::new(lookup.name_span.start, lookup.name_span.start + name.len());
+            found = found.with_fix(format!("write `{meant}`"), Safety::Unsafe, vec![Edit::replace(place, meant)]);
+        }
+        let mut all: Vec<&str> = program.uniforms().collect();
+        all.sort_unstable();
+        all.dedup();
+        findings.push(found.with_help(match all.as_slice() {
+            [] => "the program has no uniform outside blocks".to_owned(),
+            all => format!("the uniforms are {}", super::suggest::list(all)),
+        }));
+    }
+}

@@ -1,0 +1,99 @@
+//! H004: an attribute is looked up by a name that the vertex stage does not declare.
+
+use crate::diagnostic::{Code, Safety, Severity};
+use crate::lint::project::Project;
+use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::text::Edit;
+
+use super::HostFile;
+use super::lookup::LookupKind;
+use super::program::program;
+use super::suggest::{list, nearest};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H004"),
+    name: "unknown-attribute-name",
+    severity: Severity::Error,
+    summary: "glGetAttribLocation is given a name that the vertex stage does not declare",
+    page: Page {
+        what: "Reports `glGetAttribLocation` with a name that is neither an attribute of the vertex stage nor a \
+               uniform (H002 reports that). It speaks only when the vertex stage is known, was read without \
+               error and has no `#if` or `#include`. For `glBindAttribLocation`, which many programs call with \
+               names for several shaders, it speaks only when one attribute's name is nearly the given one.",
+        why: "The call gives -1 and raises no GL error. `glVertexAttribPointer` with -1 fails with \
+              GL_INVALID_VALUE, and the attribute that was meant keeps its constant value (0, 0, 0, 1).",
+        bad: &[
+            Example { name: "grid.vert", text: SHADER },
+            Example {
+                name: "grid.cpp",
+                text: "void setUp(GLuint program)\n{\n  GLint loc = glGetAttribLocation(program, \"p1\");\n  \
+                       glVertexAttribPointer(loc, 2, GL_FLOAT, GL_FALSE, 0, 0);\n}\n",
+            },
+        ],
+        good: &[
+            Example { name: "grid.vert", text: SHADER },
+            Example {
+                name: "grid.cpp",
+                text: "void setUp(GLuint program)\n{\n  GLint loc = glGetAttribLocation(program, \"parameter\");\n  \
+                       glVertexAttribPointer(loc, 2, GL_FLOAT, GL_FALSE, 0, 0);\n}\n",
+            },
+        ],
+        fix: "Writes the one attribute that is nearest to the given name, or else the only attribute there is, \
+              unless the file looks that up as well. Unsafe: it need not be the one that was meant.",
+        references: &["OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation, glBindAttribLocation)"],
+    },
+    supersedes: &[],
+    check: Check::Host(check),
+};
+
+const SHADER: &str = "#version 150 core\nin vec2 parameter;\nvoid main(void)\n{\n  \
+                      gl_Position = vec4(parameter, 0.0, 1.0);\n}\n";
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    let all = host.lookups();
+    for lookup in all {
+        if lookup.kind == LookupKind::Uniform || lookup.is_reserved() {
+            continue;
+        }
+        let Some(program) = program(host, project, lookup) else { continue };
+        let Some(vertex) = program.vertex() else { continue };
+        let interface = vertex.shader.interface();
+        let name = lookup.base_name();
+        if interface.input(name).is_some() || program.uniform(name).is_some() || program.in_block(name) {
+            continue;
+        }
+        let taken = |v: &str| all.iter().any(|l| l.kind != LookupKind::Uniform && l.base_name() == v);
+        let names: Vec<&str> = interface.inputs.iter().map(|v| v.name.as_str()).collect();
+        let free: Vec<&str> = names.iter().copied().filter(|n| !taken(n)).collect();
+        let near = nearest(name, free.iter().copied());
+        if lookup.kind == LookupKind::BindAttribute && near.is_none() {
+            continue;
+        }
+        let only = if names.len() == 1 { free.first().copied() } else { None };
+        let place = vertex.file.name();
+        let label = if lookup.kind == LookupKind::Attribute { "gives -1" } else { "binds nothing" };
+        let mut found = findings
+            .at(&host.file, lookup.literal_span(), format!("no attribute of {place} is called `{name}`"))
+            .with_label(label)
+            .with_why(match lookup.kind {
+                LookupKind::BindAttribute => "glBindAttribLocation of a name that is no attribute has no effect",
+                LookupKind::Attribute | LookupKind::Uniform => {
+                    "glGetAttribLocation gives -1 without a GL error, and glVertexAttribPointer refuses the location -1"
+                }
+            })
+            .with_help(match names.as_slice() {
+                [] => format!("{place} has no attribute"),
+                [one] => format!("the only attribute is `{one}`"),
+                all => format!("the attributes are {}", list(all)),
+            });
+        if let Some(meant) = near.or(only) {
+            if let Some(variable) = interface.input(meant) {
+                found = found.with_related(&vertex.file, variable.name_span, format!("`{meant}` is declared here"));
+            }
+            let edit = Edit::replace(lookup.name_span, meant);
+            found = found.with_fix(format!("write `{meant}`"), Safety::Unsafe, vec![edit]);
+        }
+        findings.push(found);
+    }
+}

@@ -1,0 +1,81 @@
+//! What rules ask of a host file again and again, gathered in one walk over its tree.
+
+use tree_sitter::Node;
+
+use super::HostFile;
+use super::program::{Group, groups, has_unknown_sources};
+use super::syntax::{Write, callee, declared_name, descendants, span, write};
+
+/// Writes, calls, declarations and shader names of a file, in the order of the text.
+pub struct Index<'t> {
+    /// The file.
+    pub host: &'t HostFile,
+    /// The root of its tree.
+    pub root: Node<'t>,
+    /// Initialisations and assignments.
+    pub writes: Vec<Write<'t>>,
+    /// Calls of any kind.
+    pub calls: Vec<Node<'t>>,
+    /// Names of declared variables and parameters.
+    pub declared: Vec<Node<'t>>,
+    /// Shader files named in string literals.
+    pub groups: Vec<Group<'t>>,
+    /// True when the file holds shader text, or puts names of shaders together at run time.
+    pub unknown_sources: bool,
+}
+
+impl<'t> Index<'t> {
+    /// Walks over the tree; none when there is no tree.
+    pub fn new(host: &'t HostFile) -> Option<Self> {
+        let root = host.root()?;
+        let (mut writes, mut calls, mut declared, mut strings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for node in descendants(root) {
+            writes.extend(write(node));
+            match node.kind() {
+                "call_expression" => calls.push(node),
+                "declaration" | "parameter_declaration" => {
+                    let mut cursor = node.walk();
+                    declared.extend(node.children_by_field_name("declarator", &mut cursor).filter_map(declared_name));
+                }
+                "string_literal" | "raw_string_literal" | "concatenated_string" => strings.push(node),
+                _ => {}
+            }
+        }
+        let groups = groups(host, &strings);
+        let unknown_sources = has_unknown_sources(host, &strings);
+        Some(Self { host, root, writes, calls, declared, groups, unknown_sources })
+    }
+
+    /// The writes to `variable` within `scope`, other than plain numbers and null: those only mark
+    /// the variable as not yet set.
+    pub fn values(&self, scope: Node<'t>, variable: &str) -> impl Iterator<Item = &Write<'t>> {
+        self.writes
+            .iter()
+            .filter(move |w| within(scope, w.target))
+            .filter(move |w| self.host.text(w.target) == variable && !is_empty_value(w.value))
+    }
+
+    /// How often `variable` is declared within `scope`.
+    pub fn declarations(&self, scope: Node<'t>, variable: &str) -> usize {
+        self.declared.iter().filter(|n| within(scope, **n) && self.host.text(**n) == variable).count()
+    }
+
+    /// How often the function of this name is called.
+    pub fn call_count(&self, function: &str) -> usize {
+        self.calls.iter().filter(|c| callee(**c, &self.host.file).is_some_and(|(name, _)| name == function)).count()
+    }
+}
+
+/// True when `node` lies in `scope`.
+pub fn within(scope: Node<'_>, node: Node<'_>) -> bool {
+    let (outer, inner) = (span(scope), span(node));
+    outer.start <= inner.start && inner.end <= outer.end
+}
+
+fn is_empty_value(value: Node<'_>) -> bool {
+    match value.kind() {
+        "number_literal" | "null" => true,
+        "unary_expression" => value.child_by_field_name("argument").is_some_and(|a| a.kind() == "number_literal"),
+        _ => false,
+    }
+}

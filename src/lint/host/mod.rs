@@ -1,0 +1,84 @@
+//! C and C++ host code: its syntax tree and the rules on it.
+
+mod feeds;
+pub(super) mod h001;
+pub(super) mod h002;
+pub(super) mod h003;
+pub(super) mod h004;
+pub(super) mod h029;
+pub(super) mod h030;
+mod index;
+mod lookup;
+mod program;
+mod suggest;
+pub(super) mod syntax;
+
+use std::sync::OnceLock;
+
+use tree_sitter::{Node, Parser, Tree};
+
+use crate::text::SourceFile;
+
+use lookup::Lookup;
+
+pub(super) use program::named_shaders;
+pub(super) use syntax::quoted_includes;
+
+/// A host file with its syntax tree.
+pub struct HostFile {
+    /// The text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+    tree: Option<Tree>,
+    lookups: OnceLock<Vec<Lookup>>,
+}
+
+impl HostFile {
+    /// Parses `file` as C++, of which the C that feeds shaders is a part. Text that cannot be read
+    /// becomes error nodes, on which rules stay silent.
+    pub fn new(file: &SourceFile, reported: bool) -> Self {
+        Self { tree: parse(file.text()), file: file.clone(), reported, lookups: OnceLock::new() }
+    }
+
+    /// The root of the tree; none when the parser gave up.
+    pub fn root(&self) -> Option<Node<'_>> {
+        self.tree.as_ref().map(Tree::root_node)
+    }
+
+    /// Text of a node.
+    pub fn text(&self, node: Node<'_>) -> &str {
+        self.file.slice(syntax::span(node))
+    }
+
+    /// All look-ups with a literal name, in the order of the text.
+    fn lookups(&self) -> &[Lookup] {
+        self.lookups.get_or_init(|| lookup::find(self))
+    }
+
+    /// Number of places that the parser could not read.
+    pub fn error_count(&self) -> usize {
+        self.root()
+            .map_or(usize::MAX, |root| syntax::descendants(root).filter(|n| n.is_error() || n.is_missing()).count())
+    }
+}
+
+fn parse(text: &str) -> Option<Tree> {
+    let mut parser = Parser::new();
+    // The versions of grammar and parser fit: a test below holds this.
+    parser.set_language(&tree_sitter_cpp::LANGUAGE.into()).ok()?;
+    parser.parse(text, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grammar_fits_the_parser() {
+        let file = HostFile::new(&SourceFile::new("a.cpp", "int main() { return 0; } // 頂点"), true);
+        assert_eq!(file.root().map(|r| r.kind()), Some("translation_unit"));
+        assert_eq!(file.error_count(), 0);
+        assert!(HostFile::new(&SourceFile::new("a.cpp", "int main( { return 0 }"), true).error_count() > 0);
+    }
+}

@@ -1,0 +1,279 @@
+//! The files of one run, read once: shaders with their interface, host files with their tree.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::Diagnostic;
+use crate::glsl::{Shader, Stage};
+use crate::text::SourceFile;
+
+use super::host::{HostFile, named_shaders};
+
+/// Endings of shader files that a folder is searched for.
+pub const SHADER_EXTENSIONS: &[&str] =
+    &["vert", "frag", "geom", "glsl", "vs", "fs", "gs", "comp", "tesc", "tese", "vsh", "fsh"];
+
+/// Endings of host files that a folder is searched for.
+pub const HOST_EXTENSIONS: &[&str] = &["cpp", "cc", "cxx", "c", "h", "hpp", "hxx", "hh"];
+
+/// What a file is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// GLSL, of this stage.
+    Shader(Stage),
+    /// C or C++.
+    Host,
+}
+
+/// The language that a file's name says; none when it says neither shader nor C or C++.
+pub fn language_of(name: &str) -> Option<Language> {
+    let ending = extension(name).to_ascii_lowercase();
+    if HOST_EXTENSIONS.contains(&ending.as_str()) {
+        return Some(Language::Host);
+    }
+    Stage::from_path(name).map(Language::Shader)
+}
+
+fn extension(name: &str) -> &str {
+    file_name(name).rsplit_once('.').map_or("", |(stem, ending)| if stem.is_empty() { "" } else { ending })
+}
+
+fn file_name(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
+fn stem(name: &str) -> &str {
+    let file = file_name(name);
+    file.split_once('.').map_or(file, |(stem, _)| stem)
+}
+
+fn folder(name: &str) -> &str {
+    name.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
+/// A text to lint. Its name is its path, with `/` between the parts.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// Name and text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+}
+
+impl Input {
+    /// A text whose diagnostics are wanted.
+    pub fn new(file: SourceFile) -> Self {
+        Self { file, reported: true }
+    }
+
+    /// A text that others refer to; nothing is reported on it.
+    pub fn context(file: SourceFile) -> Self {
+        Self { file, reported: false }
+    }
+}
+
+/// A shader as rules see it.
+pub struct ShaderFile {
+    /// The text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+    /// The shader, as far as the front end could read it.
+    pub shader: Shader,
+    /// Errors of the front end.
+    pub front_end: Vec<Diagnostic>,
+    /// True when an `#if` or `#include` makes the interface depend on more than this text.
+    pub conditional: bool,
+}
+
+impl ShaderFile {
+    fn new(input: &Input, stage: Stage) -> Self {
+        let parsed = Shader::parse(&input.file, stage);
+        Self {
+            file: input.file.clone(),
+            reported: input.reported,
+            shader: parsed.shader,
+            front_end: parsed.diagnostics,
+            conditional: is_conditional(input.file.text()),
+        }
+    }
+
+    /// True when the front end read the whole text without error.
+    pub fn is_sound(&self) -> bool {
+        self.front_end.is_empty()
+    }
+}
+
+fn is_conditional(text: &str) -> bool {
+    text.lines().filter_map(|l| l.trim_start().strip_prefix('#')).any(|directive| {
+        let word = directive.trim_start();
+        word.starts_with("if") || word.starts_with("include")
+    })
+}
+
+/// All files of a run, by normalised path.
+pub struct Project {
+    shaders: BTreeMap<String, ShaderFile>,
+    hosts: BTreeMap<String, HostFile>,
+}
+
+impl Project {
+    /// Reads all inputs. Of two with the same path, the reported one counts.
+    pub fn new(files: &[Input]) -> Self {
+        let mut project = Self { shaders: BTreeMap::new(), hosts: BTreeMap::new() };
+        let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
+        for input in context.into_iter().chain(reported) {
+            let path = normalise(input.file.name());
+            match language_of(&path) {
+                Some(Language::Shader(stage)) => {
+                    project.shaders.insert(path, ShaderFile::new(input, stage));
+                }
+                Some(Language::Host) => {
+                    project.hosts.insert(path, HostFile::new(&input.file, input.reported));
+                }
+                None => {}
+            }
+        }
+        project
+    }
+
+    /// All shaders, by path.
+    pub fn shaders(&self) -> impl Iterator<Item = &ShaderFile> {
+        self.shaders.values()
+    }
+
+    /// All host files, by path.
+    pub fn hosts(&self) -> impl Iterator<Item = &HostFile> {
+        self.hosts.values()
+    }
+
+    /// The shader that the host file called `from` means by `name`: the path from the host file, or
+    /// the one shader of the run whose path ends so.
+    pub fn shader_named(&self, from: &str, name: &str) -> Option<&ShaderFile> {
+        lookup(&self.shaders, from, name)
+    }
+
+    /// The host file that `from` means by `#include "name"`, found like a shader.
+    pub fn host_named(&self, from: &str, name: &str) -> Option<&HostFile> {
+        lookup(&self.hosts, from, name)
+    }
+
+    /// Shaders in the folder of `host` that bear its name.
+    pub fn shaders_beside(&self, host: &str) -> Vec<&ShaderFile> {
+        let host = normalise(host);
+        let same = |path: &str| folder(path) == folder(&host) && stem(path) == stem(&host);
+        self.shaders.iter().filter(|(path, _)| same(path)).map(|(_, shader)| shader).collect()
+    }
+}
+
+fn lookup<'p, T>(files: &'p BTreeMap<String, T>, from: &str, name: &str) -> Option<&'p T> {
+    if let Some(found) = files.get(&beside(from, name)) {
+        return Some(found);
+    }
+    let tail = normalise(name);
+    let tail = tail.trim_start_matches("../");
+    let mut ending = files
+        .iter()
+        .filter(|(path, _)| path.strip_suffix(tail).is_some_and(|rest| rest.is_empty() || rest.ends_with('/')));
+    match (ending.next(), ending.next()) {
+        (Some((_, only)), None) => Some(only),
+        _ => None,
+    }
+}
+
+/// Path of `name` as seen from the file `from`.
+fn beside(from: &str, name: &str) -> String {
+    match folder(&normalise(from)) {
+        _ if name.starts_with('/') => normalise(name),
+        "" if !from.starts_with('/') => normalise(name),
+        folder => normalise(&format!("{folder}/{name}")),
+    }
+}
+
+/// A path without `.`, empty parts and those `..` that can be resolved.
+fn normalise(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|p| *p != "..") => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    let joined = parts.join("/");
+    if path.starts_with('/') { format!("/{joined}") } else { joined }
+}
+
+/// Paths of files that `input` refers to and that help to judge it: the shaders that a host file
+/// names or bears the name of, and the headers it includes with quotation marks. They need not exist.
+pub fn companions(input: &Input) -> Vec<String> {
+    let name = input.file.name();
+    if language_of(name) != Some(Language::Host) {
+        return Vec::new();
+    }
+    let host = HostFile::new(&input.file, false);
+    let mut paths: Vec<String> = named_shaders(&host).into_iter().map(|s| beside(name, &s)).collect();
+    if paths.is_empty() {
+        let base = beside(name, stem(name));
+        paths.extend(SHADER_EXTENSIONS.iter().map(|ending| format!("{base}.{ending}")));
+    }
+    paths.extend(super::host::quoted_includes(&host).into_iter().map(|i| beside(name, i)));
+    paths.sort();
+    paths.dedup();
+    paths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(name: &str, text: &str) -> Input {
+        Input::new(SourceFile::new(name, text))
+    }
+
+    #[test]
+    fn names_give_the_language() {
+        assert_eq!(language_of("a/b.vert"), Some(Language::Shader(Stage::Vertex)));
+        assert_eq!(language_of("b.CPP"), Some(Language::Host));
+        assert_eq!(language_of("README.md"), None);
+        assert_eq!(language_of(".h"), None);
+        assert_eq!(language_of("vert"), None);
+    }
+
+    #[test]
+    fn paths_are_resolved_from_the_host_file() {
+        assert_eq!(beside("src/main.cpp", "../shaders/a.vert"), "shaders/a.vert");
+        assert_eq!(beside("main.cpp", "./a.vert"), "a.vert");
+        assert_eq!(beside("/p/main.cpp", "a.vert"), "/p/a.vert");
+        assert_eq!(beside("../p/main.cpp", "../../a.vert"), "../../a.vert");
+        assert_eq!(beside("p/main.cpp", "/q/a.vert"), "/q/a.vert");
+    }
+
+    #[test]
+    fn a_shader_elsewhere_is_found_only_when_there_is_one() {
+        let files = [input("x/a.vert", ""), input("y/a.vert", ""), input("y/b.vert", "")];
+        let project = Project::new(&files);
+        let name = |from: &str, shader: &str| project.shader_named(from, shader).map(|s| s.file.name().to_owned());
+        assert_eq!(name("x/m.cpp", "a.vert").as_deref(), Some("x/a.vert"));
+        assert_eq!(name("m.cpp", "a.vert"), None, "two of them");
+        assert_eq!(name("m.cpp", "b.vert").as_deref(), Some("y/b.vert"));
+        assert_eq!(name("m.cpp", "../y/b.vert").as_deref(), Some("y/b.vert"));
+        assert_eq!(name("m.cpp", ".vert"), None, "a part of a name is no name");
+    }
+
+    #[test]
+    fn companions_are_what_the_host_file_names() {
+        let host = input("src/m.cpp", "#include \"gg.h\"\n#include <x.h>\nint p = load(\"../a.vert\", \"b.frag\");");
+        assert_eq!(companions(&host), ["a.vert", "src/b.frag", "src/gg.h"]);
+        assert!(companions(&input("src/m.cpp", "")).contains(&"src/m.vert".to_owned()));
+        assert!(companions(&input("a.vert", "")).is_empty());
+    }
+
+    #[test]
+    fn conditional_text_is_noticed() {
+        assert!(is_conditional("# ifdef A\n#endif") && is_conditional("  #include \"x\""));
+        assert!(!is_conditional("#version 150\nvoid main() {}"));
+    }
+}

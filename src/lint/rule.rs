@@ -1,0 +1,100 @@
+//! What a rule is: its names, its page of the manual, and its check.
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::text::{SourceFile, Span};
+
+use super::host::HostFile;
+use super::project::{Project, ShaderFile};
+
+/// One rule of the lint tool.
+pub struct Rule {
+    /// Stable code, for machines.
+    pub code: Code,
+    /// Name in kebab-case, for people.
+    pub name: &'static str,
+    /// Severity of what it reports.
+    pub severity: Severity,
+    /// What it finds, in one line without a full stop.
+    pub summary: &'static str,
+    /// Its page of the manual.
+    pub page: Page,
+    /// Codes of the front end that tell the same defect less well: what they say about a place that
+    /// this rule reports is left out.
+    pub(super) supersedes: &'static [&'static str],
+    /// How it looks.
+    pub(super) check: Check,
+}
+
+/// A rule's page of the manual.
+pub struct Page {
+    /// What the rule reports, and where it stays silent.
+    pub what: &'static str,
+    /// Why that is wrong or what happens.
+    pub why: &'static str,
+    /// Files in which the rule reports, and no other rule does.
+    pub bad: &'static [Example],
+    /// The same files repaired: no rule reports.
+    pub good: &'static [Example],
+    /// What the fix does and whether it is safe.
+    pub fix: &'static str,
+    /// Where the facts come from.
+    pub references: &'static [&'static str],
+}
+
+/// A file of an example.
+pub struct Example {
+    /// Its name; the ending gives the language and the stage.
+    pub name: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+/// What a rule looks at.
+#[derive(Clone, Copy)]
+pub(super) enum Check {
+    /// One shader at a time, as far as the front end could read it.
+    Shader(fn(&ShaderFile, &mut Findings<'_>)),
+    /// One host file at a time, with the shaders that belong to it.
+    Host(fn(&HostFile, &Project, &mut Findings<'_>)),
+    /// One text at a time, whatever its language: planted rules in tests.
+    #[cfg(test)]
+    Text(fn(&SourceFile, &mut Findings<'_>)),
+}
+
+impl Rule {
+    /// Runs the rule over the reported files of a project.
+    pub(super) fn check(&'static self, project: &Project, into: &mut Vec<Diagnostic>) {
+        let mut findings = Findings { rule: self, into };
+        match self.check {
+            Check::Shader(check) => {
+                project.shaders().filter(|s| s.reported).for_each(|s| check(s, &mut findings));
+            }
+            Check::Host(check) => {
+                project.hosts().filter(|h| h.reported).for_each(|h| check(h, project, &mut findings));
+            }
+            #[cfg(test)]
+            Check::Text(check) => {
+                project.shaders().filter(|s| s.reported).for_each(|s| check(&s.file, &mut findings));
+                project.hosts().filter(|h| h.reported).for_each(|h| check(&h.file, &mut findings));
+            }
+        }
+    }
+}
+
+/// Where a check puts what it finds.
+pub(super) struct Findings<'a> {
+    rule: &'static Rule,
+    into: &'a mut Vec<Diagnostic>,
+}
+
+impl Findings<'_> {
+    /// A diagnostic of this rule, to be completed and given to [`Findings::push`].
+    pub fn at(&self, file: &SourceFile, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(self.rule.code, self.rule.severity, file, span, message)
+    }
+
+    /// Reports.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.into.push(diagnostic);
+    }
+}

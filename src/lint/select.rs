@@ -1,0 +1,104 @@
+//! Which rules run: `--select` and `--ignore`.
+
+use thiserror::Error;
+
+use super::registry::{RULES, nearest_codes};
+
+/// Why a selection is refused.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum SelectError {
+    /// No rule has this code, prefix or name.
+    #[error("no rule is called `{given}`{}; `shadercheck explain` lists all rules", hint(.nearest))]
+    Unknown {
+        /// What was given.
+        given: String,
+        /// Codes that look like it.
+        nearest: Vec<&'static str>,
+    },
+}
+
+fn hint(nearest: &[&'static str]) -> String {
+    if nearest.is_empty() { String::new() } else { format!(" (did you mean {}?)", nearest.join(", ")) }
+}
+
+/// A choice of rules by code (`T001`), prefix of a code (`T`, `H0`) or name. Of a selecting and an
+/// ignoring entry that both match, the longer one decides, and `ignore` at equal length.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    select: Vec<String>,
+    ignore: Vec<String>,
+}
+
+impl Selection {
+    /// Checks and keeps the entries. An empty `select` selects everything.
+    ///
+    /// # Errors
+    /// [`SelectError::Unknown`] for an entry that matches no rule and no code of the front end (`E…`).
+    pub fn new(select: &[String], ignore: &[String]) -> Result<Self, SelectError> {
+        Ok(Self { select: codes(select)?, ignore: codes(ignore)? })
+    }
+
+    /// True when diagnostics with `code` are wanted.
+    pub fn keeps(&self, code: &str) -> bool {
+        let longest = |list: &[String]| list.iter().filter(|p| code.starts_with(p.as_str())).map(String::len).max();
+        match (longest(&self.select), longest(&self.ignore)) {
+            (None, Some(_)) => false,
+            (None, None) => self.select.is_empty(),
+            (Some(_), None) => true,
+            (Some(selected), Some(ignored)) => selected > ignored,
+        }
+    }
+}
+
+fn codes(given: &[String]) -> Result<Vec<String>, SelectError> {
+    given.iter().map(|entry| code(entry)).collect()
+}
+
+fn code(given: &str) -> Result<String, SelectError> {
+    let upper = given.to_ascii_uppercase();
+    let front_end = upper.strip_prefix('E').is_some_and(|r| r.len() <= 3 && r.bytes().all(|b| b.is_ascii_digit()));
+    if !upper.is_empty() && (front_end || RULES.iter().any(|r| r.code.0.starts_with(&upper))) {
+        return Ok(upper);
+    }
+    match RULES.iter().find(|r| r.name.eq_ignore_ascii_case(given)) {
+        Some(rule) => Ok(rule.code.0.to_owned()),
+        None => Err(SelectError::Unknown { given: given.to_owned(), nearest: nearest_codes(given) }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn selection(select: &[&str], ignore: &[&str]) -> Selection {
+        let own = |l: &[&str]| l.iter().map(|&s| s.to_owned()).collect::<Vec<_>>();
+        Selection::new(&own(select), &own(ignore)).unwrap()
+    }
+
+    #[test]
+    fn an_empty_selection_keeps_everything() {
+        assert!(selection(&[], &[]).keeps("T001"));
+        assert!(selection(&[], &["T"]).keeps("E001"));
+    }
+
+    #[test]
+    fn the_longer_entry_decides() {
+        let s = selection(&["H"], &["H001"]);
+        assert!(s.keeps("H002") && !s.keeps("H001") && !s.keeps("T001"));
+        let s = selection(&["H001"], &["h"]);
+        assert!(s.keeps("H001") && !s.keeps("H002"));
+        assert!(!selection(&["H001"], &["H001"]).keeps("H001"));
+    }
+
+    #[test]
+    fn a_name_stands_for_its_code() {
+        assert!(selection(&["low-precision-pi"], &[]).keeps("N014"));
+    }
+
+    #[test]
+    fn an_unknown_rule_is_refused_with_the_nearest() {
+        let error = Selection::new(&["H0O1".to_owned()], &[]).unwrap_err();
+        assert!(error.to_string().contains("`H0O1`") && error.to_string().contains("H001"), "{error}");
+        assert!(Selection::new(&[], &[String::new()]).is_err());
+    }
+}

@@ -1,0 +1,205 @@
+//! Numbers with a radius: an output of a lane and how far it may be off, carried through the
+//! arithmetic of a relation.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+use crate::property::Observed;
+
+/// A real number known to lie within `rad` of `mid`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub(super) mid: f64,
+    pub(super) rad: f64,
+}
+
+impl From<f64> for Ball {
+    fn from(mid: f64) -> Self {
+        Self { mid, rad: 0.0 }
+    }
+}
+
+impl Add for Ball {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { mid: self.mid + other.mid, rad: self.rad + other.rad }
+    }
+}
+
+impl Neg for Ball {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { mid: -self.mid, rad: self.rad }
+    }
+}
+
+impl Sub for Ball {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Ball {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let rad = self.mid.abs() * other.rad + other.mid.abs() * self.rad + self.rad * other.rad;
+        Self { mid: self.mid * other.mid, rad }
+    }
+}
+
+impl Mul<f64> for Ball {
+    type Output = Self;
+    fn mul(self, exact: f64) -> Self {
+        Self { mid: self.mid * exact, rad: self.rad * exact.abs() }
+    }
+}
+
+impl Ball {
+    /// Whether the number may be 0. False for NaN, so that a NaN reaches the claim and fails it.
+    pub(super) fn may_be_zero(self) -> bool {
+        self.mid.abs() <= self.rad
+    }
+
+    /// The quotient; `None` when the divisor may be 0.
+    pub(super) fn over(self, divisor: Self) -> Option<Self> {
+        if divisor.may_be_zero() {
+            return None;
+        }
+        let mid = self.mid / divisor.mid;
+        // |x/y - mid| = |(x - X) - mid (y - Y)| / |y|, with |y| at least |Y| less its radius.
+        Some(Self { mid, rad: (self.rad + mid.abs() * divisor.rad) / (divisor.mid.abs() - divisor.rad) })
+    }
+
+    /// The greater one, that is, a number that neither exceeds by more than the radius.
+    pub(super) fn max(self, other: Self) -> Self {
+        // f64::max would drop a NaN.
+        let mid = if self.mid.is_nan() || self.mid > other.mid { self.mid } else { other.mid };
+        Self { mid, rad: self.rad.max(other.rad) }
+    }
+
+    /// The lesser one.
+    pub(super) fn min(self, other: Self) -> Self {
+        -((-self).max(-other))
+    }
+}
+
+/// Numbers without a radius.
+pub(super) fn exact<const N: usize>(values: [f64; N]) -> [Ball; N] {
+    values.map(Ball::from)
+}
+
+/// `N` output words from `at` on. A word that the lane did not give is NaN.
+pub(super) fn outputs<const N: usize>(observed: &Observed, at: usize) -> [Ball; N] {
+    std::array::from_fn(|k| match (observed.words.get(at + k), observed.slack.get(at + k)) {
+        (Some(&mid), Some(&rad)) => Ball { mid, rad },
+        _ => Ball { mid: f64::NAN, rad: 0.0 },
+    })
+}
+
+/// One output word.
+pub(super) fn output(observed: &Observed, at: usize) -> Ball {
+    let [ball] = outputs(observed, at);
+    ball
+}
+
+/// Sum of two vectors, the second one scaled by an exact number.
+pub(super) fn plus<const N: usize>(a: [Ball; N], b: [Ball; N], scale: f64) -> [Ball; N] {
+    std::array::from_fn(|k| a[k] + b[k] * scale)
+}
+
+/// Difference of two vectors.
+pub(super) fn minus<const N: usize>(a: [Ball; N], b: [Ball; N]) -> [Ball; N] {
+    plus(a, b, -1.0)
+}
+
+/// Scalar product.
+pub(super) fn dot<const N: usize>(a: [Ball; N], b: [Ball; N]) -> Ball {
+    a.into_iter().zip(b).fold(Ball::from(0.0), |sum, (a, b)| sum + a * b)
+}
+
+/// Length of a vector. Its radius is no more than the length of the vector of radii.
+pub(super) fn length<const N: usize>(a: [Ball; N]) -> Ball {
+    let norm = |part: fn(Ball) -> f64| a.map(part).iter().map(|x| x * x).sum::<f64>().sqrt();
+    Ball { mid: norm(|b| b.mid), rad: norm(|b| b.rad) }
+}
+
+/// Vector product.
+pub(super) fn cross(a: [Ball; 3], b: [Ball; 3]) -> [Ball; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        a[i] * b[j] - a[j] * b[i]
+    })
+}
+
+/// Unit vector of this direction; `None` when the vector may be zero.
+pub(super) fn direction(a: [Ball; 3]) -> Option<[Ball; 3]> {
+    let length = length(a);
+    if length.may_be_zero() {
+        return None;
+    }
+    // |a/|a| - b/|b|| is at most 2 |a-b| / max(|a|, |b|).
+    let rad = 2.0 * length.rad / length.mid;
+    Some(a.map(|x| Ball { mid: x.mid / length.mid, rad }))
+}
+
+/// The first three components.
+pub(super) fn xyz(a: [Ball; 4]) -> [Ball; 3] {
+    [a[0], a[1], a[2]]
+}
+
+/// The homogeneous divide; `None` when w may be 0.
+pub(super) fn real(a: [Ball; 4]) -> Option<[Ball; 3]> {
+    Some([a[0].over(a[3])?, a[1].over(a[3])?, a[2].over(a[3])?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::testing::Rng;
+
+    /// A ball and a number in it, at the edge half of the time.
+    fn ball(rng: &mut Rng) -> (Ball, f64) {
+        let ball = Ball { mid: rng.within(3.0), rad: rng.unit() * 0.4 };
+        let at = [rng.within(1.0), 1.0, -1.0][(rng.bits() % 3) as usize];
+        (ball, ball.mid + at * ball.rad)
+    }
+
+    fn holds(ball: Ball, value: f64) -> bool {
+        (ball.mid - value).abs() <= ball.rad * (1.0 + 1e-12) + 1e-12
+    }
+
+    #[test]
+    fn results_hold_every_result_of_their_operands() {
+        let mut rng = Rng::new(5);
+        for _ in 0..5000 {
+            let ((a, x), (b, y), (c, z)) = (ball(&mut rng), ball(&mut rng), ball(&mut rng));
+            assert!(holds(a + b, x + y) && holds(a - b, x - y) && holds(a * b, x * y) && holds(a * -1.5, x * -1.5));
+            assert!(holds(a.max(b), x.max(y)) && holds(a.min(b), x.min(y)));
+            if let Some(quotient) = a.over(b) {
+                assert!(holds(quotient, x / y), "{a:?} {b:?} {x} {y}");
+            }
+            let norm = (x * x + y * y + z * z).sqrt();
+            assert!(holds(length([a, b, c]), norm));
+            if let Some(unit) = direction([a, b, c]) {
+                assert!(holds(unit[0], x / norm) && holds(unit[1], y / norm) && holds(unit[2], z / norm));
+            }
+        }
+    }
+
+    #[test]
+    fn nan_goes_through_everything() {
+        let nan = Ball { mid: f64::NAN, rad: 0.0 };
+        let one = Ball::from(1.0);
+        assert!(nan.max(one).mid.is_nan() && one.max(nan).mid.is_nan() && one.min(nan).mid.is_nan());
+        assert!(one.over(nan).is_some_and(|b| b.mid.is_nan()));
+        assert!(direction([nan, one, one]).is_some_and(|d| d[1].mid.is_nan()));
+        let missing = Observed { vertices: 1, words: vec![1.0], slack: vec![0.0] };
+        assert!(output(&missing, 1).mid.is_nan());
+    }
+
+    #[test]
+    fn a_divisor_around_zero_gives_no_quotient() {
+        assert!(Ball::from(1.0).over(Ball { mid: 1e-3, rad: 1e-2 }).is_none());
+        assert!(direction([Ball { mid: 1e-3, rad: 1e-2 }; 3]).is_none());
+    }
+}
