@@ -7,6 +7,8 @@
 
 mod ball;
 mod blending;
+#[cfg(test)]
+mod faults;
 mod hair;
 mod joints;
 mod morph;
