@@ -3,8 +3,15 @@
 //! much of the rest as can be read.
 
 pub mod ast;
+pub mod errors;
 mod fold;
 pub mod interface;
+mod lexer;
+mod names;
+mod number;
+mod parser;
+mod preprocess;
+mod sink;
 pub mod symbols;
 pub mod types;
 
@@ -94,7 +101,8 @@ pub struct Version {
     pub number: u32,
     /// The profile.
     pub profile: Profile,
-    /// The whole directive line, without its line break; none without a directive.
+    /// From `#` to the last token of the directive, without blanks and comments around it; none
+    /// without a directive.
     pub span: Option<Span>,
 }
 
@@ -105,7 +113,7 @@ pub struct Extension {
     pub name: String,
     /// `require`, `enable`, `warn` or `disable`, as written.
     pub behavior: String,
-    /// The whole directive line, without its line break.
+    /// From `#` to the last token of the directive.
     pub span: Span,
 }
 
@@ -187,15 +195,19 @@ impl Shader {
     /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
     /// next `;` or `}`.
     pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
+        let mut sink = sink::Sink::new(file);
+        let pieces = lexer::lex(file.text());
+        let preprocess::Preprocessed { tokens, version, extensions, raw } = preprocess::run(&pieces, &mut sink);
+        let (unit, arena) = parser::parse(tokens, &version, &extensions, &mut sink);
         let shader = Self {
             file: file.clone(),
             stage,
-            version: Version { number: 110, profile: Profile::Compatibility, span: None },
-            extensions: Vec::new(),
-            comments: Vec::new(),
-            tokens: Vec::new(),
-            unit: Unit::default(),
-            arena: Arena::default(),
+            version,
+            extensions,
+            comments: pieces.comments,
+            tokens: raw,
+            unit,
+            arena,
             types: Vec::new(),
             values: Vec::new(),
             names: Vec::new(),
@@ -205,7 +217,7 @@ impl Shader {
             uses: Vec::new(),
             interface: Interface::default(),
         };
-        Parsed { shader, diagnostics: Vec::new() }
+        Parsed { shader, diagnostics: sink.finish() }
     }
 
     /// The file.

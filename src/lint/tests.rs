@@ -192,6 +192,24 @@ fn what_is_ignored_is_neither_told_nor_fixed() {
     assert!(!outcome.files.iter().any(|f| f.after.name() == "sphere.vert"));
 }
 
+#[test]
+fn a_text_that_breaks_off_anywhere_does_no_harm() {
+    for (name, text) in PRINTED {
+        let borders: Vec<usize> = text.char_indices().map(|(at, _)| at).step_by(23).collect();
+        for end in borders {
+            let mut files = inputs(PRINTED);
+            files.retain(|f| f.file.name() != *name);
+            files.push(Input::new(SourceFile::new(*name, &text[..end])));
+            for d in run(&files) {
+                let edits = d.fix.iter().flat_map(|f| &f.edits).map(|e| e.span);
+                for span in edits.chain([d.span]) {
+                    assert!(d.file.text().get(span.range()).is_some(), "{name} cut at {end}: {d:#?}");
+                }
+            }
+        }
+    }
+}
+
 // Planted rules: the engine's own alarms.
 
 const PAGE: Page = Page { what: "", why: "", bad: &[], good: &[], fix: "", references: &[] };

@@ -206,7 +206,7 @@ mod tests {
             told,
             [
                 ("a.vert:2:12".to_owned(), "`3.141593` stands for π, off by 3.5e-7".to_owned()),
-                ("a.vert:3:27".to_owned(), "`6.283185` stands for 2π, off by 3.1e-7".to_owned()),
+                ("a.vert:3:26".to_owned(), "`6.283185` stands for 2π, off by 3.1e-7".to_owned()),
             ]
         );
         assert!(found[0].why.as_ref().unwrap().contains("3.1415927"));

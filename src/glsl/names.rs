@@ -1,0 +1,32 @@
+//! Suggestions for misspelt names.
+
+/// The name closest to `name`: at most one change for three characters. The first one wins a tie.
+pub(crate) fn nearest<'a>(name: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let most = (name.chars().count() / 3).clamp(1, 3);
+    let mut best: Option<(usize, &str)> = None;
+    for other in among {
+        if other.len().abs_diff(name.len()) > 2 * most || other == name {
+            continue;
+        }
+        // A difference in case alone is the likeliest slip.
+        let distance = if other.eq_ignore_ascii_case(name) { 0 } else { strsim::damerau_levenshtein(name, other) };
+        if distance <= most && best.is_none_or(|(d, _)| distance < d) {
+            best = Some((distance, other));
+        }
+    }
+    // One letter instead of another is no misspelling.
+    best.filter(|_| name.chars().count() > 1).map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn suggests_only_what_is_close() {
+        assert_eq!(nearest("positon", ["parameter", "position"]), Some("position"));
+        assert_eq!(nearest("modelviewmatrix", ["modelViewMatrix"]), Some("modelViewMatrix"));
+        assert_eq!(nearest("x", ["y"]), None);
+        assert_eq!(nearest("light", ["camera"]), None);
+    }
+}

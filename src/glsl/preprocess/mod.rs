@@ -1,0 +1,496 @@
+//! Directives and macros: from the tokens of the text to the tokens that are compiled.
+
+mod condition;
+mod macros;
+
+use std::sync::Arc;
+
+use super::lexer::{Lex, Piece, Pieces};
+use super::sink::Sink;
+use super::{Extension, Profile, Token, TokenKind, TokenPlace, Version, errors};
+use crate::diagnostic::Safety;
+use crate::text::{Edit, Span};
+pub(crate) use macros::Tok;
+use macros::{Macro, Macros, Spelling};
+
+/// What the preprocessor leaves.
+pub(crate) struct Preprocessed {
+    pub tokens: Vec<Tok>,
+    pub version: Version,
+    pub extensions: Vec<Extension>,
+    pub raw: Vec<Token>,
+}
+
+/// One `#if` that is still open.
+struct Conditional {
+    span: Span,
+    /// Lines are compiled now.
+    active: bool,
+    /// A branch was taken, or the whole lies in a part that is left out.
+    done: bool,
+    seen_else: bool,
+}
+
+struct Preprocessor<'a> {
+    sink: &'a mut Sink,
+    macros: Macros,
+    conditionals: Vec<Conditional>,
+    pending: Vec<Tok>,
+    out: Vec<Tok>,
+    version: Version,
+    extensions: Vec<Extension>,
+    line_shift: i64,
+}
+
+/// Runs all directives.
+pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
+    if let Some(span) = pieces.open_comment {
+        let diagnostic = sink
+            .start(errors::TOKEN, span, "this comment is never closed")
+            .with_label("the comment starts here")
+            .with_why("everything up to the end of the file belongs to it")
+            .with_help("put `*/` where the comment ends");
+        sink.push(diagnostic);
+    }
+    let mut this = Preprocessor {
+        sink,
+        macros: Macros::new(),
+        conditionals: Vec::new(),
+        pending: Vec::new(),
+        out: Vec::new(),
+        version: Version { number: 110, profile: Profile::Compatibility, span: None },
+        extensions: Vec::new(),
+        line_shift: 0,
+    };
+    this.predefine();
+    let mut raw = Vec::with_capacity(pieces.pieces.len());
+    let mut at = 0;
+    while at < pieces.pieces.len() {
+        let rest = &pieces.pieces[at..];
+        let len = rest.iter().skip(1).position(|p| p.first).map_or(rest.len(), |n| n + 1);
+        let line = &rest[..len];
+        at += len;
+        let active = this.active();
+        let directive = line[0].lex == Lex::Hash;
+        let place = if directive {
+            this.directive(line);
+            // The directives of the outermost #if are no part of what it leaves out.
+            if active || this.active() || this.outer_active() { TokenPlace::Directive } else { TokenPlace::Inactive }
+        } else if active {
+            this.text(line);
+            TokenPlace::Text
+        } else {
+            TokenPlace::Inactive
+        };
+        raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
+    }
+    this.flush();
+    for open in std::mem::take(&mut this.conditionals) {
+        let diagnostic = this
+            .sink
+            .start(errors::CONDITIONAL, open.span, "this `#if` has no `#endif`")
+            .with_label("opened here")
+            .with_help("add `#endif` where it ends");
+        this.sink.push(diagnostic);
+    }
+    Preprocessed { tokens: this.out, version: this.version, extensions: this.extensions, raw }
+}
+
+fn kind(lex: Lex) -> TokenKind {
+    match lex {
+        Lex::Word => TokenKind::Word,
+        Lex::Number => TokenKind::Number,
+        Lex::Unknown => TokenKind::Unknown,
+        _ => TokenKind::Punctuation,
+    }
+}
+
+impl Preprocessor<'_> {
+    fn active(&self) -> bool {
+        self.conditionals.last().is_none_or(|c| c.active)
+    }
+
+    /// True when the innermost `#if` itself stands in compiled text.
+    fn outer_active(&self) -> bool {
+        self.conditionals.iter().rev().nth(1).is_none_or(|c| c.active)
+    }
+
+    fn number(&mut self, name: &str, value: &str) {
+        let body = vec![(Lex::Number, Spelling::Made(value.into()))];
+        self.macros.insert(name.to_owned(), Macro { params: None, body });
+    }
+
+    /// Macros that depend on the version.
+    fn predefine(&mut self) {
+        for name in ["GL_ES", "GL_core_profile", "GL_compatibility_profile", "GL_es_profile"] {
+            self.macros.remove(name);
+        }
+        let number = self.version.number;
+        self.number("__VERSION__", &number.to_string());
+        match self.version.profile {
+            Profile::Es => {
+                self.number("GL_ES", "1");
+                self.number("GL_es_profile", "1");
+            }
+            Profile::Core | Profile::Compatibility if number >= 150 => {
+                // Both names exist in the compatibility profile (GLSL 1.50, section 3.3).
+                self.number("GL_core_profile", "1");
+                if self.version.profile == Profile::Compatibility {
+                    self.number("GL_compatibility_profile", "1");
+                }
+            }
+            Profile::Core | Profile::Compatibility => {}
+        }
+        if self.version.profile == Profile::Es || number >= 410 {
+            self.number("GL_FRAGMENT_PRECISION_HIGH", "1");
+        }
+    }
+
+    fn text(&mut self, line: &[Piece]) {
+        for piece in line {
+            match piece.lex {
+                Lex::Unknown => self.unknown(piece.span),
+                _ => self.pending.push(Tok::new(piece)),
+            }
+        }
+    }
+
+    fn unknown(&mut self, span: Span) {
+        let text = self.sink.file.slice(span).to_owned();
+        let shown: String = text.chars().take(8).collect();
+        let start = self.sink.start(errors::TOKEN, span, "").with_label("not part of the language");
+        let diagnostic = if text.chars().all(|c| c.is_whitespace()) {
+            // Input methods for Chinese and Japanese type it; it looks like two blanks.
+            let edits = vec![Edit::replace(span, " ")];
+            let mut d = start.with_fix("Replace it by an ordinary blank", Safety::Safe, edits);
+            d.message = "a blank that is not ASCII stands here".to_owned();
+            d.label = "looks like a blank, but is none to a compiler".to_owned();
+            d
+        } else {
+            let mut d = start.with_help("only comments may hold characters outside ASCII, or `@`, `$`, quotes");
+            d.message = format!("`{}` is not part of GLSL", shown.escape_debug());
+            d
+        };
+        self.sink.push(diagnostic);
+    }
+
+    fn flush(&mut self) {
+        let pending = std::mem::take(&mut self.pending);
+        let tokens = macros::expand(pending, &self.macros, self.line_shift, self.sink);
+        self.out.extend(tokens);
+    }
+
+    fn slice(&self, piece: &Piece) -> String {
+        self.sink.file.slice(piece.span).to_owned()
+    }
+
+    fn directive(&mut self, line: &[Piece]) {
+        let Some(name) = line.get(1) else { return };
+        let span = line[0].span.to(line[line.len() - 1].span);
+        let rest = &line[2..];
+        let word = self.slice(name);
+        match word.as_str() {
+            "if" | "ifdef" | "ifndef" => self.open(&word, name, rest, span),
+            "elif" => self.elif(rest, span),
+            "else" => self.otherwise(rest, span),
+            "endif" => {
+                self.extra(rest, "endif");
+                if self.conditionals.pop().is_none() {
+                    self.stray("endif", span);
+                }
+            }
+            _ if !self.active() => {}
+            "define" => {
+                self.flush();
+                self.define(rest, span);
+            }
+            "undef" => {
+                self.flush();
+                match rest {
+                    [one] if one.lex == Lex::Word => {
+                        let name = self.slice(one);
+                        self.macros.remove(&name);
+                    }
+                    _ => self.malformed(span, "`#undef` takes one name"),
+                }
+            }
+            "error" => {
+                let text = line.get(2).map_or(String::new(), |p| self.sink.file.slice(p.span.to(span)).to_owned());
+                let text = text.trim();
+                let message =
+                    if text.is_empty() { "`#error` is reached".to_owned() } else { format!("#error: {text}") };
+                self.sink.error(errors::ERROR_DIRECTIVE, span, message, "reached here");
+            }
+            "pragma" => {}
+            "version" => self.version(rest, span),
+            "extension" => self.extension(rest, span),
+            "line" => self.line(rest, span),
+            _ => self.unknown_directive(&word, name, span),
+        }
+    }
+
+    fn unknown_directive(&mut self, word: &str, name: &Piece, span: Span) {
+        let start = |message: String| self.sink.start(errors::UNKNOWN_DIRECTIVE, span, message);
+        let diagnostic = if word == "include" {
+            start("`#include` is not part of GLSL".to_owned())
+                .with_label("the file is not read")
+                .with_help("compilers refuse it; put the text here, or let the host join the files")
+        } else {
+            let all = [
+                "define",
+                "undef",
+                "if",
+                "ifdef",
+                "ifndef",
+                "else",
+                "elif",
+                "endif",
+                "error",
+                "pragma",
+                "extension",
+                "version",
+                "line",
+            ];
+            let mut d = start(format!("`#{word}` is no directive of GLSL"));
+            d.span = name.span;
+            d.label = "unknown directive".to_owned();
+            match super::names::nearest(word, all) {
+                Some(near) => d.with_help(format!("did you mean `#{near}`?")),
+                None => d,
+            }
+        };
+        self.sink.push(diagnostic);
+    }
+
+    fn malformed(&mut self, span: Span, message: &str) {
+        self.sink.error(errors::DIRECTIVE, span, message, "this directive");
+    }
+
+    fn extra(&mut self, rest: &[Piece], name: &str) {
+        if let Some(first) = rest.first() {
+            let span = first.span.to(rest[rest.len() - 1].span);
+            let diagnostic = self
+                .sink
+                .start(errors::DIRECTIVE, span, format!("nothing may follow `#{name}`"))
+                .with_label("this is too much")
+                .with_fix("Put it into a comment", Safety::Safe, vec![Edit::insert(span.start, "// ")]);
+            self.sink.push(diagnostic);
+        }
+    }
+
+    fn stray(&mut self, name: &str, span: Span) {
+        self.sink.error(errors::CONDITIONAL, span, format!("`#{name}` without `#if`"), "belongs to no `#if`");
+    }
+
+    fn open(&mut self, word: &str, name: &Piece, rest: &[Piece], span: Span) {
+        let outer = self.active();
+        let value = outer
+            && match (word, rest) {
+                ("if", _) => self.condition(rest, span),
+                (_, [one]) if one.lex == Lex::Word => self.is_defined(&self.slice(one)) == (word == "ifdef"),
+                _ => {
+                    self.malformed(span, &format!("`#{word}` takes one name"));
+                    false
+                }
+            };
+        let span = Span::new(span.start, name.span.end);
+        self.conditionals.push(Conditional { span, active: value, done: value || !outer, seen_else: false });
+    }
+
+    fn elif(&mut self, rest: &[Piece], span: Span) {
+        let Some(top) = self.conditionals.last() else { return self.stray("elif", span) };
+        let (done, seen_else) = (top.done, top.seen_else);
+        if seen_else {
+            self.sink.error(errors::CONDITIONAL, span, "`#elif` behind `#else`", "must come before `#else`");
+        }
+        let value = !done && !seen_else && self.condition(rest, span);
+        if let Some(top) = self.conditionals.last_mut() {
+            top.active = value;
+            top.done |= value;
+        }
+    }
+
+    fn otherwise(&mut self, rest: &[Piece], span: Span) {
+        self.extra(rest, "else");
+        let Some(top) = self.conditionals.last_mut() else { return self.stray("else", span) };
+        let again = std::mem::replace(&mut top.seen_else, true);
+        top.active = !top.done && !again;
+        top.done = true;
+        if again {
+            self.sink.error(errors::CONDITIONAL, span, "a second `#else` for one `#if`", "second `#else`");
+        }
+    }
+
+    fn is_defined(&self, name: &str) -> bool {
+        self.macros.contains_key(name) || matches!(name, "__LINE__" | "__FILE__")
+    }
+
+    fn condition(&mut self, rest: &[Piece], span: Span) -> bool {
+        // `defined` must see names before they are expanded.
+        let mut tokens = Vec::with_capacity(rest.len());
+        let mut at = 0;
+        while let Some(piece) = rest.get(at) {
+            at += 1;
+            if piece.lex == Lex::Unknown {
+                return self.condition_failed(piece.span, "this is not part of a condition");
+            }
+            if piece.lex != Lex::Word || self.slice(piece) != "defined" {
+                tokens.push(Tok::new(piece));
+                continue;
+            }
+            let (name, used) = match &rest[at..] {
+                [l, name, r, ..] if (l.lex, name.lex, r.lex) == (Lex::LParen, Lex::Word, Lex::RParen) => (name, 3),
+                [name, ..] if name.lex == Lex::Word => (name, 1),
+                _ => return self.condition_failed(piece.span, "`defined` takes a name, as in `defined(NAME)`"),
+            };
+            at += used;
+            let value: Arc<str> = if self.is_defined(&self.slice(name)) { "1".into() } else { "0".into() };
+            let number = Piece { lex: Lex::Number, span: piece.span.to(name.span), ..*piece };
+            tokens.push(Tok { spelling: Spelling::Made(value), ..Tok::new(&number) });
+        }
+        let tokens = macros::expand(tokens, &self.macros, self.line_shift, self.sink);
+        match condition::evaluate(&tokens, &self.sink.file, span) {
+            Ok(value) => value,
+            Err(error) => self.condition_failed(error.span, &error.message),
+        }
+    }
+
+    fn condition_failed(&mut self, span: Span, message: &str) -> bool {
+        self.sink.error(errors::DIRECTIVE, span, message, "in this condition");
+        false
+    }
+
+    fn define(&mut self, rest: &[Piece], span: Span) {
+        let Some((name, body)) = rest.split_first().filter(|(n, _)| n.lex == Lex::Word) else {
+            return self.malformed(span, "`#define` needs a name");
+        };
+        let text = self.slice(name);
+        // Only `(` right behind the name opens parameters.
+        let (params, body) = match body.split_first() {
+            Some((open, after)) if open.lex == Lex::LParen && !open.spaced => {
+                let Some(close) = after.iter().position(|p| p.lex == Lex::RParen) else {
+                    return self.malformed(span, "the parameters of this macro have no closing `)`");
+                };
+                let (inside, body) = (&after[..close], &after[close + 1..]);
+                let good = inside.is_empty()
+                    || (inside.len() % 2 == 1
+                        && inside
+                            .iter()
+                            .enumerate()
+                            .all(|(i, p)| p.lex == if i % 2 == 0 { Lex::Word } else { Lex::Comma }));
+                if !good {
+                    return self.malformed(span, "the parameters of a macro are names separated by commas");
+                }
+                let names = inside.iter().filter(|p| p.lex == Lex::Word).map(|p| self.slice(p)).collect();
+                (Some(names), body)
+            }
+            _ => (None, body),
+        };
+        for piece in body.iter().filter(|p| p.lex == Lex::Unknown) {
+            self.unknown(piece.span);
+        }
+        let body = body.iter().filter(|p| p.lex != Lex::Unknown).map(|p| (p.lex, Spelling::Source(p.span))).collect();
+        if text == "defined" || text.starts_with("__") && self.macros.contains_key(&text) {
+            return self.malformed(span, &format!("`{text}` cannot be redefined"));
+        }
+        let new = Macro { params, body };
+        if let Some(old) = self.macros.get(&text)
+            && !self.same(old, &new)
+        {
+            let message = format!("macro `{text}` is defined twice with different bodies");
+            let diagnostic = self
+                .sink
+                .start(errors::MACRO, name.span, message)
+                .with_label("second definition")
+                .with_help(format!("put `#undef {text}` before it, or remove one of them"));
+            self.sink.push(diagnostic);
+        }
+        self.macros.insert(text, new);
+    }
+
+    fn same(&self, a: &Macro, b: &Macro) -> bool {
+        let text = |s: &Spelling| match s {
+            Spelling::Source(span) => self.sink.file.slice(*span).to_owned(),
+            Spelling::Made(text) => text.to_string(),
+        };
+        a.params == b.params
+            && a.body.len() == b.body.len()
+            && a.body.iter().zip(&b.body).all(|(x, y)| x.0 == y.0 && text(&x.1) == text(&y.1))
+    }
+
+    fn version(&mut self, rest: &[Piece], span: Span) {
+        let number = rest.first().map(|p| self.slice(p)).unwrap_or_default();
+        let known = [100, 110, 120, 130, 140, 150, 300, 310, 320, 330, 400, 410, 420, 430, 440, 450, 460];
+        let Some(number) = number.parse::<u32>().ok().filter(|n| known.contains(n)) else {
+            let diagnostic = self
+                .sink
+                .start(errors::DIRECTIVE, rest.first().map_or(span, |p| p.span), "this is no version of GLSL")
+                .with_label("unknown version")
+                .with_help("versions are 110, 120, 130, 140, 150, 330, 400 to 460, and 100, 300, 310, 320 of GLSL ES");
+            return self.sink.push(diagnostic);
+        };
+        let es_number = matches!(number, 100 | 300 | 310 | 320);
+        let profile = match rest.get(1).map(|p| self.slice(p)).as_deref() {
+            None if number == 100 => Profile::Es,
+            None if number >= 150 => Profile::Core,
+            None => Profile::Compatibility,
+            Some("es") if es_number => Profile::Es,
+            Some("core") if number >= 150 && !es_number => Profile::Core,
+            Some("compatibility") if number >= 150 && !es_number => Profile::Compatibility,
+            Some(other) => {
+                let message = format!("`{other}` is no profile of version {number}");
+                self.sink.error(errors::DIRECTIVE, rest[1].span, message, "unknown profile");
+                if es_number { Profile::Es } else { Profile::Core }
+            }
+        };
+        if let Some(third) = rest.get(2) {
+            self.sink.error(errors::DIRECTIVE, third.span, "nothing may follow the profile", "this is too much");
+        }
+        self.flush();
+        if self.version.span.is_some() {
+            return self.malformed(span, "a second `#version`");
+        }
+        self.version = Version { number, profile, span: Some(span) };
+        self.predefine();
+    }
+
+    fn extension(&mut self, rest: &[Piece], span: Span) {
+        self.flush();
+        match rest {
+            [name, colon, behavior] if name.lex == Lex::Word && colon.lex == Lex::Colon => {
+                let (name, behavior_text) = (self.slice(name), self.slice(behavior));
+                if !matches!(behavior_text.as_str(), "require" | "enable" | "warn" | "disable") {
+                    let diagnostic = self
+                        .sink
+                        .start(
+                            errors::DIRECTIVE,
+                            behavior.span,
+                            format!("`{behavior_text}` is no behaviour of an extension"),
+                        )
+                        .with_label("unknown behaviour")
+                        .with_help("write `require`, `enable`, `warn` or `disable`");
+                    self.sink.push(diagnostic);
+                }
+                if behavior_text != "disable" && name != "all" {
+                    self.number(&name, "1");
+                }
+                self.extensions.push(Extension { name, behavior: behavior_text, span });
+            }
+            _ => self.malformed(span, "`#extension` is written as `#extension NAME : enable`"),
+        }
+    }
+
+    fn line(&mut self, rest: &[Piece], span: Span) {
+        self.flush();
+        let first = rest.first().and_then(|p| self.slice(p).parse::<i64>().ok());
+        match first {
+            Some(line) => {
+                let here = i64::try_from(self.sink.file.position(span.start).line).unwrap_or(0);
+                self.line_shift = line - (here + 1);
+            }
+            // A macro or an expression is allowed; the places in our messages do not follow #line.
+            None if rest.first().is_some() => {}
+            None => self.malformed(span, "`#line` needs a number"),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Where the parts of the front end put their diagnostics.
+
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::text::{SourceFile, Span};
+
+/// Collects errors about one file.
+#[derive(Debug)]
+pub(crate) struct Sink {
+    pub file: SourceFile,
+    list: Vec<Diagnostic>,
+}
+
+/// Garbage can give an error at every token; nobody reads more than these.
+const MOST: usize = 200;
+
+impl Sink {
+    pub(crate) fn new(file: &SourceFile) -> Self {
+        Self { file: file.clone(), list: Vec::new() }
+    }
+
+    /// Adds an error with words for the place.
+    pub(crate) fn error(&mut self, code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) {
+        let file = self.file.clone();
+        self.push(Diagnostic::new(code, Severity::Error, &file, span, message).with_label(label));
+    }
+
+    /// Adds a diagnostic.
+    pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
+        if self.list.len() < MOST {
+            self.list.push(diagnostic);
+        }
+    }
+
+    /// A diagnostic to be completed and pushed.
+    pub(crate) fn start(&self, code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(code, Severity::Error, &self.file, span, message)
+    }
+
+    /// All diagnostics in the order of the text.
+    pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
+        self.list.sort_by_key(|d| d.span.start);
+        self.list
+    }
+}
