@@ -1,1 +1,33 @@
-fn main() {}
+//! The `shadercheck` command.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use shadercheck::cli::{Cli, run};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    #[cfg(unix)]
+    if cli.command.opens_devices() {
+        quiet_loader();
+    }
+    run(&cli).into()
+}
+
+/// A layer of Mesa's Vulkan loader asks for a Wayland display and prints an error line when
+/// `XDG_RUNTIME_DIR` is not set, which is usual in CI. The variable must be there before the process
+/// starts, so the process is started again with it, once.
+#[cfg(unix)]
+fn quiet_loader() {
+    use std::os::unix::process::CommandExt;
+    const VARIABLE: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(VARIABLE).is_some() {
+        return;
+    }
+    let Ok(this) = std::env::current_exe() else { return };
+    // Only returns when it fails; then the line is printed, and nothing else changes.
+    let _ = std::process::Command::new(this)
+        .args(std::env::args_os().skip(1))
+        .env(VARIABLE, std::env::temp_dir())
+        .exec();
+}

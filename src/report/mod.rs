@@ -1,3 +1,4 @@
 //! Placeholder.
 
+pub mod check;
 pub mod diagnostics;

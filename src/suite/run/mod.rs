@@ -5,6 +5,7 @@ mod finding;
 mod prepare;
 mod relate;
 mod sampling;
+mod summary;
 mod trial;
 
 use crate::lane::{Lane, LaneError, Stage};
@@ -15,6 +16,7 @@ use crate::verdict::BatchVerdict;
 pub use coverage::Coverage;
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
+pub use summary::{Entry, Outcome, Status, Summary, Totals};
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;

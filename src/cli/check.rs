@@ -1,0 +1,273 @@
+//! `shadercheck check`: suites on lanes.
+
+mod progress;
+mod select;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+
+use crate::cli::status::ExitStatus;
+use crate::lane::{self, Lane, Stage};
+use crate::property::{Sample, nearest};
+use crate::report;
+use crate::suite::run::{DEFAULT_SEED, Entry, Outcome, Prepared, Request, Status, Summary, prepare, run as run_suite};
+use crate::suite::save_regressions;
+
+use progress::Progress;
+use select::Selected;
+
+/// Arguments of `shadercheck check`.
+#[derive(Args, Clone, Debug, Default)]
+pub struct CheckArgs {
+    /// Shipped suites by name, suite files (*.suite.toml), and folders that are searched for them;
+    /// all shipped suites without one
+    #[arg(value_name = "SUITE|PATH")]
+    pub suites: Vec<String>,
+    /// Run this shader instead of the suite's own; needs exactly one suite
+    #[arg(long, value_name = "FILE")]
+    pub shader: Option<PathBuf>,
+    /// Only these lanes
+    #[arg(long, value_name = "LANE", value_delimiter = ',')]
+    pub lane: Vec<String>,
+    /// Fail when one of these lanes cannot be had
+    #[arg(long, value_name = "LANE", value_delimiter = ',')]
+    pub require_lane: Vec<String>,
+    /// Only this stage of each lane
+    #[arg(long, value_enum)]
+    pub stage: Option<StageArg>,
+    /// Samples of each suite on each lane; what the suite says without it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: Option<u64>,
+    /// Seed of the inputs: the same seed gives the same inputs everywhere
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// An eighth of the samples
+    #[arg(long, conflicts_with = "samples")]
+    pub quick: bool,
+    /// Run only this case, as a report's `reproduce` line gives it; needs exactly one suite
+    #[arg(long, value_name = "INPUTS")]
+    pub case: Option<String>,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Stage of a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StageArg {
+    /// Compute: uniforms of its own for every case
+    Compute,
+    /// Vertex: vertex buffers and uniform buffers
+    Vertex,
+}
+
+impl StageArg {
+    fn admits(self, stage: Stage) -> bool {
+        match self {
+            Self::Compute => stage == Stage::Compute,
+            Self::Vertex => stage == Stage::Vertex,
+        }
+    }
+}
+
+/// How the result is printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For people
+    #[default]
+    Text,
+    /// For programs
+    Json,
+}
+
+/// Runs the command: the result goes to `out`, progress and complaints to `err`.
+///
+/// The status is [`ExitStatus::Findings`] when a shader or lane is at fault, and
+/// [`ExitStatus::Error`] when the run itself could not be made: unknown suite or lane, a required
+/// lane that is missing, no lane at all, files that cannot be read, a suite that does not fit.
+///
+/// # Errors
+/// When a file cannot be read, or `out` or `err` cannot be written to.
+pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let selected = select::select(&args.suites)?;
+    if selected.len() != 1 {
+        for (given, option) in [(args.shader.is_some(), "--shader"), (args.case.is_some(), "--case")] {
+            anyhow::ensure!(!given, "{option} needs exactly one suite, and {} are chosen", selected.len());
+        }
+    }
+    let mut summary = Summary { seed: args.seed, ..Summary::default() };
+    let lanes = open_lanes(args, &mut summary)?;
+    if lanes.is_empty() {
+        for (name, missing) in &summary.unavailable {
+            writeln!(err, "lane `{name}` cannot be had: {missing}")?;
+        }
+        if args.format == Format::Json {
+            out.write_all(report::check::json(&summary).as_bytes())?;
+        }
+        anyhow::bail!("no lane can run here, so nothing was checked");
+    }
+    let mut progress = Progress::new(args.format == Format::Text);
+    for suite in &selected {
+        one_suite(args, suite, &lanes, &mut summary, &mut progress, out, color)?;
+    }
+    progress.finish();
+    match args.format {
+        Format::Text => {
+            for entry in &summary.entries {
+                out.write_all(report::check::finding(entry, color).as_bytes())?;
+            }
+            writeln!(out)?;
+            out.write_all(report::check::totals(&summary, color).as_bytes())?;
+        }
+        Format::Json => out.write_all(report::check::json(&summary).as_bytes())?,
+    }
+    out.flush()?;
+    Ok(match summary.status() {
+        Status::Pass => ExitStatus::Clean,
+        Status::Fail => ExitStatus::Findings,
+        Status::Broken => ExitStatus::Error,
+    })
+}
+
+/// Opens the lanes that are asked for, or all. A required one that is missing is an error.
+fn open_lanes(args: &CheckArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
+    let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
+    for asked in args.lane.iter().chain(&args.require_lane) {
+        if !names.contains(&asked.as_str()) {
+            let hint = nearest(asked, names.iter().copied()).map_or_else(
+                || format!("lanes are {}", names.join(", ")),
+                |near| format!("did you mean `{near}`?"),
+            );
+            anyhow::bail!("there is no lane `{asked}`; {hint}");
+        }
+    }
+    let mut lanes = Vec::new();
+    for candidate in lane::registry() {
+        let named = |list: &[String]| list.iter().any(|n| n == candidate.name);
+        let required = named(&args.require_lane);
+        if !args.lane.is_empty() && !named(&args.lane) && !required {
+            continue;
+        }
+        match (candidate.open)() {
+            Ok(lane) => {
+                summary.lanes.push(lane.description().clone());
+                lanes.push(lane);
+            }
+            Err(missing) if required => {
+                anyhow::bail!("the required lane `{}` cannot be had: {missing}", candidate.name);
+            }
+            Err(missing) => summary.unavailable.push((candidate.name, missing)),
+        }
+    }
+    Ok(lanes)
+}
+
+fn one_suite(
+    args: &CheckArgs,
+    selected: &Selected,
+    lanes: &[Box<dyn Lane>],
+    summary: &mut Summary,
+    progress: &mut Progress,
+    out: &mut dyn Write,
+    color: bool,
+) -> anyhow::Result<()> {
+    let shader = match &args.shader {
+        Some(path) => super::translate::read(path)?,
+        None => selected.shader.clone(),
+    };
+    let suite = &selected.suite;
+    let mut add = |entry: Entry, progress: &Progress| -> anyhow::Result<()> {
+        if args.format == Format::Text {
+            progress.suspend(|| out.write_all(report::check::line(&entry, color).as_bytes()))?;
+        }
+        summary.entries.push(entry);
+        Ok(())
+    };
+    let entry = |on, outcome| Entry { suite: suite.name.clone(), shader: shader.name().to_owned(), on, outcome };
+    let prepared = match prepare(suite, &shader) {
+        Ok(prepared) => prepared,
+        Err(error) => return add(entry(None, Outcome::Refused(error)), progress),
+    };
+    let request = request(args, selected, &prepared)?;
+    let mut failing: Vec<Sample> = Vec::new();
+    for lane in lanes {
+        let name = lane.description().name;
+        for &stage in &lane.description().stages {
+            // Geometry stages and functions run as compute; there is no vertex stage to speak of.
+            let applies = stage == Stage::Compute || prepared.vertex.is_some();
+            if !applies || args.stage.is_some_and(|s| !s.admits(stage)) {
+                continue;
+            }
+            progress.start(&suite.name, name, stage, request.samples_of(suite));
+            let result = run_suite(&prepared, lane.as_ref(), stage, &request, &mut |done| progress.at(done));
+            let outcome = match result {
+                Ok(report) => {
+                    failing.extend(report.failing.iter().cloned());
+                    Outcome::Ran(report)
+                }
+                Err(error) => Outcome::LaneFailed(error.to_string()),
+            };
+            add(entry(Some((name, stage)), outcome), progress)?;
+        }
+    }
+    // Another shader's failures are no regressions of the suite's own.
+    if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some()) {
+        save_regressions(path, &suite.name, &failing)?;
+    }
+    Ok(())
+}
+
+fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared) -> anyhow::Result<Request> {
+    let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
+    let mut arguments = shell_word(&selected.argument);
+    if let Some(shader) = &args.shader {
+        arguments = format!("{arguments} --shader {}", shell_word(&shader.display().to_string()));
+    }
+    let mut replay = Vec::new();
+    match &args.case {
+        Some(text) => {
+            let line = format!("{} {text}", selected.suite.name);
+            let file = crate::text::SourceFile::new("--case", line);
+            for regression in crate::property::regressions::parse(&file)? {
+                replay.push(regression.to_sample(invocation, case)?);
+            }
+            anyhow::ensure!(!replay.is_empty(), "--case is empty; give inputs such as `t=3f000000`");
+        }
+        // A shader of the user's under this suite may have other inputs; the saved cases are not its.
+        None if args.shader.is_none() => {
+            for regression in selected.saved.iter().filter(|r| r.suite == selected.suite.name) {
+                replay.push(regression.to_sample(invocation, case).context("a saved case does not fit the shader")?);
+            }
+        }
+        None => {}
+    }
+    Ok(Request {
+        samples: args.samples,
+        seed: args.seed,
+        quick: args.quick,
+        replay_only: args.case.is_some(),
+        replay,
+        arguments,
+    })
+}
+
+/// A word as a shell takes it.
+fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+@%:,".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shell_word;
+
+    #[test]
+    fn words_are_quoted_when_a_shell_would_split_them() {
+        assert_eq!(shell_word("shaders/a.suite.toml"), "shaders/a.suite.toml");
+        assert_eq!(shell_word("my shader.vert"), "'my shader.vert'");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+    }
+}

@@ -1,0 +1,124 @@
+//! `shadercheck translate`: a shader in another language.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+
+use crate::cli::status::ExitStatus;
+use crate::diagnostic::Diagnostic;
+use crate::glsl::{Shader, Stage};
+use crate::lower::{self, Target};
+use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
+use crate::report::diagnostics;
+use crate::text::SourceFile;
+
+/// Arguments of `shadercheck translate`.
+#[derive(Args, Clone, Debug)]
+pub struct TranslateArgs {
+    /// Shader file; the extension tells the stage (.vert, .geom, or .glsl for a function library)
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Language: spirv, wgsl, glsl330 (or glsl), glsl450, glsl-es310, msl, hlsl
+    #[arg(long, value_name = "LANGUAGE")]
+    pub to: Language,
+    /// Function to translate, for a function library; the first one when there is only one
+    #[arg(long, value_name = "NAME")]
+    pub entry: Option<String>,
+    /// File to write; standard output without it
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Runs the command: the translation goes to `out` or to the file, diagnostics to `err`.
+///
+/// # Errors
+/// When a file cannot be read or written.
+pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let file = read(&args.file)?;
+    let Some(stage) = Stage::from_path(file.name()) else {
+        anyhow::bail!(
+            "{}: the extension does not tell the stage; use .vert, .geom, or .glsl for a function library",
+            file.name()
+        );
+    };
+    let program = match program(&file, stage, args.entry.as_deref()) {
+        Ok(program) => program,
+        Err(ProgramError::Source(found)) => {
+            for diagnostic in found {
+                write!(err, "{}", diagnostics::text(&diagnostic, false))?;
+            }
+            return Ok(ExitStatus::Findings);
+        }
+        Err(error) => return Err(error).with_context(|| file.name().to_owned()),
+    };
+    let translation = match program.translate(args.to) {
+        Ok(translation) => translation,
+        Err(error @ TranslateError::Inexpressible { .. }) => {
+            writeln!(err, "error: {}: {error}", file.name())?;
+            return Ok(ExitStatus::Findings);
+        }
+        Err(error) => return Err(error).with_context(|| file.name().to_owned()),
+    };
+    // What naga writes and does not read back is not handed out as if it were right.
+    read_back(&translation, args.to, &program.role).with_context(|| file.name().to_owned())?;
+    match &args.output {
+        Some(path) => write_file(path, translation)?,
+        None if args.to == Language::SpirV && std::io::IsTerminal::is_terminal(&std::io::stdout()) => {
+            anyhow::bail!("SPIR-V is binary; name a file with `-o FILE.spv`");
+        }
+        None => out.write_all(&translation.into_bytes())?,
+    }
+    Ok(ExitStatus::Clean)
+}
+
+fn program(file: &SourceFile, stage: Stage, entry: Option<&str>) -> Result<Program, ProgramError> {
+    let parsed = Shader::parse(file, stage);
+    let errors: Vec<Diagnostic> =
+        parsed.diagnostics.into_iter().filter(|d| d.severity == crate::diagnostic::Severity::Error).collect();
+    if !errors.is_empty() {
+        return Err(ProgramError::Source(errors));
+    }
+    let target = match (entry, stage) {
+        (Some(name), _) => Target::Function(name.to_owned()),
+        (None, Stage::Library) => {
+            let mut names = parsed.shader.functions().map(|(_, f)| f.name.name.clone());
+            match (names.next(), names.next()) {
+                (Some(only), None) => Target::Function(only),
+                (None, _) => Target::Stage,
+                (Some(first), Some(second)) => {
+                    let rest: Vec<String> = names.collect();
+                    let all = [vec![first, second], rest].concat().join(", ");
+                    return Err(ProgramError::Unsupported {
+                        what: format!("a library of several functions as a whole; choose one with --entry: {all}"),
+                    });
+                }
+            }
+        }
+        (None, _) => Target::Stage,
+    };
+    Program::new(lower::lower(&parsed.shader, &target).map_err(ProgramError::Source)?)
+}
+
+/// Reads a text file for a command.
+pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
+    let name = path.display().to_string();
+    if path.is_dir() {
+        anyhow::bail!("`{name}` is a folder; name a file in it");
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read `{name}`"))?;
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        anyhow::bail!("`{name}` is empty");
+    }
+    Ok(SourceFile::from_bytes(&name, &bytes)?)
+}
+
+fn write_file(path: &Path, translation: Translation) -> anyhow::Result<()> {
+    let context = || format!("cannot write `{}`", path.display());
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder).with_context(context)?;
+    file.write_all(&translation.into_bytes()).with_context(context)?;
+    file.persist(path).with_context(context)?;
+    Ok(())
+}

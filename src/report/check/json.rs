@@ -1,0 +1,134 @@
+//! The report for programs. Keys may be added, and are never renamed.
+
+use serde_json::{Value, json};
+
+use crate::suite::run::{Case, Entry, Finding, Outcome, RunError, Status, Summary};
+use crate::verdict::Deviation;
+
+/// The whole run as one JSON object, with a line break.
+pub fn json(summary: &Summary) -> String {
+    let status = match summary.status() {
+        Status::Pass => "pass",
+        Status::Fail | Status::Broken => "fail",
+    };
+    let totals = summary.totals();
+    let lanes: Vec<Value> = summary
+        .lanes
+        .iter()
+        .flat_map(|lane| {
+            lane.stages.iter().map(|stage| json!({"name": lane.name, "stage": stage.name(), "driver": lane.driver}))
+        })
+        .collect();
+    let unavailable: Vec<Value> = summary
+        .unavailable
+        .iter()
+        .map(|(name, why)| json!({"name": name, "why": why.why, "remedy": why.remedy}))
+        .collect();
+    let value = json!({
+        "status": status,
+        "seed": summary.seed,
+        "lanes": lanes,
+        "unavailable": unavailable,
+        "suites": summary.entries.iter().map(entry).collect::<Vec<_>>(),
+        "totals": {
+            "judged": totals.judged,
+            "agreed": totals.agreed,
+            "deviated": totals.deviated,
+            "undetermined": totals.undetermined,
+            "unsupported": totals.unsupported,
+        },
+    });
+    format!("{value:#}\n")
+}
+
+fn entry(entry: &Entry) -> Value {
+    let (lane, stage) = entry.on.map_or((None, None), |(lane, stage)| (Some(lane), Some(stage.name())));
+    let mut value = json!({
+        "suite": entry.suite,
+        "shader": entry.shader,
+        "lane": lane,
+        "stage": stage,
+        "judged": 0,
+        "agreed": 0,
+        "deviated": 0,
+        "undetermined": 0,
+        "unsupported": 0,
+        "max_ulp": null,
+        "findings": [],
+    });
+    match &entry.outcome {
+        Outcome::Ran(report) => {
+            value["judged"] = report.judged().into();
+            value["agreed"] = report.verdicts.agreed.into();
+            value["deviated"] = report.verdicts.deviated.into();
+            value["undetermined"] = report.verdicts.undetermined_count().into();
+            value["unsupported"] = report.unsupported.into();
+            if report.verdicts.agreed > 0 {
+                value["max_ulp"] = report.verdicts.max_ulp.into();
+            }
+            let [domain, ill, underflow] = report.verdicts.undetermined;
+            value["undetermined_by"] = json!({"domain": domain, "ill_conditioned": ill, "underflow": underflow});
+            value["relations"] =
+                report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
+            if let Some(coverage) = &report.coverage {
+                value["coverage"] = json!({
+                    "nodes": coverage.nodes,
+                    "segments": coverage.drawn.len(),
+                    "drawn": coverage.drawn,
+                });
+            }
+            value["findings"] = report.findings.iter().map(finding).collect();
+        }
+        Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
+            value["findings"] = diagnostics
+                .iter()
+                .map(|d| {
+                    let at = d.file.position(d.span.start);
+                    json!({
+                        "kind": "compile",
+                        "code": d.code.0,
+                        "message": d.message,
+                        "file": d.file.name(),
+                        "line": at.line,
+                        "column": at.column,
+                    })
+                })
+                .collect();
+        }
+        Outcome::Refused(error) => value["findings"] = json!([{"kind": "configuration", "message": error.to_string()}]),
+        Outcome::LaneFailed(message) => value["findings"] = json!([{"kind": "lane", "message": message}]),
+    }
+    value
+}
+
+fn finding(finding: &Finding) -> Value {
+    json!({
+        "kind": finding.kind.name(),
+        "message": finding.message,
+        "samples": finding.count,
+        "case": finding.case.as_ref().map(case),
+        "reproduce": finding.reproduce,
+    })
+}
+
+fn case(case: &Case) -> Value {
+    let inputs: Vec<Value> = case
+        .inputs
+        .iter()
+        .map(|input| {
+            let bits: Vec<String> = input.bits.iter().map(|b| format!("0x{b:08x}")).collect();
+            json!({"name": input.name, "bits": bits, "decimal": input.decimal})
+        })
+        .collect();
+    let mut value = json!({"inputs": inputs, "rounds": case.rounds, "candidates": case.tried});
+    if let Some(Deviation::Value { component, vertex, expected, actual, tolerance, .. }) = &case.deviation {
+        value["component"] = component.clone().into();
+        value["vertex"] = vertex.map_or(Value::Null, Value::from);
+        value["expected"] = (*expected).into();
+        value["actual_bits"] = format!("0x{actual:08x}").into();
+        value["actual"] = f64::from(f32::from_bits(*actual)).into();
+        value["tolerance"] = (*tolerance).into();
+        value["ulp"] = case.deviation.as_ref().map_or(Value::Null, |d| d.ulp().into());
+    }
+    value
+}

@@ -1,0 +1,7 @@
+//! Reports of `shadercheck check`.
+
+mod json;
+mod text;
+
+pub use json::json;
+pub use text::{finding, line, totals};

@@ -1,0 +1,146 @@
+//! The report for people: a line for each suite and lane, findings, totals.
+
+use std::fmt::Write as _;
+
+use crate::report::diagnostics;
+use crate::suite::run::{Case, Entry, Finding, InputValue, Outcome, RunError, Summary};
+
+/// Colours of a terminal; empty strings elsewhere.
+struct Style {
+    good: &'static str,
+    bad: &'static str,
+    bold: &'static str,
+    off: &'static str,
+}
+
+impl Style {
+    fn new(color: bool) -> Self {
+        if color {
+            Self { good: "\u{1b}[32m", bad: "\u{1b}[31m", bold: "\u{1b}[1m", off: "\u{1b}[0m" }
+        } else {
+            Self { good: "", bad: "", bold: "", off: "" }
+        }
+    }
+}
+
+/// One line for a suite on a lane, with its line break.
+pub fn line(entry: &Entry, color: bool) -> String {
+    let style = Style::new(color);
+    let on = entry.on.map_or_else(String::new, |(lane, stage)| format!("{lane}/{stage}"));
+    let (good, text) = match &entry.outcome {
+        Outcome::Ran(report) if report.judged() == 0 && report.unsupported > 0 => {
+            (true, format!("{} samples not supported on this lane", report.unsupported))
+        }
+        Outcome::Ran(report) => {
+            let verdicts = &report.verdicts;
+            let checked: u64 = report.relations.iter().map(|(_, n)| n).sum();
+            (
+                report.findings.is_empty(),
+                format!(
+                    "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {:>5.1} ULP  {} relations ({checked})",
+                    report.judged(),
+                    verdicts.agreed,
+                    verdicts.deviated,
+                    verdicts.undetermined_count(),
+                    verdicts.max_ulp,
+                    report.relations.len(),
+                ),
+            )
+        }
+        Outcome::Refused(error) => (false, error.to_string()),
+        Outcome::LaneFailed(message) => (false, message.clone()),
+    };
+    let (mark, paint) = if good { ("ok  ", style.good) } else { ("FAIL", style.bad) };
+    format!("{paint}{mark}{}  {:<16} {on:<15}  {text}\n", style.off, entry.suite)
+}
+
+/// Everything that is wrong with one suite on one lane; empty when nothing is.
+pub fn finding(entry: &Entry, color: bool) -> String {
+    let mut text = String::new();
+    match &entry.outcome {
+        Outcome::Ran(report) => {
+            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            for finding in &report.findings {
+                one(&mut text, &on, &report.shader, finding, color);
+            }
+        }
+        Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
+            for diagnostic in diagnostics {
+                text.push('\n');
+                text.push_str(&diagnostics::text(diagnostic, color));
+            }
+        }
+        Outcome::Refused(_) | Outcome::LaneFailed(_) => {}
+    }
+    text
+}
+
+/// Words of an input that are shown; a longer one is cut in the middle, the command has it whole.
+const SHOWN: usize = 16;
+
+fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, color: bool) {
+    let style = Style::new(color);
+    let _ = writeln!(text, "\n{}{on}: {}{}", style.bold, finding.message, style.off);
+    let _ = writeln!(text, "  shader     {shader}");
+    if finding.count > 0 {
+        let _ = writeln!(text, "  samples    {}", finding.count);
+    }
+    if let Some(case) = &finding.case {
+        case_text(text, case);
+    }
+    if let Some(command) = &finding.reproduce {
+        let _ = writeln!(text, "  reproduce  {command}");
+    }
+}
+
+fn case_text(text: &mut String, case: &Case) {
+    use crate::value::{F32Bits, Scalar};
+    use crate::verdict::Deviation;
+    let mut label = "smallest";
+    for InputValue { name, bits, decimal } in &case.inputs {
+        let shown = bits.len().min(SHOWN);
+        let more = if bits.len() > shown { format!(", … {} more", bits.len() - shown) } else { String::new() };
+        let hex: Vec<String> = bits[..shown].iter().map(|b| format!("{b:08x}")).collect();
+        let _ = writeln!(text, "  {label:<9}  {name} = {}{more}", decimal[..shown].join(", "));
+        let _ = writeln!(text, "             bits {}{more}", hex.join(" "));
+        label = "";
+    }
+    if let Some(Deviation::Value { component, expected, actual, scalar: Scalar::F32, tolerance, .. }) = &case.deviation
+    {
+        let bits = F32Bits(*actual);
+        let distance = crate::value::ulp_distance(*expected, bits.to_f32());
+        let _ = writeln!(text, "  expected   {component} = {expected:e} ± {tolerance:.1e}");
+        let _ = writeln!(text, "  actual     {component} = {bits} (0x{actual:08x}, {})", bits.to_hex_float());
+        let _ = writeln!(text, "  off by     {:.3e}, {distance:.1} ULP", (f64::from(bits.to_f32()) - expected).abs());
+    }
+    let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
+}
+
+/// The last lines: lanes that are missing, facts about coverage, totals.
+pub fn totals(summary: &Summary, color: bool) -> String {
+    let style = Style::new(color);
+    let mut text = String::new();
+    for entry in &summary.entries {
+        if let Outcome::Ran(report) = &entry.outcome
+            && let Some(coverage) = &report.coverage
+            && coverage.is_complete()
+        {
+            let _ = writeln!(text, "note: {} on {}/{}: {coverage}", report.suite, report.lane, report.stage);
+        }
+    }
+    for (name, why) in &summary.unavailable {
+        let _ = writeln!(text, "note: lane `{name}` did not run: {why}");
+    }
+    let t = summary.totals();
+    let (word, paint) = match summary.status() {
+        crate::suite::run::Status::Pass => ("pass", style.good),
+        crate::suite::run::Status::Fail => ("fail", style.bad),
+        crate::suite::run::Status::Broken => ("not run", style.bad),
+    };
+    let _ = writeln!(
+        text,
+        "{paint}{word}{}: {} judged, {} agreed, {} deviated, {} undetermined, {} unsupported",
+        style.off, t.judged, t.agreed, t.deviated, t.undetermined, t.unsupported
+    );
+    text
+}
