@@ -100,6 +100,10 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let floors = floors(root, samples);
     let strands = strands(root, stage);
     let inputs = inputs(root, strands);
+    if root.has("strands") && inputs.iter().all(|group| group.generator.name() != "node_run") {
+        let message = "[strands] has no effect without an [[inputs]] group with generator = \"node_run\"";
+        root.reader.problem(root.offset_of("strands"), message);
+    }
     Some(Suite {
         name: name?,
         title: title?.value,

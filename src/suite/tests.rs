@@ -81,6 +81,10 @@ fn a_suite_fits_its_shader() {
 fn geometry_and_function_suites_are_read() {
     let text = GOOD.replace("stage = \"vertex\"", "stage = \"geometry\"");
     let strands = format!("{text}[strands]\nnodes = 8\nends = \"as-drawn\"\n");
+    assert!(
+        read(&strands).unwrap_err().to_string().contains("without an [[inputs]] group with generator = \"node_run\"")
+    );
+    let strands = strands.replace("\"point\"\ncomponents = 3", "\"node_run\"");
     let suite = read(&strands).unwrap();
     assert_eq!(suite.strands, Some(Strands { nodes: 8, ends: crate::property::generators::Ends::AsDrawn }));
     assert_eq!(suite.inputs[0].options.strands, suite.strands);
