@@ -56,6 +56,9 @@ pub const CONSTANT: Code = Code("E039");
 /// A constructor gets an argument that has no components, or cannot be built at all.
 pub const CONSTRUCTOR: Code = Code("E040");
 
+/// Something is written that is no variable.
+pub const NOT_A_PLACE: Code = Code("E041");
+
 /// Every code with one line about it, in order.
 pub const ALL: &[(Code, &str)] = &[
     (SYNTAX, "the text does not follow the grammar"),
@@ -84,4 +87,5 @@ pub const ALL: &[(Code, &str)] = &[
     (RETURN_TYPE, "return does not agree with the function's type"),
     (CONSTANT, "an array size or layout value is not a positive constant integer"),
     (CONSTRUCTOR, "a constructor gets an argument that has no components, or cannot be built at all"),
+    (NOT_A_PLACE, "something is written that is no variable"),
 ];

@@ -3,6 +3,9 @@
 //! much of the rest as can be read.
 
 pub mod ast;
+mod builtin;
+mod check;
+mod constructor;
 pub mod errors;
 mod fold;
 pub mod interface;
@@ -18,6 +21,7 @@ pub mod types;
 use crate::diagnostic::Diagnostic;
 use crate::text::{SourceFile, Span};
 use ast::{Arena, Expr, ExprId, Unit};
+pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fold::Const;
 use interface::Interface;
 use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
@@ -199,6 +203,8 @@ impl Shader {
         let pieces = lexer::lex(file.text());
         let preprocess::Preprocessed { tokens, version, extensions, raw } = preprocess::run(&pieces, &mut sink);
         let (unit, arena) = parser::parse(tokens, &version, &extensions, &mut sink);
+        let check::Checked { types, values, names, calls, symbols, functions, uses, interface } =
+            check::check(&unit, &arena, stage, &version, &mut sink);
         let shader = Self {
             file: file.clone(),
             stage,
@@ -208,14 +214,14 @@ impl Shader {
             tokens: raw,
             unit,
             arena,
-            types: Vec::new(),
-            values: Vec::new(),
-            names: Vec::new(),
-            calls: Vec::new(),
-            symbols: Vec::new(),
-            functions: Vec::new(),
-            uses: Vec::new(),
-            interface: Interface::default(),
+            types,
+            values,
+            names,
+            calls,
+            symbols,
+            functions,
+            uses,
+            interface,
         };
         Parsed { shader, diagnostics: sink.finish() }
     }
@@ -295,6 +301,19 @@ impl Shader {
     /// What a call expression means; none when no function fits.
     pub fn callee(&self, id: ExprId) -> Option<&CallTarget> {
         self.calls.get(id.index())?.as_ref()
+    }
+
+    /// Components that a constructor call needs and gets; none when the expression is no
+    /// constructor call. The type of an ill-formed one is [`Type::Error`] by [`Shader::type_of`],
+    /// so that nothing that depends on it is told; here it is the type that is written.
+    pub fn constructor(&self, id: ExprId) -> Option<Constructor> {
+        let (Some(CallTarget::Constructor(ty)), ast::ExprKind::Call { callee: _, args }) =
+            (self.callee(id), &self.expr(id).kind)
+        else {
+            return None;
+        };
+        let args: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
+        Some(Constructor::new(ty, &args))
     }
 
     /// A variable.

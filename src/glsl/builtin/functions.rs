@@ -82,12 +82,7 @@ const TABLE: &[(&str, &str, &str, &str)] = &[
     ("bitCount findLSB findMSB", "iu", "1234", "I(T)"),
     // 8.10 and 8.11 atomics
     ("atomicCounter atomicCounterIncrement atomicCounterDecrement", "u", "1", "uint(atomic_uint)"),
-    (
-        "atomicAdd atomicMin atomicMax atomicAnd atomicOr atomicXor atomicExchange",
-        "iu",
-        "1",
-        "T(inout T,T)",
-    ),
+    ("atomicAdd atomicMin atomicMax atomicAnd atomicOr atomicXor atomicExchange", "iu", "1", "T(inout T,T)"),
     ("atomicCompSwap", "iu", "1", "T(inout T,T,T)"),
     // 8.13 fragments
     ("dFdx dFdy fwidth dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse", "f", "1234", "T(T)"),

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::super::Stage;
 use super::super::ast::Qualifiers;
 use super::super::types::{ArraySize, ScalarType, StructField, StructType, Type};
-use super::super::Stage;
 use crate::text::Span;
 
 /// A built-in variable.
@@ -19,7 +19,12 @@ pub(crate) struct Builtin {
 /// implementation), and whether it may be written: r(ead) or w(rite).
 const TABLE: &[(&str, &str, &str, char)] = &[
     // 7.1 special variables
-    ("gl_VertexID gl_InstanceID gl_DrawID gl_BaseVertex gl_BaseInstance gl_VertexIndex gl_InstanceIndex", "v", "int", 'r'),
+    (
+        "gl_VertexID gl_InstanceID gl_DrawID gl_BaseVertex gl_BaseInstance gl_VertexIndex gl_InstanceIndex",
+        "v",
+        "int",
+        'r',
+    ),
     ("gl_Position", "vge", "vec4", 'w'),
     ("gl_PointSize", "vge", "float", 'w'),
     ("gl_ClipDistance gl_CullDistance", "vge", "float ?", 'w'),
@@ -79,7 +84,12 @@ const TABLE: &[(&str, &str, &str, char)] = &[
     ("gl_TextureMatrix gl_TextureMatrixInverse gl_TextureMatrixTranspose", "vcegf", "mat4 ?", 'r'),
     ("gl_NormalMatrix", "vcegf", "mat3", 'r'),
     ("gl_NormalScale", "vcegf", "float", 'r'),
-    ("gl_ClipPlane gl_TextureEnvColor gl_EyePlaneS gl_EyePlaneT gl_ObjectPlaneS gl_ObjectPlaneT", "vcegf", "vec4 ?", 'r'),
+    (
+        "gl_ClipPlane gl_TextureEnvColor gl_EyePlaneS gl_EyePlaneT gl_ObjectPlaneS gl_ObjectPlaneT",
+        "vcegf",
+        "vec4 ?",
+        'r',
+    ),
 ];
 
 /// Structures of the compatibility profile: variable, array (`?`) or not, name, members.
@@ -221,7 +231,8 @@ fn per_vertex() -> Type {
         return Type::Error;
     };
     let mut whole = (*plain).clone();
-    for (name, ty) in [("gl_ClipDistance", Type::FLOAT), ("gl_CullDistance", Type::FLOAT), ("gl_TexCoord", Type::VEC4)] {
+    for (name, ty) in [("gl_ClipDistance", Type::FLOAT), ("gl_CullDistance", Type::FLOAT), ("gl_TexCoord", Type::VEC4)]
+    {
         let ty = Type::Array(Arc::new(ty), ArraySize::Unknown);
         let (span, qualifiers) = (Span::default(), Qualifiers::default());
         whole.fields.push(StructField { name: name.to_owned(), ty, span, qualifiers });

@@ -15,7 +15,7 @@ use super::{Extension, Version, errors};
 use crate::diagnostic::Safety;
 use crate::text::{Edit, SourceFile, Span};
 use words::Words;
-pub(crate) use words::{is_keyword, suggestions};
+pub(crate) use words::suggestions;
 
 /// The error has been told; the caller recovers.
 #[derive(Debug)]

@@ -99,7 +99,7 @@ impl Words {
 }
 
 /// True when a word is a keyword in some version.
-pub(crate) fn is_keyword(word: &str) -> bool {
+fn is_keyword(word: &str) -> bool {
     STATEMENTS.contains(&word)
         || QUALIFIERS.contains(&word)
         || matches!(word, "struct" | "precision" | "true" | "false")

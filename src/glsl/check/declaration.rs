@@ -1,0 +1,452 @@
+//! Declarations: types, variables, functions, blocks, and with them the stage interface.
+
+use std::sync::Arc;
+
+use super::super::ast::{
+    ArrayDim, Declaration, Declarator, ExprId, ExprKind, Function, Ident, InterfaceBlock, Item, ItemKind,
+    QualifiedNames, QualifierKind, Qualifiers, StorageQualifier, StructSpecifier, TypeKind, TypeSpecifier,
+};
+use super::super::fold::{self, Const};
+use super::super::interface::{
+    Block, BlockMember, InputPrimitive, Located, OutputPrimitive, StageLayout, Storage, Variable,
+};
+use super::super::names::nearest;
+use super::super::symbols::{Direction, FunctionId, FunctionInfo, ParamInfo, SymbolKind};
+use super::super::types::{ArraySize, StructField, StructType, Type};
+use super::super::{Stage, errors, parser};
+use super::expression::{article, with_near};
+use super::{Checker, Entry};
+use crate::text::Span;
+
+impl Checker<'_> {
+    pub(super) fn item(&mut self, index: usize, item: &Item) {
+        match &item.kind {
+            ItemKind::Empty | ItemKind::Error | ItemKind::Precision(_) => {}
+            ItemKind::Declaration(declaration) => self.global_declaration(index, declaration),
+            ItemKind::Function(function) => self.function(index, function),
+            ItemKind::Block(block) => self.block(index, block, item.span),
+            ItemKind::Qualified(names) if names.names.is_empty() => self.stage_layout(index, names, item.span),
+            ItemKind::Qualified(names) => self.qualified_names(names),
+        }
+    }
+
+    /// `invariant a;`: the names must exist.
+    pub(super) fn qualified_names(&mut self, names: &QualifiedNames) {
+        for name in &names.names {
+            if self.variable(&name.name).is_none() {
+                self.unknown_name(&name.name, name.span);
+            }
+        }
+    }
+
+    /// The type that a specifier names, without dimensions.
+    pub(super) fn named_type(&mut self, kind: &TypeKind, span: Span) -> Type {
+        match kind {
+            TypeKind::Struct(specifier) => self.structure(specifier),
+            TypeKind::Named(name) => {
+                if let Some(ty) = Type::from_name(name) {
+                    return ty;
+                }
+                match self.lookup(name) {
+                    Some(Entry::Structure(s)) => Type::Struct(Arc::clone(s)),
+                    Some(Entry::Variable(_)) => {
+                        let message = format!("`{name}` is a variable, not a type");
+                        self.sink.error(errors::UNKNOWN_TYPE, span, message, "a type is needed here");
+                        Type::Error
+                    }
+                    None => {
+                        if self.told.insert(name.clone()) {
+                            let mut known: Vec<&str> = parser::suggestions().collect();
+                            let own = self.scopes.iter().flat_map(|s| s.entries.iter());
+                            known
+                                .extend(own.filter(|(_, e)| matches!(e, Entry::Structure(_))).map(|(n, _)| n.as_str()));
+                            known.sort_unstable();
+                            let near = nearest(name, known).map(str::to_owned);
+                            let d =
+                                self.sink.start(errors::UNKNOWN_TYPE, span, format!("type `{name}` is not declared"));
+                            self.sink.push(with_near(d.with_label("unknown type"), near));
+                        }
+                        Type::Error
+                    }
+                }
+            }
+        }
+    }
+
+    /// Puts dimensions around a type, the outermost first.
+    fn dimensions(&mut self, base: Type, dims: &[ArrayDim]) -> Type {
+        let sizes: Vec<ArraySize> =
+            dims.iter().map(|d| d.size.map_or(ArraySize::Unsized, |size| self.array_size(size))).collect();
+        sizes.into_iter().rev().fold(base, |ty, size| Type::Array(Arc::new(ty), size))
+    }
+
+    fn specified_type(&mut self, ty: &TypeSpecifier) -> Type {
+        let base = self.named_type(&ty.kind, ty.name_span);
+        self.dimensions(base, &ty.dims)
+    }
+
+    /// `float[2] a[3]` is an array of 3 arrays of 2.
+    fn declared_type(&mut self, base: &Type, declarator_dims: &[ArrayDim]) -> Type {
+        self.dimensions(base.clone(), declarator_dims)
+    }
+
+    fn structure(&mut self, specifier: &StructSpecifier) -> Type {
+        let mut fields: Vec<StructField> = Vec::new();
+        for member in &specifier.members {
+            for (name, ty, _) in self.member_types(member) {
+                if let Some(first) = fields.iter().find(|f| f.name == name.name).map(|f| f.span) {
+                    self.redefinition(&name, Some(first));
+                }
+                fields.push(StructField {
+                    name: name.name,
+                    ty,
+                    span: name.span,
+                    qualifiers: member.qualifiers.clone(),
+                });
+            }
+        }
+        let name = specifier.name.as_ref().map_or_else(|| "<struct>".to_owned(), |n| n.name.clone());
+        let span = specifier.name.as_ref().map_or(specifier.span, |n| n.span);
+        let ty = Arc::new(StructType { name, fields, span });
+        if let Some(name) = &specifier.name {
+            let old = self.scopes.last().and_then(|s| s.entries.get(&name.name)).map(|e| match e {
+                Entry::Structure(s) => Some(s.span),
+                Entry::Variable(id) => self.out.symbols[id.index()].span,
+            });
+            if let Some(first) = old {
+                self.redefinition(name, first);
+            }
+            self.scope_insert(&name.name, Entry::Structure(Arc::clone(&ty)));
+        }
+        Type::Struct(ty)
+    }
+
+    fn member_types<'d>(&mut self, member: &'d Declaration) -> Vec<(Ident, Type, &'d Declarator)> {
+        self.layout_values(&member.qualifiers);
+        let base = self.specified_type(&member.ty);
+        let mut all = Vec::new();
+        for declarator in &member.declarators {
+            let ty = self.declared_type(&base, &declarator.dims);
+            all.push((declarator.name.clone(), ty, declarator));
+        }
+        all
+    }
+
+    /// Types the values of `layout(location = …)`.
+    fn layout_values(&mut self, qualifiers: &Qualifiers) {
+        for (entries, _) in qualifiers.layouts() {
+            for value in entries.iter().filter_map(|e| e.value) {
+                self.expression(value);
+            }
+        }
+    }
+
+    /// Checks an initialiser against the declared type; gives the type that the variable gets,
+    /// because `float a[] = …` takes the size from the value.
+    fn initializer(&mut self, name: &Ident, ty: Type, value: ExprId) -> (Type, Option<Const>) {
+        if let ExprKind::List(items) = &self.arena.get(value).kind {
+            let ty = self.list(name, &ty, value, items);
+            return (ty, None);
+        }
+        let given = self.expression(value);
+        if !self.conversions.allow(&given, &ty) {
+            let message = format!("{} `{given}` cannot initialise `{ty} {}`", article(&given), name.name);
+            let label = format!("this is {} `{given}`", article(&given));
+            self.sink.error(errors::ASSIGN_TYPE, self.arena.get(value).span, message, label);
+            return (ty, None);
+        }
+        let folded = self.value_of(value).and_then(|v| fold::convert(v, &ty));
+        let ty = match (&ty, &given) {
+            (Type::Array(_, ArraySize::Unsized), Type::Array(..)) => given,
+            _ => ty,
+        };
+        (ty, folded)
+    }
+
+    /// An initialiser list, against the type that it builds.
+    fn list(&mut self, name: &Ident, ty: &Type, id: ExprId, items: &[ExprId]) -> Type {
+        let count = u32::try_from(items.len()).unwrap_or(u32::MAX);
+        let (ty, wanted): (Type, Vec<Type>) = match ty {
+            Type::Array(element, ArraySize::Unsized) => {
+                let element = element.as_ref().clone();
+                (element.clone().array(count), vec![element; items.len()])
+            }
+            Type::Struct(s) => (ty.clone(), s.fields.iter().map(|f| f.ty.clone()).collect()),
+            Type::Error => (Type::Error, vec![Type::Error; items.len()]),
+            other => match (other.indexed(), other.index_count()) {
+                (Some(element), Some(n)) => (other.clone(), vec![element; usize::try_from(n).unwrap_or(0)]),
+                (Some(element), None) => (other.clone(), vec![element; items.len()]),
+                (None, _) => {
+                    let message = format!("a list cannot initialise `{other} {}`", name.name);
+                    self.sink.error(errors::ASSIGN_TYPE, self.arena.get(id).span, message, "this list");
+                    (other.clone(), vec![Type::Error; items.len()])
+                }
+            },
+        };
+        if wanted.len() != items.len() {
+            let message = format!("`{ty}` needs {} values, but the list has {}", wanted.len(), items.len());
+            self.sink.error(errors::CONSTRUCTOR, self.arena.get(id).span, message, "this list");
+        }
+        for (i, item) in items.iter().enumerate() {
+            let element = wanted.get(i).cloned().unwrap_or(Type::Error);
+            self.initializer(name, element, *item);
+        }
+        self.out.types[id.index()] = ty.clone();
+        ty
+    }
+
+    pub(super) fn local_declaration(&mut self, declaration: &Declaration) {
+        let constant = declaration.qualifiers.is_const();
+        self.layout_values(&declaration.qualifiers);
+        let base = self.specified_type(&declaration.ty);
+        for declarator in &declaration.declarators {
+            let (ty, value) = self.declarator(&base, declarator);
+            self.declare(&declarator.name, ty, SymbolKind::Local, constant, value.filter(|_| constant));
+        }
+    }
+
+    fn declarator(&mut self, base: &Type, declarator: &Declarator) -> (Type, Option<Const>) {
+        let ty = self.declared_type(base, &declarator.dims);
+        if ty == Type::Void {
+            let message = format!("`{}` cannot be `void`", declarator.name.name);
+            self.sink.error(errors::UNKNOWN_TYPE, declarator.name.span, message, "a variable needs a type with values");
+            return (Type::Error, None);
+        }
+        match &declarator.initializer {
+            Some(initializer) => self.initializer(&declarator.name, ty, initializer.value),
+            None => (ty, None),
+        }
+    }
+
+    /// An unsized input of a geometry stage has an element for each vertex of the primitive.
+    fn stage_type(&self, ty: Type, storage: Storage) -> Type {
+        match (ty, storage, self.vertices) {
+            (Type::Array(element, ArraySize::Unsized), Storage::In, Some(n)) if self.stage == Stage::Geometry => {
+                Type::Array(element, ArraySize::Known(n))
+            }
+            (ty, ..) => ty,
+        }
+    }
+
+    fn global_declaration(&mut self, item: usize, declaration: &Declaration) {
+        let qualifiers = &declaration.qualifiers;
+        let storage = qualifiers.storage().map_or(Storage::Global, |(s, _)| Storage::of(s, self.stage));
+        let read_only = matches!(storage, Storage::In | Storage::Uniform | Storage::Const) || qualifiers.is_const();
+        self.layout_values(qualifiers);
+        let base = self.specified_type(&declaration.ty);
+        for (position, declarator) in declaration.declarators.iter().enumerate() {
+            let (ty, value) = self.declarator(&base, declarator);
+            let ty = self.stage_type(ty, storage);
+            let value = value.filter(|_| storage == Storage::Const);
+            let symbol = self.declare(&declarator.name, ty.clone(), SymbolKind::Global(storage), read_only, value);
+            // A redeclared built-in is no part of the user's interface.
+            if declarator.name.name.starts_with("gl_") {
+                continue;
+            }
+            let variable = Variable {
+                name: declarator.name.name.clone(),
+                name_span: declarator.name.span,
+                ty,
+                storage,
+                qualifiers: qualifiers.clone(),
+                type_span: declaration.ty.span,
+                dims: declarator.dims.clone(),
+                initializer: declarator.initializer.as_ref().map(|i| i.value),
+                value,
+                declaration_span: declaration.span,
+                declarator_span: declarator.span,
+                item,
+                position,
+                siblings: declaration.declarators.len(),
+                symbol,
+            };
+            let interface = &mut self.out.interface;
+            match storage {
+                Storage::In => interface.inputs.push(variable),
+                Storage::Out => interface.outputs.push(variable),
+                Storage::Uniform | Storage::Buffer => interface.uniforms.push(variable),
+                Storage::Const => interface.constants.push(variable),
+                Storage::Shared | Storage::Global => interface.globals.push(variable),
+            }
+        }
+    }
+
+    fn block(&mut self, item: usize, block: &InterfaceBlock, span: Span) {
+        let storage = block.qualifiers.storage().map_or(Storage::Uniform, |(s, _)| Storage::of(s, self.stage));
+        self.layout_values(&block.qualifiers);
+        let read_only = |member: &Qualifiers| {
+            let locked = QualifierKind::Memory(super::super::ast::MemoryQualifier::ReadOnly);
+            matches!(storage, Storage::In | Storage::Uniform) || member.list.iter().any(|q| q.kind == locked)
+        };
+        let index = self.out.interface.blocks.len();
+        let mut members = Vec::new();
+        let mut fields = Vec::new();
+        for member in &block.members {
+            for (name, ty, declarator) in self.member_types(member) {
+                let symbol = if block.instance.is_none() {
+                    let kind = SymbolKind::BlockMember(index);
+                    let locked = read_only(&member.qualifiers) || read_only(&block.qualifiers);
+                    Some(self.declare(&name, ty.clone(), kind, locked, None))
+                } else {
+                    None
+                };
+                let qualifiers = member.qualifiers.clone();
+                let (name_text, span) = (name.name.clone(), name.span);
+                fields.push(StructField { name: name_text, ty: ty.clone(), span, qualifiers: qualifiers.clone() });
+                members.push(BlockMember {
+                    name,
+                    ty,
+                    qualifiers,
+                    type_span: member.ty.span,
+                    dims: declarator.dims.clone(),
+                    declaration_span: member.span,
+                    symbol,
+                });
+            }
+        }
+        let base = Type::Struct(Arc::new(StructType { name: block.name.name.clone(), fields, span: block.name.span }));
+        let ty = self.dimensions(base, &block.dims);
+        let ty = self.stage_type(ty, storage);
+        let symbol = block.instance.as_ref().map(|name| {
+            let kind = SymbolKind::BlockInstance(index);
+            self.declare(name, ty.clone(), kind, read_only(&block.qualifiers), None)
+        });
+        self.out.interface.blocks.push(Block {
+            name: block.name.clone(),
+            storage,
+            qualifiers: block.qualifiers.clone(),
+            members,
+            instance: block.instance.clone(),
+            dims: block.dims.clone(),
+            ty,
+            symbol,
+            span,
+            body_span: block.body_span,
+            item,
+        });
+    }
+
+    fn stage_layout(&mut self, item: usize, names: &QualifiedNames, span: Span) {
+        self.layout_values(&names.qualifiers);
+        let storage = names.qualifiers.storage().map(|(s, _)| Storage::of(s, self.stage));
+        let layout = StageLayout { storage, qualifiers: names.qualifiers.clone(), span, item };
+        if self.stage == Stage::Geometry {
+            self.geometry_layout(storage, &names.qualifiers);
+        }
+        self.out.interface.stage_layouts.push(layout);
+    }
+
+    fn geometry_layout(&mut self, storage: Option<Storage>, qualifiers: &Qualifiers) {
+        for (entries, _) in qualifiers.layouts() {
+            for entry in entries {
+                let key = entry.key.name.as_str();
+                let span = entry.span;
+                let number = entry.value.and_then(|v| self.value_of(v)).and_then(Const::as_integer);
+                let number = number.and_then(|n| u32::try_from(n).ok()).map(|value| Located { value, span });
+                if let (None, Some(value), "max_vertices" | "invocations") = (number, entry.value, key)
+                    && !self.type_of(value).is_error()
+                {
+                    let message = format!("`{key}` must be a constant integer");
+                    self.sink.error(errors::CONSTANT, self.arena.get(value).span, message, "this value");
+                }
+                let geometry = &mut self.out.interface.geometry;
+                match storage {
+                    Some(Storage::In) => {
+                        if let Some(value) = InputPrimitive::from_name(key) {
+                            geometry.input = Some(Located { value, span });
+                        } else if key == "invocations" {
+                            geometry.invocations = number;
+                        }
+                    }
+                    Some(Storage::Out) => {
+                        if let Some(value) = OutputPrimitive::from_name(key) {
+                            geometry.output = Some(Located { value, span });
+                        } else if key == "max_vertices" {
+                            geometry.max_vertices = number;
+                        }
+                    }
+                    Some(Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const | Storage::Global)
+                    | None => {}
+                }
+            }
+        }
+    }
+
+    fn function(&mut self, item: usize, function: &Function) {
+        let return_type = self.specified_type(&function.return_type);
+        let mut params = Vec::new();
+        for param in &function.params {
+            let base = self.specified_type(&param.ty);
+            let ty = self.declared_type(&base, &param.dims);
+            let direction = match param.qualifiers.storage() {
+                Some((StorageQualifier::Out, _)) => Direction::Out,
+                Some((StorageQualifier::InOut, _)) => Direction::InOut,
+                _ => Direction::In,
+            };
+            params.push(ParamInfo { name: param.name.clone(), ty, direction, symbol: None, span: param.span });
+        }
+        let id = self.declare_function(item, function, &return_type, params.clone());
+        let Some(body) = &function.body else { return };
+        self.scoped(|this| {
+            for (i, param) in params.iter().enumerate() {
+                let Some(name) = &param.name else { continue };
+                let read_only = function.params[i].qualifiers.is_const();
+                let kind = SymbolKind::Param(param.direction);
+                let symbol = this.declare(name, param.ty.clone(), kind, read_only, None);
+                if let Some(known) = this.out.functions[id.index()].params.get_mut(i) {
+                    known.symbol = Some(symbol);
+                }
+            }
+            this.current = Some((id, return_type));
+            this.statements(body);
+            this.current = None;
+        });
+    }
+
+    fn declare_function(
+        &mut self,
+        item: usize,
+        function: &Function,
+        return_type: &Type,
+        params: Vec<ParamInfo>,
+    ) -> FunctionId {
+        let known = self.functions.get(&function.name.name).cloned().unwrap_or_default();
+        let same = known.into_iter().find(|id| {
+            let old = &self.out.functions[id.index()].params;
+            old.len() == params.len() && old.iter().zip(&params).all(|(a, b)| a.ty == b.ty)
+        });
+        let name = function.name.clone();
+        let Some(id) = same else {
+            let (definition, prototypes) =
+                if function.body.is_some() { (Some(item), Vec::new()) } else { (None, vec![item]) };
+            let info = FunctionInfo { name, params, return_type: return_type.clone(), definition, prototypes };
+            self.out.functions.push(info);
+            let id = FunctionId(u32::try_from(self.out.functions.len() - 1).unwrap_or(u32::MAX));
+            self.functions.entry(function.name.name.clone()).or_default().push(id);
+            return id;
+        };
+        let old = &self.out.functions[id.index()];
+        let twice = function.body.is_some() && old.definition.is_some();
+        let differs = old.return_type != *return_type && !old.return_type.is_error() && !return_type.is_error();
+        if twice || differs {
+            let (first, old_return) = (old.name.span, old.return_type.to_string());
+            let message = if differs {
+                format!("`{}` returns `{return_type}` here and `{old_return}` before", name.name)
+            } else {
+                format!("`{}` has two bodies for the same parameters", name.name)
+            };
+            let file = self.sink.file.clone();
+            let d = self.sink.start(errors::REDEFINITION, name.span, message).with_label("second declaration");
+            self.sink.push(d.with_related(&file, first, "first declaration"));
+        }
+        let info = &mut self.out.functions[id.index()];
+        if function.body.is_some() {
+            info.definition = Some(item);
+            info.name = name;
+            info.params = params;
+        } else {
+            info.prototypes.push(item);
+        }
+        id
+    }
+}

@@ -1,0 +1,287 @@
+//! Names, types and the stage interface of a syntax tree. Follows the order of the text, because
+//! a name is known from its declaration on (GLSL 4.60 specification, section 4.2).
+
+mod call;
+mod declaration;
+mod expression;
+mod operator;
+mod statement;
+mod uses;
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use super::ast::{Arena, ExprId, Ident, ItemKind, Unit};
+use super::builtin;
+use super::fold::Const;
+use super::interface::{InputPrimitive, Interface};
+use super::names::nearest;
+use super::sink::Sink;
+use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, SymbolKind, Use};
+use super::types::{Conversions, StructType, Type};
+use super::{Profile, Stage, Version, errors};
+use crate::text::Span;
+
+/// What the checker finds out, beside diagnostics.
+#[derive(Debug, Default)]
+pub(crate) struct Checked {
+    pub types: Vec<Type>,
+    pub values: Vec<Option<Const>>,
+    pub names: Vec<Option<SymbolId>>,
+    pub calls: Vec<Option<CallTarget>>,
+    pub symbols: Vec<Symbol>,
+    pub functions: Vec<FunctionInfo>,
+    pub uses: Vec<Use>,
+    pub interface: Interface,
+}
+
+/// What a name in a scope means.
+#[derive(Clone, Debug)]
+enum Entry {
+    Variable(SymbolId),
+    Structure(Arc<StructType>),
+}
+
+#[derive(Debug, Default)]
+struct Scope {
+    entries: HashMap<String, Entry>,
+}
+
+struct Checker<'a> {
+    unit: &'a Unit,
+    arena: &'a Arena,
+    stage: Stage,
+    conversions: Conversions,
+    sink: &'a mut Sink,
+    out: Checked,
+    scopes: Vec<Scope>,
+    functions: HashMap<String, Vec<FunctionId>>,
+    builtins: HashMap<String, SymbolId>,
+    /// Unknown names that were told already.
+    told: HashSet<String>,
+    /// Vertices of the input primitive of a geometry stage.
+    vertices: Option<u32>,
+    /// The function whose body is being checked, and what it returns.
+    current: Option<(FunctionId, Type)>,
+}
+
+/// Checks a whole shader.
+pub(crate) fn check(unit: &Unit, arena: &Arena, stage: Stage, version: &Version, sink: &mut Sink) -> Checked {
+    let modern = version.profile != Profile::Es && version.number >= 400;
+    let conversions = Conversions { int_to_uint: modern, to_double: modern };
+    let n = arena.len();
+    let out = Checked {
+        types: vec![Type::Error; n],
+        values: vec![None; n],
+        names: vec![None; n],
+        calls: vec![None; n],
+        ..Checked::default()
+    };
+    let mut checker = Checker {
+        unit,
+        arena,
+        stage,
+        conversions,
+        sink,
+        out,
+        scopes: vec![Scope::default()],
+        functions: HashMap::new(),
+        builtins: HashMap::new(),
+        told: HashSet::new(),
+        vertices: None,
+        current: None,
+    };
+    checker.run();
+    let mut out = checker.out;
+    out.uses.sort_by_key(|u| (u.span.start, u.expr));
+    out
+}
+
+impl<'a> Checker<'a> {
+    fn run(&mut self) {
+        self.vertices = self.input_vertices();
+        let unit: &'a Unit = self.unit;
+        for (index, item) in unit.items.iter().enumerate() {
+            self.item(index, item);
+        }
+        let broken = unit.items.iter().any(|i| i.kind == ItemKind::Error);
+        let has_main = self.out.functions.iter().any(|f| f.name.name == "main" && f.definition.is_some());
+        if self.stage != Stage::Library && !has_main && !broken {
+            let near = self.out.functions.iter().filter(|f| f.definition.is_some()).map(|f| f.name.name.as_str());
+            let near = nearest("main", near).map(str::to_owned);
+            let message = format!("this {} shader has no function `main`", self.stage.name());
+            let diagnostic =
+                self.sink.start(errors::MISSING_MAIN, Span::at(0), message).with_label("no `main` in here");
+            self.sink.push(match near {
+                Some(near) => diagnostic.with_help(format!("is `{near}` meant to be `main`?")),
+                None => diagnostic.with_help("add `void main() { … }`; a file of functions only is called `NAME.glsl`"),
+            });
+        }
+    }
+
+    /// Vertices of the input primitive; it may be declared behind the inputs that need it.
+    fn input_vertices(&self) -> Option<u32> {
+        if self.stage != Stage::Geometry {
+            return None;
+        }
+        self.unit.items.iter().find_map(|item| match &item.kind {
+            ItemKind::Qualified(q)
+                if q.qualifiers.storage().is_some_and(|s| s.0 == super::ast::StorageQualifier::In) =>
+            {
+                let mut entries = q.qualifiers.layouts().flat_map(|(entries, _)| entries);
+                entries.find_map(|e| InputPrimitive::from_name(&e.key.name)).map(InputPrimitive::vertices)
+            }
+            _ => None,
+        })
+    }
+
+    fn scoped<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        self.scopes.push(Scope::default());
+        let result = run(self);
+        self.scopes.pop();
+        result
+    }
+
+    fn at_file_scope(&self) -> bool {
+        self.scopes.len() == 1
+    }
+
+    fn type_of(&self, id: ExprId) -> &Type {
+        &self.out.types[id.index()]
+    }
+
+    fn value_of(&self, id: ExprId) -> Option<Const> {
+        self.out.values[id.index()]
+    }
+
+    fn lookup(&self, name: &str) -> Option<&Entry> {
+        self.scopes.iter().rev().find_map(|s| s.entries.get(name))
+    }
+
+    /// The variable of that name: of the shader, or built in.
+    fn variable(&mut self, name: &str) -> Option<SymbolId> {
+        match self.lookup(name) {
+            Some(Entry::Variable(id)) => return Some(*id),
+            Some(Entry::Structure(_)) => return None,
+            None => {}
+        }
+        if let Some(id) = self.builtins.get(name) {
+            return Some(*id);
+        }
+        let builtin::Builtin { ty, read_only } = builtin::variable(name, self.stage, self.vertices)?;
+        let kind = SymbolKind::Builtin;
+        let id = self.add_symbol(Symbol { name: name.to_owned(), span: None, ty, kind, read_only, value: None });
+        self.builtins.insert(name.to_owned(), id);
+        Some(id)
+    }
+
+    fn add_symbol(&mut self, symbol: Symbol) -> SymbolId {
+        self.out.symbols.push(symbol);
+        SymbolId(u32::try_from(self.out.symbols.len() - 1).unwrap_or(u32::MAX))
+    }
+
+    /// Adds a variable to the innermost scope.
+    fn declare(&mut self, name: &Ident, ty: Type, kind: SymbolKind, read_only: bool, value: Option<Const>) -> SymbolId {
+        let builtin = name.name.starts_with("gl_");
+        let kind = if builtin { SymbolKind::Builtin } else { kind };
+        let merge = match self.scopes.last().and_then(|s| s.entries.get(&name.name)) {
+            None => None,
+            // A second declaration may give an array its size.
+            Some(Entry::Variable(old)) if self.resizes(*old, &ty) || builtin => Some(*old),
+            Some(entry) => {
+                let first = match entry {
+                    Entry::Variable(id) => self.out.symbols[id.index()].span,
+                    Entry::Structure(s) => Some(s.span),
+                };
+                self.redefinition(name, first);
+                None
+            }
+        };
+        // A use before the redeclaration of a built-in means the same variable.
+        let merge = merge.or_else(|| if builtin { self.builtins.get(&name.name).copied() } else { None });
+        if let Some(old) = merge {
+            self.out.symbols[old.index()].ty = ty;
+            self.scope_insert(&name.name, Entry::Variable(old));
+            return old;
+        }
+        let symbol = Symbol { name: name.name.clone(), span: Some(name.span), ty, kind, read_only, value };
+        let id = self.add_symbol(symbol);
+        self.scope_insert(&name.name, Entry::Variable(id));
+        if builtin {
+            self.builtins.insert(name.name.clone(), id);
+        }
+        id
+    }
+
+    fn scope_insert(&mut self, name: &str, entry: Entry) {
+        if let Some(scope) = self.scopes.last_mut() {
+            scope.entries.insert(name.to_owned(), entry);
+        }
+    }
+
+    fn resizes(&self, old: SymbolId, new: &Type) -> bool {
+        use super::types::ArraySize::{Known, Unsized};
+        match (&self.out.symbols[old.index()].ty, new) {
+            (Type::Array(a, Unsized), Type::Array(b, Known(_) | Unsized)) => a == b && self.at_file_scope(),
+            _ => false,
+        }
+    }
+
+    fn redefinition(&mut self, name: &Ident, first: Option<Span>) {
+        let file = self.sink.file.clone();
+        let message = format!("`{}` is declared twice in this scope", name.name);
+        let diagnostic = self.sink.start(errors::REDEFINITION, name.span, message).with_label("second declaration");
+        self.sink.push(match first {
+            Some(span) => diagnostic.with_related(&file, span, "first declaration"),
+            None => diagnostic,
+        });
+    }
+
+    /// Every name that could be meant by an unknown one: the innermost scope first.
+    fn known_variables(&self) -> Vec<&str> {
+        let mut all: Vec<&str> = Vec::new();
+        for scope in self.scopes.iter().rev() {
+            let variables = scope.entries.iter().filter(|(_, e)| matches!(e, Entry::Variable(_)));
+            let mut names: Vec<&str> = variables.map(|(n, _)| n.as_str()).collect();
+            // The map has no order of its own, and suggestions must not change from run to run.
+            names.sort_unstable();
+            all.append(&mut names);
+        }
+        for name in builtin::variable_names(self.stage) {
+            all.push(name);
+        }
+        all
+    }
+
+    fn unknown_name(&mut self, name: &str, span: Span) {
+        if !self.told.insert(name.to_owned()) {
+            return;
+        }
+        let near = nearest(name, self.known_variables()).map(str::to_owned);
+        let message = format!("`{name}` is not declared");
+        let diagnostic = self.sink.start(errors::UNKNOWN_NAME, span, message).with_label("unknown name");
+        self.sink.push(self.unknown_help(name, near, diagnostic));
+    }
+
+    fn unknown_help(
+        &self,
+        name: &str,
+        near: Option<String>,
+        diagnostic: crate::diagnostic::Diagnostic,
+    ) -> crate::diagnostic::Diagnostic {
+        if let Some(near) = near {
+            return diagnostic.with_help(format!("did you mean `{near}`?"));
+        }
+        let elsewhere = [Stage::Vertex, Stage::Geometry, Stage::Fragment, Stage::TessControl, Stage::Compute]
+            .into_iter()
+            .find(|s| builtin::variable(name, *s, None).is_some());
+        match elsewhere {
+            Some(stage) => diagnostic.with_why(format!(
+                "it belongs to the {} stage, and this is a {} shader",
+                stage.name(),
+                self.stage.name()
+            )),
+            None => diagnostic,
+        }
+    }
+}
