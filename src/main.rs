@@ -26,8 +26,6 @@ fn quiet_loader() {
     }
     let Ok(this) = std::env::current_exe() else { return };
     // Only returns when it fails; then the line is printed, and nothing else changes.
-    let _ = std::process::Command::new(this)
-        .args(std::env::args_os().skip(1))
-        .env(VARIABLE, std::env::temp_dir())
-        .exec();
+    let _ =
+        std::process::Command::new(this).args(std::env::args_os().skip(1)).env(VARIABLE, std::env::temp_dir()).exec();
 }

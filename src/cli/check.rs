@@ -137,10 +137,8 @@ fn open_lanes(args: &CheckArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box
     let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
     for asked in args.lane.iter().chain(&args.require_lane) {
         if !names.contains(&asked.as_str()) {
-            let hint = nearest(asked, names.iter().copied()).map_or_else(
-                || format!("lanes are {}", names.join(", ")),
-                |near| format!("did you mean `{near}`?"),
-            );
+            let hint = nearest(asked, names.iter().copied())
+                .map_or_else(|| format!("lanes are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
             anyhow::bail!("there is no lane `{asked}`; {hint}");
         }
     }
@@ -214,7 +212,8 @@ fn one_suite(
         }
     }
     // Another shader's failures are no regressions of the suite's own.
-    if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some()) {
+    if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some())
+    {
         save_regressions(path, &suite.name, &failing)?;
     }
     Ok(())
@@ -257,7 +256,11 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared) -> anyhow
 /// A word as a shell takes it.
 fn shell_word(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+@%:,".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }
 
 #[cfg(test)]

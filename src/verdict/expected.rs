@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::tolerance::Family;
 use crate::formula::{Args, Emission, Formula, Kind, Param, Rule};
 use crate::program::{OutputLayout, Program};
 use crate::value::{Batch, Record, Scalar};
@@ -84,7 +85,7 @@ pub struct Reference {
     invocation: Vec<Copy>,
     case: Vec<Copy>,
     input_words: usize,
-    is_real: Arc<[bool]>,
+    families: Arc<[Family]>,
     /// For each judged variable: its words in the formula's outputs and in the vertex record.
     pub(super) outputs: Vec<Output>,
     pub(super) vertex_words: usize,
@@ -119,7 +120,7 @@ impl Reference {
             invocation: Vec::new(),
             case: Vec::new(),
             input_words: formula.inputs.iter().map(Param::words).sum(),
-            is_real: formula.inputs.iter().flat_map(|p| std::iter::repeat_n(p.kind != Kind::Int, p.words())).collect(),
+            families: formula.inputs.iter().flat_map(|p| std::iter::repeat_n(family(p.kind), p.words())).collect(),
             outputs: Vec::new(),
             vertex_words: formula.outputs.iter().map(Param::words).sum(),
         };
@@ -221,10 +222,19 @@ impl Reference {
     /// For each expected word, how sensitive it is to the inputs: Σ |x · ∂y/∂x|.
     pub(super) fn sensitivity(&self, inputs: &[f64], base: &Expected) -> Vec<f64> {
         let mut scratch = Expected::default();
-        super::tolerance::sensitivity(inputs, &self.is_real, &base.words, |moved, out| {
+        super::tolerance::sensitivity(inputs, &self.families, &base.words, |moved, out| {
             self.eval(moved, &mut scratch);
             out.extend_from_slice(&scratch.words);
         })
+    }
+}
+
+fn family(kind: Kind) -> Family {
+    match kind {
+        Kind::Int => Family::Exact,
+        Kind::Float => Family::Single,
+        Kind::Vec2 | Kind::Vec3 | Kind::Vec4 => Family::Vector,
+        Kind::Mat4 => Family::Matrix,
     }
 }
 

@@ -157,7 +157,8 @@ pub fn judge_value(component: &Component, tolerance: &Tolerance) -> Result<f64, 
     let Component { expected, scale, actual, scalar } = *component;
     match scalar {
         Scalar::F32 => {
-            let allowed = tolerance.at(scale);
+            // An infinite tolerance would let everything pass; the caller looks at the scale first.
+            let allowed = if scale.is_finite() { tolerance.at(scale) } else { f64::NAN };
             let error = (f64::from(f32::from_bits(actual)) - expected).abs();
             // Written so that a NaN on either side, in the error or in the scale, does not pass.
             if error <= allowed { Ok(error / ulp_at(scale)) } else { Err(allowed) }

@@ -2,9 +2,14 @@
 //! in this file.
 //!
 //! A suite states a number of ULP. They are ULP *at the scale of the inputs*: of the largest
-//! component of the output variable, plus the sum over all inputs of |x · ∂y/∂x|, which is how much
+//! component of the output variable, plus the sum over all inputs of X · |∂y/∂x|, which is how much
 //! of the inputs' own size passes through to the output. A sum that cancels keeps the scale of what
 //! was summed, and a quotient by a small length gets the scale of what was divided.
+//!
+//! X is the size of the input: |x| for a number; for a component of a vector or matrix, the largest
+//! component of all vectors, or all matrices, since they are added to each other: where the second
+//! end of a bone is nearest, the first one drops out of the distance, and still gives its size to
+//! the differences from which the distance is computed.
 
 use crate::value::ulp_at;
 
@@ -20,13 +25,14 @@ const USELESS: f64 = 1.0 / 1024.0;
 
 impl Tolerance {
     /// The tolerance at a given scale. A result in the subnormal range may be flushed to zero.
+    /// Infinite when the scale is no number: nothing can be said then.
     pub fn at(&self, scale: f64) -> f64 {
-        self.ulp * ulp_at(scale) + f64::from(f32::MIN_POSITIVE)
+        if scale.is_finite() { self.ulp * ulp_at(scale) + f64::from(f32::MIN_POSITIVE) } else { f64::INFINITY }
     }
 
     /// True when a tolerance at `scale` is no test of an output of size `size` any more.
     pub fn is_useless(&self, scale: f64, size: f64) -> bool {
-        self.ulp * ulp_at(scale) > USELESS * size.max(f64::from(f32::MIN_POSITIVE))
+        self.at(scale) > USELESS * size.max(f64::from(f32::MIN_POSITIVE))
     }
 }
 
@@ -34,23 +40,47 @@ impl Tolerance {
 /// every formula at hand, large against the rounding of binary64.
 const STEP: f64 = 1.0 / (1 << 20) as f64;
 
-/// For each output, Σ |x · ∂y/∂x| over the inputs, by moving one input at a time. `is_real` tells
-/// which inputs are real numbers (integers are exact and are not moved). `eval` gives the outputs of
-/// the inputs, always the same number of them. An output that jumps counts as infinitely sensitive.
+/// Inputs that share a size: see the head of this file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// An integer: exact, never moved.
+    Exact,
+    /// A number of its own.
+    Single,
+    /// A component of a vector.
+    Vector,
+    /// A component of a matrix.
+    Matrix,
+}
+
+/// For each output, Σ X · |∂y/∂x| over the inputs, by moving one input at a time. `eval` gives the
+/// outputs of the inputs, always the same number of them. An output that jumps, or that loses its
+/// value, counts as infinitely sensitive.
 pub fn sensitivity(
     inputs: &[f64],
-    is_real: &[bool],
+    families: &[Family],
     base: &[f64],
     mut eval: impl FnMut(&[f64], &mut Vec<f64>),
 ) -> Vec<f64> {
+    let largest = |family| {
+        let of = inputs.iter().zip(families).filter(|(_, f)| **f == family);
+        of.fold(0.0_f64, |m, (x, _)| m.max(x.abs()))
+    };
+    let (vectors, matrices) = (largest(Family::Vector), largest(Family::Matrix));
     let mut sum = vec![0.0; base.len()];
     let mut moved = inputs.to_vec();
     let mut outputs = Vec::with_capacity(base.len());
     for (k, &x) in inputs.iter().enumerate() {
-        if x == 0.0 || !is_real[k] {
+        let size = match families[k] {
+            Family::Exact => 0.0,
+            Family::Single => x.abs(),
+            Family::Vector => vectors,
+            Family::Matrix => matrices,
+        };
+        if size == 0.0 {
             continue;
         }
-        moved[k] = x * (1.0 + STEP);
+        moved[k] = x + size * STEP;
         outputs.clear();
         eval(&moved, &mut outputs);
         moved[k] = x;
@@ -73,14 +103,29 @@ mod tests {
     #[test]
     fn a_cancelling_difference_keeps_the_scale_of_its_terms() {
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0] - x[1]);
-        let sum = sensitivity(&[1000.0, 999.9], &[true, true], &[0.1], eval);
+        let sum = sensitivity(&[1000.0, 999.9], &[Family::Single; 2], &[0.1], eval);
         assert!((sum[0] - 1999.9).abs() < 1e-2, "{sum:?}");
+    }
+
+    #[test]
+    fn vectors_share_their_size_and_numbers_do_not() {
+        // y = x0; the second input does not matter, but for its size.
+        let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0]);
+        let with = |family| sensitivity(&[0.0, 8.0], &[family; 2], &[0.0], eval)[0];
+        assert!((with(Family::Vector) - 8.0).abs() < 1e-6);
+        assert_eq!(with(Family::Single), 0.0);
     }
 
     #[test]
     fn integers_are_not_moved() {
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0]);
-        assert_eq!(sensitivity(&[7.0], &[false], &[7.0], eval), [0.0]);
+        assert_eq!(sensitivity(&[7.0], &[Family::Exact], &[7.0], eval), [0.0]);
+    }
+
+    #[test]
+    fn a_value_that_is_lost_is_infinitely_sensitive() {
+        let eval = |x: &[f64], out: &mut Vec<f64>| out.push((1.0 - x[0]).sqrt());
+        assert_eq!(sensitivity(&[1.0], &[Family::Single], &[0.0], eval), [f64::INFINITY]);
     }
 
     #[test]

@@ -68,8 +68,7 @@ fn entry(entry: &Entry) -> Value {
             }
             let [domain, ill, underflow] = report.verdicts.undetermined;
             value["undetermined_by"] = json!({"domain": domain, "ill_conditioned": ill, "underflow": underflow});
-            value["relations"] =
-                report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
+            value["relations"] = report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
             if let Some(coverage) = &report.coverage {
                 value["coverage"] = json!({
                     "nodes": coverage.nodes,

@@ -89,9 +89,9 @@ impl Summary {
             match &entry.outcome {
                 Outcome::Ran(report) => failed |= !report.findings.is_empty(),
                 Outcome::Refused(RunError::Shader { .. }) | Outcome::LaneFailed(_) => failed = true,
-                Outcome::Refused(
-                    RunError::Program { .. } | RunError::Reference { .. } | RunError::Plan { .. },
-                ) => return Status::Broken,
+                Outcome::Refused(RunError::Program { .. } | RunError::Reference { .. } | RunError::Plan { .. }) => {
+                    return Status::Broken;
+                }
             }
         }
         if failed {
