@@ -5,7 +5,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use crate::property::Observed;
 
-/// A real number known to lie within `rad` of `mid`.
+/// A real number known to lie within `rad` of `mid`. An infinite radius says that nothing is known,
+/// as of an output for which the formula has no value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
     pub(super) mid: f64,
@@ -42,7 +43,7 @@ impl Sub for Ball {
 impl Mul for Ball {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let rad = self.mid.abs() * other.rad + other.mid.abs() * self.rad + self.rad * other.rad;
+        let rad = times(self.mid, other.rad) + times(other.mid, self.rad) + times(self.rad, other.rad);
         Self { mid: self.mid * other.mid, rad }
     }
 }
@@ -50,14 +51,24 @@ impl Mul for Ball {
 impl Mul<f64> for Ball {
     type Output = Self;
     fn mul(self, exact: f64) -> Self {
-        Self { mid: self.mid * exact, rad: self.rad * exact.abs() }
+        Self { mid: self.mid * exact, rad: times(exact, self.rad) }
     }
 }
 
+/// |a| b, where 0 times the unknown is 0.
+fn times(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { a.abs() * b }
+}
+
 impl Ball {
+    /// Whether nothing is known of the number.
+    pub(super) fn is_unknown(self) -> bool {
+        self.rad == f64::INFINITY
+    }
+
     /// Whether the number may be 0. False for NaN, so that a NaN reaches the claim and fails it.
     pub(super) fn may_be_zero(self) -> bool {
-        self.mid.abs() <= self.rad
+        self.is_unknown() || self.mid.abs() <= self.rad
     }
 
     /// The quotient; `None` when the divisor may be 0.
@@ -91,7 +102,7 @@ pub(super) fn exact<const N: usize>(values: [f64; N]) -> [Ball; N] {
 /// `N` output words from `at` on. A word that the lane did not give is NaN.
 pub(super) fn outputs<const N: usize>(observed: &Observed, at: usize) -> [Ball; N] {
     std::array::from_fn(|k| match (observed.words.get(at + k), observed.slack.get(at + k)) {
-        (Some(&mid), Some(&rad)) => Ball { mid, rad },
+        (Some(&mid), Some(&rad)) => Ball { mid, rad: if rad.is_finite() { rad } else { f64::INFINITY } },
         _ => Ball { mid: f64::NAN, rad: 0.0 },
     })
 }
@@ -195,6 +206,17 @@ mod tests {
         assert!(direction([nan, one, one]).is_some_and(|d| d[1].mid.is_nan()));
         let missing = Observed { vertices: 1, words: vec![1.0], slack: vec![0.0] };
         assert!(output(&missing, 1).mid.is_nan());
+    }
+
+    #[test]
+    fn the_unknown_stays_unknown_but_for_a_factor_of_zero() {
+        let observed = Observed { vertices: 1, words: vec![1.0, f64::NAN], slack: vec![f64::NAN, f64::INFINITY] };
+        for unknown in outputs::<2>(&observed, 0) {
+            let one = Ball { mid: 1.0, rad: 0.1 };
+            assert!((unknown + one).is_unknown() && (one - unknown).is_unknown() && unknown.may_be_zero());
+            assert_eq!((unknown * 0.0).rad, 0.0);
+        }
+        assert!((output(&observed, 0) * Ball { mid: 2.0, rad: 0.1 }).is_unknown());
     }
 
     #[test]

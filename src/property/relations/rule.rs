@@ -59,8 +59,11 @@ impl Relation for Rule {
 pub(super) struct Claims<'a>(&'a mut Vec<Claim>);
 
 impl Claims<'_> {
-    /// Claims that two numbers are equal.
+    /// Claims that two numbers are equal; nothing when one of them is unknown.
     pub(super) fn equal(&mut self, what: impl Into<String>, left: Ball, right: Ball) {
+        if left.is_unknown() || right.is_unknown() {
+            return;
+        }
         // The relation itself is evaluated in binary64, with some dozens of roundings.
         let rounding = 1e-12 * left.mid.abs().max(right.mid.abs());
         let slack = left.rad + right.rad + rounding;
@@ -235,6 +238,17 @@ mod tests {
         claims.at_most("x", Ball::from(0.0), Ball::from(f64::NAN));
         let holds: Vec<bool> = list.iter().map(|c| (c.left - c.right).abs() <= c.slack).collect();
         assert_eq!(holds, [true, true, false, false, false]);
+    }
+
+    #[test]
+    fn nothing_is_claimed_of_the_unknown() {
+        let mut list = Vec::new();
+        let mut claims = Claims(&mut list);
+        for mid in [0.0, f64::NAN] {
+            claims.equal("x", Ball { mid, rad: f64::INFINITY }, Ball::from(1.0));
+            claims.at_most("x", Ball::from(2.0), Ball { mid, rad: f64::INFINITY });
+        }
+        assert!(list.is_empty());
     }
 
     #[test]
