@@ -37,13 +37,11 @@ pub fn run_selected(files: &[Input], selection: &Selection) -> Vec<Diagnostic> {
 /// As [`run_selected`], with the rules given: tests plant rules of their own.
 fn run_rules(files: &[Input], selection: &Selection, rules: &[&'static Rule]) -> Vec<Diagnostic> {
     let project = Project::new(files);
-    let mut found = Vec::new();
+    let mut found: Vec<Diagnostic> =
+        project.shaders().filter(|s| s.reported).flat_map(|s| s.front_end.iter().cloned()).collect();
     for rule in rules {
         rule.check(&project, &mut found);
     }
-    let errors = project.shaders().filter(|s| s.reported).flat_map(|s| &s.front_end);
-    let alone: Vec<Diagnostic> = errors.filter(|e| !is_superseded(e, &found, rules)).cloned().collect();
-    found.extend(alone);
     found.retain(|d| selection.keeps(d.code.0));
     found.sort_by(|a, b| {
         let key = |d: &Diagnostic| (d.file.name().to_owned(), d.span, d.code);
@@ -51,14 +49,4 @@ fn run_rules(files: &[Input], selection: &Selection, rules: &[&'static Rule]) ->
     });
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
     found
-}
-
-/// True when one of the rules tells the cause of a front end's error: a type that does not fit, say,
-/// because the constructor was given too much.
-fn is_superseded(error: &Diagnostic, found: &[Diagnostic], rules: &[&'static Rule]) -> bool {
-    found.iter().filter(|d| d.file == error.file).any(|d| {
-        let whole = d.related.iter().filter(|l| l.file == d.file).fold(d.span, |all, l| all.to(l.span));
-        let overlaps = error.span.start < whole.end && whole.start < error.span.end;
-        overlaps && rules.iter().any(|r| r.code == d.code && r.supersedes.contains(&error.code.0))
-    })
 }

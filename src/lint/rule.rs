@@ -18,9 +18,6 @@ pub struct Rule {
     pub summary: &'static str,
     /// Its page of the manual.
     pub page: Page,
-    /// Codes of the front end that tell the same defect less well: what they say about a place that
-    /// this rule reports is left out.
-    pub(super) supersedes: &'static [&'static str],
     /// How it looks.
     pub(super) check: Check,
 }

@@ -61,10 +61,10 @@ fn the_printed_defects_are_found_and_nothing_else() {
             "cylinder.vert:11:24 N014 info",
             "cylinder.vert:13:23 T001 error", // D1
             "grid.cpp:21:15 H029 error",      // D2
-            "hair.cpp:27:30 H030 info",       // L13
+            "hair.cpp:24:30 H030 info",       // L13
             "hair.geom:7:21 G002 info",
             "morph.cpp:18:17 H001 error",  // D4
-            "sphere.cpp:22:63 H004 error", // D3
+            "sphere.cpp:22:62 H004 error", // D3
             "sphere.vert:11:14 N014 info",
             "sphere.vert:12:14 N014 info",
         ]
@@ -210,6 +210,20 @@ fn a_text_that_breaks_off_anywhere_does_no_harm() {
     }
 }
 
+#[test]
+fn errors_of_the_front_end_stand_in_the_same_list() {
+    let text = "#version 150 core\nin vec4 p;\nvoid main(void)\n{\n  float a = 3.1416 * q;\n  gl_Position = p * a\n}\n";
+    let found = run(&[Input::new(SourceFile::new("a.vert", text))]);
+    let codes: Vec<&str> = found.iter().map(|d| d.code.0).collect();
+    assert!(codes.contains(&"N014") && codes.iter().any(|c| c.starts_with('E')), "{found:#?}");
+    assert!(found.windows(2).all(|w| w[0].span.start <= w[1].span.start));
+    let broken: Vec<&str> = run(&[Input::new(SourceFile::new("a.vert", "#version 150 core\nvoid main( { vec3(1.0"))])
+        .iter()
+        .map(|d| d.severity.name())
+        .collect();
+    assert!(broken.contains(&"error"));
+}
+
 // Planted rules: the engine's own alarms.
 
 const PAGE: Page = Page { what: "", why: "", bad: &[], good: &[], fix: "", references: &[] };
@@ -221,7 +235,6 @@ const fn planted(code: &'static str, check: fn(&SourceFile, &mut Findings<'_>)) 
         severity: Severity::Warning,
         summary: "",
         page: PAGE,
-        supersedes: &[],
         check: Check::Text(check),
     }
 }

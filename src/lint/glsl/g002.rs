@@ -40,7 +40,6 @@ pub const RULE: Rule = Rule {
             "GLSL 1.50 specification, section 4.3.8.2 \"Output Layout Qualifiers\"",
         ],
     },
-    supersedes: &[],
     check: Check::Shader(check),
 };
 

@@ -37,7 +37,6 @@ pub const RULE: Rule = Rule {
             "IEEE 754-2019, section 5.12: 9 decimal digits identify a binary32 number",
         ],
     },
-    supersedes: &[],
     check: Check::Shader(check),
 };
 

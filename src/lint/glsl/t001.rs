@@ -38,7 +38,6 @@ pub const RULE: Rule = Rule {
               Otherwise the arguments that are too many are removed, which is unsafe.",
         references: &["GLSL 1.50 specification, section 5.4.2 \"Vector and Matrix Constructors\""],
     },
-    supersedes: &["E030", "E040"],
     check: Check::Shader(check),
 };
 

@@ -43,7 +43,6 @@ pub const RULE: Rule = Rule {
             "OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation) and 2.11.4 (glGetUniformLocation)",
         ],
     },
-    supersedes: &[],
     check: Check::Host(check),
 };
 

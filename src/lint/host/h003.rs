@@ -43,7 +43,6 @@ pub const RULE: Rule = Rule {
               the one that was meant.",
         references: &["OpenGL 3.2 core specification, section 2.11.4 (glGetUniformLocation)"],
     },
-    supersedes: &[],
     check: Check::Host(check),
 };
 

@@ -43,7 +43,6 @@ pub const RULE: Rule = Rule {
               unless the file looks that up as well. Unsafe: it need not be the one that was meant.",
         references: &["OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation, glBindAttribLocation)"],
     },
-    supersedes: &[],
     check: Check::Host(check),
 };
 

@@ -41,7 +41,6 @@ pub const RULE: Rule = Rule {
               other name may be what is missing.",
         references: &["ISO C++, [basic.lookup.unqual]: a name is declared before it is used"],
     },
-    supersedes: &[],
     check: Check::Host(check),
 };
 

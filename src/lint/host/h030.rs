@@ -38,7 +38,6 @@ pub const RULE: Rule = Rule {
               add 2 to its count, or store a further node at each end that continues the curve.",
         references: &["OpenGL 3.2 core specification, section 2.6.1, \"Line strips with adjacency\""],
     },
-    supersedes: &[],
     check: Check::Host(check),
 };
 
