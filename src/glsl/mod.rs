@@ -16,6 +16,8 @@ mod parser;
 mod preprocess;
 mod sink;
 pub mod symbols;
+#[cfg(test)]
+mod tests;
 pub mod types;
 
 use crate::diagnostic::Diagnostic;

@@ -21,6 +21,7 @@ use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Sym
 use super::types::{Conversions, StructType, Type};
 use super::{Profile, Stage, Version, errors};
 use crate::text::Span;
+use expression::with_near;
 
 /// What the checker finds out, beside diagnostics.
 #[derive(Debug, Default)]
@@ -288,9 +289,6 @@ impl<'a> Checker<'a> {
         near: Option<String>,
         diagnostic: crate::diagnostic::Diagnostic,
     ) -> crate::diagnostic::Diagnostic {
-        if let Some(near) = near {
-            return diagnostic.with_help(format!("did you mean `{near}`?"));
-        }
         let elsewhere = [Stage::Vertex, Stage::Geometry, Stage::Fragment, Stage::TessControl, Stage::Compute]
             .into_iter()
             .find(|s| builtin::variable(name, *s, None).is_some());
@@ -300,7 +298,7 @@ impl<'a> Checker<'a> {
                 stage.name(),
                 self.stage.name()
             )),
-            None => diagnostic,
+            None => with_near(diagnostic, near),
         }
     }
 }

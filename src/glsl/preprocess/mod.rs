@@ -154,7 +154,13 @@ impl Preprocessor<'_> {
     fn text(&mut self, line: &[Piece]) {
         for piece in line {
             match piece.lex {
-                Lex::Unknown => self.unknown(piece.span),
+                Lex::Unknown => {
+                    self.unknown(piece.span);
+                    // The parser must know that something stands here, unless it is a blank.
+                    if !self.sink.file.slice(piece.span).chars().all(char::is_whitespace) {
+                        self.pending.push(Tok::new(piece));
+                    }
+                }
                 _ => self.pending.push(Tok::new(piece)),
             }
         }
@@ -220,7 +226,9 @@ impl Preprocessor<'_> {
                 }
             }
             "error" => {
-                let text = line.get(2).map_or(String::new(), |p| self.sink.file.slice(p.span.to(span)).to_owned());
+                let text = line
+                    .get(2)
+                    .map_or(String::new(), |p| self.sink.file.slice(Span::new(p.span.start, span.end)).to_owned());
                 let text = text.trim();
                 let message =
                     if text.is_empty() { "`#error` is reached".to_owned() } else { format!("#error: {text}") };
