@@ -88,3 +88,11 @@ fn every_code_is_listed_once_and_in_order() {
     sorted.dedup();
     assert_eq!(codes, sorted);
 }
+
+#[test]
+fn every_code_is_planted_in_a_test() {
+    let tests = [include_str!("diagnostics.rs"), include_str!("preprocessor.rs")].concat();
+    for (code, _) in super::errors::ALL {
+        assert!(tests.contains(&format!("\"{code} ")), "{code}");
+    }
+}
