@@ -22,8 +22,10 @@ pub(crate) enum Lex {
     #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
     Word,
     /// Everything that starts like a number, good or bad; read by `number`.
-    #[regex(r"0[xX][0-9A-Za-z_]*", priority = 6)]
-    #[regex(r"\.?[0-9]([0-9A-Za-z_.]|[eE][+-])*", priority = 4)]
+    #[regex(r"0[xX][0-9A-Za-z_]*")]
+    #[token("0")]
+    #[regex(r"0([0-9A-WYZa-wyz_.]|[eE][+-])([0-9A-Za-z_.]|[eE][+-])*")]
+    #[regex(r"(\.[0-9]|[1-9])([0-9A-Za-z_.]|[eE][+-])*")]
     Number,
     #[token("(")]
     LParen,

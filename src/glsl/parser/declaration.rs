@@ -144,15 +144,21 @@ impl Parser<'_> {
     /// Declarators and `;` behind a type.
     pub(super) fn declarators(&mut self, start: Span, qualifiers: Qualifiers, ty: TypeSpecifier) -> Read<Declaration> {
         let mut declarators = Vec::new();
+        self.skipped = false;
         let definition = matches!(ty.kind, TypeKind::Struct(_));
         // Behind `struct S { … }` without `;` the next line is no name of a variable.
-        if self.peek() != Lex::Semicolon && !(definition && (self.tok(0).first || self.at_end())) {
+        if self.peek() != Lex::Semicolon && !(definition && (self.tok(0).first || !self.is_name(0))) {
             loop {
                 declarators.push(self.declarator()?);
                 if self.eat(Lex::Comma).is_none() {
                     break;
                 }
             }
+        }
+        if std::mem::take(&mut self.skipped) {
+            // Why there may be no `;` has been told.
+            let semicolon = self.eat(Lex::Semicolon);
+            return Ok(Declaration { qualifiers, ty, declarators, span: self.since(start), semicolon });
         }
         let semicolon = self.semicolon(if declarators.is_empty() && definition { "structure" } else { "declaration" });
         // The names are known even when something wrong follows them.
@@ -177,6 +183,7 @@ impl Parser<'_> {
                     Err(Told) => {
                         let start = self.span();
                         self.skip_initializer();
+                        self.skipped = true;
                         self.add(ExprKind::Error, Span::at(start.start), false)?
                     }
                 };

@@ -38,6 +38,8 @@ pub(crate) struct Parser<'a> {
     depth: usize,
     words: Words,
     arena: Arena,
+    /// An initialiser of the declaration at hand could not be read and was skipped.
+    skipped: bool,
 }
 
 /// Reads all tokens.
@@ -45,7 +47,8 @@ pub(crate) fn parse(tokens: Vec<Tok>, version: &Version, extensions: &[Extension
     let file = sink.file.clone();
     let end = Tok::end(tokens.last().map_or(file.text().len(), |t| t.span.end));
     let words = Words::new(version, extensions);
-    let mut parser = Parser { file, sink, tokens, end, at: 0, depth: 0, words, arena: Arena::default() };
+    let mut parser =
+        Parser { file, sink, tokens, end, at: 0, depth: 0, words, arena: Arena::default(), skipped: false };
     let unit = parser.unit();
     (unit, parser.arena)
 }
@@ -111,8 +114,11 @@ impl Parser<'_> {
         if self.at_end() { "the end of the file".to_owned() } else { format!("`{}`", self.tok(0).text(&self.file)) }
     }
 
-    /// Tells that `what` is expected here.
+    /// Tells that `what` is expected here; a token that is none has been told already.
     fn expected<T>(&mut self, what: &str) -> Read<T> {
+        if self.peek() == Lex::Unknown {
+            return Err(Told);
+        }
         let shown = self.shown();
         let span = if self.at_end() { Span::at(self.prev_span().end) } else { self.span() };
         self.sink.error(errors::SYNTAX, span, format!("expected {what}, found {shown}"), "here");
@@ -140,6 +146,9 @@ impl Parser<'_> {
         if let Some(span) = self.eat(lex) {
             return Ok(span);
         }
+        if self.peek() == Lex::Unknown {
+            return Err(Told);
+        }
         let shown = self.shown();
         let span = if self.at_end() { Span::at(self.prev_span().end) } else { self.span() };
         let file = self.file.clone();
@@ -152,15 +161,19 @@ impl Parser<'_> {
         Err(Told)
     }
 
-    /// The `;` behind a `what`. When the next token stands on another line it is enough to tell;
+    /// The `;` behind a `what`. When the next token stands on another line, or starts a statement,
+    /// it is enough to tell;
     /// then there is no `;`.
     fn semicolon(&mut self, what: &str) -> Read<Option<Span>> {
         if let Some(span) = self.eat(Lex::Semicolon) {
             return Ok(Some(span));
         }
+        if self.peek() == Lex::Unknown {
+            return Err(Told);
+        }
         let place = self.prev_span().end;
         let edits = vec![Edit::insert(place, ";")];
-        let next_line = self.tok(0).first || self.at_end() || self.peek() == Lex::RBrace;
+        let next_line = self.tok(0).first || self.at_end() || self.peek() == Lex::RBrace || self.starts_statement();
         let from_macro = self.at.checked_sub(1).is_some_and(|i| self.tokens[i].from_macro);
         let mut diagnostic = self
             .sink

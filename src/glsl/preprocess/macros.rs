@@ -180,9 +180,8 @@ impl Expander<'_> {
         if args.len() != params && !empty {
             let plural = if params == 1 { "" } else { "s" };
             error(span, format!("macro `{name}` takes {params} argument{plural}, not {}", args.len()));
-            // Something must stand here, or a second error follows.
-            let zero = Spelling::Made("0".into());
-            return Err(Box::new(Tok { lex: Lex::Number, spelling: zero, span, ..tok.clone() }));
+            // The parser knows that this was told.
+            return Err(Box::new(Tok { lex: Lex::Unknown, span, ..tok.clone() }));
         }
         Ok((args, span))
     }
