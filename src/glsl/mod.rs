@@ -201,10 +201,11 @@ impl Shader {
     pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexer::lex(file.text());
-        let preprocess::Preprocessed { tokens, version, extensions, raw } = preprocess::run(&pieces, &mut sink);
+        let preprocess::Preprocessed { tokens, version, extensions, raw, incomplete } =
+            preprocess::run(&pieces, &mut sink);
         let (unit, arena) = parser::parse(tokens, &version, &extensions, &mut sink);
         let check::Checked { types, values, names, calls, symbols, functions, uses, interface } =
-            check::check(&unit, &arena, stage, &version, &mut sink);
+            check::check(&unit, &arena, stage, &version, incomplete, &mut sink);
         let shader = Self {
             file: file.clone(),
             stage,

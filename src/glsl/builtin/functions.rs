@@ -84,6 +84,14 @@ const TABLE: &[(&str, &str, &str, &str)] = &[
     ("atomicCounter atomicCounterIncrement atomicCounterDecrement", "u", "1", "uint(atomic_uint)"),
     ("atomicAdd atomicMin atomicMax atomicAnd atomicOr atomicXor atomicExchange", "iu", "1", "T(inout T,T)"),
     ("atomicCompSwap", "iu", "1", "T(inout T,T,T)"),
+    (
+        "atomicCounterAdd atomicCounterSubtract atomicCounterMin atomicCounterMax atomicCounterAnd atomicCounterOr \
+         atomicCounterXor atomicCounterExchange",
+        "u",
+        "1",
+        "uint(atomic_uint,uint)",
+    ),
+    ("atomicCounterCompSwap", "u", "1", "uint(atomic_uint,uint,uint)"),
     // 8.13 fragments
     ("dFdx dFdy fwidth dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse", "f", "1234", "T(T)"),
     ("interpolateAtCentroid", "f", "1234", "T(T)"),
@@ -105,7 +113,12 @@ const TABLE: &[(&str, &str, &str, &str)] = &[
         "void()",
     ),
     // 8.19 group votes
-    ("anyInvocation allInvocations allInvocationsEqual", "f", "1", "bool(bool)"),
+    (
+        "anyInvocation allInvocations allInvocationsEqual anyInvocationARB allInvocationsARB allInvocationsEqualARB",
+        "f",
+        "1",
+        "bool(bool)",
+    ),
 ];
 
 /// Functions by name.

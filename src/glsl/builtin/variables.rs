@@ -20,7 +20,8 @@ pub(crate) struct Builtin {
 const TABLE: &[(&str, &str, &str, char)] = &[
     // 7.1 special variables
     (
-        "gl_VertexID gl_InstanceID gl_DrawID gl_BaseVertex gl_BaseInstance gl_VertexIndex gl_InstanceIndex",
+        "gl_VertexID gl_InstanceID gl_DrawID gl_BaseVertex gl_BaseInstance gl_VertexIndex gl_InstanceIndex \
+         gl_DrawIDARB gl_BaseVertexARB gl_BaseInstanceARB",
         "v",
         "int",
         'r',

@@ -36,6 +36,8 @@ impl Checker<'_> {
                     let ty = Type::Struct(std::sync::Arc::clone(s));
                     self.constructor(id, ty, name.span, args)
                 }
+                // A variable of a subroutine type, or of one that is not known.
+                Some(Entry::Variable(v)) if self.out.symbols[v.index()].ty.is_error() => (Type::Error, None),
                 Some(Entry::Variable(_)) => {
                     let message = format!("`{}` is a variable and cannot be called", name.name);
                     self.sink.error(errors::UNKNOWN_FUNCTION, name.span, message, "called here");
@@ -197,7 +199,7 @@ impl Checker<'_> {
     }
 
     fn unknown_function(&mut self, name: &Ident) {
-        if !self.told.insert(name.name.clone()) {
+        if !self.first_time(&name.name) {
             return;
         }
         let message = format!("function `{}` is not declared", name.name);

@@ -54,8 +54,11 @@ impl Checker<'_> {
                         self.sink.error(errors::UNKNOWN_TYPE, span, message, "a type is needed here");
                         Type::Error
                     }
+                    // The functions behind a subroutine type are chosen by the host; what they
+                    // take and return is not followed.
+                    None if self.subroutines.contains(name) => Type::Error,
                     None => {
-                        if self.told.insert(name.clone()) {
+                        if self.first_time(name) {
                             let mut known: Vec<&str> = parser::suggestions().collect();
                             let own = self.scopes.iter().flat_map(|s| s.entries.iter());
                             known
@@ -373,6 +376,11 @@ impl Checker<'_> {
     }
 
     fn function(&mut self, item: usize, function: &Function) {
+        let is_type =
+            |q: &super::super::ast::Qualifier| matches!(&q.kind, QualifierKind::Subroutine(of) if of.is_empty());
+        if function.body.is_none() && function.qualifiers.list.iter().any(is_type) {
+            self.subroutines.insert(function.name.name.clone());
+        }
         let return_type = self.specified_type(&function.return_type);
         let mut params = Vec::new();
         for param in &function.params {

@@ -107,7 +107,7 @@ impl Checker<'_> {
             return (symbol.ty.clone(), symbol.value);
         }
         if matches!(self.lookup(name), Some(Entry::Structure(_))) {
-            if self.told.insert(name.to_owned()) {
+            if self.first_time(name) {
                 let message = format!("`{name}` is a structure, not a variable");
                 self.sink.error(errors::UNKNOWN_NAME, span, message, "a type stands where a value is needed");
             }

@@ -59,14 +59,26 @@ struct Checker<'a> {
     builtins: HashMap<String, SymbolId>,
     /// Unknown names that were told already.
     told: HashSet<String>,
+    /// Unknown names are not told at all.
+    incomplete: bool,
+    /// Names of subroutine types.
+    subroutines: HashSet<String>,
     /// Vertices of the input primitive of a geometry stage.
     vertices: Option<u32>,
     /// The function whose body is being checked, and what it returns.
     current: Option<(FunctionId, Type)>,
 }
 
-/// Checks a whole shader.
-pub(crate) fn check(unit: &Unit, arena: &Arena, stage: Stage, version: &Version, sink: &mut Sink) -> Checked {
+/// Checks a whole shader. When it is `incomplete`, unknown names are not told: they may be
+/// declared in a file that is not read.
+pub(crate) fn check(
+    unit: &Unit,
+    arena: &Arena,
+    stage: Stage,
+    version: &Version,
+    incomplete: bool,
+    sink: &mut Sink,
+) -> Checked {
     let modern = version.profile != Profile::Es && version.number >= 400;
     let conversions = Conversions { int_to_uint: modern, to_double: modern };
     let n = arena.len();
@@ -88,6 +100,8 @@ pub(crate) fn check(unit: &Unit, arena: &Arena, stage: Stage, version: &Version,
         functions: HashMap::new(),
         builtins: HashMap::new(),
         told: HashSet::new(),
+        incomplete,
+        subroutines: HashSet::new(),
         vertices: None,
         current: None,
     };
@@ -106,7 +120,7 @@ impl<'a> Checker<'a> {
         }
         let broken = unit.items.iter().any(|i| i.kind == ItemKind::Error);
         let has_main = self.out.functions.iter().any(|f| f.name.name == "main" && f.definition.is_some());
-        if self.stage != Stage::Library && !has_main && !broken {
+        if self.stage != Stage::Library && !has_main && !broken && !self.incomplete {
             let near = self.out.functions.iter().filter(|f| f.definition.is_some()).map(|f| f.name.name.as_str());
             let near = nearest("main", near).map(str::to_owned);
             let message = format!("this {} shader has no function `main`", self.stage.name());
@@ -237,6 +251,11 @@ impl<'a> Checker<'a> {
         });
     }
 
+    /// True when an unknown name is to be told: once each.
+    fn first_time(&mut self, name: &str) -> bool {
+        !self.incomplete && self.told.insert(name.to_owned())
+    }
+
     /// Every name that could be meant by an unknown one: the innermost scope first.
     fn known_variables(&self) -> Vec<&str> {
         let mut all: Vec<&str> = Vec::new();
@@ -254,7 +273,7 @@ impl<'a> Checker<'a> {
     }
 
     fn unknown_name(&mut self, name: &str, span: Span) {
-        if !self.told.insert(name.to_owned()) {
+        if !self.first_time(name) {
             return;
         }
         let near = nearest(name, self.known_variables()).map(str::to_owned);

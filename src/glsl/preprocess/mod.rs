@@ -19,6 +19,8 @@ pub(crate) struct Preprocessed {
     pub version: Version,
     pub extensions: Vec<Extension>,
     pub raw: Vec<Token>,
+    /// An `#include` was met: names may be declared in text that is not here.
+    pub incomplete: bool,
 }
 
 /// One `#if` that is still open.
@@ -40,6 +42,7 @@ struct Preprocessor<'a> {
     version: Version,
     extensions: Vec<Extension>,
     line_shift: i64,
+    incomplete: bool,
 }
 
 /// Runs all directives.
@@ -61,6 +64,7 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
         version: Version { number: 110, profile: Profile::Compatibility, span: None },
         extensions: Vec::new(),
         line_shift: 0,
+        incomplete: false,
     };
     this.predefine();
     let mut raw = Vec::with_capacity(pieces.pieces.len());
@@ -93,7 +97,8 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
             .with_help("add `#endif` where it ends");
         this.sink.push(diagnostic);
     }
-    Preprocessed { tokens: this.out, version: this.version, extensions: this.extensions, raw }
+    let Preprocessor { out: tokens, version, extensions, incomplete, .. } = this;
+    Preprocessed { tokens, version, extensions, raw, incomplete }
 }
 
 fn kind(lex: Lex) -> TokenKind {
@@ -230,6 +235,7 @@ impl Preprocessor<'_> {
     }
 
     fn unknown_directive(&mut self, word: &str, name: &Piece, span: Span) {
+        self.incomplete |= word == "include";
         let start = |message: String| self.sink.start(errors::UNKNOWN_DIRECTIVE, span, message);
         let diagnostic = if word == "include" {
             start("`#include` is not part of GLSL".to_owned())
