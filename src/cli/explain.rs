@@ -5,6 +5,7 @@ use std::io::Write;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
+use crate::glsl::errors;
 use crate::lint::{Example, RULES, Rule, by_code, nearest_codes};
 
 /// Show what a rule of the lint tool means; without a code, list all rules
@@ -25,9 +26,16 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         for rule in RULES {
             writeln!(out, "{}  {:width$}  {:7}  {}", rule.code, rule.name, rule.severity.name(), rule.summary)?;
         }
+        for (code, line) in errors::ALL {
+            writeln!(out, "{code}  {:width$}  {:7}  {line}", "", "error")?;
+        }
         return Ok(ExitStatus::Clean);
     };
     let Some(rule) = by_code(given) else {
+        if let Some((code, line)) = errors::ALL.iter().find(|(c, _)| c.0.eq_ignore_ascii_case(given)) {
+            writeln!(out, "{code}  error of the front end: {line}")?;
+            return Ok(ExitStatus::Clean);
+        }
         let nearest = nearest_codes(given);
         let hint = if nearest.is_empty() { String::new() } else { format!("; did you mean {}?", nearest.join(", ")) };
         writeln!(err, "error: no rule is called `{given}`{hint}")?;
@@ -92,9 +100,16 @@ mod tests {
     }
 
     #[test]
+    fn codes_of_the_front_end_are_known_too() {
+        let (status, out, _) = explain(Some("e030"));
+        assert_eq!(status, ExitStatus::Clean);
+        assert!(out.starts_with("E030"), "{out}");
+    }
+
+    #[test]
     fn without_a_code_all_rules_are_listed() {
         let (_, out, _) = explain(None);
-        assert_eq!(out.lines().count(), RULES.len());
+        assert_eq!(out.lines().count(), RULES.len() + errors::ALL.len());
         assert!(RULES.iter().all(|r| out.contains(r.name)));
     }
 }

@@ -167,7 +167,8 @@ fn summary(found: &[Diagnostic], loaded: &Loaded) -> String {
         let _ = writeln!(text, "{} can be fixed with --fix", findings(safe));
     }
     if risky > 0 {
-        let _ = writeln!(text, "{} more with --fix --unsafe-fixes", findings(risky));
+        let need = if risky == 1 { "needs" } else { "need" };
+        let _ = writeln!(text, "{risky} more {need} --fix --unsafe-fixes");
     }
     text
 }

@@ -60,9 +60,13 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     if emitted == 0 || emitted >= u64::from(declared.value) {
         return;
     }
-    let vertices = if emitted == 1 { "1 vertex is".to_owned() } else { format!("{emitted} vertices are") };
+    let are = if emitted == 1 { "is" } else { "are" };
     let mut found = findings
-        .at(&file.file, declared.span, format!("{} vertices are declared, at most {vertices} emitted", declared.value))
+        .at(
+            &file.file,
+            declared.span,
+            format!("{} vertices are declared, at most {emitted} {are} emitted", declared.value),
+        )
         .with_label(format!("{emitted} would do"))
         .with_why("output space is set aside by the declared number, so that fewer primitives are worked on at a time")
         .with_help(format!("declare `max_vertices = {emitted}`"));
@@ -241,8 +245,8 @@ mod tests {
     }
 
     fn told(n: u32) -> Option<String> {
-        let is = if n == 1 { "1 vertex is".to_owned() } else { format!("{n} vertices are") };
-        Some(format!("20 vertices are declared, at most {is} emitted"))
+        let are = if n == 1 { "is" } else { "are" };
+        Some(format!("20 vertices are declared, at most {n} {are} emitted"))
     }
 
     #[test]

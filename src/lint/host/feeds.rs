@@ -110,6 +110,7 @@ mod tests {
         assert_eq!(of(&format!("GLint l = {look}; glVertexAttribPointer(l, 3, GL_FLOAT, GL_FALSE, 0, 0);")), ATTRIBUTE);
         assert_eq!(of(&format!("GLuint l = (GLuint){look}; glEnableVertexAttribArray((GLuint)l);")), ATTRIBUTE);
         assert_eq!(of(&format!("GLint l = -1; l = {look}; glUniform1f(l, 1.0f);")), UNIFORM);
+        assert_eq!(of(&format!("const auto l{{ {look} }}; glUniform1f(l, 1.0f);")), UNIFORM);
         assert_eq!(of(&format!("this->l = {look}; glProgramUniform1f(p, this->l, 1.0f);")), UNIFORM);
         assert_eq!(of(&format!("glUniform1f({look}, 1.0f);")), UNIFORM);
         assert_eq!(of(&format!("glEnableVertexAttribArray(static_cast<GLuint>({look}));")), ATTRIBUTE);

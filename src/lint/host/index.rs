@@ -4,7 +4,7 @@ use tree_sitter::Node;
 
 use super::HostFile;
 use super::program::{Group, groups, has_unknown_sources};
-use super::syntax::{Write, callee, declared_name, descendants, span, write};
+use super::syntax::{Write, callee, declared_name, descendants, enclosing_function, span, write};
 
 /// Writes, calls, declarations and shader names of a file, in the order of the text.
 pub struct Index<'t> {
@@ -18,6 +18,8 @@ pub struct Index<'t> {
     pub calls: Vec<Node<'t>>,
     /// Names of declared variables and parameters.
     pub declared: Vec<Node<'t>>,
+    /// What takes each argument list: the name of a function or method, or of a constructed type.
+    pub takers: Vec<&'t str>,
     /// Shader files named in string literals.
     pub groups: Vec<Group<'t>>,
     /// True when the file holds shader text, or puts names of shaders together at run time.
@@ -28,7 +30,8 @@ impl<'t> Index<'t> {
     /// Walks over the tree; none when there is no tree.
     pub fn new(host: &'t HostFile) -> Option<Self> {
         let root = host.root()?;
-        let (mut writes, mut calls, mut declared, mut strings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut writes, mut calls, mut declared) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut takers, mut strings, mut macros) = (Vec::new(), Vec::new(), Vec::new());
         for node in descendants(root) {
             writes.extend(write(node));
             match node.kind() {
@@ -37,13 +40,15 @@ impl<'t> Index<'t> {
                     let mut cursor = node.walk();
                     declared.extend(node.children_by_field_name("declarator", &mut cursor).filter_map(declared_name));
                 }
+                "argument_list" | "parameter_list" => takers.extend(taker(host, node)),
+                "preproc_arg" => macros.push(host.text(node)),
                 "string_literal" | "raw_string_literal" | "concatenated_string" => strings.push(node),
                 _ => {}
             }
         }
         let groups = groups(host, &strings);
-        let unknown_sources = has_unknown_sources(host, &strings);
-        Some(Self { host, root, writes, calls, declared, groups, unknown_sources })
+        let unknown_sources = has_unknown_sources(host, &strings, &macros);
+        Some(Self { host, root, writes, calls, declared, takers, groups, unknown_sources })
     }
 
     /// The writes to `variable` within `scope`, other than plain numbers and null: those only mark
@@ -64,6 +69,27 @@ impl<'t> Index<'t> {
     pub fn call_count(&self, function: &str) -> usize {
         self.calls.iter().filter(|c| callee(**c, &self.host.file).is_some_and(|(name, _)| name == function)).count()
     }
+}
+
+/// What takes an argument list: `f` of `f(a)`, `p->f(a)` and `n::f(a)`, `T` of `T x(a)` and `new T(a)`.
+pub fn taker<'t>(host: &'t HostFile, list: Node<'t>) -> Option<&'t str> {
+    let parent = list.parent()?;
+    let mut name = match parent.kind() {
+        "call_expression" => parent.child_by_field_name("function")?,
+        "new_expression" => parent.child_by_field_name("type")?,
+        "init_declarator" => parent.parent()?.child_by_field_name("type")?,
+        // `T x(a);` in a function reads as the declaration of a function x.
+        "function_declarator" => {
+            let declaration = parent.parent().filter(|d| d.kind() == "declaration")?;
+            enclosing_function(declaration)?;
+            declaration.child_by_field_name("type")?
+        }
+        _ => return None,
+    };
+    while let Some(last) = name.child_by_field_name("field").or_else(|| name.child_by_field_name("name")) {
+        name = last;
+    }
+    Some(host.text(name))
 }
 
 /// True when `node` lies in `scope`.

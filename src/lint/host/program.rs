@@ -11,7 +11,7 @@ use crate::glsl::interface::Variable;
 use crate::lint::project::{Project, ShaderFile};
 
 use super::HostFile;
-use super::index::Index;
+use super::index::{Index, taker};
 use super::lookup::Lookup;
 use super::syntax::{ancestors, declared_name, descendants, enclosing_function, plain_string, root_object, span};
 
@@ -132,12 +132,25 @@ pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Progr
         Loader::Several => return ProgramSource::Unknown,
         Loader::Unknown => {}
     }
-    // From here on the file as a whole has to be about one program.
-    if index.unknown_sources || index.call_count("glCreateProgram") > 1 || index.call_count("glLinkProgram") > 1 {
+    // From here on the file as a whole has to be about one program, and name all that it loads.
+    if loads_unnamed(index)
+        || index.unknown_sources
+        || index.call_count("glCreateProgram") > 1
+        || index.call_count("glLinkProgram") > 1
+    {
         return ProgramSource::Unknown;
     }
     let names: Vec<&str> = index.groups.iter().flat_map(|g| g.names.iter().copied()).collect();
     if names.is_empty() { ProgramSource::Beside } else { named(names) }
+}
+
+/// True when a function that is given names of shaders is called without them elsewhere.
+fn loads_unnamed(index: &Index<'_>) -> bool {
+    index.groups.iter().filter_map(|g| g.taker).any(|taker| {
+        let calls = index.takers.iter().filter(|t| **t == taker).count();
+        let named = index.groups.iter().filter(|g| g.taker == Some(taker)).count();
+        calls > named
+    })
 }
 
 /// True when no stage is named twice and each name says its stage.
@@ -197,7 +210,9 @@ pub struct Group<'t> {
     pub start: usize,
     /// The names.
     pub names: Vec<&'t str>,
-    /// The list they stand in, or the literal.
+    /// What takes the list of arguments that they stand in.
+    taker: Option<&'t str>,
+    /// The list, or the literal.
     node: usize,
 }
 
@@ -215,7 +230,10 @@ pub fn groups<'t>(host: &'t HostFile, strings: &[Node<'t>]) -> Vec<Group<'t>> {
         let node = list.map_or_else(|| literal.id(), |l| l.id());
         match groups.iter_mut().find(|g| g.node == node) {
             Some(group) => group.names.push(name),
-            None => groups.push(Group { start: place.start, names: vec![name], node }),
+            None => {
+                let taker = list.and_then(|l| taker(host, l));
+                groups.push(Group { start: place.start, names: vec![name], taker, node });
+            }
         }
     }
     groups
@@ -231,8 +249,11 @@ fn is_shader_name(text: &str) -> bool {
         && !file.ends_with(".cs")
 }
 
-/// True when string literals hold shader text, or parts of shaders' names.
-pub fn has_unknown_sources(host: &HostFile, strings: &[Node<'_>]) -> bool {
+/// True when string literals hold shader text or parts of shaders' names, or macros hold names.
+pub fn has_unknown_sources(host: &HostFile, strings: &[Node<'_>], macros: &[&str]) -> bool {
+    if macros.iter().flat_map(|m| m.split(['"', ' '])).any(is_shader_name) {
+        return true;
+    }
     strings.iter().map(|n| host.text(*n)).any(|text| {
         let inner = text.trim_matches('"');
         let is_part = || [".vert", ".frag", ".geom", ".glsl"].iter().any(|e| inner.ends_with(e));
@@ -320,6 +341,26 @@ mod tests {
     fn a_program_with_a_name_of_its_own_is_not_known() {
         let host = format!("void f() {{ GLuint program = load(\"phong\"); {LOOK} }}");
         assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), None);
+    }
+
+    #[test]
+    fn a_loader_that_is_called_without_names_too_makes_the_file_unknown() {
+        let host = |first: &str| {
+            format!(
+                "{first} void f() {{ GLuint program = load(VERT, FRAG); GLuint q = load(\"a.vert\", \"a.frag\"); {LOOK} }}"
+            )
+        };
+        let all = [("a.vert", V), ("a.frag", F)];
+        assert_eq!(resolve(&host(""), &all), None);
+        let method = format!("void f() {{ x.load(name); y.load(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&method, &all), None);
+        let object = format!("void f() {{ Shader x(name); Shader y(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&object, &all), None);
+        let one = format!("void f(GLuint program) {{ Shader y(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&one, &all), Some(("a.frag, a.vert".to_owned(), true)));
+        let in_macro =
+            format!("#define VERT \"b.vert\"\nvoid f(GLuint program) {{ other(VERT); {LOOK} load(\"a.vert\"); }}");
+        assert_eq!(resolve(&in_macro, &all), None);
     }
 
     #[test]

@@ -87,11 +87,12 @@ pub fn elements(list: Node<'_>) -> Vec<Node<'_>> {
     list.named_children(&mut cursor).filter(|n| n.kind() != "comment").collect()
 }
 
-/// The node without the parentheses and casts around it.
+/// The node without the parentheses, braces and casts around it.
 pub fn bare(mut node: Node<'_>) -> Node<'_> {
     loop {
         let inner = match node.kind() {
-            "parenthesized_expression" => match elements(node).as_slice() {
+            // `int a{ 1 };` says the same as `int a = 1;`.
+            "parenthesized_expression" | "initializer_list" => match elements(node).as_slice() {
                 &[inner] => Some(inner),
                 _ => None,
             },
@@ -244,7 +245,7 @@ mod tests {
 
     #[test]
     fn casts_and_parentheses_are_seen_through() {
-        for text in ["(f(1))", "(GLint)f(1)", "static_cast<GLint>(f(1))", "GLint(0), ((int)(f(1)))"] {
+        for text in ["(f(1))", "(GLint)f(1)", "static_cast<GLint>(f(1))", "GLint(0), ((int)(f(1)))", "{ f(1) }"] {
             let host = host(&format!("void g() {{ x = {text}; }}"));
             let call = descendants(host.root().unwrap())
                 .find(|&n| callee(n, &host.file).is_some_and(|(name, _)| name == "f"))
