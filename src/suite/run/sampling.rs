@@ -2,8 +2,9 @@
 
 use super::trial::{Trial, sample_of};
 use super::{Report, Request};
-use crate::lane::LaneError;
+use crate::lane::{Actual, LaneError};
 use crate::property::{Sample, Sampler};
+use crate::value::Batch;
 use crate::verdict::{BatchVerdict, judge_batch};
 
 /// Runs saved samples. Gives those that fail.
@@ -36,20 +37,40 @@ pub fn sample(
     let sampler = Sampler::new(prepared.plan.clone(), request.seed);
     let cases = wanted.div_ceil(per_case as u64);
     let mut failing = Vec::new();
+    let (reference, tolerance) = (&prepared.reference, &prepared.tolerance);
+    let batch_at = |first: u64| {
+        let count = cases_per_batch.min(cases.saturating_sub(first));
+        (count > 0).then(|| sampler.batch(first, count as usize, per_case))
+    };
+    // Three things go on at a time: the device runs a batch, the judge works on the one before, and
+    // the inputs of the one after are made. Only as many batches are in memory, however many samples.
     let mut first = 0;
-    while first < cases {
-        let count = cases_per_batch.min(cases - first);
-        let batch = sampler.batch(first, count as usize, per_case);
-        let actual = trial.run(&batch)?;
-        let mut verdict = trial.judge(&batch, &actual);
-        for failure in std::mem::take(&mut verdict.failures) {
-            if failing.len() < KEPT {
-                failing.push(sample_of(&batch, failure.invocation));
+    let mut running = batch_at(first);
+    let mut finished: Option<(Batch, Actual)> = None;
+    while running.is_some() || finished.is_some() {
+        let after = first + cases_per_batch;
+        let (mut next, mut verdict, mut actual) = (None, None, None);
+        rayon::in_place_scope(|scope| {
+            scope.spawn(|_| next = batch_at(after));
+            if let Some((batch, actual)) = &finished {
+                scope.spawn(|_| verdict = Some(judge_batch(reference, batch, actual, tolerance)));
             }
+            actual = running.as_ref().map(|batch| trial.run(batch));
+        });
+        if let (Some((batch, _)), Some(mut verdict)) = (finished.take(), verdict) {
+            for failure in std::mem::take(&mut verdict.failures) {
+                if failing.len() < KEPT {
+                    failing.push(sample_of(&batch, failure.invocation));
+                }
+            }
+            report.verdicts.merge(verdict);
+            progress((first * per_case as u64).min(wanted));
         }
-        report.verdicts.merge(verdict);
-        first += count;
-        progress(first * per_case as u64);
+        if let (Some(batch), Some(actual)) = (running.take(), actual) {
+            finished = Some((batch, actual?));
+        }
+        running = next;
+        first = after;
     }
     Ok(failing)
 }
