@@ -1,5 +1,7 @@
 //! The commands in README.md exist, with the options that it shows.
 
+use std::process::Command;
+
 use super::{Fault, File, expect_none, file, messages, project};
 
 /// Commands in fenced blocks that start with `program` and that its help does not know. `help`
@@ -47,6 +49,17 @@ fn the_tasks_of_the_readme_exist() {
     expect_none(&unknown_commands(readme, "cargo xtask", &help));
     assert!(commands(readme).any(|(_, line)| line == "cargo xtask check"), "the README does not show the gate");
     assert!(commands(readme).any(|(_, line)| line == "cargo xtask test"), "the README does not show the tests");
+}
+
+#[test]
+fn the_commands_of_the_readme_exist() {
+    let files = project();
+    let help = |command: &str| {
+        let run = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args([command, "--help"]).output();
+        let output = run.expect("the binary starts");
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    expect_none(&unknown_commands(file(&files, "README.md"), "shadercheck", &help));
 }
 
 #[cfg(test)]
