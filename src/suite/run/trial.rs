@@ -4,7 +4,7 @@ use crate::lane::{Actual, Lane, LaneError, Runner};
 use crate::program::Kernel;
 use crate::property::Sample;
 use crate::value::Batch;
-use crate::verdict::{Verdict, judge_batch};
+use crate::verdict::{Verdict, judge_one};
 
 use super::Prepared;
 
@@ -57,16 +57,12 @@ impl<'a> Trial<'a> {
         let mut verdicts = Vec::with_capacity(samples.len());
         let (reference, tolerance) = (&self.prepared.reference, self.prepared.tolerance);
         self.run_samples(samples, |_, batch, actual| {
-            verdicts.extend((0..batch.invocation_count()).map(|i| {
-                matches!(crate::verdict::judge_one(reference, batch, actual, i, &tolerance), Verdict::Deviate(_))
-            }));
+            verdicts.extend(
+                (0..batch.invocation_count())
+                    .map(|i| matches!(judge_one(reference, batch, actual, i, &tolerance), Verdict::Deviate(_))),
+            );
         })?;
         Ok(verdicts)
-    }
-
-    /// Judges a whole batch.
-    pub fn judge(&self, batch: &Batch, actual: &Actual) -> crate::verdict::BatchVerdict {
-        judge_batch(&self.prepared.reference, batch, actual, &self.prepared.tolerance)
     }
 }
 

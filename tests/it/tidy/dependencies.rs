@@ -81,10 +81,33 @@ fn destination(path: &Named, depth: usize) -> Option<&str> {
     segments.get(at_root).map(String::as_str)
 }
 
+/// Modules that exist in test builds alone: declared `mod name;` under `#[cfg(test)]`.
+fn test_modules(files: &[File]) -> Vec<Vec<String>> {
+    let mut found = Vec::new();
+    for file in files.iter().filter(|file| is_source(file)) {
+        let lines: Vec<&str> = file.text.lines().map(str::trim).collect();
+        for pair in lines.windows(2).filter(|pair| pair[0] == "#[cfg(test)]") {
+            let declared = pair[1].trim_start_matches("pub ").strip_prefix("mod ").and_then(|m| m.strip_suffix(';'));
+            if let Some(name) = declared {
+                found.push(modules_of(&file.path).into_iter().chain([name]).map(str::to_owned).collect());
+            }
+        }
+    }
+    found
+}
+
+/// True for a file inside one of these modules.
+fn is_test_file(file: &File, test_modules: &[Vec<String>]) -> bool {
+    let own = modules_of(&file.path);
+    test_modules.iter().any(|module| own.len() >= module.len() && own.iter().zip(module).all(|(a, b)| a == b))
+}
+
 /// Edges between modules that the table does not have.
 fn wrong_edges(files: &[File], table: &[(&str, &[&str])]) -> Vec<Fault> {
     let mut faults = Vec::new();
+    let test_modules = test_modules(files);
     for file in files.iter().filter(|file| is_source(file) && !ROOTS.contains(&file.path.as_str())) {
+        let in_test = is_test_file(file, &test_modules);
         let modules = modules_of(&file.path);
         let own = modules[0];
         let Some(row) = table.iter().position(|(name, _)| *name == own) else {
@@ -96,7 +119,7 @@ fn wrong_edges(files: &[File], table: &[(&str, &[&str])]) -> Vec<Fault> {
             Ok(paths) => faults.extend(paths.iter().filter_map(|path| {
                 let other = destination(path, modules.len())?;
                 let earlier = || table[..row].iter().any(|(name, _)| *name == other);
-                let wrong = other != own && !table[row].1.contains(&other) && !(path.test && earlier());
+                let wrong = other != own && !table[row].1.contains(&other) && !((path.test || in_test) && earlier());
                 wrong.then(|| file.fault(path.line, format!("`{own}` must not depend on `{other}`")))
             })),
         }
@@ -117,7 +140,9 @@ fn upward_rows(table: &[(&str, &[&str])]) -> Vec<String> {
 /// Crates and parts of the standard library outside of their places.
 fn strays(files: &[File], crates: &BTreeSet<String>) -> Vec<Fault> {
     let mut faults = Vec::new();
+    let test_modules = test_modules(files);
     for file in files.iter().filter(|file| is_source(file)) {
+        let in_test = is_test_file(file, &test_modules);
         // A file that is not Rust is reported by the check of edges.
         for path in paths::named(&file.text).unwrap_or_default() {
             let name = path.segments.join("::");
@@ -127,7 +152,7 @@ fn strays(files: &[File], crates: &BTreeSet<String>) -> Vec<Fault> {
             }
             for (what, places) in CONFINED {
                 let named = name == *what || name.starts_with(&format!("{what}::"));
-                let excused = (path.test && what.starts_with("std")) || file.path == "src/main.rs";
+                let excused = ((path.test || in_test) && what.starts_with("std")) || file.path == "src/main.rs";
                 if named && !file.is_below(places) && !excused {
                     let places = if places.is_empty() { "src/main.rs".into() } else { places.join(", ") };
                     faults.push(file.fault(path.line, format!("`{what}` may be named in {places} alone")));
@@ -175,6 +200,18 @@ fn libraries_and_system_access_stay_in_their_places() {
 #[cfg(test)]
 mod planted {
     use super::*;
+
+    #[test]
+    fn a_file_of_a_test_module_is_test_code_and_its_neighbour_is_not() {
+        let files = [
+            File::new("src/lane/vulkan/mod.rs", "mod gpu;\n#[cfg(test)]\nmod tests;\n"),
+            File::new("src/lane/vulkan/tests.rs", "use crate::lower::Lowered;"),
+            File::new("src/lane/vulkan/gpu.rs", "use crate::lower::Lowered;"),
+        ];
+        let faults = wrong_edges(&files, MODULES);
+        assert_eq!(messages(&faults).len(), 1, "{:?}", messages(&faults));
+        assert!(faults[0].to_string().contains("gpu.rs"));
+    }
 
     fn edges(path: &str, text: &str) -> Vec<String> {
         let faults = wrong_edges(&[File::new(path, text)], MODULES);
