@@ -11,6 +11,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
+use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
 use crate::suite::run::{DEFAULT_SEED, Entry, Outcome, Prepared, Request, Status, Summary, prepare, run as run_suite};
@@ -111,7 +112,13 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     }
     let mut progress = Progress::new(args.format == Format::Text);
     for suite in &selected {
+        let before = summary.entries.len();
         one_suite(args, suite, &lanes, &mut summary, &mut progress, out, color)?;
+        if summary.entries.len() == before {
+            // Only the vertex stage of a lane can be asked for in vain: every suite runs in compute.
+            let name = &suite.suite.name;
+            writeln!(err, "note: suite `{name}` did not run: it is no vertex suite, and runs with --stage compute")?;
+        }
     }
     progress.finish();
     match args.format {
@@ -230,15 +237,24 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared) -> anyhow
         Some(text) => {
             let line = format!("{} {text}", selected.suite.name);
             let file = crate::text::SourceFile::new("--case", line);
-            for regression in crate::property::regressions::parse(&file)? {
-                replay.push(regression.to_sample(invocation, case)?);
-            }
+            let sample = |r: &Regression| r.to_sample(invocation, case);
+            let samples =
+                regressions::parse(&file).and_then(|all| all.iter().map(sample).collect::<Result<Vec<_>, _>>());
+            replay = samples.map_err(|error| match error.to_string().split_once(": ") {
+                // The place is one in the line made above, which nobody has seen.
+                Some((_, what)) => anyhow::anyhow!("--case: {what}"),
+                None => error.into(),
+            })?;
             anyhow::ensure!(!replay.is_empty(), "--case is empty; give inputs such as `t=3f000000`");
         }
         // A shader of the user's under this suite may have other inputs; the saved cases are not its.
         None if args.shader.is_none() => {
             for regression in selected.saved.iter().filter(|r| r.suite == selected.suite.name) {
-                replay.push(regression.to_sample(invocation, case).context("a saved case does not fit the shader")?);
+                replay.push(
+                    regression
+                        .to_sample(invocation, case)
+                        .context("a saved case does not fit the shader; delete its line if the shader has changed")?,
+                );
             }
         }
         None => {}

@@ -67,10 +67,21 @@ pub fn run(cli: &Cli) -> ExitStatus {
         // A reader that went away, such as `head`, has seen what it wanted.
         Err(error) if is_broken_pipe(&error) => ExitStatus::Clean,
         Err(error) => {
-            let _ = writeln!(err, "error: {error:#}");
+            let _ = writeln!(err, "error: {}", message(&error));
             ExitStatus::Error
         }
     }
+}
+
+/// An error with its causes. Many errors tell their cause themselves; it is not told twice.
+fn message(error: &anyhow::Error) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if parts.iter().all(|told| !told.contains(&cause)) {
+            parts.push(cause);
+        }
+    }
+    parts.join(": ")
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

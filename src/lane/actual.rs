@@ -28,11 +28,23 @@ impl Marks {
 /// Outputs of a batch as a device wrote them: words, bit by bit.
 ///
 /// Only a lane can make one, from the buffer that it read back. It is no `Expected`, and the judge
-/// takes one of each: a comparison of a side with itself does not compile.
+/// takes one of each:
 ///
-/// ```compile_fail
-/// fn same_side(actual: &shadercheck::lane::Actual, tolerance: &shadercheck::verdict::Tolerance) {
-///     shadercheck::verdict::judge_value(actual, actual, tolerance);
+/// ```
+/// use shadercheck::{lane::Actual, verdict::{Expected, Reference, Tolerance, Verdict, judge_sample}};
+///
+/// fn judge(reference: &Reference, expected: &Expected, actual: &Actual) -> Verdict {
+///     judge_sample(reference, &[], expected, actual, 0, &Tolerance { ulp: 4.0 })
+/// }
+/// ```
+///
+/// A comparison of a side with itself does not compile. This is the same text but for one type:
+///
+/// ```compile_fail,E0308
+/// use shadercheck::{lane::Actual, verdict::{Expected, Reference, Tolerance, Verdict, judge_sample}};
+///
+/// fn judge(reference: &Reference, expected: &Actual, actual: &Actual) -> Verdict {
+///     judge_sample(reference, &[], expected, actual, 0, &Tolerance { ulp: 4.0 })
 /// }
 /// ```
 #[derive(Debug)]

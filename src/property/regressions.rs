@@ -70,7 +70,7 @@ pub enum RegressionError {
         name: String,
     },
     /// An input that the shader does not have.
-    #[error("{at}: the shader has no input `{name}`{}; delete the line if the input is gone", .suggestion.as_ref().map(|s| format!("; did you mean `{s}`?")).unwrap_or_default())]
+    #[error("{at}: the shader has no input `{name}`{}", .suggestion.as_ref().map(|s| format!("; did you mean `{s}`?")).unwrap_or_default())]
     NoSuchInput {
         /// Place.
         at: String,
@@ -80,7 +80,7 @@ pub enum RegressionError {
         suggestion: Option<String>,
     },
     /// An input of the shader that the line does not give.
-    #[error("{at}: input `{name}` ({shape}) of the shader is missing; delete the line if the shader has changed")]
+    #[error("{at}: input `{name}` ({shape}) of the shader is missing")]
     Missing {
         /// Place.
         at: String,

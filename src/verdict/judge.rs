@@ -109,7 +109,7 @@ impl fmt::Display for Deviation {
         let at = |vertex: &Option<usize>| vertex.map_or_else(String::new, |v| format!(" of vertex {v}"));
         match self {
             Self::Value { component, vertex, expected, actual, scalar, tolerance } => {
-                write!(f, "`{component}`{} is {}, expected {expected:e}", at(vertex), word(*actual, *scalar))?;
+                write!(f, "`{component}`{} is {}, expected {expected:?}", at(vertex), word(*actual, *scalar))?;
                 if *scalar == Scalar::F32 {
                     write!(f, " ± {tolerance:.1e}")?;
                 }

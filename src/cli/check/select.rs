@@ -45,6 +45,9 @@ pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
                 }
             }
             Err(_) if argument.ends_with(".toml") || path.exists() => selected.push(from_file(path)?),
+            Err(_) if argument.contains(['.', '/', '\\']) => {
+                anyhow::bail!("there is no file or folder `{argument}`, and suites have no such names")
+            }
             Err(unknown) => return Err(unknown.into()),
         }
     }

@@ -63,6 +63,7 @@ fn entry(entry: &Entry) -> Value {
             value["deviated"] = report.verdicts.deviated.into();
             value["undetermined"] = report.verdicts.undetermined_count().into();
             value["unsupported"] = report.unsupported.into();
+            value["replayed"] = report.replayed.into();
             if report.verdicts.agreed > 0 {
                 value["max_ulp"] = report.verdicts.max_ulp.into();
             }

@@ -33,16 +33,17 @@ pub fn line(entry: &Entry, color: bool) -> String {
         }
         Outcome::Ran(report) => {
             let verdicts = &report.verdicts;
+            // Without a sample that agrees there is no error to tell.
+            let worst = if verdicts.agreed > 0 { format!("{:.1}", verdicts.max_ulp) } else { "-".to_owned() };
             let checked: u64 = report.relations.iter().map(|(_, n)| n).sum();
             (
                 report.findings.is_empty(),
                 format!(
-                    "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {:>5.1} ULP  {} relations ({checked})",
+                    "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {worst:>5} ULP  {} relations ({checked})",
                     report.judged(),
                     verdicts.agreed,
                     verdicts.deviated,
                     verdicts.undetermined_count(),
-                    verdicts.max_ulp,
                     report.relations.len(),
                 ),
             )
@@ -60,8 +61,11 @@ pub fn finding(entry: &Entry, color: bool) -> String {
     match &entry.outcome {
         Outcome::Ran(report) => {
             let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
-            for finding in &report.findings {
-                one(&mut text, &on, &report.shader, finding, color);
+            for (k, finding) in report.findings.iter().enumerate() {
+                let inputs = |f: &Finding| f.case.as_ref().map(|c| c.inputs.clone());
+                let told =
+                    inputs(finding).is_some() && report.findings[..k].iter().any(|f| inputs(f) == inputs(finding));
+                one(&mut text, &on, &report.shader, finding, told, color);
             }
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
@@ -69,6 +73,11 @@ pub fn finding(entry: &Entry, color: bool) -> String {
                 text.push('\n');
                 text.push_str(&diagnostics::text(diagnostic, color));
             }
+            let _ = writeln!(
+                text,
+                "\nhelp: `shadercheck lint {}` tells more, and repairs what is often wrong",
+                entry.shader
+            );
         }
         Outcome::Refused(_) | Outcome::LaneFailed(_) => {}
     }
@@ -78,7 +87,8 @@ pub fn finding(entry: &Entry, color: bool) -> String {
 /// Words of an input that are shown; a longer one is cut in the middle, the command has it whole.
 const SHOWN: usize = 16;
 
-fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, color: bool) {
+/// One finding. Its inputs and the command are left out when an earlier finding has `told` them.
+fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, told: bool, color: bool) {
     let style = Style::new(color);
     let _ = writeln!(text, "\n{}{on}: {}{}", style.bold, finding.message, style.off);
     let _ = writeln!(text, "  shader     {shader}");
@@ -86,18 +96,22 @@ fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, color: bool
         let _ = writeln!(text, "  samples    {}", finding.count);
     }
     if let Some(case) = &finding.case {
-        case_text(text, case);
+        case_text(text, case, told);
     }
-    if let Some(command) = &finding.reproduce {
+    if let Some(command) = finding.reproduce.as_ref().filter(|_| !told) {
         let _ = writeln!(text, "  reproduce  {command}");
     }
 }
 
-fn case_text(text: &mut String, case: &Case) {
+fn case_text(text: &mut String, case: &Case, told: bool) {
     use crate::value::{F32Bits, Scalar};
     use crate::verdict::Deviation;
-    let mut label = "smallest";
-    for InputValue { name, bits, decimal } in &case.inputs {
+    // A case that was asked for is shown as it is.
+    let mut label = if case.tried > 0 { "smallest" } else { "case" };
+    if told {
+        let _ = writeln!(text, "  {label:<9}  as above");
+    }
+    for InputValue { name, bits, decimal } in case.inputs.iter().filter(|_| !told) {
         let shown = bits.len().min(SHOWN);
         let more = if bits.len() > shown { format!(", … {} more", bits.len() - shown) } else { String::new() };
         let hex: Vec<String> = bits[..shown].iter().map(|b| format!("{b:08x}")).collect();
@@ -108,12 +122,19 @@ fn case_text(text: &mut String, case: &Case) {
     if let Some(Deviation::Value { component, expected, actual, scalar: Scalar::F32, tolerance, .. }) = &case.deviation
     {
         let bits = F32Bits(*actual);
-        let distance = crate::value::ulp_distance(*expected, bits.to_f32());
-        let _ = writeln!(text, "  expected   {component} = {expected:e} ± {tolerance:.1e}");
+        let _ = writeln!(text, "  expected   {component} = {expected:?} ± {tolerance:.1e}");
         let _ = writeln!(text, "  actual     {component} = {bits} (0x{actual:08x}, {})", bits.to_hex_float());
-        let _ = writeln!(text, "  off by     {:.3e}, {distance:.1} ULP", (f64::from(bits.to_f32()) - expected).abs());
+        let (off, ulp) =
+            ((f64::from(bits.to_f32()) - expected).abs(), crate::value::ulp_distance(*expected, bits.to_f32()));
+        // The distance of a NaN is NaN, and that of an expected 0 in ULP is astronomical.
+        if off.is_finite() {
+            let ulp = if ulp < 1e9 { format!("{ulp:.1}") } else { format!("{ulp:.1e}") };
+            let _ = writeln!(text, "  off by     {off:.3e}: {:.1} times the tolerance, {ulp} ULP", off / tolerance);
+        }
     }
-    let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
+    if case.tried > 0 && !told {
+        let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
+    }
 }
 
 /// The last lines: lanes that are missing, facts about coverage, totals.
@@ -126,6 +147,13 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             && coverage.is_complete()
         {
             let _ = writeln!(text, "note: {} on {}/{}: {coverage}", report.suite, report.lane, report.stage);
+        }
+        if let Outcome::Ran(report) = &entry.outcome
+            && report.replayed > 0
+            && report.verdicts.seen() > report.replayed
+        {
+            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
         }
     }
     for (name, why) in &summary.unavailable {

@@ -45,7 +45,9 @@ impl fmt::Display for Coverage {
         if missing.is_empty() {
             return Ok(());
         }
-        let list: Vec<String> = missing.iter().map(|k| format!("{k}–{}", k + 1)).collect();
+        // Neighbouring segments that are missing are told as one gap.
+        let gaps: Vec<&[usize]> = missing.chunk_by(|a, b| a + 1 == *b).collect();
+        let list: Vec<String> = gaps.iter().map(|gap| format!("{}–{}", gap[0], gap[gap.len() - 1] + 1)).collect();
         write!(f, "; missing between nodes {}", list.join(" and "))?;
         if self.ends == Ends::AsDrawn && missing == [0, all - 1] {
             write!(

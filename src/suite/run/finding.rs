@@ -103,6 +103,13 @@ pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> 
 /// Samples that are shrunk; the rest is counted.
 const SHRUNK: usize = 8;
 
+/// Samples that were asked for one by one: they are reported as they are.
+pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
+    let given =
+        |sample: Sample| Shrunk { original: sample.clone(), sample, rounds: 0, tried: 0, accepted: 0, minimal: false };
+    samples.into_iter().map(given).collect()
+}
+
 /// Shrinks the failing samples, all together, and reports each kind of deviation once.
 pub(super) fn deviations(
     trial: &mut Trial<'_>,
@@ -116,7 +123,7 @@ pub(super) fn deviations(
     let plan = trial.prepared.plan.clone();
     let first: Vec<Sample> = failing.into_iter().take(SHRUNK).collect();
     let mut oracle = |samples: &[Sample]| trial.deviates(samples);
-    let shrunk = shrink::shrink(first, &*plan, &mut oracle)?;
+    let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
     let batch = batch_of(&samples);
     let actual = trial.run(&batch)?;
@@ -181,8 +188,10 @@ pub(super) fn shortfalls(suite: &Suite, request: &Request, wanted: u64, report: 
     };
     let judged = report.verdicts.agreed + report.verdicts.deviated;
     let seen = report.verdicts.seen();
+    let [domain, ill, underflow] = report.verdicts.undetermined;
+    let reasons = format!("{domain} outside the domain, {ill} ill-conditioned, {underflow} underflow");
     if judged == 0 {
-        floor("no sample was judged".to_owned(), 0);
+        floor(format!("no sample was judged: of {seen}, all are undetermined ({reasons})"), seen);
         return;
     }
     if request.replay_only {
@@ -195,10 +204,9 @@ pub(super) fn shortfalls(suite: &Suite, request: &Request, wanted: u64, report: 
     let undetermined = report.verdicts.undetermined_count();
     let share = undetermined as f64 / seen.max(1) as f64;
     if share > suite.floors.undetermined {
-        let [domain, ill, underflow] = report.verdicts.undetermined;
         floor(
             format!(
-                "{:.1} % of the samples are undetermined ({domain} outside the domain, {ill} ill-conditioned, {underflow} underflow); the suite allows {:.1} %",
+                "{:.1} % of the samples are undetermined ({reasons}); the suite allows {:.1} %",
                 100.0 * share,
                 100.0 * suite.floors.undetermined
             ),

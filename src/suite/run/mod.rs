@@ -64,6 +64,8 @@ pub struct Report {
     pub verdicts: BatchVerdict,
     /// Samples that this lane cannot run.
     pub unsupported: u64,
+    /// Saved samples that were run before the generated ones.
+    pub replayed: u64,
     /// Relations: name, samples for which it was checked.
     pub relations: Vec<(String, u64)>,
     /// Which segments of strands are drawn, for a suite with strands.
@@ -100,6 +102,7 @@ pub fn run(
         stage,
         verdicts: BatchVerdict::default(),
         unsupported: 0,
+        replayed: request.replay.len() as u64,
         relations: Vec::new(),
         coverage: None,
         findings: Vec::new(),
@@ -127,12 +130,13 @@ pub fn run(
     let mut failing = sampling::replay(&mut trial, &request.replay, &mut report)?;
     if !request.replay_only {
         failing.extend(sampling::sample(&mut trial, request, wanted, &mut report, progress)?);
-        relate::check(&mut trial, request, &mut report)?;
         if let Some(strands) = prepared.suite.strands {
             report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }
     }
+    relate::check(&mut trial, request, &mut report)?;
     finding::deviations(&mut trial, failing, request, &mut report)?;
     finding::shortfalls(&prepared.suite, request, wanted, &mut report);
+    report.findings.sort_by_key(|f| f.kind);
     Ok(report)
 }

@@ -15,7 +15,8 @@ const QUICK_SAMPLES: u64 = 96;
 /// Failing samples of a relation that are shrunk.
 const SHRUNK: usize = 4;
 
-/// Checks every relation of the suite.
+/// Checks every relation of the suite, on the replayed samples and then on generated ones: a saved
+/// sample may have failed a relation alone.
 pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> Result<(), LaneError> {
     let prepared = trial.prepared;
     if prepared.relations.is_empty() {
@@ -25,7 +26,10 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
     let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
     let batch =
         Sampler::new(prepared.plan.clone(), request.seed).batch(0, (count as usize).div_ceil(per_case), per_case);
-    let samples: Vec<Sample> = (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect();
+    let mut samples = request.replay.clone();
+    if !request.replay_only {
+        samples.extend((0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)));
+    }
     for &relation in &prepared.relations {
         let outcomes = outcomes(trial, relation, &samples)?;
         let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
@@ -36,7 +40,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
             .filter(|(_, o)| matches!(o, Outcome::Fails(_)))
             .map(|(s, _)| s.clone())
             .collect();
-        if checked == 0 {
+        if checked == 0 && !request.replay_only {
             report.findings.push(Finding {
                 kind: FindingKind::Vacuous,
                 message: format!("the relation `{}` applied to none of {} samples", relation.name(), samples.len()),
@@ -121,14 +125,28 @@ fn fail(
         let outcomes = outcomes(trial, relation, samples)?;
         Ok(outcomes.iter().map(|o| matches!(o, Outcome::Fails(_))).collect())
     };
-    let shrunk = shrink::shrink(first, &*plan, &mut oracle)?;
+    let shrunk =
+        if request.replay_only { finding::as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(()) };
     let outcome = outcomes(trial, relation, std::slice::from_ref(&simplest.sample))?.into_iter().next();
-    let Some(Outcome::Fails(claim)) = outcome else { return Ok(()) };
+    let Some(Outcome::Fails(claim)) = outcome else {
+        // The same inputs gave another answer: nothing that was found may get lost over it.
+        report.findings.push(Finding {
+            kind: FindingKind::Relation,
+            message: format!(
+                "the relation `{}` failed, and held when it was checked again: the lane is not deterministic",
+                relation.name()
+            ),
+            count,
+            reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
+            case: Some(finding::case(&simplest, None)),
+        });
+        return Ok(());
+    };
     report.findings.push(Finding {
         kind: FindingKind::Relation,
         message: format!(
-            "the relation `{}` does not hold: {}; {} is {:e} on one side and {:e} on the other, ± {:.1e}",
+            "the relation `{}` does not hold: {}; {} is {:?} on one side and {:?} on the other, ± {:.1e}",
             relation.name(),
             relation.statement(),
             claim.what,
