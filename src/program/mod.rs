@@ -4,6 +4,7 @@ mod capture;
 mod contain;
 mod front;
 mod interface;
+mod strides;
 mod translate;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};

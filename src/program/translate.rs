@@ -9,7 +9,7 @@ use naga::valid::ModuleInfo;
 use naga::{Module, ShaderStage};
 use thiserror::Error;
 
-use super::{Program, ProgramError, contain, validator};
+use super::{Entry, Program, ProgramError, contain, strides, validator};
 use crate::lower::Role;
 
 /// A target language.
@@ -122,7 +122,14 @@ impl Program {
     /// [`TranslateError`]: what the language lacks.
     pub fn translate(&self, language: Language) -> Result<Translation, TranslateError> {
         match self.role {
-            Role::Vertex => translate(&self.module, &self.info, ShaderStage::Vertex, language),
+            Role::Vertex => {
+                let padded = match (language, self.entry) {
+                    (Language::Wgsl | Language::Msl, Entry::Point(index)) => strides::natural(&self.module, index)?,
+                    _ => None,
+                };
+                let (module, info) = padded.as_ref().map_or((&self.module, &self.info), |(m, i)| (m, i));
+                translate(module, info, ShaderStage::Vertex, language)
+            }
             Role::Geometry(_) | Role::Function { .. } => {
                 let kernel = self.compute_kernel()?;
                 translate(&kernel.module, &kernel.info, ShaderStage::Compute, language)
@@ -180,7 +187,11 @@ fn glsl_text(
     version: glsl::Version,
 ) -> Result<Translation, String> {
     let entry = module.entry_points.iter().find(|e| e.stage == stage).ok_or("there is no entry point")?;
-    let options = glsl::Options { version, writer_flags: glsl::WriterFlags::empty(), ..glsl::Options::default() };
+    // Without explicit bindings, GLSL 4.50 blocks all stand at binding 0. Older versions drop the numbers.
+    let bound = module.global_variables.iter().filter_map(|(_, v)| v.binding);
+    let binding_map = bound.filter_map(|b| Some((b, u8::try_from(b.binding).ok()?))).collect();
+    let options =
+        glsl::Options { version, writer_flags: glsl::WriterFlags::empty(), binding_map, ..glsl::Options::default() };
     let pipeline = glsl::PipelineOptions { shader_stage: stage, entry_point: entry.name.clone(), multiview: None };
     let mut text = String::new();
     glsl::Writer::new(&mut text, module, info, &options, &pipeline, BoundsCheckPolicies::default())
@@ -218,7 +229,12 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
     if let Some(module) = &module {
         contain(|| validator().validate(module))
             .map_err(|panic| fails(format!("naga panicked: {panic}")))?
-            .map_err(|e| fails(e.emit_to_string("")))?;
+            .map_err(|e| fails(chain(e.as_inner())))?;
     }
     Ok(module)
+}
+
+/// An error and its causes in one line. The validator's places are those of a text that nobody has seen.
+fn chain(error: &dyn std::error::Error) -> String {
+    std::iter::successors(Some(error), |e| e.source()).map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }
