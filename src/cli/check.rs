@@ -211,7 +211,7 @@ fn one_suite(
             let outcome = match result {
                 Ok(report) => {
                     failing.extend(report.failing.iter().cloned());
-                    Outcome::Ran(report)
+                    Outcome::Ran(Box::new(report))
                 }
                 Err(error) => Outcome::LaneFailed(error.to_string()),
             };

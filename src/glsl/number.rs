@@ -71,7 +71,7 @@ mod tests {
             ("0xffffffffU", Literal::Uint(u32::MAX)),
             ("1.", Literal::Float(1.0)),
             (".5", Literal::Float(0.5)),
-            ("6.283185", Literal::Float(6.283185)),
+            ("6.28125", Literal::Float(6.28125)),
             ("1e-3", Literal::Float(1e-3)),
             ("2.5E+2F", Literal::Float(250.0)),
             ("1f", Literal::Float(1.0)),

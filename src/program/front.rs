@@ -22,7 +22,7 @@ pub(super) fn parse(lowered: &Lowered) -> Result<(Module, ModuleInfo), ProgramEr
     let module = contain(|| glsl::Frontend::default().parse(&options, text))
         .map_err(|panic| panicked(lowered, &panic))?
         .map_err(|errors| ProgramError::Source(errors.errors.iter().map(|e| parse_error(lowered, e)).collect()))?;
-    let info = contain(|| validator().validate(&module))
+    let info = contain(|| validator().validate(&module).map_err(Box::new))
         .map_err(|panic| panicked(lowered, &panic))?
         .map_err(|error| ProgramError::Source(vec![validation_error(lowered, &module, &error)]))?;
     Ok((module, info))

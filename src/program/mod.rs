@@ -136,7 +136,7 @@ impl Program {
 
 /// Validates a module that a pass of our own made.
 pub(crate) fn validate(module: &Module) -> Result<ModuleInfo, ProgramError> {
-    contain(|| validator().validate(module))
+    contain(|| validator().validate(module).map_err(Box::new))
         .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?
         .map_err(|error| ProgramError::internal(format!("{:?}", error.into_inner())))
 }

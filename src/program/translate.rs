@@ -227,7 +227,7 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
     });
     let module = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)?;
     if let Some(module) = &module {
-        contain(|| validator().validate(module))
+        contain(|| validator().validate(module).map_err(Box::new))
             .map_err(|panic| fails(format!("naga panicked: {panic}")))?
             .map_err(|e| fails(chain(e.as_inner())))?;
     }

@@ -220,8 +220,7 @@ fn judge_variable(values: &[f64], words: &[u32], scale: f64, scalar: Scalar, tol
     let mut largest = 0.0_f64;
     for (&value, &word) in values.iter().zip(words) {
         let error = (f64::from(f32::from_bits(word)) - value).abs();
-        // A NaN fails the comparison.
-        if !(error <= allowed) {
+        if error > allowed || error.is_nan() {
             return None;
         }
         largest = largest.max(error);

@@ -293,6 +293,7 @@ pub enum StmtKind {
 }
 
 /// The condition of a loop.
+#[expect(clippy::large_enum_variant, reason = "there is one for each loop of a shader: a box would save nothing")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
     /// An expression.

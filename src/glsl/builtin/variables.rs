@@ -93,8 +93,11 @@ const TABLE: &[(&str, &str, &str, char)] = &[
     ),
 ];
 
+/// Variable, whether it is an array, name, members with their types.
+type Structure = (&'static str, bool, &'static str, &'static [(&'static str, &'static str)]);
+
 /// Structures of the compatibility profile: variable, array (`?`) or not, name, members.
-const STRUCTS: &[(&str, bool, &str, &[(&str, &str)])] = &[
+const STRUCTS: &[Structure] = &[
     ("gl_DepthRange", false, "gl_DepthRangeParameters", &[("near", "float"), ("far", "float"), ("diff", "float")]),
     (
         "gl_LightSource",

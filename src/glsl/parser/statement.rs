@@ -138,10 +138,7 @@ impl Parser<'_> {
         self.advance();
         let condition = self.parenthesised("if")?;
         let then = Box::new(self.statement());
-        let otherwise = match self.eat_word("else") {
-            Some(_) => Some(Box::new(self.statement())),
-            None => None,
-        };
+        let otherwise = self.eat_word("else").map(|_| Box::new(self.statement()));
         Ok(StmtKind::If { condition, then, otherwise })
     }
 

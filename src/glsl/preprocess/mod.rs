@@ -503,7 +503,7 @@ impl Preprocessor<'_> {
                 self.line_shift = line - (here + 1);
             }
             // A macro or an expression is allowed; the places in our messages do not follow #line.
-            None if rest.first().is_some() => {}
+            None if !rest.is_empty() => {}
             None => self.malformed(span, "`#line` needs a number"),
         }
     }

@@ -155,7 +155,7 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
             blocks.push((global, UniformBlock { bytes, slots: Vec::new() }));
             blocks.len() - 1
         });
-        place(module, &layouter, port.ty, start, &mut word, &mut blocks[at].1.slots);
+        place(module, port.ty, start, &mut word, &mut blocks[at].1.slots);
     }
     for (k, (global, _)) in blocks.iter().enumerate() {
         let variable = &mut module.global_variables[*global];
@@ -166,14 +166,7 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
 }
 
 /// Byte offsets of the words of a value of type `ty` that starts at `byte`.
-fn place(
-    module: &Module,
-    layouter: &naga::proc::Layouter,
-    ty: Handle<Type>,
-    byte: u32,
-    word: &mut u32,
-    slots: &mut Vec<UniformSlot>,
-) {
+fn place(module: &Module, ty: Handle<Type>, byte: u32, word: &mut u32, slots: &mut Vec<UniformSlot>) {
     let mut run = |start: u32, count: u32| {
         for k in 0..count {
             slots.push(UniformSlot { word: *word, byte: start + 4 * k });
@@ -192,7 +185,7 @@ fn place(
         }
         TypeInner::Array { base, size: naga::ArraySize::Constant(len), stride } => {
             for k in 0..len.get() {
-                place(module, layouter, base, byte + k * stride, word, slots);
+                place(module, base, byte + k * stride, word, slots);
             }
         }
         // `Program` has refused uniforms of other types.

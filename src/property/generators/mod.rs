@@ -187,7 +187,7 @@ pub trait Generator: Sync {
         let Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case } = rows;
         let (mut case, mut lane) = (first_case, first_lane);
         let mut case_seed = mix(key, case);
-        let is_exact = |case| mix(exact_key, case) % EXACT == 0;
+        let is_exact = |case| mix(exact_key, case).is_multiple_of(EXACT);
         let mut exact = is_exact(case);
         let direct = match spans {
             [only] => Some(only.clone()),

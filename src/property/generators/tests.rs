@@ -38,7 +38,7 @@ fn group(name: &str) -> (&'static dyn Generator, Group) {
 /// Samples `0..n` of a group, each in a case of its own.
 fn draw(generator: &dyn Generator, group: &Group, n: usize) -> Vec<Vec<u32>> {
     let mut words = vec![0; group.words() * n];
-    let whole = [0..group.words()];
+    let whole = vec![std::ops::Range { start: 0, end: group.words() }];
     let key = mix_text(1, generator.name());
     let rows = Rows {
         words: &mut words,
@@ -58,8 +58,11 @@ fn floats(words: &[u32]) -> Vec<f32> {
     words.iter().map(|&w| float(w)).collect()
 }
 
+/// Whether a sample belongs to a class.
+type Class<'a> = &'a dyn Fn(&[f32]) -> bool;
+
 /// Draws from the example of a generator and asks that each named class has at least so many samples.
-fn reaches(name: &str, classes: &[(&str, usize, &dyn Fn(&[f32]) -> bool)]) {
+fn reaches(name: &str, classes: &[(&str, usize, Class<'_>)]) {
     let (generator, group) = group(name);
     let samples: Vec<Vec<f32>> = draw(generator, &group, SAMPLES).iter().map(|s| floats(s)).collect();
     for (class, least, holds) in classes {

@@ -180,7 +180,7 @@ impl Exact {
     /// A rotation, possibly with a reflection.
     pub(super) fn turn(choice: u64) -> Self {
         let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]][(choice % 6) as usize];
-        let signs = std::array::from_fn(|k| if choice / 6 >> k & 1 == 1 { -1.0 } else { 1.0 });
+        let signs = std::array::from_fn(|k| if ((choice / 6) >> k) & 1 == 1 { -1.0 } else { 1.0 });
         Self { axes, signs, shift: [0.0; 3] }
     }
 

@@ -88,10 +88,12 @@ fn sample(formula: &Formula, rng: &mut Rng) -> Sample {
             "s" | "t" | "d" if choice % 8 < 2 => values[0] = (choice % 2) as f64,
             _ => (),
         }
-        if param.kind == Kind::Vec4 && choice % 8 == 0 && values.last() == Some(&1.0) {
-            if let Some(last) = last.replace(values[..4].to_vec()) {
-                values[..4].copy_from_slice(&last);
-            }
+        if param.kind == Kind::Vec4
+            && choice.is_multiple_of(8)
+            && values.last() == Some(&1.0)
+            && let Some(last) = last.replace(values[..4].to_vec())
+        {
+            values[..4].copy_from_slice(&last);
         }
         sample.set(param.name, &values);
     }
@@ -206,7 +208,7 @@ fn missing_outputs_fail_and_do_not_panic() {
             let nothing = Observed { vertices: 0, words: Vec::new(), slack: Vec::new() };
             let mut claims = Vec::new();
             relation.claims(&inputs, &vec![nothing; inputs.len()], &mut claims);
-            let fails = claims.iter().any(|c| !((c.left - c.right).abs() <= c.slack));
+            let fails = !claims.iter().all(|c| (c.left - c.right).abs() <= c.slack);
             // The outer matrix does not know how many vertices there should be.
             assert!(fails || inputs.is_empty() || relation.name() == "projection_last", "{}", relation.name());
         }

@@ -60,6 +60,9 @@ pub struct Shrunk {
     pub minimal: bool,
 }
 
+/// Says for each sample whether it fails.
+pub type Oracle<'a, E> = dyn FnMut(&[Sample]) -> Result<Vec<bool>, E> + 'a;
+
 /// Shrinks failing samples together. `oracle` says for each sample handed to it whether it fails;
 /// it is called once a round, so that one dispatch serves all. What it fails to answer counts as
 /// not failing. The samples in `failing` are taken to fail and are not asked for again.
@@ -70,11 +73,7 @@ pub struct Shrunk {
 ///
 /// # Errors
 /// The first error of the oracle.
-pub fn shrink<E>(
-    failing: Vec<Sample>,
-    domain: &dyn Domain,
-    oracle: &mut dyn FnMut(&[Sample]) -> Result<Vec<bool>, E>,
-) -> Result<Vec<Shrunk>, E> {
+pub fn shrink<E>(failing: Vec<Sample>, domain: &dyn Domain, oracle: &mut Oracle<'_, E>) -> Result<Vec<Shrunk>, E> {
     let mut searches: Vec<Search> = failing.into_iter().map(|sample| Search::new(sample, domain)).collect();
     for _ in 0..MOST_ROUNDS {
         let mut batch = Vec::new();

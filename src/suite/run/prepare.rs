@@ -40,7 +40,7 @@ pub enum RunError {
         /// The shader.
         shader: String,
         /// Why.
-        source: ReferenceError,
+        source: Box<ReferenceError>,
     },
     /// The inputs of the suite do not fit the shader.
     #[error("suite `{suite}`, {shader}: {source}")]
@@ -50,7 +50,7 @@ pub enum RunError {
         /// The shader.
         shader: String,
         /// Why.
-        source: PlanError,
+        source: Box<PlanError>,
     },
 }
 
@@ -121,12 +121,12 @@ pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError>
     let reference = Reference::new(formula, &program).map_err(|source| RunError::Reference {
         suite: name(),
         shader: shader_name(),
-        source,
+        source: Box::new(source),
     })?;
     let plan = suite.plan(&compute.invocation, &compute.case).map_err(|source| RunError::Plan {
         suite: name(),
         shader: shader_name(),
-        source,
+        source: Box::new(source),
     })?;
     Ok(Prepared {
         relations: suite.relations.iter().filter_map(|r| relations::by_name(r)).collect(),

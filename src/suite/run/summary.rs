@@ -33,7 +33,7 @@ pub struct Entry {
 #[derive(Debug)]
 pub enum Outcome {
     /// It ran.
-    Ran(Report),
+    Ran(Box<Report>),
     /// It could not be run: the shader does not compile, or suite and shader do not fit.
     Refused(RunError),
     /// The lane failed.
