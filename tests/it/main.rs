@@ -1,3 +1,7 @@
 //! Tests across modules and processes, in one binary.
 
+mod lowering;
 mod tidy;
+mod translate;
+mod translate_flips;
+mod translate_validators;
