@@ -1,5 +1,6 @@
 //! Tests across modules and processes, in one binary.
 
+mod geometry;
 mod lowering;
 mod tidy;
 mod translate;
