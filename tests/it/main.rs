@@ -2,6 +2,7 @@
 
 mod geometry;
 mod lowering;
+mod lowering_vertex;
 mod tidy;
 mod translate;
 mod translate_flips;
