@@ -34,7 +34,11 @@ pub(super) fn lower(work: &mut Work<'_>) -> Vec<Variable> {
             variables.push(variable(uniform, shape, None));
         }
         // naga reads `T a, b;` in a block no better than outside: each member is written out.
-        let block = format!("layout(std140, set = 0, binding = {binding}) uniform sc_uniforms_{binding} {{ ");
+        // Columns of two components stand 16 bytes apart in std140, which naga cannot express. The
+        // layout of these blocks is ours to choose.
+        let two_rows = variables.iter().any(|v| v.shape.columns > 1 && v.shape.rows == 2);
+        let layout = if two_rows { "std430" } else { "std140" };
+        let block = format!("layout({layout}, set = 0, binding = {binding}) uniform sc_uniforms_{binding} {{ ");
         binding += 1;
         work.split(&group, |k| if k == 0 { block.clone() } else { String::new() });
         work.edits.push(Edit::insert(group[0].declaration_span.end, " };"));

@@ -59,6 +59,9 @@ fn parse_error(lowered: &Lowered, error: &glsl::Error) -> Diagnostic {
         ErrorKind::UnknownLayoutQualifier(name) => {
             format!("the translator does not know the layout qualifier `{name}`")
         }
+        ErrorKind::UnsupportedMatrixWithTwoRowsInStd140 { columns } => {
+            format!("the translator cannot express `mat{columns}x2` in a std140 block")
+        }
         other => lowercase_first(&other.to_string()),
     };
     diagnostic(lowered, NAGA, Some(error.meta), message)

@@ -4,12 +4,13 @@ use std::fmt;
 use std::str::FromStr;
 
 use naga::back::{glsl, hlsl, msl, spv, wgsl};
+use naga::compact::KeepUnused;
 use naga::proc::BoundsCheckPolicies;
 use naga::valid::ModuleInfo;
 use naga::{Module, ShaderStage};
 use thiserror::Error;
 
-use super::{Entry, Program, ProgramError, contain, strides, validator};
+use super::{Entry, Program, ProgramError, contain, strides, validate, validator};
 use crate::lower::Role;
 
 /// A target language.
@@ -131,8 +132,11 @@ impl Program {
                 translate(module, info, ShaderStage::Vertex, language)
             }
             Role::Geometry(_) | Role::Function { .. } => {
-                let kernel = self.compute_kernel()?;
-                translate(&kernel.module, &kernel.info, ShaderStage::Compute, language)
+                let mut module = self.compute_kernel()?.module;
+                // What the kernel has taken over is left without use, `main` of a library for one.
+                naga::compact::compact(&mut module, KeepUnused::No);
+                let info = validate(&module)?;
+                translate(&module, &info, ShaderStage::Compute, language)
             }
         }
     }
@@ -156,12 +160,7 @@ fn translate(
             let version = glsl::Version::Embedded { version: 310, is_webgl: false };
             glsl_text(module, info, stage, version)
         }
-        Language::Msl => {
-            let options = msl::Options { lang_version: (2, 0), fake_missing_bindings: true, ..msl::Options::default() };
-            msl::write_string(module, info, &options, &msl::PipelineOptions::default())
-                .map(|(text, _)| Translation::Text(text))
-                .map_err(|e| e.to_string())
-        }
+        Language::Msl => msl_text(module, info),
         Language::Hlsl => {
             let mut text = String::new();
             let options = hlsl::Options::default();
@@ -180,6 +179,29 @@ fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
     spv::write_vec(module, info, &options, None).map_err(|e| e.to_string())
 }
 
+fn msl_text(module: &Module, info: &ModuleInfo) -> Result<Translation, String> {
+    // Buffers keep the numbers that they have elsewhere; the sizes that naga asks for come behind them.
+    let bindings: Vec<_> = module.global_variables.iter().filter_map(|(_, v)| v.binding).collect();
+    let slot = |binding: u32| u8::try_from(binding).map_err(|_| format!("there is no buffer {binding}"));
+    let mut resources = msl::EntryPointResources::default();
+    for binding in &bindings {
+        let target =
+            msl::BindTarget { buffer: Some(slot(binding.binding)?), mutable: true, ..msl::BindTarget::default() };
+        resources.resources.insert(*binding, target);
+    }
+    let behind = bindings.iter().map(|b| b.binding + 1).max().unwrap_or(0);
+    resources.sizes_buffer = Some(slot(behind)?);
+    let options = msl::Options {
+        lang_version: (2, 0),
+        per_entry_point_map: module.entry_points.iter().map(|e| (e.name.clone(), resources.clone())).collect(),
+        fake_missing_bindings: false,
+        ..msl::Options::default()
+    };
+    msl::write_string(module, info, &options, &msl::PipelineOptions::default())
+        .map(|(text, _)| Translation::Text(text))
+        .map_err(|e| e.to_string())
+}
+
 fn glsl_text(
     module: &Module,
     info: &ModuleInfo,
@@ -195,10 +217,17 @@ fn glsl_text(
     let pipeline = glsl::PipelineOptions { shader_stage: stage, entry_point: entry.name.clone(), multiview: None };
     let mut text = String::new();
     glsl::Writer::new(&mut text, module, info, &options, &pipeline, BoundsCheckPolicies::default())
-        .map_err(|e| e.to_string())?
+        .map_err(|e| glsl_reason(&e))?
         .write()
-        .map_err(|e| e.to_string())?;
+        .map_err(|e| glsl_reason(&e))?;
     Ok(Translation::Text(text))
+}
+
+/// What a version of GLSL lacks, in words.
+fn glsl_reason(error: &glsl::Error) -> String {
+    let glsl::Error::MissingFeatures(missing) = error else { return error.to_string() };
+    let names = missing.iter_names().map(|(name, _)| name.to_lowercase().replace('_', " "));
+    format!("it lacks {}", names.collect::<Vec<_>>().join(", "))
 }
 
 /// Reads a translation back, where naga can: SPIR-V, WGSL and GLSL 4.50. `None` for the others.

@@ -79,8 +79,12 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
     let harness = Harness::insert(&mut module);
     let read = AddressSpace::Storage { access: StorageAccess::LOAD };
     let at = |binding| Some(ResourceBinding { group: 0, binding });
-    let invocations = add_global(&mut module, "sc_invocations", read, at(binding::INVOCATIONS), harness.types.words);
-    let cases = add_global(&mut module, "sc_cases", read, at(binding::CASES), harness.types.words);
+    // No buffer for what the program does not take: translators drop some of the unused ones and not others.
+    let mut words_of = |name: &str, binding: u32, words: usize| {
+        (words > 0).then(|| add_global(&mut module, name, read, at(binding), harness.types.words))
+    };
+    let invocations = words_of("sc_invocations", binding::INVOCATIONS, program.invocation_record().words());
+    let cases = words_of("sc_cases", binding::CASES, program.case_record().words());
     // Uniforms become private variables, filled before the call: each invocation has its own.
     for port in &program.uniforms {
         let global = match port.at {
@@ -104,34 +108,38 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
     let inside = b.binary(BinaryOperator::Less, index, count);
     let mut failure = None;
     b.when(inside, |b| {
-        let per_case = param(b, &harness, 1);
-        let case = b.binary(BinaryOperator::Divide, index, per_case);
-        let uniform_words = WordsAt { array: b.global(cases), base: scaled(b, case, program.case_record().words()) };
-        let mut offset = 0;
-        for port in &program.uniforms {
-            let Some(value) = words::load(b, &module, uniform_words, &mut offset, port.ty) else {
-                failure = Some(port.field.name.clone());
-                return;
-            };
-            put(b, &port.at, value);
+        if let Some(cases) = cases {
+            let per_case = param(b, &harness, 1);
+            let case = b.binary(BinaryOperator::Divide, index, per_case);
+            let words = WordsAt { array: b.global(cases), base: scaled(b, case, program.case_record().words()) };
+            let mut offset = 0;
+            for port in &program.uniforms {
+                let Some(value) = words::load(b, &module, words, &mut offset, port.ty) else {
+                    failure = Some(port.field.name.clone());
+                    return;
+                };
+                put(b, &port.at, value);
+            }
         }
-        let input_words =
-            WordsAt { array: b.global(invocations), base: scaled(b, index, program.invocation_record().words()) };
         let mut arguments = vec![None; module.functions[function].arguments.len()];
-        let mut offset = 0;
-        for port in &program.inputs {
-            let Some(value) = words::load(b, &module, input_words, &mut offset, port.ty) else {
-                failure = Some(port.field.name.clone());
-                return;
-            };
-            match port.at {
-                PortAt::Argument(k) => arguments[k as usize] = Some(value),
-                PortAt::Reference(k) => {
-                    let local = b.local(&port.field.name, port.ty);
-                    b.store(local, value);
-                    arguments[k as usize] = Some(local);
+        if let Some(invocations) = invocations {
+            let base = scaled(b, index, program.invocation_record().words());
+            let words = WordsAt { array: b.global(invocations), base };
+            let mut offset = 0;
+            for port in &program.inputs {
+                let Some(value) = words::load(b, &module, words, &mut offset, port.ty) else {
+                    failure = Some(port.field.name.clone());
+                    return;
+                };
+                match port.at {
+                    PortAt::Argument(k) => arguments[k as usize] = Some(value),
+                    PortAt::Reference(k) => {
+                        let local = b.local(&port.field.name, port.ty);
+                        b.store(local, value);
+                        arguments[k as usize] = Some(local);
+                    }
+                    _ => put(b, &port.at, value),
                 }
-                _ => put(b, &port.at, value),
             }
         }
         // Parameters that only go out.
