@@ -69,12 +69,13 @@ fn invariant_faults(document: &File, files: &[File]) -> Vec<Fault> {
 fn test_exists(test: &str, files: &[File]) -> bool {
     let mut modules: Vec<&str> = test.split("::").collect();
     let name = modules.pop().unwrap_or_default();
-    // Modules inside a file have no file of their own.
+    // A module of tests may stand inside the file of its parent or have a file of its own.
     let inner = modules.last().is_some_and(|last| ["tests", "planted"].contains(last));
-    let module = modules[..modules.len() - usize::from(inner)].join("/");
-    let places = ["src", "tests/it", "xtask/src"].map(|root| format!("{root}/{module}"));
-    let candidates = places.iter().flat_map(|place| [format!("{place}.rs"), format!("{place}/mod.rs")]);
-    candidates.into_iter().filter_map(|path| files.iter().find(|file| file.path == path)).any(|file| {
+    let parents = [modules[..modules.len() - usize::from(inner)].join("/"), modules.join("/")];
+    let places = ["src", "tests/it", "xtask/src"].into_iter().flat_map(|root| {
+        parents.iter().flat_map(move |module| [format!("{root}/{module}.rs"), format!("{root}/{module}/mod.rs")])
+    });
+    places.into_iter().filter_map(|path| files.iter().find(|file| file.path == path)).any(|file| {
         let lines: Vec<&str> = file.text.lines().map(str::trim).collect();
         let is_test = |at: usize| lines[..at].iter().rev().take_while(|l| l.starts_with("#[")).any(|l| *l == "#[test]");
         (0..lines.len()).any(|at| lines[at].starts_with(&format!("fn {name}(")) && is_test(at))
