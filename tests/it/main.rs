@@ -1,8 +1,13 @@
 //! Tests across modules and processes, in one binary.
 
+mod alarms;
+mod binary;
+mod check_cli;
 mod geometry;
+mod json;
 mod lowering;
 mod lowering_vertex;
+mod regress;
 mod tidy;
 mod translate;
 mod translate_flips;

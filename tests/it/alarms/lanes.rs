@@ -1,0 +1,294 @@
+//! Faults of a device, planted between the device and what is accepted from it. A shader cannot have
+//! them: a stale buffer, a record that was never written, a value that is wrong once.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, vulkan};
+use shadercheck::program::{Kernel, OutputLayout};
+use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
+use shadercheck::suite::{find, parse};
+use shadercheck::text::SourceFile;
+use shadercheck::value::Batch;
+
+/// What one dispatch left in the output buffer.
+struct Buffer {
+    /// Number of this dispatch of the runner, from 0.
+    dispatch: usize,
+    /// Invocations.
+    count: usize,
+    /// Invocations that share uniforms.
+    per_case: usize,
+    layout: OutputLayout,
+    words: Vec<u32>,
+    marks: Marks,
+    /// The words of the dispatch before.
+    before: Vec<u32>,
+}
+
+impl Buffer {
+    /// Record of an invocation.
+    fn record(&mut self, invocation: usize) -> &mut [u32] {
+        let size = self.layout.words();
+        &mut self.words[invocation * size..][..size]
+    }
+}
+
+type Fault = fn(&mut Buffer);
+
+/// The Vulkan lane with a fault.
+struct Faulty {
+    lane: Box<dyn Lane>,
+    fault: Fault,
+    capacity: usize,
+}
+
+struct FaultyRunner {
+    runner: Box<dyn Runner>,
+    fault: Fault,
+    capacity: usize,
+    layout: OutputLayout,
+    dispatch: Rc<RefCell<usize>>,
+    before: Vec<u32>,
+}
+
+impl Lane for Faulty {
+    fn description(&self) -> &Description {
+        self.lane.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        Ok(Box::new(FaultyRunner {
+            runner: self.lane.prepare(kernel, capacity)?,
+            fault: self.fault,
+            capacity: self.capacity,
+            layout: kernel.output.clone(),
+            dispatch: Rc::default(),
+            before: Vec::new(),
+        }))
+    }
+}
+
+impl Runner for FaultyRunner {
+    fn capacity(&self) -> usize {
+        self.runner.capacity().min(self.capacity)
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let actual = self.runner.run(batch)?;
+        let marks = Marks::random();
+        let words = raw(&actual, &self.layout, marks);
+        let mut buffer = Buffer {
+            dispatch: self.dispatch.replace_with(|n| *n + 1),
+            count: actual.count(),
+            per_case: batch.per_case,
+            layout: self.layout.clone(),
+            before: std::mem::replace(&mut self.before, words.clone()),
+            words,
+            marks,
+        };
+        (self.fault)(&mut buffer);
+        Actual::accept(&self.layout, buffer.words, buffer.count, marks)
+    }
+}
+
+/// The output buffer from which `actual` was read, with other marks.
+fn raw(actual: &Actual, layout: &OutputLayout, marks: Marks) -> Vec<u32> {
+    let mut words = Vec::with_capacity(actual.count() * layout.words());
+    for invocation in 0..actual.count() {
+        words.push(marks.canary ^ invocation as u32);
+        if layout.max_vertices.is_some() {
+            words.extend([actual.emitted(invocation), actual.ended_strips(invocation)]);
+        }
+        for vertex in 0..actual.stored(invocation) {
+            if layout.max_vertices.is_some() {
+                words.push(actual.strip(invocation, vertex));
+            }
+            let value = |&word: &u32| if actual.is_unwritten(word) { marks.sentinel } else { word };
+            words.extend(actual.vertex(invocation, vertex).iter().map(value));
+        }
+        words.resize((invocation + 1) * layout.words(), marks.sentinel);
+    }
+    words
+}
+
+fn prepared(suite: &str) -> Prepared {
+    let shipped = find(suite).unwrap();
+    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
+    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text)).unwrap()
+}
+
+/// Runs a shipped suite in both stages that apply, on dispatches of at most 128 invocations.
+fn reports(suite: &str, fault: Fault) -> Vec<Result<Report, LaneError>> {
+    let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
+    let lane = Faulty { lane, fault, capacity: 128 };
+    let prepared = prepared(suite);
+    let request = Request {
+        samples: Some(512),
+        seed: DEFAULT_SEED,
+        quick: true,
+        replay: Vec::new(),
+        replay_only: false,
+        arguments: suite.to_owned(),
+    };
+    let stages = if prepared.vertex.is_some() { &[Stage::Compute, Stage::Vertex][..] } else { &[Stage::Compute] };
+    stages.iter().map(|&stage| run(&prepared, &lane, stage, &request, &mut |_| {})).collect()
+}
+
+/// The run fails in each stage, with a finding of this kind that holds `said`.
+#[track_caller]
+fn rings(suite: &str, fault: Fault, kind: FindingKind, said: &str) {
+    for report in reports(suite, fault) {
+        let report = report.unwrap();
+        let messages: Vec<String> = report.findings.iter().map(|f| format!("{:?}: {}", f.kind, f.message)).collect();
+        assert!(report.findings.iter().any(|f| f.kind == kind && f.message.contains(said)), "{messages:#?}");
+    }
+}
+
+/// The lane gives no outputs at all.
+#[track_caller]
+fn refused(fault: Fault) {
+    for report in reports("sphere", fault) {
+        let error = report.map(|r| r.findings).unwrap_err();
+        assert!(matches!(error, LaneError::NotWritten { .. }), "{error}");
+        assert!(error.to_string().contains("was not written by this dispatch"), "{error}");
+    }
+}
+
+/// Moves a binary32 word by one part in ten thousand of the size of a sphere.
+fn nudge(word: &mut u32) {
+    *word = (f32::from_bits(*word) + 1e-4).to_bits();
+}
+
+#[test]
+fn a_lane_without_a_fault_passes() {
+    for suite in ["sphere", "hair", "hermite"] {
+        for report in reports(suite, |_| {}) {
+            let report = report.unwrap();
+            assert!(report.findings.is_empty(), "{:?}", report.findings);
+            assert!(report.judged() >= 400);
+        }
+    }
+}
+
+#[test]
+fn a_wrong_last_sample_of_a_batch_is_found() {
+    // In every dispatch, whatever its size.
+    let last = |b: &mut Buffer| {
+        let last = b.count - 1;
+        nudge(&mut b.record(last)[1]);
+    };
+    rings("sphere", last, FindingKind::Deviation, "`gl_Position.x` is ");
+}
+
+#[test]
+fn a_wrong_last_vertex_is_found() {
+    let last = |b: &mut Buffer| {
+        for i in 0..b.count {
+            let last = b.layout.words() - b.layout.vertex_words() + 1;
+            nudge(&mut b.record(i)[last]);
+        }
+    };
+    rings("hair", last, FindingKind::Deviation, "of vertex 4 is ");
+}
+
+#[test]
+fn a_wrong_w_is_found() {
+    let w = |b: &mut Buffer| (0..b.count).for_each(|i| nudge(&mut b.record(i)[4]));
+    rings("sphere", w, FindingKind::Deviation, "`gl_Position.w` is ");
+}
+
+#[test]
+fn nan_is_found() {
+    let nan = |b: &mut Buffer| (0..b.count).step_by(7).for_each(|i| b.record(i)[2] = f32::NAN.to_bits());
+    rings("sphere", nan, FindingKind::Deviation, "`gl_Position.y` is nan");
+    let vertex = |b: &mut Buffer| (0..b.count).for_each(|i| b.record(i)[4] = f32::NAN.to_bits());
+    rings("hair", vertex, FindingKind::Deviation, "`gl_Position.x` of vertex 0 is nan");
+}
+
+#[test]
+fn an_output_that_is_not_written_is_found() {
+    let unwritten = |b: &mut Buffer| {
+        let sentinel = b.marks.sentinel;
+        (0..b.count).for_each(|i| b.record(i)[3] = sentinel);
+    };
+    rings("sphere", unwritten, FindingKind::Deviation, "`gl_Position.z` is not written");
+}
+
+#[test]
+fn a_record_that_is_not_written_is_refused() {
+    refused(|b| {
+        let (last, sentinel) = (b.count - 1, b.marks.sentinel);
+        b.record(last).fill(sentinel);
+    });
+}
+
+#[test]
+fn records_in_another_order_are_refused() {
+    refused(|b| {
+        let size = b.layout.words();
+        b.words.rotate_left(size);
+    });
+}
+
+#[test]
+fn a_stale_buffer_is_refused() {
+    refused(|b| {
+        if b.before.len() >= b.words.len() {
+            b.words.clone_from(&b.before);
+        }
+    });
+}
+
+#[test]
+fn a_stale_buffer_that_bears_the_new_canary_is_found() {
+    let stale = |b: &mut Buffer| {
+        let (size, marks) = (b.layout.words(), b.marks);
+        if b.before.len() >= b.words.len() {
+            let len = b.words.len();
+            b.words.copy_from_slice(&b.before[..len]);
+            for i in 0..b.count {
+                b.words[i * size] = marks.canary ^ i as u32;
+            }
+        }
+    };
+    rings("sphere", stale, FindingKind::Deviation, "");
+}
+
+#[test]
+fn a_fault_that_does_not_come_back_is_found_all_the_same() {
+    let once = |b: &mut Buffer| {
+        if b.dispatch == 2 {
+            b.record(40)[1] = 0x4200_0000;
+        }
+    };
+    rings("sphere", once, FindingKind::Deviation, "the lane is not deterministic");
+}
+
+#[test]
+fn a_relation_that_fails_alone_is_found() {
+    // Wrong only where each invocation has uniforms of its own, which is how relations run.
+    let uniforms = |b: &mut Buffer| {
+        if b.per_case == 1 {
+            (0..b.count).step_by(2).for_each(|i| nudge(&mut b.record(i)[1]));
+        }
+    };
+    for report in reports("sphere", uniforms) {
+        let report = report.unwrap();
+        assert_eq!(report.verdicts.deviated, 0);
+        let seam = report.findings.iter().find(|f| f.message.contains("`surface_seam` does not hold"));
+        let case = seam.and_then(|f| f.case.as_ref()).unwrap();
+        let matrix = case.inputs.iter().find(|i| i.name == "mat4 mc").unwrap();
+        assert!(matrix.bits.iter().enumerate().all(|(k, &w)| w == if k % 5 == 0 { 0x3f80_0000 } else { 0 }));
+    }
+}
+
+#[test]
+fn a_relation_that_fails_and_then_holds_is_found() {
+    let large = |b: &mut Buffer| {
+        if b.per_case == 1 && b.count == 128 {
+            b.record(100)[1] = 0x4200_0000;
+        }
+    };
+    rings("sphere", large, FindingKind::Relation, "failed, and held when it was checked again");
+}

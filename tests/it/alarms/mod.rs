@@ -1,0 +1,6 @@
+//! Planted faults that must be found, each beside the same thing without the fault, which must pass.
+
+mod files;
+mod lanes;
+mod shaders;
+mod suites;

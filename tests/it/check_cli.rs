@@ -1,0 +1,245 @@
+//! `shadercheck check` as a command: lines, options, exit status, and how a failure is shown again.
+
+use std::fs;
+use std::io::Read;
+use std::process::Stdio;
+
+use serde_json::Value;
+
+use crate::binary::{Ran, command, root, run, run_in, run_reported};
+
+/// The binary where no Vulkan driver can be found.
+fn without_lanes(args: &str) -> Ran {
+    command(root(), args)
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent")
+        .output()
+        .unwrap()
+        .into()
+}
+
+#[test]
+fn a_line_for_each_suite_and_stage_then_totals() {
+    let ran = run("check sphere hermite --samples 304").expect(0);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    for (line, (suite, on)) in
+        lines.iter().zip([("sphere", "vulkan/compute"), ("sphere", "vulkan/vertex"), ("hermite", "vulkan/compute")])
+    {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!(&words[..5], &["ok", suite, on, "304", "judged"], "{line}");
+        for word in ["304 agreed", "0 deviated", "0 undetermined", " ULP"] {
+            assert!(line.contains(word), "{line}");
+        }
+    }
+    assert_eq!(lines[3..], ["", "pass: 912 judged, 912 agreed, 0 deviated, 0 undetermined, 0 unsupported"]);
+    assert_eq!(ran.err, "", "no progress bar where there is no terminal");
+    assert!(!ran.out.contains('\u{1b}'), "no colours either");
+}
+
+#[test]
+fn a_failure_has_a_line_a_finding_and_a_total() {
+    let ran = run("check sphere --shader fixtures/alarms/sphere_swapped.vert --samples 304 --stage compute").expect(1);
+    assert!(ran.out.starts_with("FAIL  sphere           vulkan/compute  "), "{}", ran.out);
+    for part in [
+        "\nsphere on vulkan/compute: `gl_Position.",
+        "\n  shader     fixtures/alarms/sphere_swapped.vert\n",
+        "\n  smallest   vec2 parameter = ",
+        "\n             bits ",
+        "\n  expected   gl_Position.",
+        "\n  actual     gl_Position.",
+        "\n  off by     ",
+        " times the tolerance, ",
+        "\n  shrunk     in ",
+        "\n  reproduce  shadercheck check sphere --shader fixtures/alarms/sphere_swapped.vert --lane vulkan --stage compute --case '",
+        "\nfail: 304 judged, ",
+    ] {
+        assert!(ran.out.contains(part), "`{part}` is not in\n{}", ran.out);
+    }
+}
+
+#[test]
+fn a_case_that_several_findings_share_is_printed_once() {
+    let ran = run("check hair --shader fixtures/alarms/hair_few.geom --samples 304").expect(1);
+    assert_eq!(ran.out.matches("  reproduce  ").count(), 1, "{}", ran.out);
+    assert!(ran.out.matches("\n  smallest   as above\n").count() >= 2, "{}", ran.out);
+    let first = ran.out.split("\n\n").nth(1).unwrap();
+    assert!(first.contains("4 vertices emitted, expected 5"), "the deviation comes first: {first}");
+}
+
+#[test]
+fn shipped_suites_run_from_any_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = run_in(folder.path(), "check --samples 64 --format json").expect(0);
+    let json = ran.json();
+    let names: Vec<&str> = json["suites"].as_array().unwrap().iter().map(|s| s["suite"].as_str().unwrap()).collect();
+    for suite in shadercheck::suite::shipped() {
+        assert!(names.contains(&suite.name), "{} did not run", suite.name);
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "a run that passes writes nothing");
+}
+
+#[test]
+fn a_failure_under_a_shipped_suite_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(root().join("fixtures/alarms/sphere_off.vert"), folder.path().join("a.vert")).unwrap();
+    run_in(folder.path(), "check sphere --shader a.vert --samples 64").expect(1);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_report() {
+    let shader = "check sphere --shader fixtures/alarms/sphere_swapped.vert --samples 304 --format json";
+    let seven = run(&format!("{shader} --seed 7")).expect(1);
+    assert_eq!(seven, run(&format!("{shader} --seed 7")));
+    assert_ne!(
+        seven.json()["suites"][0]["deviated"],
+        run(&format!("{shader} --seed 8")).json()["suites"][0]["deviated"]
+    );
+    // A run without a seed is one with the seed that it reports.
+    let plain = run(shader);
+    assert_eq!(plain, run(&format!("{shader} --seed {}", plain.json()["seed"])));
+}
+
+#[test]
+fn samples_quick_lane_and_stage_choose_what_is_run() {
+    let judged = |args: &str| {
+        let json = run(&format!("check sphere --format json {args}")).expect(0).json();
+        let entries = json["suites"].as_array().unwrap();
+        entries
+            .iter()
+            .map(|e| (e["stage"].as_str().unwrap().to_owned(), e["judged"].as_u64().unwrap()))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(judged("--samples 32 --stage vertex"), [("vertex".to_owned(), 32)]);
+    assert_eq!(judged("--samples 48 --stage compute --lane vulkan"), [("compute".to_owned(), 48)]);
+    assert_eq!(judged("--quick --stage compute"), [("compute".to_owned(), 65536 / 8)]);
+    let ran = run("check sphere --quick --samples 3").expect(2);
+    assert!(ran.err.contains("'--quick' cannot be used with '--samples <N>'"), "{}", ran.err);
+    run("check sphere --samples 0").expect(2);
+}
+
+#[test]
+fn a_stage_that_a_suite_does_not_have_is_not_a_pass() {
+    let ran = run("check hair --stage vertex").expect(2);
+    assert!(ran.err.contains("suite `hair` did not run: it is no vertex suite"), "{}", ran.err);
+    assert!(ran.out.contains("not run: 0 judged"), "{}", ran.out);
+}
+
+#[test]
+fn a_required_lane_that_is_missing_is_an_error_with_the_remedy() {
+    let ran = without_lanes("check sphere --samples 16 --require-lane vulkan").expect(2);
+    assert_eq!(ran.out, "");
+    assert_eq!(
+        ran.err,
+        "error: the required lane `vulkan` cannot be had: no Vulkan driver was found; install one, for example \
+         `apt-get install mesa-vulkan-drivers libvulkan1` on Debian or Ubuntu\n"
+    );
+    run("check sphere --samples 16 --require-lane vulkan").expect(0);
+}
+
+#[test]
+fn without_any_lane_nothing_is_checked_and_that_is_an_error() {
+    let ran = without_lanes("check sphere --samples 16").expect(2);
+    assert_eq!(ran.out, "");
+    assert!(ran.err.contains("lane `vulkan` cannot be had: no Vulkan driver was found; install one"), "{}", ran.err);
+    assert!(ran.err.ends_with("error: no lane can run here, so nothing was checked\n"), "{}", ran.err);
+    let json = without_lanes("check sphere --samples 16 --format json").expect(2).json();
+    assert_eq!((&json["status"], &json["suites"]), (&"fail".into(), &Value::Array(Vec::new())));
+    assert_eq!(json["unavailable"][0]["name"], "vulkan");
+}
+
+#[test]
+fn lanes_tells_what_can_run_and_why_not() {
+    let ran = run("lanes").expect(0);
+    assert!(ran.out.starts_with("vulkan     available    ") && ran.out.contains("(compute, vertex)"), "{}", ran.out);
+    let ran = without_lanes("lanes").expect(0);
+    assert!(ran.out.starts_with("vulkan     unavailable  no Vulkan driver was found; install one"), "{}", ran.out);
+}
+
+/// The findings of the first suite of a report, without the commands.
+fn findings(ran: &Ran) -> Vec<Value> {
+    let mut findings = ran.json()["suites"][0]["findings"].as_array().unwrap().clone();
+    findings.iter_mut().for_each(|f| f["reproduce"] = Value::Null);
+    findings
+}
+
+#[test]
+fn the_reported_command_shows_the_same_failure() {
+    for (suite, shader) in
+        [("sphere", "sphere_swapped.vert"), ("sphere", "sphere_turn.vert"), ("hair", "hair_last.geom")]
+    {
+        let ran =
+            run(&format!("check {suite} --shader fixtures/alarms/{shader} --samples 304 --format json")).expect(1);
+        for entry in ran.json()["suites"].as_array().unwrap() {
+            for finding in entry["findings"].as_array().unwrap().iter().filter(|f| f["kind"] != "coverage") {
+                let line = finding["reproduce"].as_str().unwrap();
+                let again = run_reported(root(), line, &["--format", "json"]).expect(1);
+                let json = again.json();
+                assert_eq!(json["suites"].as_array().unwrap().len(), 1);
+                assert_eq!(json["suites"][0]["stage"], entry["stage"]);
+                let same = findings(&again).into_iter().find(|f| f["message"] == finding["message"]);
+                let same =
+                    same.unwrap_or_else(|| panic!("{line}\ndoes not show\n{}\n{}", finding["message"], again.out));
+                assert_eq!(same["case"]["inputs"], finding["case"]["inputs"]);
+                assert_eq!(same["samples"], 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_case_is_run_as_it_is_given() {
+    let one = "mc=3f800000,00000000,00000000,00000000,00000000,3f800000,00000000,00000000,\
+               00000000,00000000,3f800000,00000000,00000000,00000000,00000000,3f800000";
+    let case = format!("{one} parameter=3dcccccd,3e99999a");
+    let ran: Ran = command(root(), "check sphere --stage compute --case").arg(&case).output().unwrap().into();
+    assert!(ran.expect(0).out.contains("pass: 1 judged, 1 agreed"));
+    let args = "check sphere --shader fixtures/alarms/sphere_off.vert --stage compute --case";
+    let ran: Ran = command(root(), args).arg(&case).output().unwrap().into();
+    let ran = ran.expect(1);
+    assert!(ran.out.contains("\n  case       vec2 parameter = 0.1, 0.3\n"), "not shrunk: {}", ran.out);
+    assert!(ran.out.contains("fail: 1 judged, 0 agreed, 1 deviated"), "{}", ran.out);
+}
+
+#[test]
+fn a_case_that_does_not_fit_is_told() {
+    let zeros = ["00000000"; 16].join(",");
+    for (case, said) in [
+        (String::new(), "--case: the case of suite `sphere` has no inputs"),
+        ("parameter".to_owned(), "--case: expected `name=` and hexadecimal words such as `t=3f000000`"),
+        ("parameter=zz".to_owned(), "--case: `zz` is not a 32-bit word in eight hexadecimal digits"),
+        (format!("mc={zeros} parametr=0"), "--case: "),
+        (format!("mc={zeros} parametr={}", &zeros[..17]), "no input `parametr`; did you mean `parameter`?"),
+        (format!("mc={zeros} parameter={}", &zeros[..8]), "--case: input `parameter` (vec2) has 2 words, not 1"),
+        (format!("mc={zeros}"), "--case: input `parameter` (vec2) of the shader is missing"),
+    ] {
+        let ran: Ran = command(root(), "check sphere --case").arg(&case).output().unwrap().into();
+        let ran = ran.expect(2);
+        assert!(ran.err.contains(said), "{case}: {}", ran.err);
+        assert_eq!(ran.out, "");
+    }
+    let ran = run("check --case t=00000000").expect(2);
+    assert!(ran.err.contains("--case needs exactly one suite"), "{}", ran.err);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let mut child = command(root(), "check sphere --samples 64 --format json")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let status = child.wait().unwrap();
+    let mut err = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
+    assert_eq!(err, "", "{status}");
+}
+
+#[test]
+fn suite_files_are_found_below_a_folder() {
+    let ran = run("check shaders/chapter9 --samples 32 --stage vertex --format json").expect(0);
+    let json = ran.json();
+    let names: Vec<&str> = json["suites"].as_array().unwrap().iter().map(|s| s["suite"].as_str().unwrap()).collect();
+    assert_eq!(names, ["cylinder", "joints", "morph", "morph_targets", "skinning", "sphere", "two_bones"]);
+}

@@ -1,0 +1,109 @@
+//! The report for programs: keys may be added, and are never renamed.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::binary::run;
+
+#[track_caller]
+fn has(value: &Value, keys: &[&str]) {
+    let object = value.as_object().unwrap_or_else(|| panic!("no object: {value:#}"));
+    let missing: BTreeSet<_> = keys.iter().filter(|key| !object.contains_key(**key)).collect();
+    assert!(missing.is_empty(), "{missing:?} are missing in {value:#}");
+}
+
+const RUN: [&str; 5] = ["status", "seed", "lanes", "suites", "totals"];
+const LANE: [&str; 3] = ["name", "stage", "driver"];
+const SUITE: [&str; 11] = [
+    "suite",
+    "shader",
+    "lane",
+    "stage",
+    "judged",
+    "agreed",
+    "deviated",
+    "undetermined",
+    "unsupported",
+    "max_ulp",
+    "findings",
+];
+
+#[test]
+fn a_run_that_passes_has_all_keys() {
+    let json = run("check sphere hermite --samples 300 --seed 7 --format json").expect(0).json();
+    has(&json, &RUN);
+    assert_eq!((&json["status"], &json["seed"]), (&"pass".into(), &7.into()));
+    for lane in json["lanes"].as_array().unwrap() {
+        has(lane, &LANE);
+        assert_eq!(lane["name"], "vulkan");
+        assert!(lane["driver"].as_str().is_some_and(|d| !d.is_empty()));
+    }
+    let suites = json["suites"].as_array().unwrap();
+    let on: Vec<_> = suites.iter().map(|s| (s["suite"].as_str().unwrap(), s["stage"].as_str().unwrap())).collect();
+    assert_eq!(on, [("sphere", "compute"), ("sphere", "vertex"), ("hermite", "compute")]);
+    let mut judged = 0;
+    for suite in suites {
+        has(suite, &SUITE);
+        let count = |key: &str| suite[key].as_u64().unwrap_or_else(|| panic!("{key}: {suite:#}"));
+        // Cases are never cut: 19 of 16 samples.
+        assert_eq!(count("judged") + count("undetermined"), 304);
+        assert_eq!(count("agreed") + count("deviated"), count("judged"));
+        assert_eq!((count("deviated"), count("unsupported")), (0, 0));
+        assert!(suite["max_ulp"].as_f64().is_some_and(|u| u > 0.0));
+        assert_eq!(suite["findings"], Value::Array(Vec::new()));
+        judged += count("judged");
+    }
+    assert_eq!(json["totals"]["judged"], judged);
+}
+
+#[test]
+fn a_deviation_has_its_case_with_bits_and_the_command() {
+    let shader = "fixtures/alarms/sphere_swapped.vert";
+    let json = run(&format!("check sphere --shader {shader} --samples 300 --format json")).expect(1).json();
+    assert_eq!(json["status"], "fail");
+    let suite = &json["suites"][0];
+    has(suite, &SUITE);
+    assert_eq!(suite["shader"], shader);
+    let finding = &suite["findings"][0];
+    has(finding, &["kind", "message", "samples", "case", "reproduce"]);
+    assert_eq!(finding["samples"], suite["deviated"]);
+    let case = &finding["case"];
+    has(case, &["inputs", "component", "expected", "actual", "actual_bits", "tolerance", "ulp"]);
+    for input in case["inputs"].as_array().unwrap() {
+        let (bits, decimal) = (input["bits"].as_array().unwrap(), input["decimal"].as_array().unwrap());
+        assert_eq!(bits.len(), decimal.len());
+        for (bits, decimal) in bits.iter().zip(decimal) {
+            let word = u32::from_str_radix(bits.as_str().unwrap().strip_prefix("0x").unwrap(), 16).unwrap();
+            assert_eq!(f32::from_bits(word), decimal.as_str().unwrap().parse::<f32>().unwrap());
+        }
+    }
+    let off = (case["expected"].as_f64().unwrap() - case["actual"].as_f64().unwrap()).abs();
+    assert!(off > case["tolerance"].as_f64().unwrap(), "{case:#}");
+}
+
+#[test]
+fn nan_is_no_number_in_json_and_does_not_break_it() {
+    let shader = "fixtures/alarms/sphere_nan.vert";
+    let json = run(&format!("check sphere --shader {shader} --samples 300 --format json")).expect(1).json();
+    let case = &json["suites"][0]["findings"][0]["case"];
+    assert_eq!(case["actual"], Value::Null);
+    let bits = u32::from_str_radix(case["actual_bits"].as_str().unwrap().trim_start_matches("0x"), 16).unwrap();
+    assert!(f32::from_bits(bits).is_nan());
+}
+
+#[test]
+fn a_suite_that_does_not_fit_is_in_the_report() {
+    let ran = run("check cylinder --shader shaders/chapter9/morph.vert --format json").expect(2);
+    let json = ran.json();
+    assert_eq!(json["status"], "fail");
+    has(&json["suites"][0], &SUITE);
+    assert_eq!(json["suites"][0]["findings"][0]["kind"], "configuration");
+}
+
+#[test]
+fn nothing_but_json_is_on_standard_output() {
+    let ran = run("check hermite --samples 100 --format json").expect(0);
+    assert!(ran.out.starts_with('{') && ran.out.ends_with("}\n"), "{}", ran.out);
+    assert_eq!(ran.err, "");
+}
