@@ -18,15 +18,8 @@ pub fn workspace() -> Result<PathBuf> {
 pub fn cargo<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments);
-    if std::env::var_os(RUNTIME_FOLDER).is_none() {
-        command.env(RUNTIME_FOLDER, std::env::temp_dir());
-    }
     command
 }
-
-/// Without this variable, which CI machines rarely set, a layer of Mesa's Vulkan loader prints an
-/// error line for each device that is opened.
-const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
 
 /// Runs a command on this terminal; gives the exit status that this program is to pass on.
 pub fn status(command: &mut Command) -> Result<u8> {
