@@ -123,8 +123,8 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     progress.finish();
     match args.format {
         Format::Text => {
-            for entry in &summary.entries {
-                out.write_all(report::check::finding(entry, color).as_bytes())?;
+            for at in 0..summary.entries.len() {
+                out.write_all(report::check::finding(&summary.entries, at, color).as_bytes())?;
             }
             writeln!(out)?;
             out.write_all(report::check::totals(&summary, color).as_bytes())?;

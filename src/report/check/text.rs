@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::report::diagnostics;
-use crate::suite::run::{Case, Entry, Finding, InputValue, Outcome, RunError, Summary};
+use crate::suite::run::{Case, Entry, Finding, InputValue, Outcome, Report, RunError, Summary};
 
 /// Colours of a terminal; empty strings elsewhere.
 struct Style {
@@ -55,12 +55,28 @@ pub fn line(entry: &Entry, color: bool) -> String {
     format!("{paint}{mark}{}  {:<16} {on:<15}  {text}\n", style.off, entry.suite)
 }
 
-/// Everything that is wrong with one suite on one lane; empty when nothing is.
-pub fn finding(entry: &Entry, color: bool) -> String {
+/// Everything that is wrong with the suite and lane of `entries[at]`; empty when nothing is. Findings
+/// that the same suite has shown on an earlier lane or stage are not told again.
+pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
+    let entry = &entries[at];
     let mut text = String::new();
     match &entry.outcome {
         Outcome::Ran(report) => {
             let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            if let Some(earlier) = entries[..at].iter().find_map(|e| same_findings(e, report)) {
+                let style = Style::new(color);
+                let many = if report.findings.len() == 1 { "finding" } else { "findings" };
+                let _ = writeln!(
+                    text,
+                    "\n{}{on}: the same {} {many} as on {}/{}{}",
+                    style.bold,
+                    report.findings.len(),
+                    earlier.lane,
+                    earlier.stage,
+                    style.off
+                );
+                return text;
+            }
             for (k, finding) in report.findings.iter().enumerate() {
                 let inputs = |f: &Finding| f.case.as_ref().map(|c| c.inputs.clone());
                 let told =
@@ -82,6 +98,28 @@ pub fn finding(entry: &Entry, color: bool) -> String {
         Outcome::Refused(_) | Outcome::LaneFailed(_) => {}
     }
     text
+}
+
+/// The report of `entry` when it is of the same suite and shader and found exactly the same.
+fn same_findings<'e>(entry: &'e Entry, report: &Report) -> Option<&'e Report> {
+    let Outcome::Ran(earlier) = &entry.outcome else { return None };
+    let told = |r: &Report| -> Vec<(String, Option<Vec<InputValue>>)> {
+        r.findings.iter().map(|f| (f.message.clone(), f.case.as_ref().map(|c| c.inputs.clone()))).collect()
+    };
+    let same = earlier.suite == report.suite && earlier.shader == report.shader && told(earlier) == told(report);
+    (same && !report.findings.is_empty()).then_some(&**earlier)
+}
+
+/// True for the words of an identity matrix in binary32.
+fn is_identity(name: &str, bits: &[u32]) -> bool {
+    let size = match bits.len() {
+        4 => 2,
+        9 => 3,
+        16 => 4,
+        _ => return false,
+    };
+    let one = |k: usize| k % (size + 1) == 0;
+    name.starts_with("mat") && bits.iter().enumerate().all(|(k, &b)| b == if one(k) { 1.0_f32.to_bits() } else { 0 })
 }
 
 /// Words of an input that are shown; a longer one is cut in the middle, the command has it whole.
@@ -112,6 +150,11 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
         let _ = writeln!(text, "  {label:<9}  as above");
     }
     for InputValue { name, bits, decimal } in case.inputs.iter().filter(|_| !told) {
+        if is_identity(name, bits) {
+            let _ = writeln!(text, "  {label:<9}  {name} = identity");
+            label = "";
+            continue;
+        }
         let shown = bits.len().min(SHOWN);
         let more = if bits.len() > shown { format!(", … {} more", bits.len() - shown) } else { String::new() };
         let hex: Vec<String> = bits[..shown].iter().map(|b| format!("{b:08x}")).collect();
@@ -171,4 +214,20 @@ pub fn totals(summary: &Summary, color: bool) -> String {
         style.off, t.judged, t.agreed, t.deviated, t.undetermined, t.unsupported
     );
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_identity;
+
+    #[test]
+    fn only_the_identity_is_called_so() {
+        let one = 1.0_f32.to_bits();
+        let mut bits: Vec<u32> = (0..16).map(|k| if k % 5 == 0 { one } else { 0 }).collect();
+        assert!(is_identity("mat4 mc", &bits));
+        assert!(!is_identity("float[16] w", &bits));
+        // -0 is another word than 0.
+        bits[1] = 0x8000_0000;
+        assert!(!is_identity("mat4 mc", &bits));
+    }
 }
