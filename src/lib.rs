@@ -4,6 +4,7 @@ pub mod cli;
 pub mod diagnostic;
 pub mod formula;
 pub mod glsl;
+pub mod interp;
 pub mod lane;
 pub mod lint;
 pub mod lower;

@@ -4,6 +4,7 @@ mod alarms;
 mod binary;
 mod check_cli;
 mod geometry;
+mod interp;
 mod json;
 mod lowering;
 mod lowering_vertex;

@@ -18,6 +18,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("lint", &["glsl", "text", "diagnostic", "value"]),
     ("lower", &["glsl", "text", "diagnostic", "value"]),
     ("program", &["lower", "glsl", "text", "diagnostic", "value"]),
+    ("interp", &["program", "text", "value"]),
     ("lane", &["program", "value"]),
     ("property", &["text", "value"]),
     ("verdict", &["property", "formula", "lane", "program", "text", "diagnostic", "value"]),
@@ -48,7 +49,7 @@ const MODULES: &[(&str, &[&str])] = &[
 const CONFINED: &[(&str, &[&str])] = &[
     ("wgpu", &["src/lane/vulkan"]),
     ("pollster", &["src/lane/vulkan"]),
-    ("naga", &["src/lower", "src/program", "src/lane"]),
+    ("naga", &["src/lower", "src/program", "src/interp", "src/lane"]),
     ("tree_sitter", &["src/lint"]),
     ("tree_sitter_cpp", &["src/lint"]),
     ("std::fs", &["src/cli", "src/suite"]),

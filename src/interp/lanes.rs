@@ -1,0 +1,134 @@
+//! Lanes that run side by side, and sets of them.
+
+/// Invocations that run side by side: enough to hide the cost of an instruction, few enough that the
+/// columns of a shader stay in the cache.
+pub const LANES: usize = 256;
+
+/// One 32-bit word for each lane: a signed or unsigned integer, or a boolean as 0 or 1.
+pub type Words = [u32; LANES];
+
+const PARTS: usize = LANES / 64;
+
+/// A set of lanes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mask([u64; PARTS]);
+
+impl Mask {
+    /// No lane.
+    pub const NONE: Self = Self([0; PARTS]);
+    /// All lanes.
+    pub const ALL: Self = Self([u64::MAX; PARTS]);
+
+    /// The first `count` lanes.
+    pub fn first(count: usize) -> Self {
+        Self::where_(|lane| lane < count)
+    }
+
+    /// The lanes for which `test` holds.
+    #[inline]
+    pub fn where_(test: impl Fn(usize) -> bool) -> Self {
+        let mut parts = [0; PARTS];
+        for (k, part) in parts.iter_mut().enumerate() {
+            for bit in 0..64 {
+                *part |= u64::from(test(k * 64 + bit)) << bit;
+            }
+        }
+        Self(parts)
+    }
+
+    /// The lanes in which a boolean is true.
+    pub fn of(words: &Words) -> Self {
+        Self::where_(|lane| words[lane] != 0)
+    }
+
+    /// True when no lane is in the set.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// True when every lane is in the set.
+    pub fn is_full(&self) -> bool {
+        *self == Self::ALL
+    }
+
+    /// True when the lane is in the set.
+    pub fn has(&self, lane: usize) -> bool {
+        self.0[lane / 64] >> (lane % 64) & 1 == 1
+    }
+
+    /// Lanes of both sets.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] & other.0[k]))
+    }
+
+    /// Lanes of either set.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] | other.0[k]))
+    }
+
+    /// Lanes of this set that are not in the other.
+    #[must_use]
+    pub fn minus(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] & !other.0[k]))
+    }
+
+    /// Number of lanes.
+    pub fn count(&self) -> usize {
+        self.0.iter().map(|part| part.count_ones() as usize).sum()
+    }
+
+    /// The lanes, in order.
+    pub fn lanes(self) -> impl Iterator<Item = usize> {
+        self.0.into_iter().enumerate().flat_map(|(k, mut part)| {
+            std::iter::from_fn(move || {
+                let bit = part.trailing_zeros() as usize;
+                (part != 0).then(|| {
+                    part &= part - 1;
+                    k * 64 + bit
+                })
+            })
+        })
+    }
+
+    /// Copies `from` to `to` in the lanes of the set.
+    #[inline]
+    pub fn merge<T: Copy>(&self, from: &[T; LANES], to: &mut [T; LANES]) {
+        for (k, &part) in self.0.iter().enumerate() {
+            let lanes = k * 64..(k + 1) * 64;
+            match part {
+                0 => {}
+                u64::MAX => to[lanes.clone()].copy_from_slice(&from[lanes]),
+                _ => {
+                    for (bit, (to, from)) in to[lanes.clone()].iter_mut().zip(&from[lanes]).enumerate() {
+                        *to = if part >> bit & 1 == 1 { *from } else { *to };
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_combined_lane_by_lane() {
+        let even = Mask::where_(|lane| lane % 2 == 0);
+        let low = Mask::first(70);
+        assert_eq!(even.and(low).count(), 35);
+        assert_eq!(even.or(low).count(), 35 + 128);
+        assert_eq!(low.minus(even).lanes().take(3).collect::<Vec<_>>(), [1, 3, 5]);
+        assert_eq!(low.lanes().last(), Some(69));
+        assert!(Mask::ALL.is_full() && Mask::NONE.is_empty() && !even.has(1) && even.has(128));
+    }
+
+    #[test]
+    fn a_merge_leaves_other_lanes_alone() {
+        let mut to = [1_u32; LANES];
+        Mask::where_(|lane| lane == 3 || lane >= 192).merge(&[2; LANES], &mut to);
+        assert_eq!((to[2], to[3], to[4], to[191], to[192], to[255]), (1, 2, 1, 1, 2, 2));
+    }
+}

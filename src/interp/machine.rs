@@ -1,0 +1,513 @@
+//! Runs an executable on the lanes of one chunk.
+
+use std::mem::take;
+
+use super::POISON;
+use super::code::{Choice, Constant, Executable, File, Inst, Slot};
+use super::domain::{Domain, Site, Source};
+use super::integer;
+use super::lanes::{LANES, Mask, Words};
+use super::meaning::{Finding, Flags, Kind};
+use crate::value::{Batch, Scalar};
+
+/// An output word of one chunk.
+#[derive(Debug)]
+pub enum OutputColumn<'m, C> {
+    /// A real number.
+    Real(&'m C),
+    /// An integer or boolean.
+    Word(&'m Words),
+}
+
+/// A loop or switch that lanes can leave.
+#[derive(Default)]
+struct Breakable {
+    left: Mask,
+    /// Lanes that go on with the next round; `None` for a switch.
+    next: Option<Mask>,
+}
+
+/// Registers, masks and findings of one chunk after the other.
+pub struct Machine<'e, D: Domain> {
+    executable: &'e Executable,
+    domain: D,
+    reals: Vec<D::Column>,
+    words: Vec<Words>,
+    /// Vertices of a geometry stage: for each vertex, the columns of its outputs.
+    vertices: Vec<(Vec<D::Column>, Vec<Words>)>,
+    strips: Vec<Words>,
+    emitted: Words,
+    ended: Words,
+    active: Mask,
+    /// Lanes that were discarded or ran out of fuel.
+    stopped: Mask,
+    breakable: Vec<Breakable>,
+    fuel: Words,
+    fuel_limit: u32,
+    flags: [Flags; LANES],
+    findings: Vec<Finding>,
+    first: usize,
+    lanes: usize,
+}
+
+impl<'e, D: Domain> Machine<'e, D> {
+    /// A machine for an executable. Each lane may go through `fuel` rounds of loops.
+    pub fn new(executable: &'e Executable, mut domain: D, fuel: u32) -> Self {
+        let room = executable.max_vertices.unwrap_or(0) as usize;
+        let reals_out = executable.outputs.iter().filter(|slot| slot.file() == File::Real).count();
+        let words_out = executable.outputs.len() - reals_out;
+        let mut columns = |n: usize| (0..n).map(|_| domain.column()).collect::<Vec<_>>();
+        let reals = columns(executable.reals);
+        let vertices = (0..room).map(|_| (columns(reals_out), vec![[0; LANES]; words_out])).collect();
+        Self {
+            executable,
+            domain,
+            reals,
+            words: vec![[0; LANES]; executable.words],
+            vertices,
+            strips: vec![[0; LANES]; room],
+            emitted: [0; LANES],
+            ended: [0; LANES],
+            active: Mask::NONE,
+            stopped: Mask::NONE,
+            breakable: Vec::new(),
+            fuel: [0; LANES],
+            fuel_limit: fuel,
+            flags: [Flags::default(); LANES],
+            findings: Vec::new(),
+            first: 0,
+            lanes: 0,
+        }
+    }
+
+    /// Runs the invocations of `batch` from `first` on, at most [`LANES`] of them. Gives their number.
+    pub fn run(&mut self, batch: &Batch, first: usize) -> usize {
+        let lanes = batch.invocation_count().saturating_sub(first).min(LANES);
+        (self.first, self.lanes) = (first, lanes);
+        self.domain.begin();
+        for &constant in &self.executable.constants {
+            match constant {
+                Constant::Real { to, value, site } => {
+                    self.domain.constant(site, value, &mut self.reals[to as usize]);
+                }
+                Constant::Word { to, value } => self.words[to as usize] = [value; LANES],
+            }
+        }
+        self.fill(batch);
+        for &reg in &self.executable.numbers {
+            self.words[reg as usize] = std::array::from_fn(|lane| (first + if lane < lanes { lane } else { 0 }) as u32);
+        }
+        for k in 0..self.executable.poisoned.len() {
+            self.poison(self.executable.poisoned[k], Mask::ALL);
+        }
+        (self.emitted, self.ended) = ([0; LANES], [0; LANES]);
+        self.flags = [Flags::default(); LANES];
+        self.fuel = [self.fuel_limit; LANES];
+        self.active = Mask::first(lanes);
+        self.stopped = Mask::NONE;
+        self.breakable.clear();
+        let executable = self.executable;
+        // Lanes behind the last invocation follow the first one, so that full masks stay full.
+        if lanes > 0 {
+            self.active = Mask::ALL;
+            self.block(&executable.body);
+        }
+        lanes
+    }
+
+    fn fill(&mut self, batch: &Batch) {
+        let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
+        let mut column = [0; LANES];
+        for fill in &self.executable.fills {
+            match fill.source {
+                Source::Invocation(word) => {
+                    for (lane, value) in column.iter_mut().enumerate() {
+                        let invocation = if lane < self.lanes { self.first + lane } else { self.first };
+                        *value = batch.invocations[invocation * words + word as usize];
+                    }
+                }
+                Source::Case(word) => {
+                    let mut lane = 0;
+                    while lane < self.lanes {
+                        let case = (self.first + lane) / batch.per_case;
+                        let end = ((case + 1) * batch.per_case - self.first).min(self.lanes);
+                        column[lane..end].fill(batch.cases[case * case_words + word as usize]);
+                        lane = end;
+                    }
+                    let value = column[0];
+                    column[self.lanes..].fill(value);
+                }
+            }
+            let reg = fill.to.reg as usize;
+            match fill.to.scalar {
+                Scalar::F32 => self.domain.input(fill.source, &column, &mut self.reals[reg]),
+                Scalar::I32 | Scalar::U32 => self.words[reg] = column,
+                Scalar::Bool => self.words[reg] = column.map(|word| u32::from(word != 0)),
+            }
+        }
+    }
+
+    fn poison(&mut self, slot: Slot, mask: Mask) {
+        match slot.file() {
+            File::Real => self.domain.poison(&mask, &mut self.reals[slot.reg as usize]),
+            File::Word => mask.merge(&[POISON; LANES], &mut self.words[slot.reg as usize]),
+        }
+    }
+
+    fn report(&mut self, kind: Kind, site: Site, mask: Mask) {
+        let mask = mask.and(self.active).and(Mask::first(self.lanes));
+        if mask.is_empty() {
+            return;
+        }
+        for lane in mask.lanes() {
+            self.flags[lane].set(kind);
+        }
+        let count = mask.count() as u64;
+        // Discarding is an event of the lane and not of a place.
+        if kind == Kind::Killed {
+            return;
+        }
+        match self.findings.iter_mut().find(|finding| finding.kind == kind && finding.site == site) {
+            Some(finding) => finding.count += count,
+            None => {
+                let invocation = self.first + mask.lanes().next().unwrap_or(0);
+                self.findings.push(Finding { kind, site, invocation, count });
+            }
+        }
+    }
+
+    fn block(&mut self, block: &'e [Inst]) {
+        for inst in block {
+            if self.active.is_empty() {
+                return;
+            }
+            self.step(inst);
+        }
+    }
+
+    fn step(&mut self, inst: &'e Inst) {
+        match inst {
+            Inst::Real1 { op, to, a, site } => {
+                let mut out = take(&mut self.reals[*to as usize]);
+                self.domain.unary(*site, *op, &self.reals[*a as usize], &mut out);
+                self.reals[*to as usize] = out;
+            }
+            Inst::Real2 { op, to, a, b, site } => {
+                let mut out = take(&mut self.reals[*to as usize]);
+                self.domain.binary(*site, *op, &self.reals[*a as usize], &self.reals[*b as usize], &mut out);
+                self.reals[*to as usize] = out;
+            }
+            Inst::Scale { to, a, exponent, site } => {
+                let mut out = take(&mut self.reals[*to as usize]);
+                self.domain.scale(*site, &self.reals[*a as usize], &self.words[*exponent as usize], &mut out);
+                self.reals[*to as usize] = out;
+            }
+            Inst::Compare { op, to, a, b, site } => {
+                let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
+                self.domain.compare(*site, *op, a, b, &mut self.words[*to as usize]);
+            }
+            Inst::Classify { class, to, a, site } => {
+                self.domain.classify(*site, *class, &self.reals[*a as usize], &mut self.words[*to as usize]);
+            }
+            Inst::ToWords { op, to, a, site } => {
+                let a = &self.reals[*a as usize];
+                let outside = self.domain.to_words(*site, *op, a, &mut self.words[*to as usize]);
+                self.report(Kind::Conversion, *site, outside);
+            }
+            Inst::FromWords { op, to, a, site } => {
+                self.domain.from_words(*site, *op, &self.words[*a as usize], &mut self.reals[*to as usize]);
+            }
+            Inst::Word1 { op, to, a, site } => {
+                let a = &self.words[*a as usize];
+                let (out, doubts) = (integer::word1(*op, a), integer::doubts1(*op, a));
+                if let Some((kind, mask)) = doubts {
+                    self.report(kind, *site, mask);
+                }
+                self.words[*to as usize] = out;
+            }
+            Inst::Word2 { op, to, a, b, site } => {
+                let (a, b) = (&self.words[*a as usize], &self.words[*b as usize]);
+                let (out, doubts) = (integer::word2(*op, a, b), integer::doubts2(*op, a, b));
+                for (kind, mask) in doubts.into_iter().flatten() {
+                    self.report(kind, *site, mask);
+                }
+                self.words[*to as usize] = out;
+            }
+            Inst::Field { op, to, args } => {
+                self.words[*to as usize] = integer::field(*op, args.map(|reg| &self.words[reg as usize]));
+            }
+            Inst::Select { to, condition, accept, reject } => {
+                let mask = Mask::of(&self.words[*condition as usize]);
+                self.copy(*to, *reject);
+                self.merge(&mask, *to, *accept);
+            }
+            Inst::Copy { to, from } => self.copy(*to, *from),
+            Inst::Store { to, from } => {
+                let mask = self.active;
+                self.merge(&mask, *to, *from);
+            }
+            Inst::Gather { index, choices } => self.gather(*index, choices),
+            Inst::Scatter { index, choices } => self.scatter(*index, choices),
+            Inst::If { condition, accept, reject } => {
+                let (before, condition) = (self.active, Mask::of(&self.words[*condition as usize]));
+                self.active = before.and(condition);
+                self.block(accept);
+                let accepted = self.active;
+                self.active = before.minus(condition);
+                self.block(reject);
+                self.active = self.active.or(accepted);
+            }
+            Inst::Switch { selector, cases } => self.switch(*selector, cases),
+            Inst::Loop { body, continuing, break_if, site } => self.repeat(body, continuing, *break_if, *site),
+            Inst::Call { body } => {
+                let before = self.active;
+                self.block(body);
+                self.active = before.minus(self.stopped);
+            }
+            Inst::Break => {
+                if let Some(around) = self.breakable.last_mut() {
+                    around.left = around.left.or(self.active);
+                }
+                self.active = Mask::NONE;
+            }
+            Inst::Continue => {
+                let mut around = self.breakable.iter_mut().rev();
+                if let Some(next) = around.find_map(|b| b.next.as_mut()) {
+                    *next = next.or(self.active);
+                }
+                self.active = Mask::NONE;
+            }
+            Inst::Return => self.active = Mask::NONE,
+            Inst::Kill => {
+                self.report(Kind::Killed, Site(0), Mask::ALL);
+                self.stopped = self.stopped.or(self.active);
+                self.active = Mask::NONE;
+            }
+            Inst::EmitVertex => self.emit_vertex(),
+            Inst::EndPrimitive => {
+                for lane in self.active.lanes() {
+                    self.ended[lane] += 1;
+                }
+            }
+        }
+    }
+
+    fn copy(&mut self, to: Slot, from: u32) {
+        let (at, from) = (to.reg as usize, from as usize);
+        if at == from {
+            return;
+        }
+        match to.file() {
+            File::Real => {
+                let mut out = take(&mut self.reals[at]);
+                self.domain.copy(&self.reals[from], &mut out);
+                self.reals[at] = out;
+            }
+            File::Word => self.words[at] = self.words[from],
+        }
+    }
+
+    fn merge(&mut self, mask: &Mask, to: Slot, from: u32) {
+        if mask.is_full() {
+            return self.copy(to, from);
+        }
+        let (at, from) = (to.reg as usize, from as usize);
+        if at == from {
+            return;
+        }
+        match to.file() {
+            File::Real => {
+                let mut out = take(&mut self.reals[at]);
+                self.domain.merge(mask, &self.reals[from], &mut out);
+                self.reals[at] = out;
+            }
+            File::Word => {
+                let from = self.words[from];
+                mask.merge(&from, &mut self.words[at]);
+            }
+        }
+    }
+
+    /// For each value that the index takes in the active lanes, the lanes that have it.
+    fn groups(&self, index: u32) -> Vec<(usize, Mask)> {
+        let index = &self.words[index as usize];
+        let mut rest = self.active;
+        let mut groups = Vec::new();
+        while let Some(lane) = rest.lanes().next() {
+            let value = index[lane];
+            let same = Mask::where_(|lane| index[lane] == value).and(self.active);
+            groups.push((value as usize, same));
+            rest = rest.minus(same);
+        }
+        groups
+    }
+
+    fn gather(&mut self, index: u32, choices: &[Choice]) {
+        let groups = self.groups(index);
+        for Choice { one, of } in choices {
+            match groups[..] {
+                // Lanes that are not active may get any value.
+                [(value, _)] => self.copy(*one, of[value]),
+                _ => {
+                    for (value, mask) in &groups {
+                        self.merge(mask, *one, of[*value]);
+                    }
+                }
+            }
+        }
+    }
+
+    fn scatter(&mut self, index: u32, choices: &[Choice]) {
+        for (value, mask) in self.groups(index) {
+            for Choice { one, of } in choices {
+                self.merge(&mask, Slot { reg: of[value], ..*one }, one.reg);
+            }
+        }
+    }
+
+    fn switch(&mut self, selector: u32, cases: &'e [super::code::Case]) {
+        let before = self.active;
+        let selector = self.words[selector as usize];
+        let matching = |value: u32| Mask::where_(|lane| selector[lane] == value).and(before);
+        let named = cases.iter().filter_map(|case| case.value).fold(Mask::NONE, |all, value| all.or(matching(value)));
+        self.breakable.push(Breakable::default());
+        let (mut falling, mut done) = (Mask::NONE, Mask::NONE);
+        for case in cases {
+            let own = case.value.map_or(before.minus(named), matching);
+            self.active = falling.or(own);
+            self.block(&case.body);
+            if case.fall_through {
+                falling = self.active;
+            } else {
+                falling = Mask::NONE;
+                done = done.or(self.active);
+            }
+        }
+        let left = self.breakable.pop().unwrap_or_default().left;
+        let has_default = cases.iter().any(|case| case.value.is_none());
+        let unmatched = if has_default { Mask::NONE } else { before.minus(named) };
+        self.active = done.or(falling).or(left).or(unmatched);
+    }
+
+    fn repeat(&mut self, body: &'e [Inst], continuing: &'e [Inst], break_if: Option<u32>, site: Site) {
+        self.breakable.push(Breakable { left: Mask::NONE, next: Some(Mask::NONE) });
+        while !self.active.is_empty() {
+            let dry = Mask::where_(|lane| self.fuel[lane] == 0).and(self.active);
+            if !dry.is_empty() {
+                self.report(Kind::Fuel, site, dry);
+                self.stopped = self.stopped.or(dry);
+                self.active = self.active.minus(dry);
+            }
+            for (lane, fuel) in self.fuel.iter_mut().enumerate() {
+                *fuel -= u32::from(self.active.has(lane));
+            }
+            self.block(body);
+            let next = self.breakable.last_mut().and_then(|b| b.next.as_mut()).map_or(Mask::NONE, take);
+            self.active = self.active.or(next);
+            self.block(continuing);
+            if let Some(reg) = break_if {
+                let leaves = Mask::of(&self.words[reg as usize]).and(self.active);
+                if let Some(around) = self.breakable.last_mut() {
+                    around.left = around.left.or(leaves);
+                }
+                self.active = self.active.minus(leaves);
+            }
+        }
+        self.active = self.breakable.pop().unwrap_or_default().left;
+    }
+
+    fn emit_vertex(&mut self) {
+        let room = self.vertices.len() as u32;
+        let mut rest = self.active;
+        while let Some(lane) = rest.lanes().next() {
+            let count = self.emitted[lane];
+            let same = Mask::where_(|lane| self.emitted[lane] == count).and(self.active);
+            rest = rest.minus(same);
+            if count < room {
+                let (reals, words) = &mut self.vertices[count as usize];
+                let (mut reals, mut words) = (reals.iter_mut(), words.iter_mut());
+                for slot in &self.executable.outputs {
+                    let reg = slot.reg as usize;
+                    match slot.file() {
+                        File::Real => {
+                            if let Some(to) = reals.next() {
+                                self.domain.merge(&same, &self.reals[reg], to);
+                            }
+                        }
+                        File::Word => {
+                            if let Some(to) = words.next() {
+                                same.merge(&self.words[reg], to);
+                            }
+                        }
+                    }
+                }
+                same.merge(&self.ended, &mut self.strips[count as usize]);
+            }
+        }
+        for lane in self.active.lanes() {
+            self.emitted[lane] += 1;
+        }
+        // Outputs are undefined behind EmitVertex (GLSL 4.60, 8.15): whatever is read again shows.
+        for k in 0..self.executable.outputs.len() {
+            self.poison(self.executable.outputs[k], self.active);
+        }
+    }
+}
+
+/// What came out of the last chunk.
+impl<D: Domain> Machine<'_, D> {
+    /// The domain, with what it remembers.
+    pub fn domain(&mut self) -> &mut D {
+        &mut self.domain
+    }
+
+    /// An output word of a vertex (0 for a pointwise program), in all lanes.
+    pub fn output(&self, vertex: usize, word: usize) -> OutputColumn<'_, D::Column> {
+        let slot = self.executable.outputs[word];
+        let before = &self.executable.outputs[..word];
+        let nth = before.iter().filter(|other| other.file() == slot.file()).count();
+        let reg = slot.reg as usize;
+        match (self.executable.max_vertices, slot.file()) {
+            (Some(_), File::Real) => OutputColumn::Real(&self.vertices[vertex].0[nth]),
+            (Some(_), File::Word) => OutputColumn::Word(&self.vertices[vertex].1[nth]),
+            (None, File::Real) => OutputColumn::Real(&self.reals[reg]),
+            (None, File::Word) => OutputColumn::Word(&self.words[reg]),
+        }
+    }
+
+    /// An output word of one lane; `None` when it was never written.
+    pub fn word(&self, vertex: usize, word: usize, lane: usize) -> Option<D::Word> {
+        match self.output(vertex, word) {
+            OutputColumn::Real(column) => self.domain.word(column, lane),
+            OutputColumn::Word(words) => {
+                let value = words[lane];
+                (value != POISON).then(|| D::exact(value, self.executable.outputs[word].scalar))
+            }
+        }
+    }
+
+    /// Vertices that each lane emitted, those past the limit included.
+    pub fn emitted(&self) -> &Words {
+        &self.emitted
+    }
+
+    /// Strips that each lane ended.
+    pub fn ended(&self) -> &Words {
+        &self.ended
+    }
+
+    /// The strip of a stored vertex in each lane.
+    pub fn strip(&self, vertex: usize) -> &Words {
+        &self.strips[vertex]
+    }
+
+    /// What each lane came upon.
+    pub fn flags(&self) -> &[Flags; LANES] {
+        &self.flags
+    }
+
+    /// Findings since the last call.
+    pub fn take_findings(&mut self) -> Vec<Finding> {
+        take(&mut self.findings)
+    }
+}

@@ -1,0 +1,146 @@
+//! What a program means for a batch: its outputs, and where it left the range of its types.
+
+use super::domain::Site;
+
+/// Something that a lane came upon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// An index outside of its array, vector or matrix; the last element was taken.
+    Index,
+    /// An integer divided by zero: `x / 0` is `x`, `x % 0` is 0.
+    DivisionByZero,
+    /// A signed integer that does not fit; its lower 32 bits were kept.
+    Overflow,
+    /// A shift by 32 or more; the lower five bits count.
+    Shift,
+    /// A real number that does not fit the integer that it was converted to; it was clamped.
+    Conversion,
+    /// A loop that ran for longer than the fuel; the lane was stopped.
+    Fuel,
+    /// The lane was discarded, which is no finding of its own.
+    Killed,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Index, Self::DivisionByZero, Self::Overflow, Self::Shift, Self::Conversion, Self::Fuel, Self::Killed];
+}
+
+/// What one invocation came upon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flags(u8);
+
+impl Flags {
+    /// True when it came upon this.
+    pub fn has(self, kind: Kind) -> bool {
+        self.0 & Self::bit(kind) != 0
+    }
+
+    /// True when it came upon nothing.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    pub(super) fn set(&mut self, kind: Kind) {
+        self.0 |= Self::bit(kind);
+    }
+
+    fn bit(kind: Kind) -> u8 {
+        match kind {
+            Kind::Index => 1,
+            Kind::DivisionByZero => 2,
+            Kind::Overflow => 4,
+            Kind::Shift => 8,
+            Kind::Conversion => 16,
+            Kind::Fuel => 32,
+            Kind::Killed => 64,
+        }
+    }
+}
+
+/// A place where some invocations left the range of a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// What they came upon.
+    pub kind: Kind,
+    /// Where; see [`Executable::place`](super::Executable::place).
+    pub site: Site,
+    /// The first invocation.
+    pub invocation: usize,
+    /// How often it happened, over all invocations and all rounds of loops.
+    pub count: u64,
+}
+
+/// Outputs of a batch in one domain.
+#[derive(Clone, Debug)]
+pub struct Meaning<W> {
+    pub(super) vertex_words: usize,
+    pub(super) max_vertices: Option<u32>,
+    pub(super) words: Vec<W>,
+    pub(super) unwritten: Vec<(usize, usize, usize)>,
+    pub(super) emitted: Vec<u32>,
+    pub(super) ended: Vec<u32>,
+    pub(super) strips: Vec<u32>,
+    pub(super) flags: Vec<Flags>,
+    pub(super) findings: Vec<Finding>,
+}
+
+impl<W: Copy> Meaning<W> {
+    /// Number of invocations.
+    pub fn count(&self) -> usize {
+        self.flags.len()
+    }
+
+    fn room(&self) -> usize {
+        self.max_vertices.unwrap_or(1) as usize
+    }
+
+    /// Number of vertices that the invocation emitted, those past the limit included; 1 for a
+    /// pointwise program.
+    pub fn emitted(&self, invocation: usize) -> u32 {
+        if self.max_vertices.is_some() { self.emitted[invocation] } else { 1 }
+    }
+
+    /// Number of vertices that are stored.
+    pub fn stored(&self, invocation: usize) -> usize {
+        self.emitted(invocation).min(self.max_vertices.unwrap_or(1)) as usize
+    }
+
+    /// Number of times that the invocation ended a strip; 0 for a pointwise program.
+    pub fn ended_strips(&self, invocation: usize) -> u32 {
+        if self.max_vertices.is_some() { self.ended[invocation] } else { 0 }
+    }
+
+    /// Output words of a stored vertex, in the order of the outputs.
+    pub fn vertex(&self, invocation: usize, vertex: usize) -> &[W] {
+        let at = (invocation * self.room() + vertex) * self.vertex_words;
+        &self.words[at..at + self.vertex_words]
+    }
+
+    /// Number of the strip of a stored vertex, from 0; 0 for a pointwise program.
+    pub fn strip(&self, invocation: usize, vertex: usize) -> u32 {
+        if self.max_vertices.is_some() { self.strips[invocation * self.room() + vertex] } else { 0 }
+    }
+
+    /// False for an output word that was never written, or computed from one that was not by moving
+    /// it alone. Such a word is NaN or the mark's bits.
+    pub fn is_written(&self, invocation: usize, vertex: usize, word: usize) -> bool {
+        self.unwritten.binary_search(&(invocation, vertex, word)).is_err()
+    }
+
+    /// Output words that were never written: invocation, vertex, word; in this order.
+    pub fn unwritten(&self) -> &[(usize, usize, usize)] {
+        &self.unwritten
+    }
+
+    /// What an invocation came upon.
+    pub fn flags(&self, invocation: usize) -> Flags {
+        self.flags[invocation]
+    }
+
+    /// Where invocations left the range of a type, by place.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+}

@@ -1,0 +1,376 @@
+//! Domains that carry values and nothing else: binary64 and strict binary32.
+
+use std::marker::PhantomData;
+
+use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
+use super::half;
+use super::lanes::{LANES, Mask, Words};
+use crate::value::Scalar;
+
+/// A type of floating-point numbers.
+pub trait Number:
+    Copy
+    + Default
+    + PartialOrd
+    + Send
+    + Sync
+    + std::fmt::Debug
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<Output = Self>
+    + std::ops::Div<Output = Self>
+    + std::ops::Neg<Output = Self>
+    + std::ops::Rem<Output = Self>
+    + 'static
+{
+    /// What an output word is handed out as.
+    type Word: Copy + Default + Send + Sync + std::fmt::Debug;
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+
+    /// The nearest number; every operation without a method of its own is computed in binary64 and
+    /// rounded here.
+    fn nearest(x: f64) -> Self;
+    /// Exact.
+    fn widen(self) -> f64;
+    /// |x|.
+    fn size(self) -> Self;
+    /// √x, correctly rounded.
+    fn root(self) -> Self;
+    /// The output word.
+    fn word(self) -> Self::Word;
+    /// An exact word as an output word.
+    fn exact(word: u32, scalar: Scalar) -> Self::Word;
+    /// True when the number is the mark of what was never written.
+    fn is_poison(self) -> bool;
+    /// The mark of what was never written: a quiet NaN with a payload of its own.
+    fn poison() -> Self;
+}
+
+impl Number for f64 {
+    type Word = Self;
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+
+    #[inline]
+    fn nearest(x: f64) -> Self {
+        x
+    }
+    #[inline]
+    fn widen(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn size(self) -> Self {
+        self.abs()
+    }
+    #[inline]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+    fn word(self) -> f64 {
+        self
+    }
+    fn exact(word: u32, scalar: Scalar) -> f64 {
+        match scalar {
+            Scalar::F32 => Self::from(f32::from_bits(word)),
+            Scalar::I32 => Self::from(word.cast_signed()),
+            Scalar::U32 | Scalar::Bool => Self::from(word),
+        }
+    }
+    fn is_poison(self) -> bool {
+        self.to_bits() == 0x7ffa_b479_2000_0000
+    }
+    fn poison() -> Self {
+        // The binary32 mark, widened.
+        Self::from_bits(0x7ffa_b479_2000_0000)
+    }
+}
+
+impl Number for f32 {
+    type Word = u32;
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+
+    #[inline]
+    fn nearest(x: f64) -> Self {
+        x as Self
+    }
+    #[inline]
+    fn widen(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline]
+    fn size(self) -> Self {
+        self.abs()
+    }
+    #[inline]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+    fn word(self) -> u32 {
+        self.to_bits()
+    }
+    fn exact(word: u32, _: Scalar) -> u32 {
+        word
+    }
+    fn is_poison(self) -> bool {
+        self.to_bits() == super::POISON
+    }
+    fn poison() -> Self {
+        Self::from_bits(super::POISON)
+    }
+}
+
+/// Values of one type of numbers, each operation rounded to nearest even.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Plain<T>(PhantomData<T>);
+
+/// Real semantics: every operation in binary64.
+pub type Binary64 = Plain<f64>;
+
+/// Strict binary32: source order, every operation correctly rounded or, for functions, rounded once
+/// from binary64; subnormals kept.
+pub type Binary32 = Plain<f32>;
+
+/// One number for each lane.
+#[derive(Clone, Debug, Default)]
+pub struct Column<T>(Box<[T]>);
+
+impl<T> Column<T> {
+    /// The numbers.
+    #[inline]
+    pub fn values(&self) -> &[T; LANES] {
+        // A default column only marks a place and is never read: see `Domain::Column`.
+        self.0.first_chunk().expect("a column has a number for each lane")
+    }
+
+    #[inline]
+    fn values_mut(&mut self) -> &mut [T; LANES] {
+        self.0.first_chunk_mut().expect("a column has a number for each lane")
+    }
+}
+
+#[inline]
+fn map<T: Copy>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(T) -> T) {
+    for (out, &a) in out.values_mut().iter_mut().zip(a.values()) {
+        *out = f(a);
+    }
+}
+
+#[inline]
+fn zip<T: Copy>(a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: impl Fn(T, T) -> T) {
+    let (a, b) = (a.values(), b.values());
+    for (lane, out) in out.values_mut().iter_mut().enumerate() {
+        *out = f(a[lane], b[lane]);
+    }
+}
+
+/// Fraction and exponent of x = f·2^e with ½ ≤ |f| < 1; x itself and 0 for 0 and what is not finite.
+pub(super) fn frexp(x: f64) -> (f64, i32) {
+    if x == 0.0 || !x.is_finite() {
+        return (x, 0);
+    }
+    // A subnormal number is first brought into the normal range.
+    let (x, shift) = if x.abs() < f64::MIN_POSITIVE { (x * 2f64.powi(64), 64) } else { (x, 0) };
+    let exponent = ((x.to_bits() >> 52) & 0x7ff) as i32 - 1022;
+    let fraction = f64::from_bits(x.to_bits() & !(0x7ff << 52) | 1022 << 52);
+    (fraction, exponent - shift)
+}
+
+/// x·2^e, rounded once.
+fn ldexp(x: f64, e: i32) -> f64 {
+    // Within binary64 a power of two beyond its range is taken in three steps; two of them are exact.
+    let e = e.clamp(-2400, 2400);
+    let third = e / 3;
+    x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
+}
+
+/// a^b as the shading languages define it: nothing for negative a.
+fn pow(a: f64, b: f64) -> f64 {
+    if a < 0.0 { f64::NAN } else { a.powf(b) }
+}
+
+impl<T: Number> Domain for Plain<T> {
+    type Column = Column<T>;
+    type Word = T::Word;
+
+    fn column(&mut self) -> Column<T> {
+        Column(vec![T::ZERO; LANES].into_boxed_slice())
+    }
+
+    fn constant(&mut self, _: Option<Site>, value: f32, out: &mut Column<T>) {
+        out.values_mut().fill(T::nearest(f64::from(value)));
+    }
+
+    fn input(&mut self, _: Source, words: &Words, out: &mut Column<T>) {
+        for (out, &word) in out.values_mut().iter_mut().zip(words) {
+            *out = T::nearest(f64::from(f32::from_bits(word)));
+        }
+    }
+
+    fn unary(&mut self, _: Site, op: Unary, a: &Column<T>, out: &mut Column<T>) {
+        fn wide<T: Number>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(f64) -> f64) {
+            map(a, out, |x| T::nearest(f(x.widen())));
+        }
+        match op {
+            Unary::Negate => map(a, out, |x| -x),
+            Unary::Abs => map(a, out, T::size),
+            Unary::Sign => map(a, out, |x| {
+                if x > T::ZERO {
+                    T::ONE
+                } else if x < T::ZERO {
+                    -T::ONE
+                } else {
+                    x
+                }
+            }),
+            Unary::Floor => wide(a, out, f64::floor),
+            Unary::Ceil => wide(a, out, f64::ceil),
+            Unary::Round => wide(a, out, f64::round_ties_even),
+            Unary::Trunc => wide(a, out, f64::trunc),
+            Unary::Fract => wide(a, out, |x| x - x.floor()),
+            Unary::Sqrt => map(a, out, T::root),
+            Unary::InverseSqrt => wide(a, out, |x| 1.0 / x.sqrt()),
+            Unary::Exp => wide(a, out, f64::exp),
+            Unary::Exp2 => wide(a, out, f64::exp2),
+            Unary::Log => wide(a, out, f64::ln),
+            Unary::Log2 => wide(a, out, f64::log2),
+            Unary::Sin => wide(a, out, f64::sin),
+            Unary::Cos => wide(a, out, f64::cos),
+            Unary::Tan => wide(a, out, f64::tan),
+            Unary::Asin => wide(a, out, f64::asin),
+            Unary::Acos => wide(a, out, f64::acos),
+            Unary::Atan => wide(a, out, f64::atan),
+            Unary::Sinh => wide(a, out, f64::sinh),
+            Unary::Cosh => wide(a, out, f64::cosh),
+            Unary::Tanh => wide(a, out, f64::tanh),
+            Unary::Asinh => wide(a, out, f64::asinh),
+            Unary::Acosh => wide(a, out, f64::acosh),
+            Unary::Atanh => wide(a, out, f64::atanh),
+            Unary::Radians => wide(a, out, f64::to_radians),
+            Unary::Degrees => wide(a, out, f64::to_degrees),
+            Unary::Half => wide(a, out, |x| half::from_bits(half::to_bits(x))),
+            Unary::FrexpFraction => wide(a, out, |x| frexp(x).0),
+        }
+    }
+
+    fn binary(&mut self, _: Site, op: Binary, a: &Column<T>, b: &Column<T>, out: &mut Column<T>) {
+        match op {
+            Binary::Add => zip(a, b, out, |a, b| a + b),
+            Binary::Subtract => zip(a, b, out, |a, b| a - b),
+            Binary::Multiply => zip(a, b, out, |a, b| a * b),
+            Binary::Divide => zip(a, b, out, |a, b| a / b),
+            Binary::Remainder => zip(a, b, out, |a, b| a % b),
+            Binary::Min => zip(a, b, out, |a, b| if b < a { b } else { a }),
+            Binary::Max => zip(a, b, out, |a, b| if a < b { b } else { a }),
+            Binary::Pow => zip(a, b, out, |a, b| T::nearest(pow(a.widen(), b.widen()))),
+            Binary::Atan2 => zip(a, b, out, |a, b| T::nearest(a.widen().atan2(b.widen()))),
+            Binary::Step => zip(a, b, out, |a, b| if b < a { T::ZERO } else { T::ONE }),
+        }
+    }
+
+    fn scale(&mut self, _: Site, a: &Column<T>, exponent: &Words, out: &mut Column<T>) {
+        let a = a.values();
+        for (lane, out) in out.values_mut().iter_mut().enumerate() {
+            *out = T::nearest(ldexp(a[lane].widen(), exponent[lane].cast_signed()));
+        }
+    }
+
+    fn compare(&mut self, _: Site, op: Comparison, a: &Column<T>, b: &Column<T>, out: &mut Words) {
+        let (a, b) = (a.values(), b.values());
+        for (lane, out) in out.iter_mut().enumerate() {
+            *out = u32::from(op.holds(a[lane], b[lane]));
+        }
+    }
+
+    fn classify(&mut self, _: Site, class: Class, a: &Column<T>, out: &mut Words) {
+        for (out, x) in out.iter_mut().zip(a.values()) {
+            let x = x.widen();
+            *out = u32::from(match class {
+                Class::Nan => x.is_nan(),
+                Class::Infinite => x.is_infinite(),
+            });
+        }
+    }
+
+    fn to_words(&mut self, _: Site, op: ToWords, a: &Column<T>, out: &mut Words) -> Mask {
+        let a = a.values();
+        for (lane, out) in out.iter_mut().enumerate() {
+            let x = a[lane].widen();
+            // `as` clamps and takes NaN to 0.
+            *out = match op {
+                ToWords::Signed => (x as i32).cast_unsigned(),
+                ToWords::Unsigned => x as u32,
+                ToWords::Bits => (x as f32).to_bits(),
+                ToWords::HalfBits => u32::from(half::to_bits(x)),
+                ToWords::FrexpExponent => frexp(x).1.cast_unsigned(),
+            };
+        }
+        match op {
+            ToWords::Signed => Mask::where_(|k| !(-2_147_483_648.0..2_147_483_648.0).contains(&a[k].widen().trunc())),
+            ToWords::Unsigned => Mask::where_(|k| !(0.0..4_294_967_296.0).contains(&a[k].widen().trunc())),
+            ToWords::Bits | ToWords::HalfBits | ToWords::FrexpExponent => Mask::NONE,
+        }
+    }
+
+    fn from_words(&mut self, _: Site, op: FromWords, a: &Words, out: &mut Column<T>) {
+        for (out, &word) in out.values_mut().iter_mut().zip(a) {
+            *out = T::nearest(match op {
+                FromWords::Signed => f64::from(word.cast_signed()),
+                FromWords::Unsigned => f64::from(word),
+                FromWords::Bits => f64::from(f32::from_bits(word)),
+                FromWords::HalfBits => half::from_bits(word as u16),
+            });
+        }
+    }
+
+    fn copy(&mut self, from: &Column<T>, to: &mut Column<T>) {
+        to.values_mut().copy_from_slice(from.values());
+    }
+
+    fn merge(&mut self, mask: &Mask, from: &Column<T>, to: &mut Column<T>) {
+        mask.merge(from.values(), to.values_mut());
+    }
+
+    fn poison(&mut self, mask: &Mask, to: &mut Column<T>) {
+        let to = to.values_mut();
+        for lane in mask.lanes() {
+            to[lane] = T::poison();
+        }
+    }
+
+    fn word(&self, column: &Column<T>, lane: usize) -> Option<T::Word> {
+        let value = column.values()[lane];
+        (!value.is_poison()).then(|| value.word())
+    }
+
+    fn exact(word: u32, scalar: Scalar) -> T::Word {
+        T::exact(word, scalar)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frexp_and_ldexp_undo_each_other_down_to_the_smallest_number() {
+        for x in [1.0, -0.75, 1e300, 5e-324, 3e-310, f64::MAX] {
+            let (fraction, exponent) = frexp(x);
+            assert!((0.5..1.0).contains(&fraction.abs()), "{x}");
+            assert_eq!(ldexp(fraction, exponent), x);
+        }
+        assert_eq!(frexp(8.0), (0.5, 4));
+        assert_eq!(frexp(0.0), (0.0, 0));
+    }
+
+    #[test]
+    fn the_marks_of_unwritten_values_are_one_and_the_same_nan() {
+        assert!(f64::poison().is_poison() && f32::poison().is_poison() && f64::poison().is_nan());
+        assert!(!f64::NAN.is_poison() && !f32::NAN.is_poison());
+        assert_eq!(f64::poison() as f32, f32::from_bits(super::super::POISON), "widened and narrowed");
+    }
+}
