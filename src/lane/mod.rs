@@ -2,6 +2,7 @@
 //! one line of the registry.
 
 mod actual;
+pub mod embedded;
 pub mod vulkan;
 
 use std::fmt;
@@ -68,6 +69,16 @@ pub enum LaneError {
     /// The kernel needs something that the lane lacks.
     #[error("not supported on this lane: {0}")]
     Unsupported(String),
+    /// An invocation goes on without end.
+    #[error("invocation {invocation} of {count} does not finish: a loop goes on after {rounds} rounds")]
+    Endless {
+        /// Index of the first such invocation.
+        invocation: usize,
+        /// Number of invocations of the dispatch.
+        count: usize,
+        /// Rounds of loops that an invocation may go through.
+        rounds: u32,
+    },
     /// The dispatch left the record of an invocation unwritten, or an older dispatch wrote it.
     #[error(
         "the record of invocation {invocation} of {count} was not written by this dispatch (found 0x{found:08x}, expected 0x{expected:08x})"
@@ -122,9 +133,20 @@ pub struct Candidate {
     pub about: &'static str,
     /// Opens it.
     pub open: fn() -> Result<Box<dyn Lane>, Unavailable>,
+    /// True for a lane that only stands in where no device can be had; it runs beside devices when it
+    /// is asked for by name.
+    pub stand_in: bool,
 }
 
 /// All lanes that this build knows.
 pub fn registry() -> &'static [Candidate] {
-    &[Candidate { name: "vulkan", about: "any Vulkan driver, through wgpu", open: vulkan::open }]
+    &[
+        Candidate { name: "vulkan", about: "any Vulkan driver, through wgpu", open: vulkan::open, stand_in: false },
+        Candidate {
+            name: "embedded",
+            about: "interpreter in strict binary32, without any driver",
+            open: embedded::open,
+            stand_in: true,
+        },
+    ]
 }

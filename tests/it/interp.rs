@@ -133,7 +133,8 @@ fn deviating(prepared: &Prepared, cases: usize) -> (Vec<String>, usize) {
             if !near(expected_word.abs()) {
                 let passed = passed.get_or_insert_with(|| sensitivity(prepared, &inputs, &expected));
                 if !near(passed[k] + expected_word.abs()) {
-                    wrong.push(format!("{invocation}.{k}: {found:e}, formula {expected_word:e}, scale {:e}", passed[k]));
+                    wrong
+                        .push(format!("{invocation}.{k}: {found:e}, formula {expected_word:e}, scale {:e}", passed[k]));
                     break;
                 }
             }
@@ -228,7 +229,8 @@ fn samples_per_second_on_one_core() {
         };
         let wide = time(&|| drop(executable.run::<Binary64>(&batch, interp::FUEL).unwrap()));
         let narrow = time(&|| drop(executable.run::<Binary32>(&batch, interp::FUEL).unwrap()));
-        let message = format!("{name}: binary64 {:.2} M/s, binary32 {:.2} M/s", count / wide / 1e6, count / narrow / 1e6);
+        let message =
+            format!("{name}: binary64 {:.2} M/s, binary32 {:.2} M/s", count / wide / 1e6, count / narrow / 1e6);
         assert!(wide < count / 1e5, "{message}");
         std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{message}\n")).unwrap();
     }

@@ -193,6 +193,7 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
         invocation: Arc::new(program.invocation_record()),
         case: Arc::new(program.case_record()),
         output: layout,
+        program: Arc::new(program.clone()),
         form: Form::Compute,
         module,
         info,

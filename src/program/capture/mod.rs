@@ -85,6 +85,8 @@ pub struct Kernel {
     pub output: OutputLayout,
     /// How it runs.
     pub form: Form,
+    /// The program, for a lane that runs it without the capture.
+    pub program: Arc<Program>,
 }
 
 /// The two forms of a kernel.

@@ -101,6 +101,7 @@ pub(super) fn kernel(program: &Program, components: &[u8]) -> Result<Kernel, Pro
         invocation: Arc::new(program.invocation_record()),
         case: Arc::new(program.case_record()),
         output: layout,
+        program: Arc::new(program.clone()),
         form: Form::Vertex { attributes, blocks },
         module,
         info,

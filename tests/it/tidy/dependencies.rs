@@ -19,7 +19,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("lower", &["glsl", "text", "diagnostic", "value"]),
     ("program", &["lower", "glsl", "text", "diagnostic", "value"]),
     ("interp", &["program", "text", "value"]),
-    ("lane", &["program", "value"]),
+    ("lane", &["interp", "program", "value"]),
     ("property", &["text", "value"]),
     ("verdict", &["property", "formula", "lane", "program", "text", "diagnostic", "value"]),
     ("suite", &["verdict", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"]),

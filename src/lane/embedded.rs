@@ -1,0 +1,90 @@
+//! The `embedded` lane: the interpreter in strict binary32. It needs no driver.
+//!
+//! It rounds every operation correctly and rearranges nothing, so it is no evidence about a driver:
+//! it stands in where there is none, and it tells a shader that is wrong from a driver that is.
+
+use crate::interp::{self, Binary32, Executable, Kind};
+use crate::program::{Form, Kernel, OutputLayout};
+use crate::value::Batch;
+
+use super::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, Unavailable};
+
+/// Opens the lane; it is always there.
+///
+/// # Errors
+/// None; the signature is that of all lanes.
+pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
+    let driver = format!("interpreter of shadercheck {}, strict binary32", env!("CARGO_PKG_VERSION"));
+    Ok(Box::new(Embedded { description: Description { name: "embedded", driver, stages: vec![Stage::Compute] } }))
+}
+
+struct Embedded {
+    description: Description,
+}
+
+impl Lane for Embedded {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        match kernel.form {
+            Form::Compute => {}
+            Form::Vertex { .. } => {
+                return Err(LaneError::Unsupported("the interpreter has no vertex fetch".to_owned()));
+            }
+        }
+        let executable =
+            interp::compile(&kernel.program).map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;
+        Ok(Box::new(EmbeddedRunner { executable, layout: kernel.output.clone(), capacity: capacity.max(1) }))
+    }
+}
+
+struct EmbeddedRunner {
+    executable: Executable,
+    layout: OutputLayout,
+    capacity: usize,
+}
+
+impl Runner for EmbeddedRunner {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let count = batch.invocation_count();
+        if count > self.capacity {
+            return Err(LaneError::Unsupported(format!("a batch of {count} invocations; {} fit", self.capacity)));
+        }
+        let meaning =
+            self.executable.run::<Binary32>(batch, interp::FUEL).map_err(|error| LaneError::Api(error.to_string()))?;
+        let endless = (0..count).find(|&i| meaning.flags(i).has(Kind::Fuel));
+        if let Some(invocation) = endless {
+            return Err(LaneError::Endless { invocation, count, rounds: interp::FUEL });
+        }
+        let marks = Marks::random();
+        let mut words = vec![marks.sentinel; self.layout.words() * count];
+        let geometry = self.layout.max_vertices.is_some();
+        for (invocation, record) in words.chunks_exact_mut(self.layout.words()).enumerate() {
+            record[0] = marks.canary ^ invocation as u32;
+            if geometry {
+                record[1] = meaning.emitted(invocation);
+                record[2] = meaning.ended_strips(invocation);
+            }
+            let header = self.layout.header_words();
+            let size = self.layout.vertex_words();
+            for vertex in 0..meaning.stored(invocation) {
+                let place = &mut record[header + vertex * size..][..size];
+                let (strip, place) = place.split_at_mut(usize::from(geometry));
+                strip.fill(meaning.strip(invocation, vertex));
+                place.copy_from_slice(meaning.vertex(invocation, vertex));
+            }
+        }
+        // What the shader left out bears the interpreter's own mark; here it is the sentinel again.
+        for &(invocation, vertex, word) in meaning.unwritten() {
+            let at = self.layout.header_words() + vertex * self.layout.vertex_words() + usize::from(geometry) + word;
+            words[invocation * self.layout.words() + at] = marks.sentinel;
+        }
+        Actual::accept(&self.layout, words, count, marks)
+    }
+}
