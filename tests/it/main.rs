@@ -3,6 +3,7 @@
 mod geometry;
 mod lowering;
 mod lowering_vertex;
+mod positions;
 mod tidy;
 mod translate;
 mod translate_flips;
