@@ -129,3 +129,71 @@ fn clip_distances(work: &mut Work<'_>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::glsl::{Shader, Stage};
+    use crate::lower::{Target, lower};
+    use crate::text::SourceFile;
+
+    /// What is refused in a vertex shader with these globals and statements.
+    fn refused(globals: &str, body: &str) -> Vec<String> {
+        let text = format!("#version 430\nin vec4 p;\n{globals}\nvoid main() {{ {body} gl_Position = p; }}\n");
+        let parsed = Shader::parse(&SourceFile::new("t.vert", text), Stage::Vertex);
+        assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+        let told = lower(&parsed.shader, &Target::Stage).err().unwrap_or_default();
+        told.iter().map(|d| format!("{} {}", d.file.position(d.span.start), d.message)).collect()
+    }
+
+    #[test]
+    fn arrays_of_arrays_and_doubles() {
+        assert_eq!(
+            refused("float a[2][3];", "double d;"),
+            [
+                "3:7 `a` is an array of arrays; the translator swaps its sizes",
+                "4:22 `d` of type `double`: only 32-bit numbers are run"
+            ]
+        );
+    }
+
+    #[test]
+    fn comparisons_of_whole_arrays_and_structures() {
+        let globals = "struct S { float x; };";
+        assert_eq!(
+            refused(globals, "float a[2]; S s; bool b = a == a || s != s;"),
+            [
+                "4:43 `==` between arrays is not known to the translator",
+                "4:53 `!=` between structures is not known to the translator"
+            ]
+        );
+        assert!(refused(globals, "float a[2]; S s; bool b = a[0] == a[1] || s.x != s.x || p == p;").is_empty());
+    }
+
+    #[test]
+    fn parts_of_variables_by_reference() {
+        let globals = "void f(inout float x, float y) { x = y; }";
+        assert_eq!(
+            refused(globals, "vec4 q; f(q.x, 1.0);"),
+            ["4:25 a part of a variable as `out` or `inout` argument of `f`"]
+        );
+        assert!(refused(globals, "float q = 0.0; f(q, p.x);").is_empty());
+    }
+
+    #[test]
+    fn recursion_through_another_function() {
+        let globals = "float f(float x);\nfloat g(float x) { return f(x); }\nfloat f(float x) { return g(x); }";
+        assert_eq!(refused(globals, "float y = f(1.0);"), ["4:27 `g` calls itself", "5:27 `f` calls itself"]);
+        assert!(
+            refused("float f(float x);\nfloat g(float x) { return f(x); }\nfloat f(float x) { return x; }", "")
+                .is_empty()
+        );
+    }
+
+    #[test]
+    fn discard_and_clip_distances() {
+        assert_eq!(
+            refused("", "gl_ClipDistance[0] = 1.0; discard;"),
+            ["4:15 `gl_ClipDistance` is not captured", "4:41 `discard` in a vertex shader"]
+        );
+    }
+}

@@ -8,10 +8,13 @@ use naga::proc::Layouter;
 use naga::{AddressSpace, Binding, Handle, Module, Type, TypeInner};
 use shadercheck::program::{Language, Program, Translation, read_back};
 
-use crate::lowering::{compare, each_shader, shipped};
+use crate::lowering::{Case, UNIFORMS, compare, each_shader, shipped, stage};
 
 fn check(name: &str) {
-    let case = shipped(name);
+    compare_all(&shipped(name));
+}
+
+fn compare_all(case: &Case) {
     let program = case.program();
     for language in Language::ALL {
         let name = format!("{}.{language}", case.file.name());
@@ -29,6 +32,11 @@ fn check(name: &str) {
 }
 
 each_shader!(check);
+
+#[test]
+fn uniforms_keep_their_places_in_every_language() {
+    compare_all(&stage("uniforms.vert", UNIFORMS));
+}
 
 /// A translation as people read it. No disassembler of SPIR-V is at hand, so a binary is shown as the
 /// version and length of the module and as the WGSL of what naga reads in it. That leaves numbers of
