@@ -108,7 +108,7 @@ impl Case {
 }
 
 /// Compares with `snapshots/FOLDER/NAME.snap`.
-pub fn compare(folder: &str, name: &str, text: &str) {
+pub fn compare_snapshot(folder: &str, name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(format!("snapshots/{folder}"));
     settings.set_prepend_module_to_snapshot(false);
@@ -118,7 +118,7 @@ pub fn compare(folder: &str, name: &str, text: &str) {
 
 fn check(name: &str) {
     let case = shipped(name);
-    compare("lowered", case.file.name(), &case.lowered().edited.text);
+    compare_snapshot("lowered", case.file.name(), &case.lowered().edited.text);
 }
 
 each_shader!(check);

@@ -11,7 +11,7 @@ use shadercheck::lower::{Target, lower};
 use shadercheck::program::Language;
 use shadercheck::text::SourceFile;
 
-use crate::lowering::compare;
+use crate::lowering::compare_snapshot;
 
 /// Relative, so that messages name no folder of this machine. Tests run in the folder of the package.
 const FOLDER: &str = "fixtures/errors";
@@ -64,7 +64,7 @@ fn every_wrong_shader_is_told_as_its_snapshot_says() {
     for name in files() {
         let (status, text) = said(&name);
         assert_eq!(status, ExitStatus::Findings, "{name}");
-        compare("errors", &name, &text);
+        compare_snapshot("errors", &name, &text);
     }
 }
 

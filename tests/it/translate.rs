@@ -8,7 +8,7 @@ use naga::proc::Layouter;
 use naga::{AddressSpace, Binding, Handle, Module, Type, TypeInner};
 use shadercheck::program::{Language, Program, Translation, read_back};
 
-use crate::lowering::{Case, UNIFORMS, compare, each_shader, shipped, stage};
+use crate::lowering::{Case, UNIFORMS, compare_snapshot, each_shader, shipped, stage};
 
 fn check(name: &str) {
     compare_all(&shipped(name));
@@ -21,12 +21,12 @@ fn compare_all(case: &Case) {
         match program.translate(language) {
             Ok(translation) => {
                 let back = read_back(&translation, language, &program.role).unwrap();
-                compare("translate", &name, &readable(&translation, back.as_ref()));
+                compare_snapshot("translate", &name, &readable(&translation, back.as_ref()));
                 if let Some(back) = back {
                     assert_eq!(interface(&back), interface(&translated(&program)), "{name}");
                 }
             }
-            Err(error) => compare("translate", &name, &format!("error: {error}\n")),
+            Err(error) => compare_snapshot("translate", &name, &format!("error: {error}\n")),
         }
     }
 }
