@@ -40,7 +40,7 @@ pub(super) fn lower(work: &mut Work<'_>) -> Parts {
         );
     }
     for block in shader.interface().blocks.iter().filter(|b| matches!(b.storage, Storage::In | Storage::Out)) {
-        let message = format!("interface block `{}`", block.name.name);
+        let message = format!("interface block `{}` cannot be fed or captured", block.name.name);
         work.unsupported(block.name.span, message, "declare its members as separate variables");
     }
     refuse_streams(work);

@@ -7,6 +7,7 @@
 mod declaration;
 mod geometry;
 mod guard;
+mod limits;
 mod lowered;
 mod stage;
 mod uniforms;
@@ -40,6 +41,7 @@ pub enum Target {
 pub fn lower(shader: &Shader, target: &Target) -> Result<Lowered, Vec<Diagnostic>> {
     let mut work = Work { shader, edits: EditList::new(), preamble: String::new(), diagnostics: Vec::new() };
     guard::check(&mut work);
+    limits::check(&mut work);
     let uniforms = uniforms::lower(&mut work);
     let (role, inputs, outputs) = match (target, shader.stage()) {
         (Target::Function(name), _) => {

@@ -22,11 +22,14 @@ pub(super) fn vertex(work: &mut Work<'_>) -> Parts {
         work.incomplete(Span::at(0), "the shader writes no output, so there is nothing to judge", help);
     }
     for block in shader.interface().blocks.iter().filter(|b| matches!(b.storage, Storage::In | Storage::Out)) {
-        let message = format!("interface block `{}`", block.name.name);
+        let message = format!("interface block `{}` cannot be fed or captured", block.name.name);
         work.unsupported(block.name.span, message, "declare its members as separate variables");
     }
     rename_indices(work);
     qualified_names(work);
+    if shader.builtin("gl_Position").is_none_or(|s| !shader.is_written(s)) {
+        start_position(work);
+    }
     (Role::Vertex, inputs, outputs)
 }
 
@@ -43,8 +46,12 @@ fn located(work: &mut Work<'_>, variables: &[interface::Variable], keyword: &str
         for v in group {
             if let Some(location) = at {
                 let size = v.ty.shape().map_or(1, slots);
-                taken.extend(location..location + size);
-                at = Some(location + size);
+                if (location..location.saturating_add(size)).any(|l| taken.contains(&l)) {
+                    let message = format!("{kind} `{}` shares location {location} with another one", v.name);
+                    work.unsupported(v.name_span, message, "give each a location of its own");
+                }
+                taken.extend(location..location.saturating_add(size));
+                at = Some(location.saturating_add(size));
             }
         }
     }
@@ -58,9 +65,9 @@ fn located(work: &mut Work<'_>, variables: &[interface::Variable], keyword: &str
                 return lowered;
             }
             let Some(shape) = work.shape_of(v, kind) else { return lowered };
-            if keyword == "in" && (shape.columns > 1 || shape.array.is_some()) {
-                let message = format!("attribute `{}` of type `{}` takes several locations", v.name, v.ty);
-                work.unsupported(v.name_span, message, "declare one vector attribute for each column or element");
+            if shape.columns > 1 || shape.array.is_some() {
+                let message = format!("{kind} `{}` of type `{}` takes several locations", v.name, v.ty);
+                work.unsupported(v.name_span, message, "declare one vector for each column or element");
             }
             if shape.scalar == Scalar::Bool {
                 let message = format!("{kind} `{}` of type `{}`", v.name, v.ty);
@@ -110,6 +117,15 @@ pub(super) fn built_in_outputs(work: &Work<'_>) -> Vec<Variable> {
             Some(Variable { name: name.to_owned(), shape, span: first.span, location: None })
         })
         .collect()
+}
+
+/// A vertex stage need not write a position (GLSL 4.60, 7.1); naga wants one. It is not captured.
+fn start_position(work: &mut Work<'_>) {
+    let shader = work.shader;
+    let body = shader.function("main").and_then(|f| shader.function_syntax(f)).and_then(|f| f.body.as_ref());
+    if let Some(body) = body.filter(|b| shader.file().slice(b.span).starts_with('{')) {
+        work.edits.push(Edit::insert(body.span.start + 1, " gl_Position = vec4(0.0);"));
+    }
 }
 
 /// Vulkan GLSL has other names for the vertex and instance number, and counts them without sign.

@@ -1,8 +1,8 @@
 //! naga's GLSL front end and validator, contained, with their errors told about the author's text.
 
 use naga::front::glsl;
-use naga::valid::{EntryPointError, FunctionError, ModuleInfo, ValidationError};
-use naga::{Handle, Module, ShaderStage, WithSpan};
+use naga::valid::{EntryPointError, ExpressionError, FunctionError, ModuleInfo, ValidationError};
+use naga::{Handle, Module, ShaderStage, SwitchValue, WithSpan};
 
 use super::{ProgramError, contain, validator};
 use crate::diagnostic::{Code, Diagnostic, Severity};
@@ -30,19 +30,21 @@ pub(super) fn parse(lowered: &Lowered) -> Result<(Module, ModuleInfo), ProgramEr
 
 fn panicked(lowered: &Lowered, panic: &str) -> ProgramError {
     let diagnostic = diagnostic(lowered, NAGA, None, "the translator fails on this shader".to_owned())
-        .with_why(format!("naga panicked: {panic}"))
+        .with_why(format!("naga stops with `{panic}` and does not say where"))
         .with_help(
-            "simplify constant expressions in array sizes, which are the known cause, and report the shader to naga",
+            "simplify the constants: known causes are calls in the size of an array, and an element of a constant \
+             array in another constant",
         );
     ProgramError::Source(vec![diagnostic])
 }
 
 /// A diagnostic at a span of the lowered text.
 fn diagnostic(lowered: &Lowered, code: Code, span: Option<naga::Span>, message: String) -> Diagnostic {
-    let span = span
+    let place = span
         .and_then(naga::Span::to_range)
-        .map_or(Span::at(0), |range| lowered.edited.map.span_to_original(Span::new(range.start, range.end)));
-    Diagnostic::new(code, Severity::Error, &lowered.file, span, message)
+        .map(|range| lowered.edited.map.span_to_original(Span::new(range.start, range.end)));
+    let told = Diagnostic::new(code, Severity::Error, &lowered.file, place.unwrap_or_default(), message);
+    if place.is_some() { told } else { told.with_why("the translator does not say where") }
 }
 
 fn parse_error(lowered: &Lowered, error: &glsl::Error) -> Diagnostic {
@@ -62,9 +64,23 @@ fn parse_error(lowered: &Lowered, error: &glsl::Error) -> Diagnostic {
         ErrorKind::UnsupportedMatrixWithTwoRowsInStd140 { columns } => {
             format!("the translator cannot express `mat{columns}x2` in a std140 block")
         }
+        ErrorKind::SemanticError(text) => semantic(text),
         other => lowercase_first(&other.to_string()),
     };
     diagnostic(lowered, NAGA, Some(error.meta), message)
+}
+
+/// The sentences of naga that speak of its own data, in words about the source.
+fn semantic(text: &str) -> String {
+    if let Some(name) = text.strip_prefix("Unknown function '").and_then(|rest| rest.strip_suffix('\'')) {
+        return format!("the translator does not know the function `{name}`");
+    }
+    let Some(why) = text.strip_prefix("Can't resolve type: ") else { return lowercase_first(text) };
+    let index = why.strip_prefix("OutOfBoundsIndex").and_then(|rest| rest.split_once("index: "));
+    match index.and_then(|(_, rest)| rest.split(|c: char| !c.is_ascii_digit()).next()) {
+        Some(index) => format!("index {index} is out of bounds"),
+        None => "the translator cannot give this expression a type".to_owned(),
+    }
 }
 
 fn token(lowered: &Lowered, error: &glsl::Error, found: &impl std::fmt::Debug) -> String {
@@ -95,6 +111,27 @@ fn validation_error(lowered: &Lowered, module: &Module, error: &WithSpan<Validat
         Some((function, FunctionError::InvalidStoreTypes { pointer, value })) => {
             span = Some(function.expressions.get_span(*value));
             format!("the type of `{}` is not the type of `{}`", text_of(function, *value), text_of(function, *pointer))
+        }
+        Some((function, FunctionError::Expression { handle, source: ExpressionError::IndexOutOfBounds(_, index) })) => {
+            span = Some(function.expressions.get_span(*handle)).filter(|s| s.is_defined()).or(span);
+            format!("index {index} is out of bounds")
+        }
+        Some((function, FunctionError::InvalidReturnType { expression, .. })) => {
+            let name = function.name.as_deref().unwrap_or("main");
+            match expression {
+                Some(value) => {
+                    format!("`{}` is not of the type that `{name}` returns", text_of(function, *value))
+                }
+                None => format!("`{name}` can end without returning a value"),
+            }
+        }
+        Some((_, FunctionError::ConflictingSwitchCase(value))) => {
+            let value = match value {
+                SwitchValue::I32(value) => value.to_string(),
+                SwitchValue::U32(value) => value.to_string(),
+                SwitchValue::Default => "default".to_owned(),
+            };
+            format!("two cases of one `switch` have the label {value}")
         }
         Some((function, FunctionError::Expression { handle, source })) => {
             span = Some(function.expressions.get_span(*handle)).filter(|s| s.is_defined()).or(span);

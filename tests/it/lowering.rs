@@ -43,6 +43,24 @@ pub(crate) use each_shader;
 /// suite judges it alone.
 const HAIR_VERT: &str = include_str!("../../shaders/hair/hair.vert");
 
+/// Uniforms whose parts stand further apart in a uniform buffer than their own size.
+pub const UNIFORMS: &str = "#version 150 core
+in vec4 position;
+uniform float weights[3];
+uniform vec2 offsets[2];
+uniform int parts[2];
+uniform vec3 directions[2];
+uniform mat2 turn;
+uniform mat3 normals[2];
+layout(std140) uniform Scene { float near[2]; vec3 eye; float far; };
+void main()
+{
+  vec2 xy = turn * position.xy + offsets[1] * weights[gl_VertexID % 3];
+  vec3 n = normals[1] * directions[parts[1]] + eye * near[1];
+  gl_Position = vec4(xy, n.z, far);
+}
+";
+
 /// Names of all shipped shaders: of their suites, and `hair_vert`.
 pub fn names() -> Vec<&'static str> {
     suite::shipped().iter().map(|s| s.name).chain(["hair_vert"]).collect()
@@ -90,7 +108,7 @@ impl Case {
 }
 
 /// Compares with `snapshots/FOLDER/NAME.snap`.
-pub fn compare(folder: &str, name: &str, text: &str) {
+pub fn compare_snapshot(folder: &str, name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(format!("snapshots/{folder}"));
     settings.set_prepend_module_to_snapshot(false);
@@ -100,7 +118,7 @@ pub fn compare(folder: &str, name: &str, text: &str) {
 
 fn check(name: &str) {
     let case = shipped(name);
-    compare("lowered", case.file.name(), &case.lowered().edited.text);
+    compare_snapshot("lowered", case.file.name(), &case.lowered().edited.text);
 }
 
 each_shader!(check);

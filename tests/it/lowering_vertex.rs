@@ -188,3 +188,9 @@ fn kernels_that_differ_are_noticed() {
     let program = program("#version 150\nin vec4 p;\nvoid main() { gl_Position = p; }");
     run(&program, &[3], &[vec![1., 2., 3., 9.]], &[]);
 }
+
+#[test]
+fn a_stage_without_a_position_is_run() {
+    let program = program("#version 150\nin vec2 p;\nout vec2 q;\nvoid main() { q = p.yx; }");
+    assert_eq!(run(&program, &[], &[vec![1., 2.]], &[]), [[2., 1.]]);
+}

@@ -8,6 +8,7 @@ mod interp;
 mod json;
 mod lowering;
 mod lowering_vertex;
+mod positions;
 mod regress;
 mod tidy;
 mod translate;

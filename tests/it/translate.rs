@@ -8,27 +8,35 @@ use naga::proc::Layouter;
 use naga::{AddressSpace, Binding, Handle, Module, Type, TypeInner};
 use shadercheck::program::{Language, Program, Translation, read_back};
 
-use crate::lowering::{compare, each_shader, shipped};
+use crate::lowering::{Case, UNIFORMS, compare_snapshot, each_shader, shipped, stage};
 
 fn check(name: &str) {
-    let case = shipped(name);
+    compare_all(&shipped(name));
+}
+
+fn compare_all(case: &Case) {
     let program = case.program();
     for language in Language::ALL {
         let name = format!("{}.{language}", case.file.name());
         match program.translate(language) {
             Ok(translation) => {
                 let back = read_back(&translation, language, &program.role).unwrap();
-                compare("translate", &name, &readable(&translation, back.as_ref()));
+                compare_snapshot("translate", &name, &readable(&translation, back.as_ref()));
                 if let Some(back) = back {
                     assert_eq!(interface(&back), interface(&translated(&program)), "{name}");
                 }
             }
-            Err(error) => compare("translate", &name, &format!("error: {error}\n")),
+            Err(error) => compare_snapshot("translate", &name, &format!("error: {error}\n")),
         }
     }
 }
 
 each_shader!(check);
+
+#[test]
+fn uniforms_keep_their_places_in_every_language() {
+    compare_all(&stage("uniforms.vert", UNIFORMS));
+}
 
 /// A translation as people read it. No disassembler of SPIR-V is at hand, so a binary is shown as the
 /// version and length of the module and as the WGSL of what naga reads in it. That leaves numbers of

@@ -7,7 +7,7 @@ use std::process::Command;
 use shadercheck::lower::Role;
 use shadercheck::program::Language;
 
-use crate::lowering::{names, shipped};
+use crate::lowering::{UNIFORMS, names, shipped, stage};
 
 /// Environment of `spirv-val`: Vulkan 1.1 takes SPIR-V up to 1.3.
 const ENVIRONMENT: &str = "vulkan1.1";
@@ -63,8 +63,9 @@ fn checks(tool: &str, languages: &[Language]) {
         return say(&format!("{tool} is not on PATH: no translation was checked by it"));
     }
     let mut done = 0;
-    for name in names() {
-        let program = shipped(name).program();
+    let uniforms = std::iter::once(("uniforms", stage("uniforms.vert", UNIFORMS)));
+    for (name, case) in names().into_iter().map(|name| (name, shipped(name))).chain(uniforms) {
+        let program = case.program();
         for &language in languages {
             let Ok(translation) = program.translate(language) else { continue };
             let checked = validate(language, &program.role, &translation.into_bytes());

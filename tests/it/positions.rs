@@ -1,0 +1,161 @@
+//! What is said about a wrong shader, and where: at the author's line and column, in words about the
+//! author's text, behind Japanese comments and although naga reads another text.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use shadercheck::cli::status::ExitStatus;
+use shadercheck::cli::translate::{TranslateArgs, run};
+use shadercheck::glsl::{Shader, Stage};
+use shadercheck::lower::{Target, lower};
+use shadercheck::program::Language;
+use shadercheck::text::SourceFile;
+
+use crate::lowering::compare_snapshot;
+
+/// Relative, so that messages name no folder of this machine. Tests run in the folder of the package.
+const FOLDER: &str = "fixtures/errors";
+
+/// Each fixture with the text at which its first diagnostic stands.
+const PLACES: [(&str, &str); 14] = [
+    ("array_of_arrays.vert", "table[2][3]"),
+    ("global_initializer.vert", "2.0 * scale"),
+    ("interface_block.vert", "Shading {"),
+    ("recursion.vert", "half_until_small(0.5"),
+    ("sampler.vert", "height;"),
+    ("short_circuit.vert", "&& ++steps"),
+    ("syntax.vert", ";\n}"),
+    ("translator_function.vert", "modf("),
+    ("translator_index.vert", "[4]"),
+    ("translator_parameter.vert", "in vec4 p, const"),
+    ("type.vert", "+ normal"),
+    ("unknown_function.vert", "normalise("),
+    ("validator_index.vert", "[3] = velocity"),
+    ("validator_return.vert", "float weight(float x)"),
+];
+
+/// On these naga panics, and nobody knows where.
+const PANICS: [&str; 2] = ["naga_panic.vert", "naga_panic_size.vert"];
+
+fn fixture(name: &str) -> SourceFile {
+    let path = format!("{FOLDER}/{name}");
+    SourceFile::from_bytes(&path, &std::fs::read(&path).unwrap()).unwrap()
+}
+
+/// What `shadercheck translate` says.
+fn said(name: &str) -> (ExitStatus, String) {
+    let file = Path::new(FOLDER).join(name);
+    let args = TranslateArgs { file, to: Language::Wgsl, entry: None, output: None };
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let status = run(&args, &mut out, &mut err).unwrap();
+    assert!(out.is_empty(), "nothing is translated");
+    (status, String::from_utf8(err).unwrap())
+}
+
+fn files() -> Vec<String> {
+    let mut names: Vec<String> =
+        std::fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn every_wrong_shader_is_told_as_its_snapshot_says() {
+    for name in files() {
+        let (status, text) = said(&name);
+        assert_eq!(status, ExitStatus::Findings, "{name}");
+        compare_snapshot("errors", &name, &text);
+    }
+}
+
+#[test]
+fn every_fixture_has_its_place() {
+    let mut listed: Vec<&str> = PLACES.iter().map(|(name, _)| *name).chain(PANICS).collect();
+    listed.sort_unstable();
+    assert_eq!(files(), listed);
+}
+
+#[test]
+fn errors_stand_at_the_authors_line_and_column() {
+    for (name, text) in PLACES {
+        let file = fixture(name);
+        let at = file.locate(file.text().find(text).unwrap());
+        let (_, said) = said(name);
+        assert!(said.contains(&format!("--> {at}\n")), "{at} is not in\n{said}");
+    }
+}
+
+#[test]
+fn wide_characters_stand_before_every_place_on_its_line() {
+    for (name, text) in PLACES {
+        let file = fixture(name);
+        let offset = file.text().find(text).unwrap();
+        let line = file.line_text(file.position(offset).line);
+        let bytes = offset - file.text()[..offset].rfind('\n').map_or(0, |n| n + 1);
+        // A column in bytes would be another one.
+        assert_ne!(file.position(offset).column, bytes + 1, "{name}: {line}");
+    }
+}
+
+#[test]
+fn places_in_the_lowered_text_are_others() {
+    // Without the way back, what naga says would stand somewhere else.
+    for (name, text) in PLACES.iter().filter(|(name, _)| name.starts_with("translator") || name.starts_with("valid")) {
+        let file = fixture(name);
+        let parsed = Shader::parse(&file, Stage::Vertex);
+        assert!(parsed.diagnostics.is_empty(), "{name}: the front end finds it first");
+        let lowered = lower(&parsed.shader, &Target::Stage).unwrap();
+        let offset = file.text().find(text).unwrap();
+        let moved = lowered.edited.map.to_edited(offset);
+        let lowered = SourceFile::new("lowered", lowered.edited.text);
+        assert!(lowered.text()[moved..].starts_with(text), "{name}");
+        assert_ne!(lowered.position(moved), file.position(offset), "{name}");
+    }
+}
+
+#[test]
+fn messages_do_not_speak_of_nagas_data() {
+    for name in files() {
+        let (_, said) = said(&name);
+        let words: Vec<&str> =
+            said.lines().filter(|l| l.starts_with("error") || l.trim_start().starts_with("= ")).collect();
+        for word in ["expression [", "Handle", "naga::", "wgsl", "StructMember", "@builtin"] {
+            assert!(!words.iter().any(|line| line.contains(word)), "{name}: `{word}` in\n{said}");
+        }
+        let index = |line: &str| {
+            line.match_indices('[').any(|(at, _)| line[at + 1..].starts_with(|c: char| c.is_ascii_digit()))
+        };
+        assert!(!words.iter().any(|line| index(line)), "{name}: an index in\n{said}");
+    }
+}
+
+#[test]
+fn a_panic_of_naga_is_a_diagnostic_and_nothing_else_is_printed() {
+    for name in PANICS {
+        let output = Command::new(env!("CARGO_BIN_EXE_shadercheck"))
+            .args(["translate", "--to", "wgsl"])
+            .arg(PathBuf::from(FOLDER).join(name))
+            .env("RUST_BACKTRACE", "1")
+            .output()
+            .unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{text}");
+        assert!(text.starts_with("error[E901]: the translator fails on this shader\n"), "{text}");
+        for word in ["panicked", "thread '", "backtrace"] {
+            assert!(!text.contains(word), "{text}");
+        }
+    }
+}
+
+#[test]
+fn naga_still_panics_on_these() {
+    // When it no longer does, the fixtures show nothing, and others have to be found.
+    for name in PANICS {
+        let parsed = Shader::parse(&fixture(name), Stage::Vertex);
+        assert!(parsed.diagnostics.is_empty(), "{name}: the front end finds it first");
+        let text = lower(&parsed.shader, &Target::Stage).unwrap().edited.text;
+        let options = naga::front::glsl::Options::from(naga::ShaderStage::Vertex);
+        let parse = move || naga::front::glsl::Frontend::default().parse(&options, &text).is_ok();
+        assert!(std::thread::spawn(parse).join().is_err(), "{name}");
+    }
+}
