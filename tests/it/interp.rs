@@ -133,7 +133,8 @@ fn deviating(prepared: &Prepared, cases: usize) -> (Vec<String>, usize) {
             if !near(expected_word.abs()) {
                 let passed = passed.get_or_insert_with(|| sensitivity(prepared, &inputs, &expected));
                 if !near(passed[k] + expected_word.abs()) {
-                    wrong.push(format!("{invocation}.{k}: {found:e}, formula {expected_word:e}, scale {:e}", passed[k]));
+                    wrong
+                        .push(format!("{invocation}.{k}: {found:e}, formula {expected_word:e}, scale {:e}", passed[k]));
                     break;
                 }
             }
@@ -204,7 +205,8 @@ fn strict_binary32_keeps_within_the_tolerance_of_every_shipped_suite() {
         let actual = actual(&prepared, &meaning);
         let verdict = judge_batch(&prepared.reference, &batch, &actual, &prepared.tolerance);
         assert!(verdict.failures.is_empty(), "{}: {:?}", suite.name, verdict.failures[0]);
-        assert!(verdict.agreed > 60 && verdict.undetermined_count() * 20 <= verdict.seen(), "{}", suite.name);
+        let share = verdict.undetermined_count() as f64 / verdict.seen() as f64;
+        assert!(verdict.agreed > 60 && share <= prepared.suite.floors.undetermined, "{}: {verdict:?}", suite.name);
         assert!(verdict.max_ulp > 0.0, "{}: not binary32", suite.name);
     }
 }
@@ -228,7 +230,8 @@ fn samples_per_second_on_one_core() {
         };
         let wide = time(&|| drop(executable.run::<Binary64>(&batch, interp::FUEL).unwrap()));
         let narrow = time(&|| drop(executable.run::<Binary32>(&batch, interp::FUEL).unwrap()));
-        let message = format!("{name}: binary64 {:.2} M/s, binary32 {:.2} M/s", count / wide / 1e6, count / narrow / 1e6);
+        let message =
+            format!("{name}: binary64 {:.2} M/s, binary32 {:.2} M/s", count / wide / 1e6, count / narrow / 1e6);
         assert!(wide < count / 1e5, "{message}");
         std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{message}\n")).unwrap();
     }
