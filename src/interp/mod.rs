@@ -218,6 +218,7 @@ fn piece<D: Domain>(
         piece.strips =
             (0..lanes).flat_map(|lane| (0..room).map(move |v| (lane, v))).map(|(l, v)| machine.strip(v)[l]).collect();
     }
+    let unwritten = D::exact(POISON, Scalar::F32);
     let stored = |lane: usize, vertex: usize| max_vertices.is_none() || vertex < machine.emitted()[lane] as usize;
     for vertex in 0..room {
         for word in 0..width {
@@ -227,7 +228,7 @@ fn piece<D: Domain>(
                 if value.is_none() {
                     piece.unwritten.push((first + lane, vertex, word));
                 }
-                piece.words[(lane * room + vertex) * width + word] = value.unwrap_or(D::exact(POISON, Scalar::F32));
+                piece.words[(lane * room + vertex) * width + word] = value.unwrap_or(unwritten);
             }
         }
     }

@@ -70,9 +70,11 @@ impl Number for f64 {
     fn root(self) -> Self {
         self.sqrt()
     }
+    #[inline]
     fn word(self) -> f64 {
         self
     }
+    #[inline]
     fn exact(word: u32, scalar: Scalar) -> f64 {
         match scalar {
             Scalar::F32 => Self::from(f32::from_bits(word)),
@@ -80,9 +82,11 @@ impl Number for f64 {
             Scalar::U32 | Scalar::Bool => Self::from(word),
         }
     }
+    #[inline]
     fn is_poison(self) -> bool {
         self.to_bits() == 0x7ffa_b479_2000_0000
     }
+    #[inline]
     fn poison() -> Self {
         // The binary32 mark, widened.
         Self::from_bits(0x7ffa_b479_2000_0000)
@@ -110,15 +114,19 @@ impl Number for f32 {
     fn root(self) -> Self {
         self.sqrt()
     }
+    #[inline]
     fn word(self) -> u32 {
         self.to_bits()
     }
+    #[inline]
     fn exact(word: u32, _: Scalar) -> u32 {
         word
     }
+    #[inline]
     fn is_poison(self) -> bool {
         self.to_bits() == super::POISON
     }
+    #[inline]
     fn poison() -> Self {
         Self::from_bits(super::POISON)
     }
