@@ -6,8 +6,8 @@
 //! columns: one value for each lane. Integers and booleans are exact in every domain, and the
 //! interpreter keeps them itself.
 //!
-//! An operation is carried out in all lanes, those that do not take this path included: what they
-//! get is never looked at. [`Domain::merge`] alone respects a mask.
+//! An operation may be carried out in all lanes, those that do not take this path included: what they
+//! get is never looked at. [`Domain::merge`] and [`Domain::poison`] alone have to respect their mask.
 
 use super::lanes::{Mask, Words};
 use crate::value::Scalar;
@@ -260,10 +260,18 @@ pub trait Domain {
     fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Self::Column);
     /// An input: the bits of binary32 numbers.
     fn input(&mut self, source: Source, words: &Words, out: &mut Self::Column);
-    /// An operation on one number.
-    fn unary(&mut self, site: Site, op: Unary, a: &Self::Column, out: &mut Self::Column);
-    /// An operation on two numbers.
-    fn binary(&mut self, site: Site, op: Binary, a: &Self::Column, b: &Self::Column, out: &mut Self::Column);
+    /// An operation on one number. Results matter in the lanes of `active` alone.
+    fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Self::Column, out: &mut Self::Column);
+    /// An operation on two numbers. Results matter in the lanes of `active` alone.
+    fn binary(
+        &mut self,
+        site: Site,
+        op: Binary,
+        active: &Mask,
+        a: &Self::Column,
+        b: &Self::Column,
+        out: &mut Self::Column,
+    );
     /// a·2^e for signed integers e.
     fn scale(&mut self, site: Site, a: &Self::Column, exponent: &Words, out: &mut Self::Column);
     /// Compares two numbers.

@@ -92,6 +92,22 @@ impl Mask {
         })
     }
 
+    /// Calls `f` for each lane, in order.
+    #[inline]
+    pub fn each(&self, mut f: impl FnMut(usize)) {
+        for (k, &part) in self.0.iter().enumerate() {
+            if part == u64::MAX {
+                (k * 64..(k + 1) * 64).for_each(&mut f);
+            } else {
+                let mut part = part;
+                while part != 0 {
+                    f(k * 64 + part.trailing_zeros() as usize);
+                    part &= part - 1;
+                }
+            }
+        }
+    }
+
     /// Copies `from` to `to` in the lanes of the set.
     #[inline]
     pub fn merge<T: Copy>(&self, from: &[T; LANES], to: &mut [T; LANES]) {

@@ -189,12 +189,13 @@ impl<'e, D: Domain> Machine<'e, D> {
         match inst {
             Inst::Real1 { op, to, a, site } => {
                 let mut out = take(&mut self.reals[*to as usize]);
-                self.domain.unary(*site, *op, &self.reals[*a as usize], &mut out);
+                self.domain.unary(*site, *op, &self.active, &self.reals[*a as usize], &mut out);
                 self.reals[*to as usize] = out;
             }
             Inst::Real2 { op, to, a, b, site } => {
                 let mut out = take(&mut self.reals[*to as usize]);
-                self.domain.binary(*site, *op, &self.reals[*a as usize], &self.reals[*b as usize], &mut out);
+                let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
+                self.domain.binary(*site, *op, &self.active, a, b, &mut out);
                 self.reals[*to as usize] = out;
             }
             Inst::Scale { to, a, exponent, site } => {
@@ -475,9 +476,9 @@ impl<D: Domain> Machine<'_, D> {
         }
     }
 
-    /// An output word of one lane; `None` when it was never written.
-    pub fn word(&self, vertex: usize, word: usize, lane: usize) -> Option<D::Word> {
-        match self.output(vertex, word) {
+    /// An output word of one lane, from its column; `None` when it was never written.
+    pub fn word(&self, column: &OutputColumn<'_, D::Column>, word: usize, lane: usize) -> Option<D::Word> {
+        match column {
             OutputColumn::Real(column) => self.domain.word(column, lane),
             OutputColumn::Word(words) => {
                 let value = words[lane];

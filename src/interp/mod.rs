@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::program::{Port, Program};
-use crate::value::Batch;
+use crate::value::{Batch, Scalar};
 
 pub use code::{Executable, Place};
 pub use compile::{Binding, Subject};
@@ -218,18 +218,20 @@ fn piece<D: Domain>(
         piece.strips =
             (0..lanes).flat_map(|lane| (0..room).map(move |v| (lane, v))).map(|(l, v)| machine.strip(v)[l]).collect();
     }
-    for lane in 0..lanes {
-        let stored = if max_vertices.is_some() { room.min(machine.emitted()[lane] as usize) } else { 1 };
-        for vertex in 0..stored {
-            for word in 0..width {
-                let value = machine.word(vertex, word, lane);
+    let unwritten = D::exact(POISON, Scalar::F32);
+    let stored = |lane: usize, vertex: usize| max_vertices.is_none() || vertex < machine.emitted()[lane] as usize;
+    for vertex in 0..room {
+        for word in 0..width {
+            let column = machine.output(vertex, word);
+            for lane in (0..lanes).filter(|&lane| stored(lane, vertex)) {
+                let value = machine.word(&column, word, lane);
                 if value.is_none() {
                     piece.unwritten.push((first + lane, vertex, word));
                 }
-                piece.words[(lane * room + vertex) * width + word] =
-                    value.unwrap_or(D::exact(POISON, crate::value::Scalar::F32));
+                piece.words[(lane * room + vertex) * width + word] = value.unwrap_or(unwritten);
             }
         }
     }
+    piece.unwritten.sort_unstable();
     piece
 }

@@ -70,9 +70,11 @@ impl Number for f64 {
     fn root(self) -> Self {
         self.sqrt()
     }
+    #[inline]
     fn word(self) -> f64 {
         self
     }
+    #[inline]
     fn exact(word: u32, scalar: Scalar) -> f64 {
         match scalar {
             Scalar::F32 => Self::from(f32::from_bits(word)),
@@ -80,9 +82,11 @@ impl Number for f64 {
             Scalar::U32 | Scalar::Bool => Self::from(word),
         }
     }
+    #[inline]
     fn is_poison(self) -> bool {
         self.to_bits() == 0x7ffa_b479_2000_0000
     }
+    #[inline]
     fn poison() -> Self {
         // The binary32 mark, widened.
         Self::from_bits(0x7ffa_b479_2000_0000)
@@ -110,15 +114,19 @@ impl Number for f32 {
     fn root(self) -> Self {
         self.sqrt()
     }
+    #[inline]
     fn word(self) -> u32 {
         self.to_bits()
     }
+    #[inline]
     fn exact(word: u32, _: Scalar) -> u32 {
         word
     }
+    #[inline]
     fn is_poison(self) -> bool {
         self.to_bits() == super::POISON
     }
+    #[inline]
     fn poison() -> Self {
         Self::from_bits(super::POISON)
     }
@@ -211,10 +219,12 @@ impl<T: Number> Domain for Plain<T> {
         }
     }
 
-    fn unary(&mut self, _: Site, op: Unary, a: &Column<T>, out: &mut Column<T>) {
-        fn wide<T: Number>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(f64) -> f64) {
-            map(a, out, |x| T::nearest(f(x.widen())));
-        }
+    fn unary(&mut self, _: Site, op: Unary, active: &Mask, a: &Column<T>, out: &mut Column<T>) {
+        // Functions of the mathematical library cost more than looking at the mask.
+        let slow = |a: &Column<T>, out: &mut Column<T>, f: fn(f64) -> f64| {
+            let (a, out) = (a.values(), out.values_mut());
+            active.each(|lane| out[lane] = T::nearest(f(a[lane].widen())));
+        };
         match op {
             Unary::Negate => map(a, out, |x| -x),
             Unary::Abs => map(a, out, T::size),
@@ -227,37 +237,41 @@ impl<T: Number> Domain for Plain<T> {
                     x
                 }
             }),
-            Unary::Floor => wide(a, out, f64::floor),
-            Unary::Ceil => wide(a, out, f64::ceil),
-            Unary::Round => wide(a, out, f64::round_ties_even),
-            Unary::Trunc => wide(a, out, f64::trunc),
-            Unary::Fract => wide(a, out, |x| x - x.floor()),
+            Unary::Floor => slow(a, out, f64::floor),
+            Unary::Ceil => slow(a, out, f64::ceil),
+            Unary::Round => slow(a, out, f64::round_ties_even),
+            Unary::Trunc => slow(a, out, f64::trunc),
+            Unary::Fract => slow(a, out, |x| x - x.floor()),
             Unary::Sqrt => map(a, out, T::root),
-            Unary::InverseSqrt => wide(a, out, |x| 1.0 / x.sqrt()),
-            Unary::Exp => wide(a, out, f64::exp),
-            Unary::Exp2 => wide(a, out, f64::exp2),
-            Unary::Log => wide(a, out, f64::ln),
-            Unary::Log2 => wide(a, out, f64::log2),
-            Unary::Sin => wide(a, out, f64::sin),
-            Unary::Cos => wide(a, out, f64::cos),
-            Unary::Tan => wide(a, out, f64::tan),
-            Unary::Asin => wide(a, out, f64::asin),
-            Unary::Acos => wide(a, out, f64::acos),
-            Unary::Atan => wide(a, out, f64::atan),
-            Unary::Sinh => wide(a, out, f64::sinh),
-            Unary::Cosh => wide(a, out, f64::cosh),
-            Unary::Tanh => wide(a, out, f64::tanh),
-            Unary::Asinh => wide(a, out, f64::asinh),
-            Unary::Acosh => wide(a, out, f64::acosh),
-            Unary::Atanh => wide(a, out, f64::atanh),
-            Unary::Radians => wide(a, out, f64::to_radians),
-            Unary::Degrees => wide(a, out, f64::to_degrees),
-            Unary::Half => wide(a, out, |x| half::from_bits(half::to_bits(x))),
-            Unary::FrexpFraction => wide(a, out, |x| frexp(x).0),
+            Unary::InverseSqrt => map(a, out, |x| T::nearest(1.0 / x.widen().sqrt())),
+            Unary::Exp => slow(a, out, f64::exp),
+            Unary::Exp2 => slow(a, out, f64::exp2),
+            Unary::Log => slow(a, out, f64::ln),
+            Unary::Log2 => slow(a, out, f64::log2),
+            Unary::Sin => slow(a, out, f64::sin),
+            Unary::Cos => slow(a, out, f64::cos),
+            Unary::Tan => slow(a, out, f64::tan),
+            Unary::Asin => slow(a, out, f64::asin),
+            Unary::Acos => slow(a, out, f64::acos),
+            Unary::Atan => slow(a, out, f64::atan),
+            Unary::Sinh => slow(a, out, f64::sinh),
+            Unary::Cosh => slow(a, out, f64::cosh),
+            Unary::Tanh => slow(a, out, f64::tanh),
+            Unary::Asinh => slow(a, out, f64::asinh),
+            Unary::Acosh => slow(a, out, f64::acosh),
+            Unary::Atanh => slow(a, out, f64::atanh),
+            Unary::Radians => slow(a, out, f64::to_radians),
+            Unary::Degrees => slow(a, out, f64::to_degrees),
+            Unary::Half => slow(a, out, |x| half::from_bits(half::to_bits(x))),
+            Unary::FrexpFraction => slow(a, out, |x| frexp(x).0),
         }
     }
 
-    fn binary(&mut self, _: Site, op: Binary, a: &Column<T>, b: &Column<T>, out: &mut Column<T>) {
+    fn binary(&mut self, _: Site, op: Binary, active: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Column<T>) {
+        let slow = |a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: fn(f64, f64) -> f64| {
+            let (a, b, out) = (a.values(), b.values(), out.values_mut());
+            active.each(|lane| out[lane] = T::nearest(f(a[lane].widen(), b[lane].widen())));
+        };
         match op {
             Binary::Add => zip(a, b, out, |a, b| a + b),
             Binary::Subtract => zip(a, b, out, |a, b| a - b),
@@ -266,8 +280,8 @@ impl<T: Number> Domain for Plain<T> {
             Binary::Remainder => zip(a, b, out, |a, b| a % b),
             Binary::Min => zip(a, b, out, |a, b| if b < a { b } else { a }),
             Binary::Max => zip(a, b, out, |a, b| if a < b { b } else { a }),
-            Binary::Pow => zip(a, b, out, |a, b| T::nearest(pow(a.widen(), b.widen()))),
-            Binary::Atan2 => zip(a, b, out, |a, b| T::nearest(a.widen().atan2(b.widen()))),
+            Binary::Pow => slow(a, b, out, pow),
+            Binary::Atan2 => slow(a, b, out, f64::atan2),
             Binary::Step => zip(a, b, out, |a, b| if b < a { T::ZERO } else { T::ONE }),
         }
     }
@@ -336,10 +350,7 @@ impl<T: Number> Domain for Plain<T> {
     }
 
     fn poison(&mut self, mask: &Mask, to: &mut Column<T>) {
-        let to = to.values_mut();
-        for lane in mask.lanes() {
-            to[lane] = T::poison();
-        }
+        mask.merge(&[T::poison(); LANES], to.values_mut());
     }
 
     fn word(&self, column: &Column<T>, lane: usize) -> Option<T::Word> {

@@ -1,1 +1,10 @@
+//! The interpreter on small functions, against values derived without it.
 
+mod control;
+mod faults;
+mod functions;
+mod memory;
+mod operators;
+mod ranges;
+mod refusals;
+mod support;

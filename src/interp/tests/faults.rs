@@ -1,0 +1,127 @@
+//! The tables of expected values notice when an instruction is wrong.
+
+use super::super::domain::{Binary, Unary};
+use super::functions::{Row, check, rows};
+use super::operators;
+use crate::interp::code::{Inst, Word2};
+
+/// Calls `f` for each instruction, blocks included.
+fn each(body: &mut Vec<Inst>, f: &mut impl FnMut(&mut Inst)) {
+    for inst in body {
+        f(inst);
+        match inst {
+            Inst::If { accept, reject, .. } => {
+                each(accept, f);
+                each(reject, f);
+            }
+            Inst::Call { body } => each(body, f),
+            Inst::Loop { body, continuing, .. } => {
+                each(body, f);
+                each(continuing, f);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// True when some row fails with the fault.
+fn noticed(rows: &[Row], fault: impl Fn(&mut Inst) + Copy) -> bool {
+    rows.iter().any(|row| check(row, |body| each(body, &mut { fault })).is_some())
+}
+
+#[test]
+fn a_swapped_operand_order_is_noticed() {
+    let rows: Vec<Row> = rows().into_iter().chain(operators::rows()).collect();
+    for wrong in Binary::ALL {
+        let swaps = matches!(wrong, Binary::Add | Binary::Multiply | Binary::Min | Binary::Max);
+        let caught = noticed(&rows, |inst| {
+            if let Inst::Real2 { op, a, b, .. } = inst
+                && *op == wrong
+            {
+                std::mem::swap(a, b);
+            }
+        });
+        assert_eq!(caught, !swaps, "{wrong:?}");
+    }
+    use Word2::*;
+    for wrong in [
+        SubtractSigned,
+        SubtractUnsigned,
+        DivideSigned,
+        DivideUnsigned,
+        RemainderSigned,
+        RemainderUnsigned,
+        ShiftLeft,
+        ShiftRightSigned,
+        ShiftRightUnsigned,
+        LessSigned,
+        LessUnsigned,
+        LessEqualSigned,
+        LessEqualUnsigned,
+    ] {
+        let caught = noticed(&rows, |inst| {
+            if let Inst::Word2 { op, a, b, .. } = inst
+                && *op == wrong
+            {
+                std::mem::swap(a, b);
+            }
+        });
+        assert!(caught, "{wrong:?}");
+    }
+}
+
+#[test]
+fn a_wrong_entry_of_the_table_is_noticed() {
+    let rows: Vec<Row> = rows().into_iter().chain(operators::rows()).collect();
+    for right in Unary::ALL {
+        for wrong in Unary::ALL.into_iter().filter(|wrong| *wrong != right) {
+            let caught = noticed(&rows, |inst| match inst {
+                Inst::Real1 { op, .. } if *op == right => *op = wrong,
+                _ => {}
+            });
+            assert!(caught, "{wrong:?} for {right:?}");
+        }
+    }
+    for right in Binary::ALL {
+        for wrong in Binary::ALL.into_iter().filter(|wrong| *wrong != right) {
+            let caught = noticed(&rows, |inst| match inst {
+                Inst::Real2 { op, .. } if *op == right => *op = wrong,
+                _ => {}
+            });
+            assert!(caught, "{wrong:?} for {right:?}");
+        }
+    }
+}
+
+#[test]
+fn an_operand_taken_twice_is_noticed_in_every_function() {
+    for row in rows() {
+        let mut places = 0;
+        check(&row, |body| each(&mut body.clone(), &mut |_| {}));
+        let count = |body: &mut Vec<Inst>| {
+            let mut n = 0;
+            each(body, &mut |inst| n += usize::from(matches!(inst, Inst::Real2 { a, b, .. } if a != b)));
+            n
+        };
+        let total = std::cell::Cell::new(0);
+        check(&row, |body| total.set(count(body)));
+        for place in 0..total.get() {
+            let caught = check(&row, |body| {
+                let mut k = 0;
+                each(body, &mut |inst| {
+                    if let Inst::Real2 { a, b, .. } = inst
+                        && a != b
+                    {
+                        if k == place {
+                            *a = *b;
+                        }
+                        k += 1;
+                    }
+                });
+            });
+            places += usize::from(caught.is_some());
+        }
+        // Some operands do not matter at the values of the row: bounds that do not bind, zeros.
+        assert!(2 * places >= total.get(), "{:?}: {places} of {}", row.fun, total.get());
+    }
+}

@@ -1,0 +1,95 @@
+//! What leaves the range of its type: the rules of WGSL, and a report.
+
+use super::super::{Binary64, Executable, Kind, Meaning};
+use super::support::{batch, compile, floats, ints, run, wgsl};
+
+fn kinds(meaning: &Meaning<f64>, invocation: usize) -> Vec<Kind> {
+    Kind::ALL.into_iter().filter(|&kind| meaning.flags(invocation).has(kind)).collect()
+}
+
+#[test]
+fn an_index_outside_takes_the_last_element_and_is_reported() {
+    let text = "fn f(i: i32) -> f32 { var a = array<f32, 3>(1, 2, 3); return a[i]; }";
+    let shader = wgsl(text);
+    let meaning = run::<Binary64>(&shader, &[vec![1], vec![3], ints(&[-1])]);
+    assert_eq!([0, 1, 2].map(|k| meaning.vertex(k, 0)[0]), [2.0, 3.0, 3.0]);
+    assert_eq!(
+        (kinds(&meaning, 0), kinds(&meaning, 1), kinds(&meaning, 2)),
+        (vec![], vec![Kind::Index], vec![Kind::Index])
+    );
+    let (executable, _): (Executable, _) = compile(&shader).unwrap();
+    let [finding] = meaning.findings() else { panic!("{:?}", meaning.findings()) };
+    assert_eq!((finding.invocation, finding.count), (1, 2));
+    assert_eq!(&text[executable.place(finding.site).span.to_range().unwrap()], "a[i]");
+}
+
+#[test]
+fn division_by_zero_and_overflow_follow_wgsl() {
+    let quotient = wgsl("fn f(a: i32, b: i32) -> vec2<i32> { return vec2(a / b, a % b); }");
+    let rows = [ints(&[7, 0]), ints(&[i32::MIN, -1]), ints(&[7, 2])];
+    let meaning = run::<Binary64>(&quotient, &rows);
+    assert_eq!(meaning.vertex(0, 0), [7.0, 0.0]);
+    assert_eq!(meaning.vertex(1, 0), [f64::from(i32::MIN), 0.0]);
+    assert_eq!(kinds(&meaning, 0), [Kind::DivisionByZero]);
+    assert_eq!(kinds(&meaning, 1), [Kind::Overflow]);
+    assert!(meaning.flags(2).is_empty());
+    let unsigned = wgsl("fn f(a: u32, b: u32) -> vec2u { return vec2(a / b, a % b); }");
+    let meaning = run::<Binary64>(&unsigned, &[vec![7, 0]]);
+    assert_eq!((meaning.vertex(0, 0), kinds(&meaning, 0)), (&[7.0, 0.0][..], vec![Kind::DivisionByZero]));
+}
+
+#[test]
+fn signed_sums_and_products_are_reported_and_unsigned_ones_wrap_in_silence() {
+    for (operator, a, b, wrapped) in
+        [("+", i32::MAX, 1, i32::MIN), ("-", i32::MIN, 1, i32::MAX), ("*", 65536, 65537, 65536)]
+    {
+        let shader = wgsl(&format!("fn f(a: i32, b: i32) -> i32 {{ return a {operator} b; }}"));
+        let meaning = run::<Binary64>(&shader, &[ints(&[a, b]), ints(&[3, 4])]);
+        assert_eq!(meaning.vertex(0, 0), [f64::from(wrapped)], "{operator}");
+        assert_eq!((kinds(&meaning, 0), kinds(&meaning, 1)), (vec![Kind::Overflow], vec![]), "{operator}");
+        let shader = wgsl(&format!("fn f(a: u32, b: u32) -> u32 {{ return a {operator} b; }}"));
+        assert!(run::<Binary64>(&shader, &[vec![u32::MAX, 7], vec![0, 1]]).findings().is_empty());
+    }
+    let negated = wgsl("fn f(a: i32) -> vec2<i32> { return vec2(-a, abs(a)); }");
+    let meaning = run::<Binary64>(&negated, &[ints(&[i32::MIN])]);
+    assert_eq!((meaning.vertex(0, 0)[0], meaning.findings().len()), (f64::from(i32::MIN), 2));
+}
+
+#[test]
+fn shifts_and_conversions_are_cut_and_reported() {
+    let shift = wgsl("fn f(a: u32, b: u32) -> vec2u { return vec2(a << b, a >> b); }");
+    let meaning = run::<Binary64>(&shift, &[vec![6, 33], vec![6, 1]]);
+    assert_eq!((meaning.vertex(0, 0), kinds(&meaning, 0)), (&[12.0, 3.0][..], vec![Kind::Shift]));
+    assert!(meaning.flags(1).is_empty());
+    let convert = wgsl("fn f(x: f32) -> vec2f { return vec2f(f32(i32(x)), f32(u32(x))); }");
+    let rows = [floats(&[3e9]), floats(&[-2.0]), floats(&[f32::NAN]), floats(&[-0.5])];
+    let meaning = run::<Binary64>(&convert, &rows);
+    assert_eq!(meaning.vertex(0, 0), [2_147_483_647.0, 3e9]);
+    assert_eq!(meaning.vertex(1, 0), [-2.0, 0.0]);
+    for (k, reported) in [true, true, true, false].into_iter().enumerate() {
+        assert_eq!(meaning.flags(k).has(Kind::Conversion), reported, "{k}");
+    }
+}
+
+#[test]
+fn lanes_that_do_not_go_there_report_nothing() {
+    let shader = wgsl("fn f(a: i32, b: i32) -> i32 { var r = -1; if b != 0 { r = a / b; } return r; }");
+    let rows: Vec<Vec<u32>> = (0..300).map(|k| vec![100, k % 3]).collect();
+    let meaning = run::<Binary64>(&shader, &rows);
+    assert!(meaning.findings().is_empty());
+    assert_eq!([0, 1, 2].map(|k| meaning.vertex(k, 0)[0]), [-1.0, 100.0, 50.0]);
+}
+
+#[test]
+fn lanes_behind_the_last_invocation_report_nothing() {
+    let shader = wgsl("fn f(a: i32, b: i32) -> i32 { return a / b; }");
+    let meaning = run::<Binary64>(&shader, &[ints(&[1, 0])]);
+    assert_eq!((meaning.count(), meaning.findings()[0].count), (1, 1));
+}
+
+#[test]
+fn a_batch_for_another_program_is_refused() {
+    let (executable, _) = compile(&wgsl("fn f(a: i32, b: i32) -> i32 { return a / b; }")).unwrap();
+    let error = executable.run::<Binary64>(&batch(&[vec![1]]), 1).unwrap_err();
+    assert_eq!(error.to_string(), "the batch has 1 words for each invocation, the program takes 2");
+}
