@@ -52,8 +52,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let stdout = std::io::stdout();
     let stderr = std::io::stderr();
     let color = stdout.is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let mut out = std::io::BufWriter::new(stdout.lock());
-    let mut err = &stderr;
+    let mut out = std::io::BufWriter::new(WhileRead::new(stdout.lock()));
+    let mut err = WhileRead::new(&stderr);
     let result = match &cli.command {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
@@ -64,8 +64,6 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let result = result.and_then(|status| Ok(out.flush().map(|()| status)?));
     match result {
         Ok(status) => status,
-        // A reader that went away, such as `head`, has seen what it wanted.
-        Err(error) if is_broken_pipe(&error) => ExitStatus::Clean,
         Err(error) => {
             let _ = writeln!(err, "error: {}", message(&error));
             ExitStatus::Error
@@ -84,7 +82,38 @@ fn message(error: &anyhow::Error) -> String {
     parts.join(": ")
 }
 
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let io = error.chain().find_map(|e| e.downcast_ref::<std::io::Error>());
-    io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+/// Writes as long as someone reads. A reader that went away, such as `head`, has seen what it wanted;
+/// the run goes on without it, because its exit status still has to tell what was found.
+struct WhileRead<W> {
+    to: W,
+    closed: bool,
+}
+
+impl<W> WhileRead<W> {
+    fn new(to: W) -> Self {
+        Self { to, closed: false }
+    }
+
+    fn unless_closed<T>(&mut self, done: T, write: impl FnOnce(&mut W) -> std::io::Result<T>) -> std::io::Result<T> {
+        if self.closed {
+            return Ok(done);
+        }
+        match write(&mut self.to) {
+            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {
+                self.closed = true;
+                Ok(done)
+            }
+            result => result,
+        }
+    }
+}
+
+impl<W: Write> Write for WhileRead<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.unless_closed(bytes.len(), |to| to.write(bytes))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.unless_closed((), Write::flush)
+    }
 }

@@ -1,4 +1,4 @@
-//! Placeholder.
+//! Reports: text and JSON out of what suites and rules found.
 
 pub mod check;
 pub mod diagnostics;

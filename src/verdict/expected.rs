@@ -219,6 +219,12 @@ impl Reference {
         }
     }
 
+    /// The largest component of all vectors among the inputs.
+    pub(super) fn vector_size(&self, inputs: &[f64]) -> f64 {
+        let vectors = inputs.iter().zip(self.families.iter()).filter(|(_, f)| **f == Family::Vector);
+        vectors.fold(0.0, |m, (x, _)| m.max(x.abs()))
+    }
+
     /// For each expected word, how sensitive it is to the inputs: Σ |x · ∂y/∂x|.
     pub(super) fn sensitivity(&self, inputs: &[f64], base: &Expected) -> Vec<f64> {
         let mut scratch = Expected::default();

@@ -249,6 +249,7 @@ fn judge_suspects(
         }
     }
     let sensitivity = reference.sensitivity(inputs, expected);
+    let vectors = reference.vector_size(inputs);
     let mut undetermined = None;
     for &(vertex, output, k, component) in suspects {
         let name = || component_name(actual, output, k);
@@ -266,11 +267,17 @@ fn judge_suspects(
             Ok(_) => {
                 worst = worst.max(tolerance.ulp.min((scaled.expected - value(&scaled)).abs() / ulp_at(scaled.scale)))
             }
-            Err(_) if component.scalar == Scalar::F32 && tolerance.is_useless(scaled.scale, component.scale) => {
+            Err(_)
+                if component.scalar == Scalar::F32
+                    && tolerance.is_useless(scaled.scale, component.scale.max(vectors).max(size(&component))) =>
+            {
                 undetermined = Some(Reason::IllConditioned);
             }
             // Terms of this size may have been flushed to zero on the way.
-            Err(_) if component.scale < FLUSHED => undetermined = Some(Reason::Underflow),
+            // They leave a small value behind, and neither a large one nor a NaN.
+            Err(_) if component.scale < FLUSHED && value(&component).abs() < FLUSHED => {
+                undetermined = Some(Reason::Underflow);
+            }
             Err(_) if !scaled.scale.is_finite() => undetermined = Some(Reason::IllConditioned),
             Err(allowed) => {
                 return Verdict::Deviate(Deviation::Value {
@@ -289,6 +296,13 @@ fn judge_suspects(
 
 /// Below 2^-100 a flushed term (less than 2^-126) may be more than the rounding of the sum.
 const FLUSHED: f64 = f64::from_bits((1023 - 100) << 52);
+
+/// Size of what the lane wrote; 0 for what is no number. Beside a distance of 0 every tolerance is
+/// large, and a tolerance that is small beside the points and beside a wrong value tests it all the same.
+fn size(component: &Component) -> f64 {
+    let size = value(component).abs();
+    if size.is_finite() { size } else { 0.0 }
+}
 
 fn value(component: &Component) -> f64 {
     f64::from(f32::from_bits(component.actual))

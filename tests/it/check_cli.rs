@@ -222,18 +222,31 @@ fn a_case_that_does_not_fit_is_told() {
     assert!(ran.err.contains("--case needs exactly one suite"), "{}", ran.err);
 }
 
-#[test]
-fn a_reader_that_goes_away_is_no_error() {
-    let mut child = command(root(), "check sphere --samples 64 --format json")
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+/// Exit status when nobody reads standard output, or neither that nor standard error; and what came
+/// on standard error when it is read.
+fn unread(args: &str, read_err: bool) -> (Option<i32>, String) {
+    let mut child = command(root(), args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
-    let status = child.wait().unwrap();
     let mut err = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
-    assert_eq!(err, "", "{status}");
+    let mut stderr = child.stderr.take().unwrap();
+    if read_err {
+        stderr.read_to_string(&mut err).unwrap();
+    }
+    drop(stderr);
+    (child.wait().unwrap().code(), err)
+}
+
+#[test]
+fn a_reader_that_goes_away_does_not_change_the_status() {
+    let wrong = "check sphere --shader fixtures/alarms/sphere_off.vert --samples 64";
+    for read_err in [true, false] {
+        for format in ["text", "json"] {
+            let status = |args: &str| unread(&format!("{args} --format {format}"), read_err);
+            assert_eq!(status("check sphere --samples 64"), (Some(0), String::new()));
+            assert_eq!(status(wrong), (Some(1), String::new()));
+        }
+        assert_eq!(unread("check spere", read_err).0, Some(2));
+    }
 }
 
 #[test]

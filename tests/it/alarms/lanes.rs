@@ -12,7 +12,7 @@ use shadercheck::text::SourceFile;
 use shadercheck::value::Batch;
 
 /// What one dispatch left in the output buffer.
-struct Buffer {
+pub(super) struct Buffer {
     /// Number of this dispatch of the runner, from 0.
     dispatch: usize,
     /// Invocations.
@@ -34,7 +34,7 @@ impl Buffer {
     }
 }
 
-type Fault = fn(&mut Buffer);
+pub(super) type Fault = fn(&mut Buffer);
 
 /// The Vulkan lane with a fault.
 struct Faulty {
@@ -112,27 +112,32 @@ fn raw(actual: &Actual, layout: &OutputLayout, marks: Marks) -> Vec<u32> {
     words
 }
 
-fn prepared(suite: &str) -> Prepared {
+/// A shipped suite, made ready.
+pub(super) fn prepared(suite: &str) -> Prepared {
     let shipped = find(suite).unwrap();
     let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
     prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text)).unwrap()
 }
 
-/// Runs a shipped suite in both stages that apply, on dispatches of at most 128 invocations.
+/// Runs a shipped suite as [`reports_of`] does.
 fn reports(suite: &str, fault: Fault) -> Vec<Result<Report, LaneError>> {
+    reports_of(&prepared(suite), fault)
+}
+
+/// Runs a suite in the stages that apply, on dispatches of at most 128 invocations.
+pub(super) fn reports_of(prepared: &Prepared, fault: Fault) -> Vec<Result<Report, LaneError>> {
     let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
     let lane = Faulty { lane, fault, capacity: 128 };
-    let prepared = prepared(suite);
     let request = Request {
         samples: Some(512),
         seed: DEFAULT_SEED,
         quick: true,
         replay: Vec::new(),
         replay_only: false,
-        arguments: suite.to_owned(),
+        arguments: prepared.suite.name.clone(),
     };
     let stages = if prepared.vertex.is_some() { &[Stage::Compute, Stage::Vertex][..] } else { &[Stage::Compute] };
-    stages.iter().map(|&stage| run(&prepared, &lane, stage, &request, &mut |_| {})).collect()
+    stages.iter().map(|&stage| run(prepared, &lane, stage, &request, &mut |_| {})).collect()
 }
 
 /// The run fails in each stage, with a finding of this kind that holds `said`.
@@ -204,6 +209,29 @@ fn nan_is_found() {
     rings("sphere", nan, FindingKind::Deviation, "`gl_Position.y` is nan");
     let vertex = |b: &mut Buffer| (0..b.count).for_each(|i| b.record(i)[4] = f32::NAN.to_bits());
     rings("hair", vertex, FindingKind::Deviation, "`gl_Position.x` of vertex 0 is nan");
+}
+
+#[test]
+fn a_wrong_zero_is_found() {
+    // A distance of 0: no tolerance is small beside it, and what comes in its place is wrong all the same.
+    let faults: [(Fault, &str); 3] = [
+        (|b| on_zeros(b, 5.0), "is 5.0 (0x40a00000), expected 0.0"),
+        (|b| on_zeros(b, 1e-3), "is 0.001 (0x3a83126f), expected 0.0"),
+        (|b| on_zeros(b, f32::NAN), "is nan"),
+    ];
+    for (fault, said) in faults {
+        rings("segment_distance", fault, FindingKind::Deviation, said);
+    }
+}
+
+/// Puts `value` in place of the zeros of a function with one number as result.
+fn on_zeros(b: &mut Buffer, value: f32) {
+    for i in 0..b.count {
+        let word = &mut b.record(i)[1];
+        if *word << 1 == 0 {
+            *word = value.to_bits();
+        }
+    }
 }
 
 #[test]

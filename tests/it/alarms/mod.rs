@@ -1,6 +1,7 @@
 //! Planted faults that must be found, each beside the same thing without the fault, which must pass.
 
 mod files;
+mod formulas;
 mod lanes;
 mod shaders;
 mod suites;
