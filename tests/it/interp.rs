@@ -174,6 +174,30 @@ fn a_wrong_shader_does_not_mean_the_formula() {
     }
 }
 
+#[test]
+fn vertices_past_the_limit_are_counted_and_not_stored() {
+    let prepared = prepared("hair", |text| text.replacen("max_vertices = 5", "max_vertices = 3", 1));
+    let meaning = interp::run::<Binary64>(&prepared.program, &batch(&prepared, 2)).unwrap();
+    assert_eq!((meaning.emitted(0), meaning.stored(0), meaning.ended_strips(0)), (5, 3, 1));
+    assert_eq!((meaning.strip(0, 0), meaning.strip(0, 2)), (0, 0));
+}
+
+#[test]
+fn an_output_that_is_written_before_the_first_vertex_alone_is_unwritten_behind_it() {
+    let prepared = prepared("hair", |text| {
+        let line = "v = -normalize(position.xyz);";
+        assert!(text.contains(line));
+        text.replacen(line, "if (i == 0) v = -normalize(position.xyz);", 1)
+    });
+    let meaning = interp::run::<Binary64>(&prepared.program, &batch(&prepared, 2)).unwrap();
+    let record = prepared.program.output_layout().vertex;
+    let v = record.range(record.index_of("v").unwrap());
+    for word in 0..record.words() {
+        assert!(meaning.is_written(0, 0, word));
+        assert_eq!(meaning.is_written(0, 1, word), !v.contains(&word));
+    }
+}
+
 /// What a lane would have written.
 fn actual(prepared: &Prepared, meaning: &Meaning<u32>) -> Actual {
     let layout = prepared.program.output_layout();

@@ -25,7 +25,9 @@ impl Compiler<'_> {
         match fun {
             MathFunction::Dot => Some(vec![self.dot(site, arg(0)?, arg(1)?)?]),
             MathFunction::Outer => {
-                let (column, row) = (arg(0)?, arg(1)?);
+                // naga's type of a product that is not square is that of its transpose: it has no
+                // meaning on which its back ends agree.
+                let (column, row) = (arg(0)?, arg(1).filter(|row| row.len() == args[0].len())?);
                 let products = row.iter().flat_map(|&r| column.iter().map(move |&c| (c, r)));
                 Some(products.map(|(c, r)| self.real2(site, Binary::Multiply, c, r)).collect())
             }

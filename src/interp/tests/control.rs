@@ -155,7 +155,7 @@ fn calls_return_to_where_each_lane_came_from() {
 #[test]
 fn a_loop_without_end_is_reported_for_the_lanes_that_run_it() {
     let shader = wgsl("fn f(x: i32) -> i32 { var y = x; loop { if y != 7 { break; } } return y + 1; }");
-    let (executable, _) = compile(&shader).unwrap();
+    let executable = compile(&shader).unwrap();
     let rows: Vec<Vec<u32>> = (0..20).map(|k| vec![k]).collect();
     let meaning = executable.run::<Binary64>(&batch(&rows), 100).unwrap();
     for k in 0..20 {
@@ -175,7 +175,7 @@ fn a_loop_without_end_is_reported_for_the_lanes_that_run_it() {
 fn fuel_that_suffices_is_not_reported() {
     let shader = wgsl("fn f(x: i32) -> i32 { var y = 0; for (var i = 0; i < x; i++) { y += 2; } return y; }");
     let rows: Vec<Vec<u32>> = vec![vec![5000], vec![3]];
-    let meaning = compile(&shader).unwrap().0.run::<Binary64>(&batch(&rows), FUEL).unwrap();
+    let meaning = compile(&shader).unwrap().run::<Binary64>(&batch(&rows), FUEL).unwrap();
     assert!(meaning.findings().is_empty() && meaning.flags(0).is_empty());
     assert_eq!((meaning.vertex(0, 0)[0], meaning.vertex(1, 0)[0]), (10000.0, 6.0));
 }

@@ -1,5 +1,7 @@
 //! The tables of expected values notice when an instruction is wrong.
 
+use std::collections::BTreeMap;
+
 use super::super::domain::{Binary, Unary};
 use super::functions::{Row, check, rows};
 use super::operators;
@@ -73,13 +75,16 @@ fn a_swapped_operand_order_is_noticed() {
 #[test]
 fn a_wrong_entry_of_the_table_is_noticed() {
     let rows: Vec<Row> = rows().into_iter().chain(operators::rows()).collect();
+    let mut missed = Vec::new();
     for right in Unary::ALL {
         for wrong in Unary::ALL.into_iter().filter(|wrong| *wrong != right) {
             let caught = noticed(&rows, |inst| match inst {
                 Inst::Real1 { op, .. } if *op == right => *op = wrong,
                 _ => {}
             });
-            assert!(caught, "{wrong:?} for {right:?}");
+            if !caught {
+                missed.push(format!("{wrong:?} for {right:?}"));
+            }
         }
     }
     for right in Binary::ALL {
@@ -88,40 +93,57 @@ fn a_wrong_entry_of_the_table_is_noticed() {
                 Inst::Real2 { op, .. } if *op == right => *op = wrong,
                 _ => {}
             });
-            assert!(caught, "{wrong:?} for {right:?}");
+            if !caught {
+                missed.push(format!("{wrong:?} for {right:?}"));
+            }
         }
     }
+    assert_eq!(missed, Vec::<String>::new());
+}
+
+/// Instructions on two real numbers that differ.
+fn pairs(body: &mut Vec<Inst>, f: &mut impl FnMut(usize, &mut u32, &mut u32)) {
+    let mut place = 0;
+    each(body, &mut |inst| {
+        if let Inst::Real2 { a, b, .. } = inst
+            && a != b
+        {
+            f(place, a, b);
+            place += 1;
+        }
+    });
 }
 
 #[test]
 fn an_operand_taken_twice_is_noticed_in_every_function() {
+    // By function: operands caught, and all of them.
+    let mut sums: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for row in rows() {
-        let mut places = 0;
-        check(&row, |body| each(&mut body.clone(), &mut |_| {}));
-        let count = |body: &mut Vec<Inst>| {
-            let mut n = 0;
-            each(body, &mut |inst| n += usize::from(matches!(inst, Inst::Real2 { a, b, .. } if a != b)));
-            n
-        };
         let total = std::cell::Cell::new(0);
-        check(&row, |body| total.set(count(body)));
+        check(&row, |body| pairs(body, &mut |_, _, _| total.set(total.get() + 1)));
+        let mut caught = 0;
         for place in 0..total.get() {
-            let caught = check(&row, |body| {
-                let mut k = 0;
-                each(body, &mut |inst| {
-                    if let Inst::Real2 { a, b, .. } = inst
-                        && a != b
-                    {
-                        if k == place {
-                            *a = *b;
-                        }
-                        k += 1;
+            let first = check(&row, |body| {
+                pairs(body, &mut |k, a, b| {
+                    if k == place {
+                        *a = *b;
                     }
                 });
             });
-            places += usize::from(caught.is_some());
+            let second = check(&row, |body| {
+                pairs(body, &mut |k, a, b| {
+                    if k == place {
+                        *b = *a;
+                    }
+                });
+            });
+            caught += usize::from(first.is_some() || second.is_some());
         }
-        // Some operands do not matter at the values of the row: bounds that do not bind, zeros.
-        assert!(2 * places >= total.get(), "{:?}: {places} of {}", row.fun, total.get());
+        let sum = sums.entry(format!("{:?}", row.fun)).or_default();
+        *sum = (sum.0 + caught, sum.1 + total.get());
+    }
+    for (fun, (caught, total)) in sums {
+        // Some operands do not matter at the values of the rows: bounds that do not bind, zeros.
+        assert!(2 * caught >= total, "{fun}: {caught} of {total}");
     }
 }

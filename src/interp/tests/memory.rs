@@ -1,7 +1,7 @@
 //! Variables, pointers and indices of each lane's own.
 
-use super::super::Binary64;
-use super::support::{assert_near, floats, glsl, ints, row, row32, run, wgsl};
+use super::super::{Binary32, Binary64, FUEL, POISON};
+use super::support::{assert_near, batch, compile_with, floats, glsl, ints, row, row32, run, wgsl};
 
 #[test]
 fn an_index_of_each_lane_selects_elements_of_a_variable() {
@@ -115,10 +115,11 @@ fn a_value_read_before_a_store_stays_what_it_was() {
 #[test]
 fn a_result_that_is_not_written_on_every_path_shows() {
     let shader = glsl("void f(in float x, out float y) { if (x > 0.0) y = x; }");
-    let (executable, _) = super::support::compile(&shader).unwrap();
-    assert_eq!(executable.outputs().len(), 1);
-    // The front end makes no initial value, and the caller does not feed `y` here.
-    let subject_rows = vec![floats(&[1.0, 0.0]), floats(&[-1.0, 0.0])];
-    let meaning = run::<Binary64>(&shader, &subject_rows);
+    let executable = compile_with(&shader, false).unwrap();
+    let meaning = executable.run::<Binary64>(&batch(&[floats(&[1.0]), floats(&[-1.0])]), FUEL).unwrap();
     assert_eq!(meaning.vertex(0, 0), [1.0]);
+    assert_eq!(meaning.unwritten(), [(1, 0, 0)]);
+    assert!(meaning.is_written(0, 0, 0) && !meaning.is_written(1, 0, 0));
+    let meaning = executable.run::<Binary32>(&batch(&[floats(&[-1.0])]), FUEL).unwrap();
+    assert_eq!((meaning.vertex(0, 0), meaning.unwritten().len()), (&[POISON][..], 1));
 }

@@ -1,6 +1,6 @@
 //! What leaves the range of its type: the rules of WGSL, and a report.
 
-use super::super::{Binary64, Executable, Kind, Meaning};
+use super::super::{Binary64, Kind, Meaning};
 use super::support::{batch, compile, floats, ints, run, wgsl};
 
 fn kinds(meaning: &Meaning<f64>, invocation: usize) -> Vec<Kind> {
@@ -17,7 +17,7 @@ fn an_index_outside_takes_the_last_element_and_is_reported() {
         (kinds(&meaning, 0), kinds(&meaning, 1), kinds(&meaning, 2)),
         (vec![], vec![Kind::Index], vec![Kind::Index])
     );
-    let (executable, _): (Executable, _) = compile(&shader).unwrap();
+    let executable = compile(&shader).unwrap();
     let [finding] = meaning.findings() else { panic!("{:?}", meaning.findings()) };
     assert_eq!((finding.invocation, finding.count), (1, 2));
     assert_eq!(&text[executable.place(finding.site).span.to_range().unwrap()], "a[i]");
@@ -89,7 +89,7 @@ fn lanes_behind_the_last_invocation_report_nothing() {
 
 #[test]
 fn a_batch_for_another_program_is_refused() {
-    let (executable, _) = compile(&wgsl("fn f(a: i32, b: i32) -> i32 { return a / b; }")).unwrap();
+    let executable = compile(&wgsl("fn f(a: i32, b: i32) -> i32 { return a / b; }")).unwrap();
     let error = executable.run::<Binary64>(&batch(&[vec![1]]), 1).unwrap_err();
     assert_eq!(error.to_string(), "the batch has 1 words for each invocation, the program takes 2");
 }

@@ -28,26 +28,31 @@ fn validated(module: Module) -> (Module, ModuleInfo) {
 }
 
 /// Compiles the function `f`: its arguments in, its result and what it has pointers to out.
-pub(super) fn compile((module, info): &(Module, ModuleInfo)) -> Result<(Executable, usize), InterpError> {
+pub(super) fn compile(shader: &(Module, ModuleInfo)) -> Result<Executable, InterpError> {
+    compile_with(shader, true)
+}
+
+/// The same; what it has pointers to is only fed when asked for.
+pub(super) fn compile_with((module, info): &(Module, ModuleInfo), feeds: bool) -> Result<Executable, InterpError> {
     let (handle, function) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some("f")).unwrap();
     let mut inputs = Vec::new();
     let mut outputs = Vec::new();
     if let Some(result) = &function.result {
         outputs.push(Binding { name: "return".into(), ty: result.ty, at: PortAt::Result, backing: None });
     }
-    let mut words = 0;
     for (k, argument) in function.arguments.iter().enumerate() {
         let name = argument.name.clone().unwrap_or_default();
         let (ty, at) = match module.types[argument.ty].inner {
             TypeInner::Pointer { base, .. } => (base, PortAt::Reference(k as u32)),
             _ => (argument.ty, PortAt::Argument(k as u32)),
         };
-        words += module.types[ty].inner.size(module.to_ctx()) as usize / 4;
         let binding = Binding { name, ty, at, backing: None };
         if matches!(binding.at, PortAt::Reference(_)) {
             outputs.push(binding.clone());
         }
-        inputs.push(binding);
+        if feeds || matches!(binding.at, PortAt::Argument(_)) {
+            inputs.push(binding);
+        }
     }
     let subject = Subject {
         module,
@@ -59,7 +64,7 @@ pub(super) fn compile((module, info): &(Module, ModuleInfo)) -> Result<(Executab
         built_ins: &[],
         max_vertices: None,
     };
-    Ok((Executable::compile(&subject)?, words))
+    Executable::compile(&subject)
 }
 
 /// A batch of rows of words.
@@ -77,7 +82,7 @@ pub(super) fn batch(rows: &[Vec<u32>]) -> Batch {
 }
 
 pub(super) fn run<D: Domain + Default>(shader: &(Module, ModuleInfo), rows: &[Vec<u32>]) -> Meaning<D::Word> {
-    let (executable, _) = compile(shader).unwrap();
+    let executable = compile(shader).unwrap();
     executable.run::<D>(&batch(rows), FUEL).unwrap()
 }
 
