@@ -138,12 +138,41 @@ fn a_required_lane_that_is_missing_is_an_error_with_the_remedy() {
 }
 
 #[test]
+fn without_a_driver_the_embedded_lane_stands_in_and_the_run_says_so() {
+    let ran = without_lanes("check sphere hair --samples 16").expect(0);
+    assert!(ran.out.contains("embedded/compute") && !ran.out.contains("vulkan/"), "{}", ran.out);
+    assert!(
+        ran.out.contains("note: lane `vulkan` did not run: no Vulkan driver was found; install one"),
+        "{}",
+        ran.out
+    );
+    let json = without_lanes("check sphere --samples 16 --format json").expect(0).json();
+    assert_eq!((&json["lanes"][0]["name"], &json["unavailable"][0]["name"]), (&"embedded".into(), &"vulkan".into()));
+    // Beside a driver it runs only when it is named.
+    let ran = run("check sphere --samples 16").expect(0);
+    assert!(!ran.out.contains("embedded"), "{}", ran.out);
+    let ran = run("check sphere --samples 16 --lane embedded").expect(0);
+    assert!(ran.out.contains("embedded/compute") && !ran.out.contains("vulkan"), "{}", ran.out);
+}
+
+#[test]
+fn the_embedded_lane_finds_what_the_driver_finds() {
+    for (suite, shader) in
+        [("sphere", "sphere_off.vert"), ("sphere", "sphere_unwritten.vert"), ("hair", "hair_last.geom")]
+    {
+        let check = format!("check {suite} --shader fixtures/alarms/{shader} --samples 304 --lane embedded");
+        let ran = run(&check).expect(1);
+        assert!(ran.out.contains("embedded/compute"), "{}", ran.out);
+    }
+}
+
+#[test]
 fn without_any_lane_nothing_is_checked_and_that_is_an_error() {
-    let ran = without_lanes("check sphere --samples 16").expect(2);
+    let ran = without_lanes("check sphere --samples 16 --lane vulkan").expect(2);
     assert_eq!(ran.out, "");
     assert!(ran.err.contains("lane `vulkan` cannot be had: no Vulkan driver was found; install one"), "{}", ran.err);
     assert!(ran.err.ends_with("error: no lane can run here, so nothing was checked\n"), "{}", ran.err);
-    let json = without_lanes("check sphere --samples 16 --format json").expect(2).json();
+    let json = without_lanes("check sphere --samples 16 --lane vulkan --format json").expect(2).json();
     assert_eq!((&json["status"], &json["suites"]), (&"fail".into(), &Value::Array(Vec::new())));
     assert_eq!(json["unavailable"][0]["name"], "vulkan");
 }
