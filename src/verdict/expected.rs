@@ -225,7 +225,7 @@ impl Reference {
         vectors.fold(0.0, |m, (x, _)| m.max(x.abs()))
     }
 
-    /// For each expected word, how sensitive it is to the inputs: Σ |x · ∂y/∂x|.
+    /// For each expected word, how sensitive it is to the inputs; see `tolerance`.
     pub(super) fn sensitivity(&self, inputs: &[f64], base: &Expected) -> Vec<f64> {
         let mut scratch = Expected::default();
         super::tolerance::sensitivity(inputs, &self.families, &base.words, |moved, out| {

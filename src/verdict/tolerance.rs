@@ -2,8 +2,8 @@
 //! in this file.
 //!
 //! A suite states a number of ULP. They are ULP *at the scale of the inputs*: of the largest
-//! component of the output variable, plus the sum over all inputs of X · |∂y/∂x|, which is how much
-//! of the inputs' own size passes through to the output. A sum that cancels keeps the scale of what
+//! component of the output variable, plus the root of the sum over all inputs of (X · ∂y/∂x)², which is
+//! how much of the inputs' own size passes through to the output: their roundings are independent. A sum that cancels keeps the scale of what
 //! was summed, and a quotient by a small length gets the scale of what was divided.
 //!
 //! X is the size of the input: |x| for a number; for a component of a vector or matrix, the largest
@@ -53,7 +53,7 @@ pub enum Family {
     Matrix,
 }
 
-/// For each output, Σ X · |∂y/∂x| over the inputs, by moving one input at a time. `eval` gives the
+/// For each output, √Σ (X · ∂y/∂x)² over the inputs, by moving one input at a time. `eval` gives the
 /// outputs of the inputs, always the same number of them. An output that jumps, or that loses its
 /// value, counts as infinitely sensitive.
 pub fn sensitivity(
@@ -89,10 +89,11 @@ pub fn sensitivity(
             return sum;
         }
         for ((sum, &y), &y0) in sum.iter_mut().zip(&outputs).zip(base) {
-            let change = (y - y0).abs() / STEP;
-            *sum += if change.is_nan() { f64::INFINITY } else { change };
+            let change = (y - y0) / STEP;
+            *sum += if change.is_nan() { f64::INFINITY } else { change * change };
         }
     }
+    sum.iter_mut().for_each(|sum| *sum = sum.sqrt());
     sum
 }
 
@@ -104,7 +105,7 @@ mod tests {
     fn a_cancelling_difference_keeps_the_scale_of_its_terms() {
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0] - x[1]);
         let sum = sensitivity(&[1000.0, 999.9], &[Family::Single; 2], &[0.1], eval);
-        assert!((sum[0] - 1999.9).abs() < 1e-2, "{sum:?}");
+        assert!((sum[0] - 1000.0_f64.hypot(999.9)).abs() < 1e-2, "{sum:?}");
     }
 
     #[test]
