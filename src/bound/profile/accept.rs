@@ -78,6 +78,10 @@ impl Scope<'_> {
     /// What an operation may give for arguments somewhere in a box.
     fn apply(&self, op: Op, args: &[Interval]) -> Result<Interval, Free> {
         let Entry::Promised(pieces) = self.profile.entry(op) else { return Err(Free::NoPromise) };
+        // The domain first: the value costs more.
+        if !pieces.iter().any(|p| p.touches(args)) {
+            return Err(Free::OutsideDomain);
+        }
         let range = exact_range(op, args).ok_or(Free::OutsideDomain)?;
         let mut accepted: Option<Interval> = None;
         // The first piece that covers a point counts: later ones count for what earlier ones leave.
@@ -135,7 +139,8 @@ impl Scope<'_> {
                 if error.is_nan() {
                     return Err(Free::OutsideDomain);
                 }
-                widened(error, error)
+                // The formula's own results, which the sums above may have missed by their rounding.
+                widened(error, error).join(formula)
             }
             Rule::NoPromise => return Err(Free::NoPromise),
         })

@@ -17,7 +17,7 @@ use crate::lane::Stage;
 
 pub use accept::{Free, accept, least_ulp};
 pub use grid::Interval;
-pub use measured::{Measured, Row, Table, bin_of, bounds_of_bin};
+pub use measured::{BINS, CLASSES, Measured, Row, Table, bin_of, bounds_of_bin};
 pub use op::Op;
 pub use read::{ProfileError, parse};
 pub use rule::{Condition, Definition, Piece, Quantity, Rule};

@@ -23,7 +23,7 @@ pub struct ProfileError(pub Vec<String>);
 /// [`ProfileError`] with every problem: keys that are not known, rules that cannot be read,
 /// operations without an entry.
 pub fn parse(file: &SourceFile, base: &dyn Fn(&str) -> Option<Profile>) -> Result<Profile, ProfileError> {
-    let reader = Reader { file, problems: RefCell::default() };
+    let reader = Reader { problems: RefCell::default() };
     let profile = match DeTable::parse(file.text()) {
         Ok(root) => reader.profile(root.get_ref(), base),
         Err(error) => {
@@ -37,8 +37,8 @@ pub fn parse(file: &SourceFile, base: &dyn Fn(&str) -> Option<Profile>) -> Resul
     profile.filter(|_| lines.is_empty()).ok_or(ProfileError(lines))
 }
 
-struct Reader<'a> {
-    file: &'a SourceFile,
+/// What was found wrong so far, by byte offset.
+struct Reader {
     problems: RefCell<Vec<(usize, String)>>,
 }
 
@@ -57,7 +57,7 @@ const TOP: [&str; 10] = [
     "device",
 ];
 
-impl Reader<'_> {
+impl Reader {
     fn problem(&self, offset: usize, message: impl Into<String>) {
         self.problems.borrow_mut().push((offset, message.into()));
     }
@@ -144,6 +144,9 @@ impl Reader<'_> {
             }
             table
         };
+        if let Some(device) = table("device") {
+            self.only(device, ["lane", "driver", "fma", "products_and_sums"].into_iter());
+        }
         let subnormals = table("subnormals");
         if let Some(subnormals) = subnormals {
             self.only(subnormals, ["compute", "vertex"].into_iter());
