@@ -12,11 +12,12 @@ mod probe;
 mod tally;
 mod write;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::bound::profile::{Entry, Op, Profile, Rule, by_name};
-use crate::lane::{Lane, LaneError, Runner, Stage};
+use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
 use crate::program::ProgramError;
 use crate::value::Batch;
 
@@ -226,7 +227,8 @@ impl Device {
     ) -> Result<(), CalibrateError> {
         let arity = self.op.arity().unwrap_or(1);
         let width = self.width as u64;
-        let step = self.runner.capacity() as u64 * width;
+        // A power of two, so that no part of a sweep crosses from one binade to the next.
+        let step = (1 << self.runner.capacity().max(1).ilog2()) * width;
         let mut from = range.start;
         while from < range.end {
             let to = range.end.min(from + step);
@@ -238,23 +240,35 @@ impl Device {
                 batch.invocations.extend((from..to).flat_map(|k| inputs.at(k).into_iter().take(arity)));
             }
             let actual = self.runner.run(batch)?;
-            let words = &batch.invocations;
-            let width = self.width;
-            let part = judge.tally((to - from) as usize, |k| {
-                let result = actual.vertex(k / width, 0)[k % width];
-                let mut arguments = [0; 3];
-                if width > 1 {
-                    arguments[0] = words[k / width] + (k % width) as u32;
-                } else {
-                    arguments[..arity].copy_from_slice(&words[k * arity..][..arity]);
-                }
-                (arguments, result)
-            });
+            let part = match self.op.function().filter(|_| self.width > 1) {
+                Some(function) => sweep_tally(judge, function, batch, &actual),
+                None => judge.tally((to - from) as usize, |k| {
+                    let mut arguments = [0; 3];
+                    arguments[..arity].copy_from_slice(batch.invocation(k));
+                    (arguments, actual.vertex(k, 0)[0])
+                }),
+            };
             tally.merge(&part);
             from = to;
         }
         Ok(())
     }
+}
+
+/// Invocations of a sweep that one thread takes at a time: a part of a binade.
+const PART: usize = 1 << 12;
+
+/// The tally of a dispatch of the sweeping kernel.
+fn sweep_tally(judge: &Judge<'_>, function: fn(f64) -> f64, batch: &Batch, actual: &Actual) -> Tally {
+    let part = |(k, words): (usize, &[u32])| {
+        let invocations = k * PART..k * PART + words.len();
+        let results: Vec<u32> = invocations.flat_map(|i| actual.vertex(i, 0).iter().copied()).collect();
+        judge.tally_neighbours(words[0], &results, function)
+    };
+    batch.invocations.par_chunks(PART).enumerate().map(part).reduce(Tally::default, |mut a, b| {
+        a.merge(&b);
+        a
+    })
 }
 
 /// The `k`-th finite number: those with a plus sign first.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::inputs::Arguments;
-use crate::bound::profile::{BINS, CLASSES, Op, Profile, accept, bin_of, grid, least_ulp};
+use crate::bound::profile::{BINS, CLASSES, Interval, Op, Profile, accept, bin_of, grid, least_ulp, may_promise};
 use crate::lane::Stage;
 
 /// Samples that one thread takes at a time.
@@ -133,10 +133,61 @@ impl<'a> Judge<'a> {
         })
     }
 
+    /// Tallies the results for neighbouring words of one bin: the same as [`Judge::tally`] for a
+    /// function of one argument, without what most samples do not need.
+    pub fn tally_neighbours(&self, first: u32, results: &[u32], function: fn(f64) -> f64) -> Tally {
+        let mut tally = Tally::default();
+        let ends = [first, first + results.len() as u32 - 1].map(|w| f64::from(f32::from_bits(w)));
+        let bin = (first >> 23) as usize;
+        let promises = Interval::hull(ends).is_some_and(|range| may_promise(self.text, self.op, range));
+        let sieve = if promises { self.sieve } else { f64::INFINITY };
+        // Samples below these limits set no record and need no look at the promise.
+        let limits = |tally: &Tally| {
+            let (ulp, abs) = (tally.bins[bin].ulp.value(), tally.bins[bin].abs.value());
+            if promises {
+                let promised = (tally.promised_ulp.value(), tally.promised_abs.value());
+                (ulp.min(promised.0).min(sieve), abs.min(promised.1))
+            } else {
+                (ulp, abs)
+            }
+        };
+        let (mut ulp_limit, mut abs_limit) = (0.0, 0.0);
+        let mut plain = [0_u64; CLASSES.len() + 1];
+        for (k, &result) in results.iter().enumerate() {
+            let word = first + k as u32;
+            let exact = function(f64::from(f32::from_bits(word)));
+            let error = (f64::from(f32::from_bits(result)) - exact).abs();
+            let size = exact.abs();
+            // The reciprocal of the gap, from the exponent: a power of two, whose gap is another, and
+            // what has no normal result take the long way.
+            let exponent = exact.to_bits() >> 52 & 0x7ff;
+            let ulp = error * f64::from_bits((2046 + 23_u64).wrapping_sub(exponent) << 52);
+            let usual = size > grid::MIN_NORMAL && size < grid::MAX_FINITE && exact.to_bits() << 12 != 0;
+            if usual && ulp <= ulp_limit && error <= abs_limit {
+                let class = CLASSES.iter().position(|end| ulp <= *end).unwrap_or(CLASSES.len());
+                plain[class] += 1;
+            } else {
+                self.one_with(&mut tally, [word, 0, 0], result, exact, promises);
+                (ulp_limit, abs_limit) = limits(&tally);
+            }
+        }
+        let count: u64 = plain.iter().sum();
+        tally.samples += count;
+        tally.bins[bin].samples += count;
+        tally.bins[bin].histogram.iter_mut().zip(plain).for_each(|(a, b)| *a += b);
+        tally
+    }
+
     fn one(&self, tally: &mut Tally, arguments: Arguments, result: u32) {
         let args = arguments.map(|w| f64::from(f32::from_bits(w)));
+        let exact = self.op.exact(&args[..self.op.arity().unwrap_or(0)]);
+        self.one_with(tally, arguments, result, exact, true);
+    }
+
+    /// Tallies a sample whose exact value is known.
+    fn one_with(&self, tally: &mut Tally, arguments: Arguments, result: u32, exact: f64, promises: bool) {
+        let args = arguments.map(|w| f64::from(f32::from_bits(w)));
         let args = &args[..self.op.arity().unwrap_or(0)];
-        let exact = self.op.exact(args);
         let found = f64::from(f32::from_bits(result));
         tally.samples += 1;
         if exact.is_nan() {
@@ -172,7 +223,7 @@ impl<'a> Judge<'a> {
         let inside = ulp <= self.sieve;
         let record = ulp > tally.promised_ulp.value() || error > tally.promised_abs.value();
         // A NaN is not inside.
-        if !inside || record {
+        if promises && (!inside || record) {
             self.against_promise(tally, arguments, args, result, exact);
         }
     }

@@ -118,7 +118,9 @@ fn an_error_that_only_the_conformance_suite_accepts_is_told_apart() {
     };
     let tally = measured(Op::Exp2, edge);
     assert_eq!(Standing::of(Op::Exp2, &tally), Standing::InsideSuite);
-    assert!(tally.outside_text > 1000 && tally.ratio.value() > 1.0 && tally.ratio.value() < 1.4);
+    assert!(tally.outside_text > 1000, "{}", tally.outside_text);
+    // Up to one gap more on 3; just below a power of two, up to two of the smaller gaps.
+    assert!(tally.ratio.value() > 1.0 && tally.ratio.value() < 5.0 / 3.0, "{:?}", tally.ratio);
     let beyond: Function = |a| {
         let (_, suite) = promises();
         accept(suite, Op::Exp2, &[f64::from(a[0])], Stage::Compute).map_or(f32::NAN, |i| (i.hi as f32).next_up())
@@ -142,11 +144,11 @@ fn what_rounds_to_a_third_number_is_outside_of_correct_rounding() {
 #[test]
 fn a_result_that_is_no_number_is_outside() {
     let tally = measured(Op::InverseSqrt, |a| if a[0] == 2.0 { f32::NAN } else { 1.0 / a[0].sqrt() });
-    assert_eq!((Standing::of(Op::InverseSqrt, &tally), tally.outside_suite), (Standing::Outside, 1));
+    assert_eq!(Standing::of(Op::InverseSqrt, &tally), Standing::Outside);
     assert_eq!(tally.ratio.value(), f64::INFINITY);
     assert_eq!(f32::from_bits(tally.ratio.at[0]), 2.0);
     let bin = &tally.bins[(2.0_f32.to_bits() >> 23) as usize];
-    assert_eq!(bin.wild, 1);
+    assert!(bin.wild > 0 && bin.wild == tally.outside_suite, "2 is a special value in more ways than one");
 }
 
 #[test]
@@ -227,12 +229,53 @@ fn a_sweep_counts_every_finite_number_once() {
 }
 
 #[test]
+fn the_quick_tally_is_the_plain_one() {
+    let (text, suite) = promises();
+    // Around the end of a domain, an absolute and a relative promise, overflow, subnormal numbers
+    // and undefined values, with errors of all sizes.
+    for (op, middle) in [
+        (Op::Sin, std::f32::consts::PI),
+        (Op::Sin, 1.0),
+        (Op::Tan, 1.2),
+        (Op::Tan, 5.0),
+        (Op::Log2, 1.3),
+        (Op::Log2, 9.0),
+        (Op::Log2, -1.5),
+        (Op::Exp2, -0.06),
+        (Op::Exp, 88.75),
+        (Op::Sqrt, 1e-40),
+        (Op::Tanh, 1e-4),
+        (Op::Asin, 0.9),
+    ] {
+        let judge = Judge::new(op, text, suite, Stage::Compute);
+        let function = op.function().unwrap();
+        let first = middle.to_bits() & !0xfff;
+        let results: Vec<u32> = (0..0x1000)
+            .map(|k| {
+                let near = (function(f64::from(f32::from_bits(first + k))) as f32).to_bits();
+                match k % 97 {
+                    0 => near.wrapping_add(1 << (k % 23)),
+                    1 => near.wrapping_sub(k % 5),
+                    2 => 0x7f80_0000 + (k & 1),
+                    3 => 0,
+                    _ => near,
+                }
+            })
+            .collect();
+        let quick = judge.tally_neighbours(first, &results, function);
+        let plain = judge.tally(results.len(), |k| ([first + k as u32, 0, 0], results[k]));
+        assert_eq!(quick.bins, plain.bins, "{op:?}");
+        assert_eq!(quick, plain, "{op:?}");
+    }
+}
+
+#[test]
 fn the_written_profile_reads_back_with_its_bounds() {
     let mut state = State::new(request(&[Op::Sin, Op::Sqrt], 50_000));
     // An error of 4 ULP in one binade.
     let function: Function = |a| {
         let sine = rounded(Op::Sin, a[0]);
-        if (1.0..2.0).contains(&a[0]) { f32::from_bits(sine.to_bits() + 4) } else { sine }
+        if (1.0..1.3).contains(&a[0]) { f32::from_bits(sine.to_bits() + 4) } else { sine }
     };
     run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
     let behaviour = Behaviour {

@@ -69,6 +69,21 @@ pub fn least_ulp(profile: &Profile, op: Op) -> f64 {
     pieces.iter().map(|p| least(&p.rule)).fold(f64::INFINITY, f64::min)
 }
 
+/// False when a profile promises nothing for any argument in a range, for a function of one argument.
+pub fn may_promise(profile: &Profile, op: Op, range: Interval) -> bool {
+    let Entry::Promised(pieces) = profile.entry(op) else { return false };
+    pieces.iter().any(|piece| {
+        let by_rule = match piece.rule {
+            Rule::NoPromise => false,
+            Rule::Inherited { definition: Definition::SinOverCos, .. } => {
+                may_promise(profile, Op::Sin, range) && may_promise(profile, Op::Cos, range)
+            }
+            Rule::Exact | Rule::Rounded | Rule::Ulp { .. } | Rule::Absolute(_) | Rule::Inherited { .. } => true,
+        };
+        by_rule && piece.touches(&[range])
+    })
+}
+
 struct Scope<'a> {
     profile: &'a Profile,
     stage: Stage,

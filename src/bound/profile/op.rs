@@ -215,6 +215,7 @@ impl Op {
     /// specifications define no value, and for operations without [`Op::arity`].
     ///
     /// `args` holds at least as many numbers as the arity; missing ones count as NaN.
+    #[inline]
     pub fn exact(self, args: &[f64]) -> f64 {
         let at = |k: usize| args.get(k).copied().unwrap_or(f64::NAN);
         let (x, y) = (at(0), at(1));
@@ -273,6 +274,16 @@ impl Op {
         }
     }
 
+    /// [`Op::exact`] of a function of one argument, without a look at which it is.
+    pub fn function(self) -> Option<fn(f64) -> f64> {
+        // One closure for each: the compiler resolves the operation in it.
+        macro_rules! functions {
+            ($($op:ident)*) => { match self { $($op => Some(|x| $op.exact(&[x])),)* _ => None } };
+        }
+        functions!(Neg Abs Sign Floor Ceil Trunc RoundEven Fract Sqrt InverseSqrt Radians Degrees Sin Cos Tan Asin
+            Acos Atan Sinh Cosh Tanh Asinh Acosh Atanh Exp Exp2 Log Log2)
+    }
+
     /// The number by whose binade errors are tabulated: the argument of a function of one, and for
     /// others what their error depends on: the exponent y·log2(x) of `pow`, the quotient otherwise.
     pub fn key(self, args: &[f64]) -> f64 {
@@ -321,6 +332,17 @@ mod tests {
             assert_eq!(Op::by_name(op.name()), Some(op));
         }
         assert_eq!(Op::by_name("sine"), None);
+    }
+
+    #[test]
+    fn functions_of_one_argument_are_those_and_give_the_same() {
+        for op in Op::ALL {
+            assert_eq!(op.function().is_some(), op.arity() == Some(1), "{op:?}");
+            for x in [0.3, 1.7, -2.0] {
+                let same = |f: fn(f64) -> f64| f(x).to_bits() == op.exact(&[x]).to_bits();
+                assert!(op.function().is_none_or(same), "{op:?} {x}");
+            }
+        }
     }
 
     #[test]
