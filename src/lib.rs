@@ -1,5 +1,6 @@
 //! Property tests, lint and reference data for shaders, on a machine without a GPU.
 
+pub mod bound;
 pub mod cli;
 pub mod diagnostic;
 pub mod formula;

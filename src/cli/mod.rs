@@ -1,6 +1,7 @@
 //! The command line, one file a subcommand. Results go to standard output, progress and complaints
 //! to standard error.
 
+pub mod calibrate;
 pub mod check;
 pub mod explain;
 pub mod lanes;
@@ -38,12 +39,14 @@ pub enum Command {
     Translate(translate::TranslateArgs),
     /// Show what can run shaders here
     Lanes(lanes::LanesArgs),
+    /// Measure how far a device's operations are off, beside what is promised
+    Calibrate(calibrate::CalibrateArgs),
 }
 
 impl Command {
     /// True when the command opens devices.
     pub fn opens_devices(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Lanes(_))
+        matches!(self, Self::Check(_) | Self::Lanes(_) | Self::Calibrate(_))
     }
 }
 
@@ -60,6 +63,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
         Command::Lanes(args) => lanes::run(args, &mut out),
+        Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
     };
     let result = result.and_then(|status| Ok(out.flush().map(|()| status)?));
     match result {

@@ -2,6 +2,7 @@
 
 mod alarms;
 mod binary;
+mod calibrate;
 mod check_cli;
 mod geometry;
 mod interp;

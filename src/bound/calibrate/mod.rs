@@ -1,0 +1,320 @@
+//! Measures the operations of a device against exact values, and holds them against a promise.
+//!
+//! References are the functions of the standard library in binary64: within 1 ULP of binary64, and so
+//! within 2^-28 ULP of a binary32 result. An error that a table shows is good to that much.
+//!
+//! The work is cut into blocks. What was measured after a block is a [`State`], which can be written
+//! down and continued.
+
+mod inputs;
+mod kernel;
+mod probe;
+mod tally;
+mod write;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::bound::profile::{Entry, Op, Profile, Rule, by_name};
+use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
+use crate::program::ProgramError;
+use crate::value::Batch;
+
+pub use inputs::Inputs;
+pub use kernel::expression;
+pub use probe::{Behaviour, Fusion, probe};
+pub use tally::{Judge, Tally, Worst};
+pub use write::profile_text;
+
+/// Invocations of one dispatch.
+const DISPATCH: usize = 1 << 17;
+/// Words of one block of an exhaustive sweep; a power of two.
+const SWEEP_BLOCK: u64 = 1 << 26;
+/// Samples of one block of a measurement by samples.
+const SAMPLE_BLOCK: u64 = 1 << 22;
+/// Words that are finite numbers of one sign.
+const FINITE: u64 = 0x7f80_0000;
+/// First word of the numbers with a minus sign.
+const NEGATIVE: u64 = 0x8000_0000;
+
+/// Why a device could not be measured.
+#[derive(Debug, Error)]
+pub enum CalibrateError {
+    /// A kernel could not be made.
+    #[error(transparent)]
+    Program(ProgramError),
+    /// The lane failed.
+    #[error(transparent)]
+    Lane(LaneError),
+    /// A probe gave what neither of its alternatives gives.
+    #[error("the probe for {what} gave {found:e}, which is no result of any rule; the device computes wrongly")]
+    Odd {
+        /// What was probed.
+        what: &'static str,
+        /// The result.
+        found: f32,
+    },
+    /// A state was made by another request.
+    #[error("the saved state is of another run: {what}; remove it or leave out --resume")]
+    OtherRun {
+        /// What differs.
+        what: String,
+    },
+    /// The state could not be saved.
+    #[error("cannot save the state: {0}")]
+    Save(std::io::Error),
+}
+
+/// What to measure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Names of the operations, in the order of the table.
+    pub ops: Vec<String>,
+    /// Samples of each operation; specials come on top.
+    pub samples: u64,
+    /// All arguments of functions of one argument.
+    pub exhaustive: bool,
+    /// Device and driver.
+    pub driver: String,
+}
+
+impl Request {
+    fn operations(&self) -> Vec<Op> {
+        self.ops.iter().filter_map(|name| Op::by_name(name)).collect()
+    }
+
+    /// True when all arguments of `op` are tried.
+    pub fn sweeps(&self, op: Op) -> bool {
+        self.exhaustive && op.arity() == Some(1)
+    }
+
+    /// Samples of an operation.
+    pub fn size(&self, op: Op) -> u64 {
+        if self.sweeps(op) { 2 * FINITE } else { self.samples + Inputs::new(op).special_count() as u64 }
+    }
+
+    /// Samples of all operations.
+    pub fn total(&self) -> u64 {
+        self.operations().into_iter().map(|op| self.size(op)).sum()
+    }
+}
+
+/// Operations that can be measured.
+pub fn measurable() -> impl Iterator<Item = Op> {
+    Op::ALL.into_iter().filter(|op| expression(*op).is_some())
+}
+
+/// What was measured so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    request: Request,
+    /// Tallies of the operations of the request that are complete, and of the one under way.
+    tallies: Vec<Tally>,
+    /// Samples of the last tally; all when it is complete.
+    position: u64,
+}
+
+impl State {
+    /// A state before the first sample.
+    pub fn new(request: Request) -> Self {
+        Self { request, tallies: Vec::new(), position: 0 }
+    }
+
+    /// This state, if it is of the same request.
+    ///
+    /// # Errors
+    /// [`CalibrateError::OtherRun`] with what differs.
+    pub fn resume(self, request: &Request) -> Result<Self, CalibrateError> {
+        let (was, is) = (&self.request, request);
+        let differs = [
+            ("device", was.driver != is.driver, was.driver.clone(), is.driver.clone()),
+            ("operations", was.ops != is.ops, was.ops.join(","), is.ops.join(",")),
+            ("samples", was.samples != is.samples, was.samples.to_string(), is.samples.to_string()),
+            ("exhaustive", was.exhaustive != is.exhaustive, was.exhaustive.to_string(), is.exhaustive.to_string()),
+        ];
+        match differs.into_iter().find(|(_, differs, ..)| *differs) {
+            Some((what, _, was, is)) => Err(CalibrateError::OtherRun { what: format!("{what} was {was} and is {is}") }),
+            None => Ok(self),
+        }
+    }
+
+    /// Samples done.
+    pub fn done(&self) -> u64 {
+        let complete = self.tallies.len().saturating_sub(1);
+        let sizes = self.request.operations().into_iter().take(complete).map(|op| self.request.size(op));
+        sizes.sum::<u64>() + self.position
+    }
+
+    /// Each operation with its tally.
+    pub fn measurements(&self) -> Vec<(Op, &Tally)> {
+        self.request.operations().into_iter().zip(&self.tallies).collect()
+    }
+
+    /// The request.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+}
+
+/// Measures what is still to do. `saved` gets the state after every block, and the name of the
+/// operation.
+///
+/// # Errors
+/// [`CalibrateError`]; what was saved can be continued.
+pub fn run(
+    lane: &dyn Lane,
+    state: &mut State,
+    saved: &mut dyn FnMut(&State, Op) -> std::io::Result<()>,
+) -> Result<(), CalibrateError> {
+    let (text, suite) = promises();
+    for (index, op) in state.request.operations().into_iter().enumerate() {
+        let size = state.request.size(op);
+        let complete = index + 1 < state.tallies.len() || (index + 1 == state.tallies.len() && state.position >= size);
+        if complete {
+            continue;
+        }
+        if index == state.tallies.len() {
+            state.tallies.push(Tally::default());
+            state.position = 0;
+        }
+        let judge = Judge::new(op, text, suite, Stage::Compute);
+        let sweeps = state.request.sweeps(op);
+        let mut device = Device::new(lane, op, sweeps)?;
+        let block = if sweeps { SWEEP_BLOCK } else { SAMPLE_BLOCK };
+        while state.position < size {
+            let end = size.min(state.position + block);
+            let mut tally = Tally::default();
+            device.block(&judge, state.position..end, &mut tally)?;
+            state.tallies[index].merge(&tally);
+            state.position = end;
+            saved(state, op).map_err(CalibrateError::Save)?;
+        }
+    }
+    Ok(())
+}
+
+/// The text of the specification that devices promise, and the rule of its conformance suite.
+pub fn promises() -> (&'static Profile, &'static Profile) {
+    let shipped = |name| by_name(name).unwrap_or_else(|| unreachable!("the profile `{name}` is part of the program"));
+    (shipped("vulkan-1.4"), shipped("vulkan-cts"))
+}
+
+/// A kernel on a lane with what feeds it.
+struct Device {
+    runner: Box<dyn Runner>,
+    batch: Batch,
+    op: Op,
+    /// Results of one invocation.
+    width: usize,
+    inputs: Inputs,
+}
+
+impl Device {
+    fn new(lane: &dyn Lane, op: Op, sweeps: bool) -> Result<Self, CalibrateError> {
+        let kernel = if sweeps { kernel::sweep(op)? } else { kernel::pointwise(op)? };
+        let batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, DISPATCH);
+        let width = if sweeps { kernel::SWEEP } else { 1 };
+        Ok(Self { runner: lane.prepare(&kernel, DISPATCH)?, batch, op, width, inputs: Inputs::new(op) })
+    }
+
+    /// Runs samples `range` and tallies them.
+    fn block(
+        &mut self,
+        judge: &Judge<'_>,
+        range: std::ops::Range<u64>,
+        tally: &mut Tally,
+    ) -> Result<(), CalibrateError> {
+        let arity = self.op.arity().unwrap_or(1);
+        let width = self.width as u64;
+        // A power of two, so that no part of a sweep crosses from one binade to the next.
+        let step = (1 << self.runner.capacity().max(1).ilog2()) * width;
+        let mut from = range.start;
+        while from < range.end {
+            let to = range.end.min(from + step);
+            let (inputs, batch) = (&self.inputs, &mut self.batch);
+            batch.invocations.clear();
+            if width > 1 {
+                batch.invocations.extend((from..to).step_by(self.width).map(swept));
+            } else {
+                batch.invocations.extend((from..to).flat_map(|k| inputs.at(k).into_iter().take(arity)));
+            }
+            let actual = self.runner.run(batch)?;
+            let part = match self.op.function().filter(|_| self.width > 1) {
+                Some(function) => sweep_tally(judge, function, batch, &actual),
+                None => judge.tally((to - from) as usize, |k| {
+                    let mut arguments = [0; 3];
+                    arguments[..arity].copy_from_slice(batch.invocation(k));
+                    (arguments, actual.vertex(k, 0)[0])
+                }),
+            };
+            tally.merge(&part);
+            from = to;
+        }
+        Ok(())
+    }
+}
+
+/// Invocations of a sweep that one thread takes at a time: a part of a binade.
+const PART: usize = 1 << 12;
+
+/// The tally of a dispatch of the sweeping kernel.
+fn sweep_tally(judge: &Judge<'_>, function: fn(f64) -> f64, batch: &Batch, actual: &Actual) -> Tally {
+    let part = |(k, words): (usize, &[u32])| {
+        let invocations = k * PART..k * PART + words.len();
+        let results: Vec<u32> = invocations.flat_map(|i| actual.vertex(i, 0).iter().copied()).collect();
+        judge.tally_neighbours(words[0], &results, function)
+    };
+    batch.invocations.par_chunks(PART).enumerate().map(part).reduce(Tally::default, |mut a, b| {
+        a.merge(&b);
+        a
+    })
+}
+
+/// The `k`-th finite number: those with a plus sign first.
+fn swept(k: u64) -> u32 {
+    (if k < FINITE { k } else { k - FINITE + NEGATIVE }) as u32
+}
+
+/// How the measured errors of an operation relate to what is promised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// All within the text of the specification.
+    Inside,
+    /// Some outside of the text, all accepted by the conformance suite.
+    InsideSuite,
+    /// Some that the conformance suite does not accept.
+    Outside,
+    /// Nothing is promised.
+    NoPromise,
+}
+
+impl Standing {
+    /// Of an operation with its tally.
+    pub fn of(op: Op, tally: &Tally) -> Self {
+        let (text, _) = promises();
+        let promised = match text.entry(op) {
+            Entry::Promised(pieces) => pieces.iter().any(|p| p.rule != Rule::NoPromise),
+            Entry::Measured(_) => true,
+        };
+        match (promised, tally.outside_suite, tally.outside_text) {
+            (false, ..) => Self::NoPromise,
+            (true, 0, 0) => Self::Inside,
+            (true, 0, _) => Self::InsideSuite,
+            (true, ..) => Self::Outside,
+        }
+    }
+
+    /// A few words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inside => "inside",
+            Self::InsideSuite => "inside the conformance rule only",
+            Self::Outside => "outside",
+            Self::NoPromise => "no promise",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,299 @@
+use std::cell::Cell;
+
+use super::*;
+use crate::bound::profile::{Allowed, Flush, accept, parse};
+use crate::lane::{Actual, Description, Marks};
+use crate::program::Kernel;
+use crate::text::SourceFile;
+
+type Function = fn(&[f32]) -> f32;
+
+/// A device that computes one function on the host.
+struct Soft {
+    description: Description,
+    function: Function,
+    /// Dispatches that still succeed.
+    left: Cell<usize>,
+}
+
+impl Soft {
+    fn new(function: Function) -> Self {
+        let description = Description { name: "soft", driver: "soft 1".to_owned(), stages: vec![Stage::Compute] };
+        Self { description, function, left: Cell::new(usize::MAX) }
+    }
+}
+
+impl Lane for Soft {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        if self.left.get() == 0 {
+            return Err(LaneError::Api("unplugged".to_owned()));
+        }
+        self.left.set(self.left.get() - 1);
+        Ok(Box::new(SoftRunner { function: self.function, layout: kernel.output.clone(), capacity }))
+    }
+}
+
+struct SoftRunner {
+    function: Function,
+    layout: crate::program::OutputLayout,
+    capacity: usize,
+}
+
+impl Runner for SoftRunner {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let marks = Marks::random();
+        let width = self.layout.vertex.words();
+        let mut words = Vec::new();
+        for k in 0..batch.invocation_count() {
+            words.push(marks.canary ^ k as u32);
+            let record = batch.invocation(k);
+            for column in 0..width as u32 {
+                // Wide records belong to the kernel that counts words up from its only argument.
+                let arguments: Vec<f32> = record.iter().map(|w| f32::from_bits(w + column)).collect();
+                words.push((self.function)(&arguments).to_bits());
+            }
+        }
+        Actual::accept(&self.layout, words, batch.invocation_count(), marks)
+    }
+}
+
+fn request(ops: &[Op], samples: u64) -> Request {
+    let ops = ops.iter().map(|op| op.name().to_owned()).collect();
+    Request { ops, samples, exhaustive: false, driver: "soft 1".to_owned() }
+}
+
+fn measured(op: Op, function: Function) -> Tally {
+    let mut state = State::new(request(&[op], 20_000));
+    run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
+    assert_eq!(state.done(), state.request().total());
+    state.tallies[0].clone()
+}
+
+fn standing(op: Op, function: Function) -> Standing {
+    Standing::of(op, &measured(op, function))
+}
+
+/// The correctly rounded value of a function of one argument.
+fn rounded(op: Op, x: f32) -> f32 {
+    op.exact(&[f64::from(x)]) as f32
+}
+
+#[test]
+fn correct_rounding_is_inside_every_promise() {
+    assert_eq!(standing(Op::Sin, |a| rounded(Op::Sin, a[0])), Standing::Inside);
+    assert_eq!(standing(Op::Log2, |a| rounded(Op::Log2, a[0])), Standing::Inside);
+    assert_eq!(standing(Op::Fract, |a| rounded(Op::Fract, a[0])), Standing::Inside);
+    let tally = measured(Op::Sqrt, |a| a[0].sqrt());
+    assert!(tally.worst_ulp().value() <= 0.5 && tally.undefined > 0 && tally.outside_text == 0);
+}
+
+#[test]
+fn a_sine_off_by_twice_its_promise_is_outside() {
+    let off: Function = |a| (f64::from(a[0]).sin() + 2.0 * 2f64.powi(-11)) as f32;
+    let tally = measured(Op::Sin, off);
+    assert_eq!(Standing::of(Op::Sin, &tally), Standing::Outside);
+    assert!((tally.ratio.value() - 2.0).abs() < 1e-3, "{}", tally.ratio.value());
+    // Nothing is promised beyond π: what is wrong there alone is not held against the device.
+    assert_eq!(standing(Op::Sin, |a| if a[0].abs() < 3.2 { a[0].sin() } else { 7.0 }), Standing::Inside);
+}
+
+#[test]
+fn an_error_that_only_the_conformance_suite_accepts_is_told_apart() {
+    let edge: Function = |a| {
+        let (text, suite) = promises();
+        let of = |p| accept(p, Op::Exp2, &[f64::from(a[0])], Stage::Compute);
+        match (of(text), of(suite)) {
+            // The largest number that the suite accepts; where the text does too, the exact value.
+            (Ok(text), Ok(suite)) if suite.hi > text.hi && suite.hi.is_finite() => suite.hi as f32,
+            _ => rounded(Op::Exp2, a[0]),
+        }
+    };
+    let tally = measured(Op::Exp2, edge);
+    assert_eq!(Standing::of(Op::Exp2, &tally), Standing::InsideSuite);
+    assert!(tally.outside_text > 1000, "{}", tally.outside_text);
+    // Up to one gap more on 3; just below a power of two, up to two of the smaller gaps.
+    assert!(tally.ratio.value() > 1.0 && tally.ratio.value() < 5.0 / 3.0, "{:?}", tally.ratio);
+    let beyond: Function = |a| {
+        let (_, suite) = promises();
+        accept(suite, Op::Exp2, &[f64::from(a[0])], Stage::Compute).map_or(f32::NAN, |i| (i.hi as f32).next_up())
+    };
+    assert_eq!(standing(Op::Exp2, beyond), Standing::Outside);
+}
+
+#[test]
+fn what_rounds_to_a_third_number_is_outside_of_correct_rounding() {
+    assert_eq!(standing(Op::Floor, |a| a[0].floor().next_up()), Standing::Outside);
+    // Either neighbour is accepted: rounding to nearest is not promised.
+    let other: Function = |a| {
+        let exact = f64::from(a[0]) + f64::from(a[1]);
+        let near = exact as f32;
+        if f64::from(near) < exact { near.next_up() } else { near }
+    };
+    assert_eq!(standing(Op::Add, other), Standing::Inside);
+    assert_eq!(standing(Op::Add, |a| (a[0] + a[1]).next_up()), Standing::Outside);
+}
+
+#[test]
+fn a_result_that_is_no_number_is_outside() {
+    let tally = measured(Op::InverseSqrt, |a| if a[0] == 2.0 { f32::NAN } else { 1.0 / a[0].sqrt() });
+    assert_eq!(Standing::of(Op::InverseSqrt, &tally), Standing::Outside);
+    assert_eq!(tally.ratio.value(), f64::INFINITY);
+    assert_eq!(f32::from_bits(tally.ratio.at[0]), 2.0);
+    let bin = &tally.bins[(2.0_f32.to_bits() >> 23) as usize];
+    assert!(bin.wild > 0 && bin.wild == tally.outside_suite, "2 is a special value in more ways than one");
+}
+
+#[test]
+fn an_operation_without_a_promise_cannot_break_one() {
+    assert_eq!(Standing::of(Op::Determinant, &Tally::default()), Standing::NoPromise);
+}
+
+#[test]
+fn flushed_results_and_arguments_are_counted_and_are_no_errors() {
+    let tally = measured(Op::Radians, |a| {
+        let flush = |x: f32| if x.abs() < f32::MIN_POSITIVE { 0.0 } else { x };
+        flush(flush(a[0]) * (std::f32::consts::PI / 180.0))
+    });
+    assert_eq!(Standing::of(Op::Radians, &tally), Standing::Inside);
+    assert!(tally.flushed > 0 && tally.worst_ulp().value() < 2.0);
+}
+
+#[test]
+fn a_stopped_run_goes_on_where_it_was_and_ends_alike() {
+    let ops = [Op::Sqrt, Op::Exp2, Op::Cos];
+    let function: Function = |a| a[0].sqrt();
+    let whole = {
+        let mut state = State::new(request(&ops, 5000));
+        run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
+        state
+    };
+    let lane = Soft::new(function);
+    lane.left.set(2);
+    let mut saved = Vec::new();
+    let mut state = State::new(request(&ops, 5000));
+    let save = &mut |state: &State, _| {
+        saved = serde_json::to_vec(state).map_err(std::io::Error::other)?;
+        Ok(())
+    };
+    assert!(matches!(run(&lane, &mut state, save), Err(CalibrateError::Lane(_))));
+    let state: State = serde_json::from_slice(&saved).unwrap();
+    assert_eq!(state.done(), 2 * state.request().size(Op::Sqrt));
+    let mut state = state.resume(&request(&ops, 5000)).unwrap();
+    lane.left.set(1);
+    run(&lane, &mut state, &mut |_, _| Ok(())).unwrap();
+    assert_eq!(state, whole);
+}
+
+#[test]
+fn a_state_of_another_run_is_refused() {
+    let state = || State::new(request(&[Op::Sin], 100));
+    let refused = |request: &Request| state().resume(request).unwrap_err().to_string();
+    assert!(refused(&request(&[Op::Sin], 200)).contains("samples was 100 and is 200"));
+    assert!(refused(&request(&[Op::Cos], 100)).contains("operations was sin and is cos"));
+    let other = Request { driver: "soft 2".to_owned(), ..request(&[Op::Sin], 100) };
+    assert!(refused(&other).contains("device was soft 1 and is soft 2"));
+}
+
+#[test]
+fn a_state_that_cannot_be_saved_stops_the_run() {
+    let mut state = State::new(request(&[Op::Sin], 100));
+    let full = &mut |_: &State, _| Err(std::io::Error::other("no space"));
+    let error = run(&Soft::new(|a| a[0]), &mut state, full).unwrap_err();
+    assert_eq!(error.to_string(), "cannot save the state: no space");
+}
+
+#[test]
+fn a_sweep_counts_every_finite_number_once() {
+    assert_eq!((swept(0), swept(FINITE - 1)), (0, f32::MAX.to_bits()));
+    assert_eq!((swept(FINITE), swept(2 * FINITE - 1)), ((-0.0_f32).to_bits(), f32::MIN.to_bits()));
+    let lane = Soft::new(|a| a[0].sqrt());
+    let (text, suite) = promises();
+    let judge = Judge::new(Op::Sqrt, text, suite, Stage::Compute);
+    let mut device = Device::new(&lane, Op::Sqrt, true).unwrap();
+    let mut tally = Tally::default();
+    // The last numbers of one sign and the first of the other.
+    let step = DISPATCH as u64 * kernel::SWEEP as u64;
+    device.block(&judge, FINITE - step..FINITE + step, &mut tally).unwrap();
+    assert_eq!(tally.samples, 2 * step);
+    assert_eq!(tally.undefined, step - 1, "all with a minus sign but zero");
+    assert!(tally.worst_ulp().value() <= 0.5);
+    assert_eq!(tally.bins.iter().map(|b| b.samples).sum::<u64>(), step + 1);
+}
+
+#[test]
+fn the_quick_tally_is_the_plain_one() {
+    let (text, suite) = promises();
+    // Around the end of a domain, an absolute and a relative promise, overflow, subnormal numbers
+    // and undefined values, with errors of all sizes.
+    for (op, middle) in [
+        (Op::Sin, std::f32::consts::PI),
+        (Op::Sin, 1.0),
+        (Op::Tan, 1.2),
+        (Op::Tan, 5.0),
+        (Op::Log2, 1.3),
+        (Op::Log2, 9.0),
+        (Op::Log2, -1.5),
+        (Op::Exp2, -0.06),
+        (Op::Exp, 88.75),
+        (Op::Sqrt, 1e-40),
+        (Op::Tanh, 1e-4),
+        (Op::Asin, 0.9),
+    ] {
+        let judge = Judge::new(op, text, suite, Stage::Compute);
+        let function = op.function().unwrap();
+        let first = middle.to_bits() & !0xfff;
+        let results: Vec<u32> = (0..0x1000)
+            .map(|k| {
+                let near = (function(f64::from(f32::from_bits(first + k))) as f32).to_bits();
+                match k % 97 {
+                    0 => near.wrapping_add(1 << (k % 23)),
+                    1 => near.wrapping_sub(k % 5),
+                    2 => 0x7f80_0000 + (k & 1),
+                    3 => 0,
+                    _ => near,
+                }
+            })
+            .collect();
+        let quick = judge.tally_neighbours(first, &results, function);
+        let plain = judge.tally(results.len(), |k| ([first + k as u32, 0, 0], results[k]));
+        assert_eq!(quick.bins, plain.bins, "{op:?}");
+        assert_eq!(quick, plain, "{op:?}");
+    }
+}
+
+#[test]
+fn the_written_profile_reads_back_with_its_bounds() {
+    let mut state = State::new(request(&[Op::Sin, Op::Sqrt], 50_000));
+    // An error of 4 ULP in one binade.
+    let function: Function = |a| {
+        let sine = rounded(Op::Sin, a[0]);
+        if (1.0..1.3).contains(&a[0]) { f32::from_bits(sine.to_bits() + 4) } else { sine }
+    };
+    run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
+    let behaviour = Behaviour {
+        results: Flush::Never,
+        arguments: Flush::Never,
+        fusion: Fusion { fma: false, expression: false },
+        nearest_even: true,
+    };
+    let text = profile_text("so\"ft", "soft", &state, &behaviour, None);
+    let profile = parse(&SourceFile::new("m.toml", text), &|_| None).unwrap();
+    assert_eq!((profile.name.as_str(), profile.contraction), ("measured:so\"ft", false));
+    let bound = |op: Op, x: f64| match profile.allowed(op, &[x], op.exact(&[x]), Stage::Compute) {
+        Allowed::Bound(bound) => bound / crate::value::ulp_at(op.exact(&[x])),
+        other => panic!("{other:?}"),
+    };
+    // Half as much again as the 4.5 ULP that were seen.
+    assert!((6.5..7.0).contains(&bound(Op::Sin, 1.3)), "{}", bound(Op::Sin, 1.3));
+    assert!(bound(Op::Sin, 0.3) <= 0.5);
+    let unmeasured = profile.allowed(Op::Cos, &[1.0], 0.5, Stage::Compute);
+    assert_eq!(unmeasured, Allowed::NoPromise);
+}

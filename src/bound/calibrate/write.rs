@@ -1,0 +1,165 @@
+//! Writes what was measured as a profile.
+
+use std::fmt::Write as _;
+
+use super::probe::Behaviour;
+use super::{Standing, State, Tally, Worst, promises};
+use crate::bound::profile::{BINS, Flush, Op, bounds_of_bin};
+
+/// Factor on errors that were measured by samples. A sweep of all arguments needs none.
+///
+/// Between samples an error grows with the argument's neighbourhood of a polynomial's extremum, which
+/// samples in every binade have seen, and by the rounding of its last operations, which is within a
+/// few ULP: half as much again has covered every exhaustive sweep that was compared with samples.
+const MARGIN: f64 = 1.5;
+
+/// The profile file of a device. `compute` and `vertex` are what the probes found; a stage that the
+/// lane lacks counts as the other.
+pub fn profile_text(
+    device: &str,
+    lane: &str,
+    state: &State,
+    compute: &Behaviour,
+    vertex: Option<&Behaviour>,
+) -> String {
+    let measurements = state.measurements();
+    let vertex = vertex.unwrap_or(compute);
+    // A function may flush its result where arithmetic keeps it.
+    let flushed = measurements.iter().any(|(_, tally)| tally.flushed > 0);
+    let in_compute = match compute.flush() {
+        Flush::Never if flushed => Flush::May,
+        flush => flush,
+    };
+    let yes = |b: bool| if b { "one rounding" } else { "two roundings" };
+    let rounding = if compute.nearest_even && vertex.nearest_even { "nearest-even" } else { "either" };
+    let contracts = compute.fusion.expression || vertex.fusion.expression;
+    let mut text = String::new();
+    let mut line = |line: String| {
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "{line}");
+    };
+    line("# Errors of a device, measured. Written by `shadercheck calibrate`.".to_owned());
+    line(format!("name = {}", quoted(&format!("measured:{device}"))));
+    line(format!("revision = {}", quoted(&state.request().driver)));
+    line(format!("rounding = \"{rounding}\""));
+    line("acceptance = \"text\"".to_owned());
+    line(format!("contraction = \"{}\"", if contracts { "allowed" } else { "never" }));
+    line("# Whether a compiler rearranges cannot be measured operation by operation.".to_owned());
+    line("rearrangement = \"allowed\"".to_owned());
+    line("\n[subnormals]".to_owned());
+    line(format!("compute = \"{}\"", in_compute.name()));
+    line(format!("vertex = \"{}\"", vertex.flush().name()));
+    line("\n[device]".to_owned());
+    line(format!("lane = {}", quoted(lane)));
+    line(format!("driver = {}", quoted(&state.request().driver)));
+    line(format!("fma = \"{}\"", yes(compute.fusion.fma)));
+    line(format!("products_and_sums = \"{}\"", yes(compute.fusion.expression)));
+    line("\n# A row of `binades`: sign, first and last exponent (-127: zero and subnormal numbers),".to_owned());
+    line("# samples, largest error in ULP, largest absolute error, samples by size of error in ULP:".to_owned());
+    line("# to 0.5, 1, 2, 4, 8, 16, 64, 256, 1024, 4096, 65536, and above.".to_owned());
+    for (op, tally) in measurements {
+        operation(&mut line, op, tally, state.request().sweeps(op));
+    }
+    text
+}
+
+fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: bool) {
+    let (promise, _) = promises();
+    let at = |worst: &Worst| {
+        let words = worst.at.iter().take(op.arity().unwrap_or(0)).map(|w| format!("\"0x{w:08x}\""));
+        format!("[{}]", words.collect::<Vec<_>>().join(", "))
+    };
+    let (ulp, abs) = (tally.worst_ulp(), tally.worst_abs());
+    line(format!("\n[operations.{}]", op.name()));
+    line(format!("samples = {}", tally.samples));
+    line(format!("exhaustive = {exhaustive}"));
+    line(format!("margin = {:?}", if exhaustive { 1.0 } else { MARGIN }));
+    line(format!("worst_ulp = {:?}", ulp.value()));
+    line(format!("worst_ulp_at = {}", at(&ulp)));
+    line(format!("worst_abs = {:?}", abs.value()));
+    line(format!("worst_abs_at = {}", at(&abs)));
+    line(format!("undefined = {}", tally.undefined));
+    line(format!("flushed = {}", tally.flushed));
+    line(format!("promise = {}", quoted(&promise.entry(op).to_string())));
+    line(format!("ratio = {:?}", tally.ratio.value()));
+    line(format!("verdict = {}", quoted(Standing::of(op, tally).name())));
+    line("binades = [".to_owned());
+    for run in runs(tally) {
+        let (sign, first) = bounds_of_bin(run.first);
+        let (_, last) = bounds_of_bin(run.last);
+        let histogram: Vec<String> = run.histogram.iter().map(u64::to_string).collect();
+        line(format!(
+            "    [{sign}, {first}, {last}, {}, {}, {}, {}],",
+            run.samples,
+            upward(run.ulp),
+            upward(run.abs),
+            histogram.join(", ")
+        ));
+    }
+    line("]".to_owned());
+}
+
+/// Neighbouring bins of one sign.
+struct Run {
+    first: usize,
+    last: usize,
+    samples: u64,
+    ulp: f64,
+    abs: f64,
+    histogram: [u64; 12],
+}
+
+/// Bins with samples. Neighbours that round correctly are one row;
+/// bins with a result that is no number have no bound, and no row.
+fn runs(tally: &Tally) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (k, bin) in tally.bins.iter().enumerate().filter(|(_, b)| b.samples > 0 && b.wild == 0) {
+        let (ulp, abs) = (bin.ulp.value(), bin.abs.value());
+        let joins = |run: &&mut Run| {
+            let class = |x: f64| x <= 0.5;
+            // Rounding is correct between binades as well where no key was tried.
+            let one_sign = (run.last < BINS / 2) == (k < BINS / 2);
+            one_sign && ulp <= 0.5 && class(run.ulp) == class(ulp)
+        };
+        match runs.last_mut().filter(joins) {
+            Some(run) => {
+                run.last = k;
+                run.samples += bin.samples;
+                run.ulp = run.ulp.max(ulp);
+                run.abs = run.abs.max(abs);
+                run.histogram.iter_mut().zip(bin.histogram).for_each(|(a, b)| *a += b);
+            }
+            None => runs.push(Run { first: k, last: k, samples: bin.samples, ulp, abs, histogram: bin.histogram }),
+        }
+    }
+    runs
+}
+
+/// A number that is not below `x` in at most five digits.
+fn upward(x: f64) -> String {
+    let short = |x: f64| format!("{x:.4e}");
+    let near = short(x);
+    let reads_back = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
+    // One and a half units of the last digit further is above `x` in any case.
+    let kept = if reads_back(&near) >= x { near } else { short(x * 1.00015) };
+    match reads_back(&kept) {
+        value if (1e-3..1e7).contains(&value) || value == 0.0 => format!("{value:?}"),
+        _ => kept,
+    }
+}
+
+/// A basic string of TOML.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(quoted, "\\u{:04x}", c as u32);
+            }
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}

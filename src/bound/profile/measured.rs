@@ -1,0 +1,128 @@
+//! Errors of an operation as a device showed them, binade by binade.
+
+use super::Op;
+use crate::value::ulp_at;
+
+/// Upper ends of the classes of a histogram of errors, in ULP; one more class takes the rest.
+pub const CLASSES: [f64; 11] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0];
+
+/// Keys of the table of a measured operation: what a bound needs, and what people read beside it.
+pub(super) const KEYS: [&str; 14] = [
+    "samples",
+    "exhaustive",
+    "margin",
+    "worst_ulp",
+    "worst_ulp_at",
+    "worst_abs",
+    "worst_abs_at",
+    "promise",
+    "ratio",
+    "verdict",
+    "undefined",
+    "flushed",
+    "binades",
+    "note",
+];
+
+/// Number of bins: sign and exponent of a binary32 number.
+pub const BINS: usize = 512;
+
+/// The bin of a number: its sign and exponent as a binary32 number, zero with the subnormal numbers.
+/// What lies beyond the range counts with the largest numbers, and NaN has no bin.
+pub fn bin_of(x: f64) -> Option<usize> {
+    // Towards zero, so that a number just below a power of two stays in its binade.
+    let near = x as f32;
+    let kept = if f64::from(near).abs() > x.abs() { f32::from_bits(near.to_bits() - 1) } else { near };
+    (!kept.is_nan()).then_some((kept.to_bits() >> 23) as usize)
+}
+
+/// Sign (−1 or 1) and exponent of the numbers of a bin; −127 stands for zero and subnormal numbers.
+pub fn bounds_of_bin(bin: usize) -> (i32, i32) {
+    (if bin >= BINS / 2 { -1 } else { 1 }, (bin % (BINS / 2)) as i32 - 127)
+}
+
+/// Neighbouring binades of one sign in which an operation errs by the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// First and last bin.
+    pub bins: (usize, usize),
+    /// Samples.
+    pub samples: u64,
+    /// Largest error in ULP at the exact value.
+    pub ulp: f64,
+    /// Largest absolute error.
+    pub abs: f64,
+    /// Samples by class of error.
+    pub histogram: [u64; CLASSES.len() + 1],
+}
+
+/// What was measured of an operation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Number of samples.
+    pub samples: u64,
+    /// True when these are all arguments that there are.
+    pub exhaustive: bool,
+    /// Factor on errors that accounts for arguments that were not tried.
+    pub margin: f64,
+    /// Rows in ascending order of bins.
+    pub rows: Vec<Row>,
+}
+
+/// A table by name, as a measurement hands it over.
+pub type Measured = (Op, Table);
+
+impl Table {
+    /// Largest error in ULP.
+    pub fn max_ulp(&self) -> f64 {
+        self.rows.iter().map(|r| r.ulp).fold(0.0, f64::max)
+    }
+
+    /// Largest error to expect; `None` where nothing was measured.
+    pub(super) fn bound(&self, op: Op, args: &[f64], exact: f64) -> Option<f64> {
+        let bin = bin_of(op.key(args))?;
+        let at = self.rows.partition_point(|r| r.bins.1 < bin);
+        let row = self.rows.get(at).filter(|r| r.bins.0 <= bin)?;
+        // A device that rounds correctly wherever it was tried does so by design.
+        let margin = if row.ulp <= 0.5 { 1.0 } else { self.margin };
+        Some(margin * (row.ulp * ulp_at(exact)).min(row.abs))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(rows: Vec<Row>) -> Table {
+        Table { samples: 2, exhaustive: false, margin: 1.5, rows }
+    }
+
+    fn row(bins: (usize, usize), ulp: f64, abs: f64) -> Row {
+        Row { bins, samples: 1, ulp, abs, histogram: [0; 12] }
+    }
+
+    #[test]
+    fn a_number_just_below_a_power_of_two_stays_in_its_binade() {
+        assert_eq!(bin_of(1.0), Some(127));
+        assert_eq!(bin_of(1.0 - 1e-12), Some(126));
+        assert_eq!(bin_of(-1.0), Some(256 + 127));
+        assert_eq!((bin_of(0.0), bin_of(1e-42), bin_of(f64::NAN), bin_of(1e39)), (Some(0), Some(0), None, Some(254)));
+        assert_eq!((bounds_of_bin(127), bounds_of_bin(256 + 128), bounds_of_bin(0)), ((1, 0), (-1, 1), (1, -127)));
+    }
+
+    #[test]
+    fn the_bound_is_that_of_the_binade_of_the_argument() {
+        let table = table(vec![row((120, 126), 4.0, 1.0), row((127, 127), 0.5, 1e-3)]);
+        let at = |x: f64| table.bound(Op::Sin, &[x], 1.0);
+        assert_eq!(at(0.75), Some(1.5 * 4.0 * ulp_at(1.0)));
+        assert_eq!(at(1.5), Some(0.5 * ulp_at(1.0)), "no margin on correct rounding");
+        assert_eq!(at(2.0), None, "nothing was measured there");
+        assert_eq!(at(-0.75), None);
+    }
+
+    #[test]
+    fn the_absolute_error_limits_the_bound_near_zeros_of_the_argument_range() {
+        let table = table(vec![row((128, 128), 1e6, 1e-7)]);
+        assert_eq!(table.bound(Op::Sin, &[3.0], 0.14), Some(1.5 * 1e-7));
+    }
+}

@@ -1,0 +1,212 @@
+//! `shadercheck calibrate`: measures the operations of a device.
+
+mod table;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::bound::calibrate::{self, Request, Standing, State, measurable, probe, profile_text};
+use crate::bound::profile::Op;
+use crate::cli::check::Format;
+use crate::cli::status::ExitStatus;
+use crate::lane::{self, Lane, Stage};
+use crate::property::nearest;
+
+/// Arguments of `shadercheck calibrate`.
+#[derive(Args, Clone, Debug)]
+pub struct CalibrateArgs {
+    /// The lane to measure; the first that can be had without it
+    #[arg(long, value_name = "LANE")]
+    pub lane: Option<String>,
+    /// All 2^32 arguments of functions of one argument, instead of samples
+    #[arg(long)]
+    pub exhaustive: bool,
+    /// Only these operations, by their names in the table
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub builtin: Vec<String>,
+    /// Samples of each operation, spread over all binades
+    #[arg(long, value_name = "N", default_value_t = 1 << 22, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    pub samples: u64,
+    /// Where the measured profile goes; LANE.profile.toml in this folder without it
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Go on with a run that was stopped, from the state beside the output
+    #[arg(long)]
+    pub resume: bool,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Runs the command: the table goes to `out`, the profile to its file, progress to `err`.
+///
+/// The status is [`ExitStatus::Findings`] when the device breaks a promise in a way that the
+/// conformance suite would not accept either.
+///
+/// # Errors
+/// When there is no such lane or operation, the device fails, or a file cannot be read or written.
+pub fn run(args: &CalibrateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let ops = operations(&args.builtin)?;
+    let lane = open(args.lane.as_deref(), err)?;
+    run_on(args, &ops, lane.as_ref(), out)
+}
+
+/// Runs the command on an open lane.
+///
+/// # Errors
+/// When the device fails, or a file cannot be read or written.
+pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let description = lane.description();
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.profile.toml", description.name)));
+    let saved = beside(&output);
+    let request = Request {
+        ops: ops.iter().map(|op| op.name().to_owned()).collect(),
+        samples: args.samples,
+        exhaustive: args.exhaustive,
+        driver: description.driver.clone(),
+    };
+    let mut state = State::new(request.clone());
+    if args.resume && saved.exists() {
+        state = read_state(&saved)?.resume(&request)?;
+    }
+    let compute = probe(lane, Stage::Compute)?;
+    let vertex = description.stages.contains(&Stage::Vertex).then(|| probe(lane, Stage::Vertex)).transpose()?;
+
+    let bar = bar(args.format == Format::Text, request.total());
+    bar.set_position(state.done());
+    calibrate::run(lane, &mut state, &mut |state, op| {
+        bar.set_message(op.name());
+        bar.set_position(state.done());
+        let text = serde_json::to_vec(state).map_err(std::io::Error::other)?;
+        write_atomically(&saved, &text)
+    })?;
+    bar.finish_and_clear();
+
+    // The device's name without the versions behind it.
+    let device = description.driver.split([',', '(']).next().unwrap_or(&description.driver).trim();
+    let text = profile_text(device, description.name, &state, &compute, vertex.as_ref());
+    write_atomically(&output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
+    if saved.exists() {
+        fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.display()))?;
+    }
+    let report = table::Report { lane: description, state: &state, compute: &compute, vertex: vertex.as_ref() };
+    match args.format {
+        Format::Text => {
+            out.write_all(report.text().as_bytes())?;
+            writeln!(out, "\nThe measured profile is in {}.", output.display())?;
+        }
+        Format::Json => writeln!(out, "{:#}", report.json())?,
+    }
+    let outside = state.measurements().into_iter().any(|(op, tally)| Standing::of(op, tally) == Standing::Outside);
+    Ok(if outside { ExitStatus::Findings } else { ExitStatus::Clean })
+}
+
+/// The operations of these names; all that can be measured without any.
+fn operations(names: &[String]) -> anyhow::Result<Vec<Op>> {
+    let all: Vec<Op> = measurable().collect();
+    let mut ops: Vec<Op> = Vec::new();
+    for name in names {
+        let Some(op) = all.iter().copied().find(|op| op.name() == name) else {
+            let known = || all.iter().map(|op| op.name());
+            let hint = match nearest(name, known()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("operations are {}", known().collect::<Vec<_>>().join(", ")),
+            };
+            anyhow::bail!("there is no operation `{name}` to measure; {hint}");
+        };
+        if !ops.contains(&op) {
+            ops.push(op);
+        }
+    }
+    Ok(if names.is_empty() { all } else { ops })
+}
+
+/// Opens the lane of this name, or the first that can be had.
+fn open(name: Option<&str>, err: &mut dyn Write) -> anyhow::Result<Box<dyn Lane>> {
+    let names = || lane::registry().iter().map(|c| c.name);
+    if let Some(name) = name.filter(|name| names().all(|n| n != *name)) {
+        let hint = nearest(name, names()).map_or_else(
+            || format!("lanes are {}", names().collect::<Vec<_>>().join(", ")),
+            |near| format!("did you mean `{near}`?"),
+        );
+        anyhow::bail!("there is no lane `{name}`; {hint}");
+    }
+    for candidate in lane::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
+        match (candidate.open)() {
+            Ok(lane) => return Ok(lane),
+            Err(missing) => writeln!(err, "lane `{}` cannot be had: {missing}", candidate.name)?,
+        }
+    }
+    anyhow::bail!("no lane can run here, so nothing was measured")
+}
+
+/// The file with the state of an unfinished run.
+fn beside(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(".state");
+    PathBuf::from(name)
+}
+
+fn read_state(path: &Path) -> anyhow::Result<State> {
+    let text = fs::read(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    serde_json::from_slice(&text)
+        .with_context(|| format!("`{}` is no state of a calibration; remove it or leave out --resume", path.display()))
+}
+
+/// Writes a file so that at any time either the old or the new one is there.
+fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Not a temporary file of the system's kind: those are readable by their owner alone.
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let fresh = folder.join(format!(".{name}.{}.new", std::process::id()));
+    fs::write(&fresh, bytes)?;
+    fs::rename(&fresh, path)
+}
+
+/// A bar on standard error; hidden when it is no terminal, or not wanted.
+fn bar(wanted: bool, total: u64) -> ProgressBar {
+    let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(total), target);
+    if let Ok(style) = ProgressStyle::with_template("{msg:12} [{bar:30}] {human_pos}/{human_len} {per_sec} {eta} left")
+    {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_operation_is_refused_with_a_suggestion() {
+        let error = operations(&["sine".to_owned()]).unwrap_err().to_string();
+        assert_eq!(error, "there is no operation `sine` to measure; did you mean `sin`?");
+        assert_eq!(operations(&["exp2".to_owned(), "exp2".to_owned()]).unwrap(), [Op::Exp2]);
+        assert!(operations(&[]).unwrap().len() > 30);
+    }
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.toml");
+        write_atomically(&path, b"old").unwrap();
+        write_atomically(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
+    }
+
+    #[test]
+    fn a_damaged_state_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.toml.state");
+        fs::write(&path, "{").unwrap();
+        let error = read_state(&path).unwrap_err().to_string();
+        assert!(error.contains("p.toml.state` is no state of a calibration"), "{error}");
+    }
+}
