@@ -7,6 +7,7 @@ pub mod glsl;
 pub mod lane;
 pub mod lint;
 pub mod lower;
+pub mod mutate;
 pub mod program;
 pub mod property;
 pub mod report;

@@ -5,6 +5,7 @@ pub mod check;
 pub mod explain;
 pub mod lanes;
 pub mod lint;
+pub mod mutate;
 pub mod status;
 pub mod translate;
 
@@ -36,6 +37,8 @@ pub enum Command {
     Explain(explain::ExplainArgs),
     /// Translate a shader to another language
     Translate(translate::TranslateArgs),
+    /// Put small faults into shaders and see whether their suites notice
+    Mutate(mutate::MutateArgs),
     /// Show what can run shaders here
     Lanes(lanes::LanesArgs),
 }
@@ -43,7 +46,7 @@ pub enum Command {
 impl Command {
     /// True when the command opens devices.
     pub fn opens_devices(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Lanes(_))
+        matches!(self, Self::Check(_) | Self::Lanes(_) | Self::Mutate(_))
     }
 }
 
@@ -59,6 +62,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
+        Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
         Command::Lanes(args) => lanes::run(args, &mut out),
     };
     let result = result.and_then(|status| Ok(out.flush().map(|()| status)?));

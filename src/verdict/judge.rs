@@ -1,5 +1,6 @@
 //! Verdicts on single samples.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use super::expected::{Expected, Output, Reference};
@@ -179,6 +180,19 @@ pub fn judge_sample(
     invocation: usize,
     tolerance: &Tolerance,
 ) -> Verdict {
+    let sensitivity = || Cow::Owned(reference.sensitivity(inputs, expected));
+    judge_with(reference, &sensitivity, expected, actual, invocation, tolerance)
+}
+
+/// The same where the sensitivity may be known already; it is only asked for when it is needed.
+pub(super) fn judge_with<'s>(
+    reference: &Reference,
+    sensitivity: &dyn Fn() -> Cow<'s, [f64]>,
+    expected: &Expected,
+    actual: &Actual,
+    invocation: usize,
+    tolerance: &Tolerance,
+) -> Verdict {
     if let Some(deviation) = shape(reference, expected, actual, invocation) {
         return Verdict::Deviate(deviation);
     }
@@ -207,7 +221,7 @@ pub fn judge_sample(
     if suspects.is_empty() {
         return Verdict::Agree { ulp: worst };
     }
-    judge_suspects(reference, inputs, expected, actual, tolerance, &suspects, worst)
+    judge_suspects(reference, sensitivity, expected, actual, tolerance, &suspects, worst)
 }
 
 /// All components of a variable at once: the largest error in ULP when all of them agree. Most
@@ -233,9 +247,9 @@ type Suspect<'r> = (usize, &'r Output, usize, Component);
 
 /// The costly part: components that miss the tolerance at their own scale get the scale of the
 /// inputs.
-fn judge_suspects(
+fn judge_suspects<'s>(
     reference: &Reference,
-    inputs: &[f64],
+    sensitivity: &dyn Fn() -> Cow<'s, [f64]>,
     expected: &Expected,
     actual: &Actual,
     tolerance: &Tolerance,
@@ -249,7 +263,7 @@ fn judge_suspects(
             return Verdict::Undetermined(Reason::Domain);
         }
     }
-    let sensitivity = reference.sensitivity(inputs, expected);
+    let sensitivity = sensitivity();
     let mut undetermined = None;
     for &(vertex, output, k, component) in suspects {
         let name = || component_name(actual, output, k);
@@ -289,13 +303,13 @@ fn judge_suspects(
 }
 
 /// Below 2^-100 a flushed term (less than 2^-126) may be more than the rounding of the sum.
-const FLUSHED: f64 = f64::from_bits((1023 - 100) << 52);
+pub(super) const FLUSHED: f64 = f64::from_bits((1023 - 100) << 52);
 
 fn value(component: &Component) -> f64 {
     f64::from(f32::from_bits(component.actual))
 }
 
-fn component_name(actual: &Actual, output: &Output, k: usize) -> String {
+pub(super) fn component_name(actual: &Actual, output: &Output, k: usize) -> String {
     actual.layout().vertex.word_name(output.actual.start + k)
 }
 

@@ -2,7 +2,7 @@
 
 use super::finding::{self, Finding, FindingKind};
 use super::trial::Trial;
-use super::{Report, Request};
+use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
 use crate::verdict::observe;
@@ -21,11 +21,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
     if prepared.relations.is_empty() {
         return Ok(());
     }
-    let count = if request.quick { QUICK_SAMPLES } else { SAMPLES };
-    let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
-    let batch =
-        Sampler::new(prepared.plan.clone(), request.seed).batch(0, (count as usize).div_ceil(per_case), per_case);
-    let samples: Vec<Sample> = (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect();
+    let samples = samples(prepared, request.seed, if request.quick { QUICK_SAMPLES } else { SAMPLES });
     for &relation in &prepared.relations {
         let outcomes = outcomes(trial, relation, &samples)?;
         let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
@@ -50,6 +46,28 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
         }
     }
     Ok(())
+}
+
+/// The first relation of the suite that does not hold on some sample, by name.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails.
+pub fn first_broken(trial: &mut Trial<'_>, seed: u64) -> Result<Option<&'static str>, LaneError> {
+    let prepared = trial.prepared;
+    let samples = samples(prepared, seed, SAMPLES);
+    for &relation in &prepared.relations {
+        if outcomes(trial, relation, &samples)?.iter().any(|o| matches!(o, Outcome::Fails(_))) {
+            return Ok(Some(relation.name()));
+        }
+    }
+    Ok(None)
+}
+
+/// Samples of the suite's plan, whole strands where the suite has them.
+fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample> {
+    let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
+    let batch = Sampler::new(prepared.plan.clone(), seed).batch(0, (count as usize).div_ceil(per_case), per_case);
+    (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect()
 }
 
 /// What a relation says of a sample.
