@@ -227,6 +227,35 @@ impl<'a> Code<'a> {
         self.written = written;
     }
 
+    /// Value of a constant scalar expression, a component of a constant vector included.
+    pub fn value(&self, id: ExprId) -> Option<f64> {
+        if let Some(value) = self.shader.fold(id) {
+            return value.as_f64();
+        }
+        let ExprKind::Field { base, field } = &self.shader.expr(id).kind else { return None };
+        let mut chars = field.name.chars();
+        let (Some(c), None) = (chars.next(), chars.next()) else { return None };
+        ["xyzw", "rgba", "stpq"].iter().find_map(|set| set.find(c)).and_then(|k| self.component(*base, k))
+    }
+
+    /// Component `k` of a constant vector that a name stands for and that lists its components.
+    pub fn component(&self, vector: ExprId, k: usize) -> Option<f64> {
+        let symbol = self.shader.symbol(self.shader.symbol_of(vector)?);
+        if symbol.kind != SymbolKind::Global(Storage::Const) {
+            return None;
+        }
+        let declarations = self.shader.unit().items.iter().filter_map(|item| match &item.kind {
+            ItemKind::Declaration(d) => Some(d),
+            _ => None,
+        });
+        let declarator = declarations.flat_map(|d| &d.declarators).find(|d| Some(d.name.span) == symbol.span)?;
+        let value = declarator.initializer.as_ref()?.value;
+        let ExprKind::Call { callee: Callee::Type(_), args } = &self.shader.expr(value).kind else { return None };
+        let listed =
+            args.iter().all(|a| self.shader.type_of(*a).is_scalar()) && Some(args.len()) == symbol.ty.components();
+        if listed { self.shader.fold(*args.get(k)?)?.as_f64() } else { None }
+    }
+
     /// True when the expression is written, or names the variable of which a part is written.
     pub fn is_written(&self, id: ExprId) -> bool {
         self.written.contains(&id)

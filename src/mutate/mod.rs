@@ -69,7 +69,9 @@ pub fn mutants(shader: &Shader, entry: &str, operators: &[&'static Operator]) ->
     for operator in operators {
         let mut drafts = Vec::new();
         (operator.make)(&code, &mut drafts);
-        drafts.sort_by_key(|d| d.edits.iter().map(|e| e.span.start).min());
+        // Of what starts at one place the longest comes first.
+        let place = |e: &Edit| (e.span.start, std::cmp::Reverse(e.span.end));
+        drafts.sort_by_key(|d| d.edits.iter().map(place).min());
         for Draft { edits, what, identity } in drafts {
             let Some(span) = edits.iter().map(|e| e.span).reduce(Span::to) else { continue };
             // Operators edit parts of one expression that lie beside each other; nested ones would

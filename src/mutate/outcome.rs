@@ -10,6 +10,8 @@ pub enum Kill {
     Formula(String),
     /// A geometry stage emits other vertices or strips: how.
     Shape(String),
+    /// An output is not written any more, so that the suite cannot run: its name.
+    MissingOutput(String),
     /// Loops take more iterations than the original could ever need.
     NotFinished,
     /// A relation between outputs does not hold: its name.
@@ -20,14 +22,16 @@ pub enum Kill {
 
 impl Kill {
     /// Names of all kinds, in the order of reports.
-    pub const NAMES: [&'static str; 5] = ["formula", "emission shape", "does not finish", "relation", "coverage"];
+    pub const NAMES: [&'static str; 6] =
+        ["formula", "emission shape", "missing output", "does not finish", "relation", "coverage"];
 
     /// Name of the check in reports.
     pub fn name(&self) -> &'static str {
-        let [formula, shape, not_finished, relation, coverage] = Self::NAMES;
+        let [formula, shape, missing, not_finished, relation, coverage] = Self::NAMES;
         match self {
             Self::Formula(_) => formula,
             Self::Shape(_) => shape,
+            Self::MissingOutput(_) => missing,
             Self::NotFinished => not_finished,
             Self::Relation(_) => relation,
             Self::Coverage => coverage,

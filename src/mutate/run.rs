@@ -1,17 +1,22 @@
 //! Mutants through their suite: prepared like the shader itself, run on the same batches, judged
 //! with the same expected values.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 use similar::TextDiff;
 
 use super::operators::Operator;
 use super::outcome::{Kill, Outcome, SuiteResult, Tested};
 use super::{Mutant, MutateError, mutants};
+use crate::diagnostic::Severity;
+use crate::glsl::interface::Storage;
+use crate::glsl::symbols::SymbolKind;
 use crate::glsl::{self, Shader};
 use crate::lane::{Actual, Lane, LaneError};
 use crate::program::Kernel;
 use crate::property::Sampler;
-use crate::suite::run::{Prepared, RunError, Trial, coverage, first_broken, prepare};
+use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, prepare};
 use crate::suite::{Stage, Suite};
 use crate::text::SourceFile;
 use crate::verdict::{Deviation, Expectations, Movement};
@@ -44,6 +49,13 @@ struct Step {
     before: u64,
 }
 
+/// What every mutant of a suite is put to.
+struct Bench {
+    steps: Vec<Step>,
+    probes: Probes,
+    seed: u64,
+}
+
 /// Makes the mutants of a suite's shader and runs each on the compute stage of `lane`. `progress`
 /// is told how many are done, and of how many.
 ///
@@ -61,8 +73,10 @@ pub fn run(
     let kernel = fuelled(&prepared)?;
     let lane_error = |source| MutateError::Lane { suite: name(), source };
     let mut trial = Trial::with_capacity(&prepared, lane, &kernel, STEPS[2]).map_err(lane_error)?;
-    let steps = original(&mut trial, request)?;
+    let probes = Probes::new(&prepared, request.seed);
+    let steps = original(&mut trial, &probes, request)?;
     drop(trial);
+    let bench = Bench { steps, probes, seed: request.seed };
 
     let stage = match suite.stage {
         Stage::Vertex => glsl::Stage::Vertex,
@@ -70,6 +84,7 @@ pub fn run(
         Stage::Function => glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library),
     };
     let parsed = Shader::parse(shader, stage).shader;
+    let written = written(&parsed);
     let mutants = mutants(&parsed, suite.entry.as_deref().unwrap_or("main"), &request.operators);
     if mutants.is_empty() {
         return Err(MutateError::NoMutants { suite: name(), shader: shader.name().to_owned() });
@@ -77,14 +92,15 @@ pub fn run(
     let mut tested = Vec::with_capacity(mutants.len());
     progress(0, mutants.len());
     for chunk in mutants.chunks(CHUNK) {
-        let ready: Vec<Result<(Prepared, Kernel), String>> = chunk.par_iter().map(|m| ready(suite, m)).collect();
+        let ready: Vec<Result<(Prepared, Kernel), Outcome>> =
+            chunk.par_iter().map(|m| ready(suite, m, stage, &written)).collect();
         for (mutant, ready) in chunk.iter().zip(ready) {
             let (outcome, samples) = match ready {
                 Ok((mutated, kernel)) if same_interface(&kernel, &prepared.compute) => {
-                    outcome(&mutated, &kernel, lane, &steps, request.seed, mutant.identity).map_err(lane_error)?
+                    outcome(&mutated, &kernel, lane, &bench, mutant.identity).map_err(lane_error)?
                 }
                 Ok(_) => (Outcome::Invalid("the interface of the shader changes".to_owned()), 0),
-                Err(why) => (Outcome::Invalid(why), 0),
+                Err(outcome) => (outcome, 0),
             };
             let at = shader.position(mutant.span.start);
             tested.push(Tested {
@@ -99,19 +115,44 @@ pub fn run(
             progress(tested.len(), mutants.len());
         }
     }
-    let samples = steps.iter().map(|s| s.original.count() as u64).sum();
+    let samples = bench.steps.iter().map(|s| s.original.count() as u64).sum();
     Ok(SuiteResult { suite: name(), shader: shader.name().to_owned(), samples, tolerance: suite.tolerance.ulp, tested })
 }
 
-fn ready(suite: &Suite, mutant: &Mutant) -> Result<(Prepared, Kernel), String> {
-    let prepared = prepare(suite, &mutant.shader).map_err(|error| match error {
-        RunError::Shader { diagnostics, .. } => {
-            diagnostics.first().map_or_else(|| "it does not compile".to_owned(), |d| d.message.clone())
+/// A mutant made ready, or what became of it.
+fn ready(
+    suite: &Suite,
+    mutant: &Mutant,
+    stage: glsl::Stage,
+    outputs: &BTreeSet<String>,
+) -> Result<(Prepared, Kernel), Outcome> {
+    let invalid = |error: &dyn std::fmt::Display| Outcome::Invalid(error.to_string());
+    match prepare(suite, &mutant.shader) {
+        Ok(prepared) => {
+            let kernel = fuelled(&prepared).map_err(|e| invalid(&e))?;
+            Ok((prepared, kernel))
         }
-        other => other.to_string(),
-    })?;
-    let kernel = fuelled(&prepared).map_err(|e| e.to_string())?;
-    Ok((prepared, kernel))
+        Err(error) => {
+            // GLSL may leave an output without a value. A suite cannot run such a shader, and says so.
+            let parsed = Shader::parse(&mutant.shader, stage);
+            let missing = outputs.difference(&written(&parsed.shader)).next().cloned();
+            let broken = parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
+            Err(match (missing, error) {
+                (Some(name), _) if !broken => Outcome::Killed(Kill::MissingOutput(name)),
+                (_, RunError::Shader { diagnostics, .. }) if !diagnostics.is_empty() => {
+                    invalid(&diagnostics[0].message)
+                }
+                (_, error) => invalid(&error),
+            })
+        }
+    }
+}
+
+/// Names of the outputs that a shader writes.
+fn written(shader: &Shader) -> BTreeSet<String> {
+    let output = |kind| matches!(kind, SymbolKind::Builtin | SymbolKind::Global(Storage::Out));
+    let symbols = shader.symbols().filter(|(id, s)| output(s.kind) && shader.is_written(*id));
+    symbols.map(|(_, s)| s.name.clone()).collect()
 }
 
 fn fuelled(prepared: &Prepared) -> Result<Kernel, MutateError> {
@@ -128,7 +169,7 @@ fn same_interface(a: &Kernel, b: &Kernel) -> bool {
 }
 
 /// Runs the original, which has to pass everything that mutants are put to.
-fn original(trial: &mut Trial<'_>, request: &Request) -> Result<Vec<Step>, MutateError> {
+fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result<Vec<Step>, MutateError> {
     let prepared = trial.prepared;
     let suite = || prepared.suite.name.clone();
     let fails = |why: String| MutateError::Original { suite: suite(), why };
@@ -159,7 +200,7 @@ fn original(trial: &mut Trial<'_>, request: &Request) -> Result<Vec<Step>, Mutat
     if judged == 0 {
         return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
     }
-    if let Some(relation) = first_broken(trial, request.seed).map_err(lane)? {
+    if let Some(relation) = probes.first_broken(trial).map_err(lane)? {
         return Err(fails(format!("the relation `{relation}` does not hold")));
     }
     if !covers(trial, request.seed).map_err(lane)? {
@@ -180,8 +221,7 @@ fn outcome(
     prepared: &Prepared,
     kernel: &Kernel,
     lane: &dyn Lane,
-    steps: &[Step],
-    seed: u64,
+    bench: &Bench,
     identity: Option<&'static str>,
 ) -> Result<(Outcome, u64), LaneError> {
     let mut trial = match Trial::with_capacity(prepared, lane, kernel, STEPS[2]) {
@@ -189,7 +229,7 @@ fn outcome(
         Err(error) => return Ok((Outcome::Invalid(error.to_string()), 0)),
     };
     let mut samples = 0;
-    let result = watch(&mut trial, steps, seed, &mut samples);
+    let result = watch(&mut trial, bench, &mut samples);
     let outcome = match result {
         Ok(Watched::Killed(kill)) => Outcome::Killed(kill),
         Ok(Watched::Passed(movement)) if movement.samples > 0 => Outcome::Survived(movement),
@@ -206,9 +246,9 @@ enum Watched {
     Passed(Movement),
 }
 
-fn watch(trial: &mut Trial<'_>, steps: &[Step], seed: u64, samples: &mut u64) -> Result<Watched, LaneError> {
+fn watch(trial: &mut Trial<'_>, bench: &Bench, samples: &mut u64) -> Result<Watched, LaneError> {
     let mut movement = Movement::default();
-    for step in steps {
+    for step in &bench.steps {
         *samples = step.before + step.original.count() as u64;
         let actual = trial.run(step.expectations.batch())?;
         if let Some(failure) = step.expectations.first_deviation(&actual) {
@@ -223,10 +263,10 @@ fn watch(trial: &mut Trial<'_>, steps: &[Step], seed: u64, samples: &mut u64) ->
         }
         movement.merge(step.expectations.movement(&step.original, &actual));
     }
-    if let Some(relation) = first_broken(trial, seed)? {
+    if let Some(relation) = bench.probes.first_broken(trial)? {
         return Ok(Watched::Killed(Kill::Relation(relation)));
     }
-    if !covers(trial, seed)? {
+    if !covers(trial, bench.seed)? {
         return Ok(Watched::Killed(Kill::Coverage));
     }
     Ok(Watched::Passed(movement))

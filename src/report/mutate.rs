@@ -208,6 +208,7 @@ fn mutant(tested: &Tested) -> Value {
             value["killed_by"] = kill.name().into();
             match kill {
                 Kill::Formula(told) | Kill::Shape(told) => value["message"] = told.as_str().into(),
+                Kill::MissingOutput(name) => value["output"] = name.as_str().into(),
                 Kill::Relation(name) => value["relation"] = (*name).into(),
                 Kill::NotFinished | Kill::Coverage => {}
             }

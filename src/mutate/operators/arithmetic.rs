@@ -35,7 +35,7 @@ fn divides(left: &Type, right: &Type) -> bool {
 }
 
 fn identity(code: &Code<'_>, op: BinaryOp, right: ExprId) -> Option<&'static str> {
-    let value = code.shader.fold(right)?.as_f64()?;
+    let value = code.value(right)?;
     match op {
         BinaryOp::Mul | BinaryOp::Div if value == 1.0 => Some("a product with 1 is a quotient by 1"),
         BinaryOp::Add | BinaryOp::Sub if value == 0.0 => Some("adding 0 is subtracting 0"),

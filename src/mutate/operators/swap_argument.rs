@@ -24,7 +24,11 @@ pub(super) fn make(code: &Code<'_>, drafts: &mut Vec<Draft>) {
                 let (a, b) = (code.shader.text_of(args[i]), code.shader.text_of(args[j]));
                 let what = format!("arguments {} and {} are exchanged: {}", i + 1, j + 1, becomes(a, b));
                 let edits = vec![code.replace(args[i], b), code.replace(args[j], a)];
-                drafts.push(Draft { edits, what, identity: None });
+                let clamp = matches!(callee, Callee::Name(name) if name.name == "clamp");
+                // min(max(x, low), high)
+                let identity =
+                    (clamp && (i, j) == (0, 1)).then_some("clamp takes the larger of its first two arguments");
+                drafts.push(Draft { edits, what, identity });
             }
         }
     }
@@ -32,7 +36,7 @@ pub(super) fn make(code: &Code<'_>, drafts: &mut Vec<Draft>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::mutate::testing::changes;
+    use crate::mutate::testing::{changes, identities};
 
     #[test]
     fn arguments_of_one_type_are_exchanged() {
@@ -41,6 +45,12 @@ mod tests {
             ["return mix(b, a, t);"]
         );
         assert_eq!(changes("swap-argument", "vec2 f(float a) {\n  return vec2(a, 1.0);\n}"), ["return vec2(1.0, a);"]);
+    }
+
+    #[test]
+    fn clamp_is_known_not_to_mind_its_first_two() {
+        let text = "float f(float a) {\n  return clamp(a, 0.0, 1.0);\n}";
+        assert_eq!((changes("swap-argument", text).len(), identities("swap-argument", text)), (3, 1));
     }
 
     #[test]

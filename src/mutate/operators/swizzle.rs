@@ -33,14 +33,19 @@ pub(super) fn make(code: &Code<'_>, drafts: &mut Vec<Draft>) {
         for other in others.into_iter().filter(|other| *other != chars) {
             let other: String = other.into_iter().collect();
             let what = becomes(&format!(".{}", field.name), &format!(".{other}"));
-            drafts.push(Draft::new(Edit::replace(field.span, other), what));
+            let same = |c: char| set.find(c).and_then(|k| code.component(*base, k));
+            let equal =
+                chars.iter().zip(other.chars()).all(|(a, b)| *a == b || (same(*a).is_some() && same(*a) == same(b)));
+            let mut draft = Draft::new(Edit::replace(field.span, other), what);
+            draft.identity = equal.then_some("the constant has the same value in both components");
+            drafts.push(draft);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::mutate::testing::changes;
+    use crate::mutate::testing::{changes, identities};
 
     #[test]
     fn a_component_is_replaced_by_every_other_one_of_its_set() {
@@ -57,6 +62,13 @@ mod tests {
     fn a_written_swizzle_keeps_each_component_once() {
         let made = changes("swizzle", "vec2 f(vec2 v) {\n  v.xy = vec2(1.0, 2.0);\n  return v;\n}");
         assert_eq!(made, ["v.yx = vec2(1.0, 2.0);"]);
+    }
+
+    #[test]
+    fn equal_components_of_a_constant_are_known() {
+        let text = "const vec2 K = vec2(2.0, 2.0);\nfloat f(float a) {\n  return a * K.x;\n}";
+        assert_eq!((changes("swizzle", text).len(), identities("swizzle", text)), (1, 1));
+        assert_eq!(identities("swizzle", &text.replacen("2.0,", "3.0,", 1)), 0);
     }
 
     #[test]

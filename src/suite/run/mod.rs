@@ -16,7 +16,7 @@ use crate::verdict::BatchVerdict;
 pub use coverage::{Coverage, check as coverage};
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
-pub use relate::first_broken;
+pub use relate::Probes;
 pub use summary::{Entry, Outcome, Status, Summary, Totals};
 pub use trial::Trial;
 

@@ -5,7 +5,7 @@ use super::trial::Trial;
 use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
-use crate::verdict::observe;
+use crate::verdict::{observe, observe_with, passed};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
 /// formula for each input, so there are fewer of them than of plain samples.
@@ -48,19 +48,62 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
     Ok(())
 }
 
-/// The first relation of the suite that does not hold on some sample, by name.
-///
-/// # Errors
-/// [`LaneError`] when the lane fails.
-pub fn first_broken(trial: &mut Trial<'_>, seed: u64) -> Result<Option<&'static str>, LaneError> {
-    let prepared = trial.prepared;
-    let samples = samples(prepared, seed, SAMPLES);
-    for &relation in &prepared.relations {
-        if outcomes(trial, relation, &samples)?.iter().any(|o| matches!(o, Outcome::Fails(_))) {
-            return Ok(Some(relation.name()));
-        }
+/// The relations of a suite with the inputs that they want to see, made once for many programs with
+/// the same interface.
+pub struct Probes {
+    probes: Vec<Probe>,
+}
+
+struct Probe {
+    relation: &'static dyn Relation,
+    inputs: Vec<Vec<Sample>>,
+    flat: Vec<Sample>,
+    /// For each of `flat`, the sensitivity of the formula's words.
+    passed: Vec<Vec<f64>>,
+}
+
+impl Probes {
+    /// The inputs of all relations of a suite.
+    pub fn new(prepared: &Prepared, seed: u64) -> Self {
+        use rayon::prelude::*;
+        let samples = samples(prepared, seed, SAMPLES);
+        let probe = |&relation: &&'static dyn Relation| {
+            let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
+            let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
+            let of = |s: &Sample| passed(&prepared.reference, &super::trial::batch_of(std::slice::from_ref(s)), 0);
+            let passed = flat.par_iter().map(of).collect();
+            Probe { relation, inputs, flat, passed }
+        };
+        Self { probes: prepared.relations.iter().map(probe).collect() }
     }
-    Ok(None)
+
+    /// The first relation that does not hold on some sample, by name.
+    ///
+    /// # Errors
+    /// [`LaneError`] when the lane fails.
+    pub fn first_broken(&self, trial: &mut Trial<'_>) -> Result<Option<&'static str>, LaneError> {
+        use rayon::prelude::*;
+        let (reference, tolerance) = (&trial.prepared.reference, &trial.prepared.tolerance);
+        for Probe { relation, inputs, flat, passed } in &self.probes {
+            let mut observed: Vec<Observed> = Vec::with_capacity(flat.len());
+            if !flat.is_empty() {
+                trial.run_samples(flat, |first, batch, actual| {
+                    let see = |i: usize| observe_with(reference, &passed[first + i], actual, i, tolerance);
+                    let seen: Vec<Observed> = (0..batch.invocation_count()).into_par_iter().map(see).collect();
+                    observed.extend(seen);
+                })?;
+            }
+            let mut rest = observed.into_iter();
+            let fails = inputs.iter().any(|inputs| {
+                let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
+                matches!(judge(*relation, inputs, &outputs), Outcome::Fails(_))
+            });
+            if fails {
+                return Ok(Some(relation.name()));
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// Samples of the suite's plan, whole strands where the suite has them.
