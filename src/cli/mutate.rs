@@ -107,6 +107,11 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         }
     }
     progress.finish();
+    if summary.failed.is_empty() && summary.score().all() == 0 {
+        anyhow::bail!(
+            "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
+        );
+    }
     match args.format {
         Format::Text if summary.suites.is_empty() => {}
         Format::Text => out.write_all(text(&summary).as_bytes())?,

@@ -46,12 +46,4 @@ pub enum MutateError {
         /// Samples that were run.
         samples: u64,
     },
-    /// Nothing can be mutated.
-    #[error("suite `{suite}`: the chosen operators make no mutant of {shader}; choose others with --operator")]
-    NoMutants {
-        /// Name of the suite.
-        suite: String,
-        /// The shader.
-        shader: String,
-    },
 }

@@ -129,3 +129,38 @@ fn emitted(function: &mut Function, block: &mut Block, expression: Expression) -
 fn branch(condition: Handle<Expression>, then: Statement) -> Statement {
     Statement::If { condition, accept: Block::from_vec(vec![then]), reject: Block::new() }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::glsl::{Shader, Stage};
+    use crate::lower::{self, Target};
+    use crate::program::{Kernel, Program};
+    use crate::text::SourceFile;
+
+    fn kernel(body: &str) -> Kernel {
+        let file = SourceFile::new("f.glsl", format!("#version 150 core\nfloat f(float a) {{ {body} return a; }}\n"));
+        let parsed = Shader::parse(&file, Stage::Library);
+        let lowered = lower::lower(&parsed.shader, &Target::Function("f".into())).unwrap();
+        Program::new(lowered).unwrap().compute_kernel().unwrap()
+    }
+
+    fn text(kernel: &Kernel) -> String {
+        let flags = naga::back::wgsl::WriterFlags::empty();
+        naga::back::wgsl::write_string(&kernel.module, &kernel.info, flags).unwrap()
+    }
+
+    #[test]
+    fn every_loop_burns_fuel_and_the_record_waits_for_what_is_left() {
+        let plain = kernel("for (int i = 0; i < 3; ) for (;;) a += 1.0;");
+        let with = text(&plain.clone().with_fuel(500).unwrap());
+        assert_eq!(with.matches("sc_fuel = (").count(), 2, "{with}");
+        assert!(with.contains("var<private> sc_fuel: u32 = 500u"), "{with}");
+        assert!(!text(&plain).contains("sc_fuel"));
+    }
+
+    #[test]
+    fn a_kernel_without_loops_stays_as_it_is() {
+        let plain = kernel("a += 1.0;");
+        assert_eq!(text(&plain.clone().with_fuel(500).unwrap()), text(&plain));
+    }
+}

@@ -166,12 +166,11 @@ impl Expectations {
                         continue;
                     }
                     let full = scale + self.sensitivity(invocation).get(base + k).copied().unwrap_or(f64::INFINITY);
-                    if !full.is_finite() || self.tolerance.is_useless(full, scale) {
-                        continue;
-                    }
                     let tolerances = distance / self.tolerance.at(full);
                     let tolerances = if tolerances.is_nan() { f64::INFINITY } else { tolerances };
-                    if tolerances > movement.tolerances {
+                    // The judge leaves these open.
+                    let open = !full.is_finite() || (tolerances > 1.0 && self.tolerance.is_useless(full, scale));
+                    if !open && tolerances > movement.tolerances {
                         movement.tolerances = tolerances;
                         movement.component = Some(component_name(after, output, k));
                     }

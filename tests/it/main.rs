@@ -1,3 +1,4 @@
 //! Tests across modules and processes, in one binary.
 
+mod mutate;
 mod tidy;
