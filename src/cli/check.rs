@@ -1,7 +1,7 @@
 //! `shadercheck check`: suites on lanes.
 
-mod progress;
-mod select;
+pub(super) mod progress;
+pub(super) mod select;
 
 use std::io::Write;
 use std::path::PathBuf;

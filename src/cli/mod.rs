@@ -6,6 +6,7 @@ pub mod check;
 pub mod explain;
 pub mod lanes;
 pub mod lint;
+pub mod mutate;
 pub mod status;
 pub mod translate;
 
@@ -37,6 +38,8 @@ pub enum Command {
     Explain(explain::ExplainArgs),
     /// Translate a shader to another language
     Translate(translate::TranslateArgs),
+    /// Put small faults into shaders and see whether their suites notice
+    Mutate(mutate::MutateArgs),
     /// Show what can run shaders here
     Lanes(lanes::LanesArgs),
     /// Measure how far a device's operations are off, beside what is promised
@@ -46,7 +49,7 @@ pub enum Command {
 impl Command {
     /// True when the command opens devices.
     pub fn opens_devices(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Lanes(_) | Self::Calibrate(_))
+        matches!(self, Self::Check(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_))
     }
 }
 
@@ -62,6 +65,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
+        Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
         Command::Lanes(args) => lanes::run(args, &mut out),
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
     };

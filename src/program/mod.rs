@@ -3,6 +3,7 @@
 mod capture;
 mod contain;
 mod front;
+mod fuel;
 mod interface;
 mod strides;
 mod translate;

@@ -82,7 +82,7 @@ impl BatchVerdict {
 }
 
 /// Invocations that one thread judges at a time.
-const CHUNK: usize = 4096;
+pub(super) const CHUNK: usize = 4096;
 
 /// Judges every invocation of a batch.
 ///

@@ -1,5 +1,6 @@
 //! Verdicts on single samples.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use super::expected::{Expected, Output, Reference};
@@ -179,6 +180,30 @@ pub fn judge_sample(
     invocation: usize,
     tolerance: &Tolerance,
 ) -> Verdict {
+    let senses = || Senses {
+        sensitivity: Cow::Owned(reference.sensitivity(inputs, expected)),
+        vectors: reference.vector_size(inputs),
+    };
+    judge_with(reference, &senses, expected, actual, invocation, tolerance)
+}
+
+/// How the inputs of a sample bear on its outputs.
+pub(super) struct Senses<'s> {
+    /// For each expected word, its sensitivity to the inputs.
+    pub sensitivity: Cow<'s, [f64]>,
+    /// The largest component of all vectors among the inputs.
+    pub vectors: f64,
+}
+
+/// The same where the sensitivity may be known already; it is only asked for when it is needed.
+pub(super) fn judge_with<'s>(
+    reference: &Reference,
+    senses: &dyn Fn() -> Senses<'s>,
+    expected: &Expected,
+    actual: &Actual,
+    invocation: usize,
+    tolerance: &Tolerance,
+) -> Verdict {
     if let Some(deviation) = shape(reference, expected, actual, invocation) {
         return Verdict::Deviate(deviation);
     }
@@ -207,7 +232,7 @@ pub fn judge_sample(
     if suspects.is_empty() {
         return Verdict::Agree { ulp: worst };
     }
-    judge_suspects(reference, inputs, expected, actual, tolerance, &suspects, worst)
+    judge_suspects(reference, senses, expected, actual, tolerance, &suspects, worst)
 }
 
 /// All components of a variable at once: the largest error in ULP when all of them agree. Most
@@ -232,9 +257,9 @@ type Suspect<'r> = (usize, &'r Output, usize, Component);
 
 /// The costly part: components that miss the tolerance at their own scale get the scale of the
 /// inputs.
-fn judge_suspects(
+fn judge_suspects<'s>(
     reference: &Reference,
-    inputs: &[f64],
+    senses: &dyn Fn() -> Senses<'s>,
     expected: &Expected,
     actual: &Actual,
     tolerance: &Tolerance,
@@ -248,8 +273,7 @@ fn judge_suspects(
             return Verdict::Undetermined(Reason::Domain);
         }
     }
-    let sensitivity = reference.sensitivity(inputs, expected);
-    let vectors = reference.vector_size(inputs);
+    let Senses { sensitivity, vectors } = senses();
     let mut undetermined = None;
     for &(vertex, output, k, component) in suspects {
         let name = || component_name(actual, output, k);
@@ -295,7 +319,7 @@ fn judge_suspects(
 }
 
 /// Below 2^-100 a flushed term (less than 2^-126) may be more than the rounding of the sum.
-const FLUSHED: f64 = f64::from_bits((1023 - 100) << 52);
+pub(super) const FLUSHED: f64 = f64::from_bits((1023 - 100) << 52);
 
 /// Size of what the lane wrote; 0 for what is no number. Beside a distance of 0 every tolerance is
 /// large, and a tolerance that is small beside the points and beside a wrong value tests it all the same.
@@ -308,7 +332,7 @@ fn value(component: &Component) -> f64 {
     f64::from(f32::from_bits(component.actual))
 }
 
-fn component_name(actual: &Actual, output: &Output, k: usize) -> String {
+pub(super) fn component_name(actual: &Actual, output: &Output, k: usize) -> String {
     actual.layout().vertex.word_name(output.actual.start + k)
 }
 

@@ -15,12 +15,28 @@ pub fn observe(
     invocation: usize,
     tolerance: &Tolerance,
 ) -> Observed {
+    observe_with(reference, &passed(reference, batch, invocation), actual, invocation, tolerance)
+}
+
+/// How much of the inputs' size passes through to each word that the formula gives: all that a
+/// relation needs of the formula, and the same for every program that runs this batch.
+pub fn passed(reference: &Reference, batch: &Batch, invocation: usize) -> Vec<f64> {
     let mut inputs = reference.scratch();
     reference.read_case(batch, invocation / batch.per_case, &mut inputs);
     reference.read_invocation(batch, invocation, &mut inputs);
     let mut expected = Expected::default();
     reference.eval(&inputs, &mut expected);
-    let sensitivity = reference.sensitivity(&inputs, &expected);
+    reference.sensitivity(&inputs, &expected)
+}
+
+/// The same as [`observe`], with what [`passed`] gave.
+pub fn observe_with(
+    reference: &Reference,
+    sensitivity: &[f64],
+    actual: &Actual,
+    invocation: usize,
+    tolerance: &Tolerance,
+) -> Observed {
     let vertices = actual.stored(invocation);
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
     for vertex in 0..vertices {

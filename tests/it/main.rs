@@ -9,6 +9,7 @@ mod interp;
 mod json;
 mod lowering;
 mod lowering_vertex;
+mod mutate;
 mod positions;
 mod regress;
 mod tidy;

@@ -20,6 +20,7 @@ use naga::valid::ModuleInfo;
 use super::{Program, ProgramError};
 use crate::value::{Field, Record};
 
+pub(super) use builder::add_global;
 pub use vertex::{Attribute, UniformBlock, UniformSlot};
 pub use words::shape_of;
 

@@ -12,8 +12,9 @@ use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, float,
 /// root and moved. Roots and tips lie in the range. Every second skeleton is a chain. Entries past
 /// the number are filled too, so that a shader that reads them is found out.
 ///
-/// Special: a bone of length zero, all bones equal, lattice points as roots and tips (which the
-/// special points of `point` meet), a rest pose (all blend matrices the identity), one bone, all.
+/// Special: a bone of length zero, a bone of some thousandths of the range, all bones
+/// equal, lattice points as roots and tips (which the special points of `point` meet), a rest pose
+/// (all blend matrices the identity), one bone, all.
 pub struct Bones;
 
 /// Where the parts of the group lie.
@@ -55,6 +56,9 @@ fn blend_matrix(root: DVec3, tip: DVec3, pose: &DMat4) -> DMat4 {
     posed * rest.inverse()
 }
 
+/// Length of a special bone, relative to an ordinary one.
+const NEAR: f64 = 1.0 / 1024.0;
+
 impl Generator for Bones {
     fn name(&self) -> &'static str {
         "bones"
@@ -88,7 +92,7 @@ impl Generator for Bones {
         let range = group.range();
         let kind = match stream.one_in(SPECIAL) {
             _ if place.exact => 2,
-            true => stream.below(6),
+            true => stream.below(7),
             false => usize::MAX,
         };
         out[0] = match kind {
@@ -105,7 +109,12 @@ impl Generator for Bones {
         };
         for bone in 0..count {
             let root = if chain && bone > 0 { tip } else { point(stream) };
-            tip = if kind == 0 && bone == degenerate { root } else { point(stream) };
+            tip = match kind {
+                0 if bone == degenerate => root,
+                // Between the length zero and ordinary ones: a threshold on the length must not hide.
+                6 if bone == degenerate => root + (point(stream) - root) * NEAR,
+                _ => point(stream),
+            };
             let blend = match kind {
                 3 => DMat4::IDENTITY,
                 2 => {

@@ -7,8 +7,9 @@ use super::{
 };
 
 /// Points of a curve or the ends of a segment with a point beside it. Special: all at one place, two
-/// neighbours at one place, all on a line (exactly), the last on the segment of the first two or at
-/// one of its ends (exactly), lattice points, edge values.
+/// neighbours at one place, two neighbours some thousandths of the range apart, all on a line
+/// (exactly), the last on the segment of the first two or at one of its ends (exactly), lattice
+/// points, edge values.
 pub struct Nodes;
 
 /// Eighths at which special nodes lie between two ends.
@@ -18,8 +19,8 @@ fn eighths(stream: &mut Stream) -> f64 {
 
 fn special(group: &Group, stream: &mut Stream, out: &mut [u32]) {
     let (range, elements) = (group.range(), group.elements());
-    let kind = stream.below(6);
-    if kind >= 4 {
+    let kind = stream.below(7);
+    if kind == 4 || kind == 5 {
         for word in out.iter_mut() {
             *word = if kind == 4 { range.lattice(stream.bits()) } else { range.special(stream.bits()) }.to_bits();
         }
@@ -52,6 +53,13 @@ fn special(group: &Group, stream: &mut Stream, out: &mut [u32]) {
     if kind == 1 {
         let (from, to) = (elements[pair].clone(), elements[pair + 1].start);
         out.copy_within(from, to);
+    }
+    if kind == 6 {
+        // Between coincidence and ordinary distances: a threshold on the distance must not hide.
+        for (from, to) in elements[pair].clone().zip(elements[pair + 1].clone()) {
+            let (near, far) = (f64::from(float(out[from])), f64::from(float(out[to])));
+            out[to] = word(near + (far - near) / 1024.0);
+        }
     }
 }
 

@@ -318,6 +318,10 @@ fn bones_reach_their_special_cases_and_turn_about_their_roots() {
         "bones",
         &[
             ("bone of length zero", 250, &|v| (0..count(v)).any(|i| root(v, i) == tip(v, i))),
+            ("short bone", 100, &|v| {
+                let length = |i| root(v, i).iter().zip(tip(v, i)).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt();
+                (0..count(v)).any(|i| (3e-4..8e-3).contains(&length(i)))
+            }),
             ("all bones equal", 100, &|v| {
                 count(v) > 1
                     && (1..4).all(|i| root(v, i) == root(v, 0) && blend(v, i) == blend(v, 0) && !identity(&blend(v, 0)))
@@ -356,6 +360,7 @@ fn nodes_reach_coincidence_lines_and_points_on_a_segment() {
             ("first two coincident", 100, &|v| {
                 p(v, 0) == p(v, 1) && !collinear(v) || p(v, 0) == p(v, 1) && p(v, 1) != p(v, 2)
             }),
+            ("first two near each other", 100, &|v| (3e-4..8e-3).contains(&p(v, 0).distance(p(v, 1)))),
             ("last two coincident", 100, &|v| p(v, 1) == p(v, 2) && p(v, 0) != p(v, 1)),
             ("collinear, exactly", 300, &|v| collinear(v) && p(v, 0) != p(v, 1) && p(v, 1) != p(v, 2)),
             ("last in the middle of the segment", 50, &|v| p(v, 2) * 2.0 == p(v, 0) + p(v, 1) && p(v, 0) != p(v, 1)),

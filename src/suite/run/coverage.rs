@@ -60,6 +60,9 @@ impl fmt::Display for Coverage {
 }
 
 /// Runs strands with every matrix uniform set to the identity and looks which segments come out.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails.
 pub fn check(trial: &mut Trial<'_>, strands: Strands, seed: u64) -> Result<Coverage, LaneError> {
     let prepared = trial.prepared;
     let primitives = strands.primitives().max(1);

@@ -13,10 +13,12 @@ use crate::property::Sample;
 use crate::suite::Suite;
 use crate::verdict::BatchVerdict;
 
-pub use coverage::Coverage;
+pub use coverage::{Coverage, check as coverage};
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
+pub use relate::Probes;
 pub use summary::{Entry, Outcome, Status, Summary, Totals};
+pub use trial::Trial;
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;

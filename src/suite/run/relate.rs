@@ -2,10 +2,10 @@
 
 use super::finding::{self, Finding, FindingKind};
 use super::trial::Trial;
-use super::{Report, Request};
+use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
-use crate::verdict::observe;
+use crate::verdict::{observe, observe_with, passed};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
 /// formula for each input, so there are fewer of them than of plain samples.
@@ -22,14 +22,11 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
     if prepared.relations.is_empty() {
         return Ok(());
     }
-    let count = if request.quick { QUICK_SAMPLES } else { SAMPLES };
-    let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
-    let batch =
-        Sampler::new(prepared.plan.clone(), request.seed).batch(0, (count as usize).div_ceil(per_case), per_case);
-    let mut samples = request.replay.clone();
+    let mut all = request.replay.clone();
     if !request.replay_only {
-        samples.extend((0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)));
+        all.extend(samples(prepared, request.seed, if request.quick { QUICK_SAMPLES } else { SAMPLES }));
     }
+    let samples = all;
     for &relation in &prepared.relations {
         let outcomes = outcomes(trial, relation, &samples)?;
         let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
@@ -54,6 +51,71 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
         }
     }
     Ok(())
+}
+
+/// The relations of a suite with the inputs that they want to see, made once for many programs with
+/// the same interface.
+pub struct Probes {
+    probes: Vec<Probe>,
+}
+
+struct Probe {
+    relation: &'static dyn Relation,
+    inputs: Vec<Vec<Sample>>,
+    flat: Vec<Sample>,
+    /// For each of `flat`, the sensitivity of the formula's words.
+    passed: Vec<Vec<f64>>,
+}
+
+impl Probes {
+    /// The inputs of all relations of a suite.
+    pub fn new(prepared: &Prepared, seed: u64) -> Self {
+        use rayon::prelude::*;
+        let samples = samples(prepared, seed, SAMPLES);
+        let probe = |&relation: &&'static dyn Relation| {
+            let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
+            let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
+            let of = |s: &Sample| passed(&prepared.reference, &super::trial::batch_of(std::slice::from_ref(s)), 0);
+            let passed = flat.par_iter().map(of).collect();
+            Probe { relation, inputs, flat, passed }
+        };
+        Self { probes: prepared.relations.iter().map(probe).collect() }
+    }
+
+    /// The first relation that does not hold on some sample, by name.
+    ///
+    /// # Errors
+    /// [`LaneError`] when the lane fails.
+    pub fn first_broken(&self, trial: &mut Trial<'_>) -> Result<Option<&'static str>, LaneError> {
+        use rayon::prelude::*;
+        let (reference, tolerance) = (&trial.prepared.reference, &trial.prepared.tolerance);
+        for Probe { relation, inputs, flat, passed } in &self.probes {
+            let mut observed: Vec<Observed> = Vec::with_capacity(flat.len());
+            if !flat.is_empty() {
+                trial.run_samples(flat, |first, batch, actual| {
+                    let see = |i: usize| observe_with(reference, &passed[first + i], actual, i, tolerance);
+                    let seen: Vec<Observed> = (0..batch.invocation_count()).into_par_iter().map(see).collect();
+                    observed.extend(seen);
+                })?;
+            }
+            let mut rest = observed.into_iter();
+            let fails = inputs.iter().any(|inputs| {
+                let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
+                matches!(judge(*relation, inputs, &outputs), Outcome::Fails(_))
+            });
+            if fails {
+                return Ok(Some(relation.name()));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Samples of the suite's plan, whole strands where the suite has them.
+fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample> {
+    let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
+    let batch = Sampler::new(prepared.plan.clone(), seed).batch(0, (count as usize).div_ceil(per_case), per_case);
+    (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect()
 }
 
 /// What a relation says of a sample.

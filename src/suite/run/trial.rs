@@ -15,14 +15,32 @@ const BATCH_WORDS: usize = 1 << 23;
 
 /// A kernel of a suite on a lane.
 pub struct Trial<'a> {
+    /// The suite.
     pub prepared: &'a Prepared,
     runner: Box<dyn Runner>,
 }
 
 impl<'a> Trial<'a> {
+    /// Makes the kernel ready for large batches.
+    ///
+    /// # Errors
+    /// [`LaneError`] when the lane refuses the kernel.
     pub fn new(prepared: &'a Prepared, lane: &dyn Lane, kernel: &Kernel) -> Result<Self, LaneError> {
+        Self::with_capacity(prepared, lane, kernel, BATCH)
+    }
+
+    /// Makes the kernel ready for batches of at most `most` invocations.
+    ///
+    /// # Errors
+    /// [`LaneError`] when the lane refuses the kernel.
+    pub fn with_capacity(
+        prepared: &'a Prepared,
+        lane: &dyn Lane,
+        kernel: &Kernel,
+        most: usize,
+    ) -> Result<Self, LaneError> {
         let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
-        let capacity = BATCH.min(BATCH_WORDS / widest).max(1);
+        let capacity = most.min(BATCH_WORDS / widest).max(1);
         Ok(Self { prepared, runner: lane.prepare(kernel, capacity)? })
     }
 
@@ -32,12 +50,18 @@ impl<'a> Trial<'a> {
     }
 
     /// Runs a batch in one dispatch.
+    ///
+    /// # Errors
+    /// [`LaneError`]; the outputs are then gone.
     pub fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
         self.runner.run(batch)
     }
 
     /// Runs samples, each with uniforms of its own, in as few dispatches as fit, and hands each
     /// dispatch to `each` with the index of its first sample.
+    ///
+    /// # Errors
+    /// [`LaneError`]; the outputs of the failing dispatch are then gone.
     pub fn run_samples(
         &mut self,
         samples: &[Sample],
@@ -53,6 +77,9 @@ impl<'a> Trial<'a> {
     }
 
     /// For each sample, whether it deviates.
+    ///
+    /// # Errors
+    /// [`LaneError`]; there is no verdict then.
     pub fn deviates(&mut self, samples: &[Sample]) -> Result<Vec<bool>, LaneError> {
         let mut verdicts = Vec::with_capacity(samples.len());
         let (reference, tolerance) = (&self.prepared.reference, self.prepared.tolerance);

@@ -24,11 +24,13 @@ const MODULES: &[(&str, &[&str])] = &[
     ("bound", &["property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("verdict", &["property", "formula", "lane", "program", "text", "diagnostic", "value"]),
     ("suite", &["verdict", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"]),
-    ("report", &["suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
+    ("mutate", &["suite", "verdict", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
+    ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
     (
         "cli",
         &[
             "report",
+            "mutate",
             "suite",
             "lint",
             "verdict",

@@ -1,0 +1,196 @@
+//! `shadercheck mutate`: mutation testing of shaders and their suites.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+
+use super::check::Format;
+use super::check::progress::Progress;
+use super::check::select::{self, Selected};
+use crate::cli::status::ExitStatus;
+use crate::lane::{self, Lane, Stage};
+use crate::mutate::operators::{by_name, registry};
+use crate::mutate::{Operator, Request, run as run_suite};
+use crate::property::nearest;
+use crate::report::mutate::{Summary, json, text};
+use crate::suite::run::DEFAULT_SEED;
+
+/// Samples of a mutant that nothing kills, when none are asked for.
+const SAMPLES: u64 = 1 << 16;
+
+/// Arguments of `shadercheck mutate`.
+#[derive(Args, Clone, Debug, Default)]
+pub struct MutateArgs {
+    /// Shipped suites by name, suite files (*.suite.toml), folders that are searched for them, and
+    /// shaders whose suite file lies beside them; all shipped suites without one
+    #[arg(value_name = "SUITE|FILE")]
+    pub suites: Vec<String>,
+    /// Mutate this shader instead of the suite's own; needs exactly one suite
+    #[arg(long, value_name = "FILE")]
+    pub shader: Option<PathBuf>,
+    /// Only these operators; `list` shows them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub operator: Vec<String>,
+    /// The lane that runs the mutants; the first one that can be had without it
+    #[arg(long, value_name = "LANE")]
+    pub lane: Option<String>,
+    /// Samples of a mutant that no sample before has killed
+    #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: u64,
+    /// Seed of the inputs: the same seed gives the same inputs everywhere
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Lowest score, in per cent, that is no finding
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
+    pub floor: f64,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.trim_end_matches('%').trim_end().parse() {
+        Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
+        _ => Err("not a number from 0 to 100".to_owned()),
+    }
+}
+
+/// Runs the command: the result goes to `out`, progress and complaints to `err`.
+///
+/// The status is [`ExitStatus::Findings`] when the score of all suites together is below the floor,
+/// and [`ExitStatus::Error`] when a suite fails on the unchanged shader, or nothing could be run.
+///
+/// # Errors
+/// When a file cannot be read, a name is unknown, no lane can be had, or output fails.
+pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    if args.operator.iter().any(|name| name == "list") {
+        for operator in registry() {
+            writeln!(out, "{:<16} {}", operator.name, operator.about)?;
+        }
+        return Ok(ExitStatus::Clean);
+    }
+    let operators = operators(&args.operator)?;
+    let selected = select(&args.suites)?;
+    anyhow::ensure!(
+        args.shader.is_none() || selected.len() == 1,
+        "--shader needs exactly one suite, and {} are chosen",
+        selected.len()
+    );
+    let lane = open(args.lane.as_deref())?;
+    let description = lane.description().clone();
+    let mut summary = Summary {
+        seed: args.seed,
+        lane: format!("{}/{} ({})", description.name, Stage::Compute, description.driver),
+        ..Summary::default()
+    };
+    let request = Request { samples: args.samples, seed: args.seed, operators };
+    let mut progress = Progress::new(args.format == Format::Text);
+    for Selected { suite, shader, .. } in &selected {
+        let other = args.shader.as_deref().map(super::translate::read).transpose()?;
+        progress.start(&suite.name, description.name, Stage::Compute, 0);
+        let mut told = 0;
+        let result = run_suite(suite, other.as_ref().unwrap_or(shader), lane.as_ref(), &request, &mut |done, all| {
+            if told != all {
+                told = all;
+                progress.start(&suite.name, description.name, Stage::Compute, all as u64);
+            }
+            progress.at(done as u64);
+        });
+        match result {
+            Ok(result) => summary.suites.push(result),
+            Err(error) => {
+                progress.suspend(|| writeln!(err, "error: {error}"))?;
+                summary.failed.push((suite.name.clone(), error.to_string()));
+            }
+        }
+    }
+    progress.finish();
+    if summary.failed.is_empty() && summary.score().all() == 0 {
+        anyhow::bail!(
+            "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
+        );
+    }
+    match args.format {
+        Format::Text if summary.suites.is_empty() => {}
+        Format::Text => out.write_all(text(&summary).as_bytes())?,
+        Format::Json => out.write_all(json(&summary).as_bytes())?,
+    }
+    out.flush()?;
+    let score = summary.score().share();
+    Ok(if !summary.failed.is_empty() {
+        ExitStatus::Error
+    } else if score.is_some_and(|share| 100.0 * share < args.floor) {
+        ExitStatus::Findings
+    } else if score.is_none() && args.floor > 0.0 {
+        // No mutant moved anything: there is no score that could reach the floor.
+        ExitStatus::Findings
+    } else {
+        ExitStatus::Clean
+    })
+}
+
+fn operators(names: &[String]) -> anyhow::Result<Vec<&'static Operator>> {
+    if names.is_empty() {
+        return Ok(registry().iter().collect());
+    }
+    let all = || registry().iter().map(|o| o.name);
+    let find = |name: &String| {
+        by_name(name).with_context(|| {
+            let hint = nearest(name, all()).map_or_else(
+                || format!("operators are {}", all().collect::<Vec<_>>().join(", ")),
+                |near| format!("did you mean `{near}`?"),
+            );
+            format!("there is no operator `{name}`; {hint}")
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// The lane with this name, or the first one that can be had.
+fn open(name: Option<&str>) -> anyhow::Result<Box<dyn Lane>> {
+    let mut missing = Vec::new();
+    for candidate in lane::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
+        match (candidate.open)() {
+            Ok(lane) => return Ok(lane),
+            Err(why) => missing.push(format!("lane `{}` cannot be had: {why}", candidate.name)),
+        }
+    }
+    if let (Some(name), true) = (name, missing.is_empty()) {
+        let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
+        anyhow::bail!("there is no lane `{name}`; lanes are {}", names.join(", "));
+    }
+    anyhow::bail!("{}", missing.join("; "))
+}
+
+/// The suites that the arguments name. A shader stands for the suite files beside it that name it.
+fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
+    let mut named = Vec::new();
+    for argument in arguments {
+        let path = Path::new(argument);
+        if argument.ends_with(".toml") || !path.is_file() {
+            named.push(argument.clone());
+            continue;
+        }
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let before = named.len();
+        let entries =
+            std::fs::read_dir(folder).with_context(|| format!("cannot read the folder `{}`", folder.display()))?;
+        for entry in entries {
+            let file = entry?.path();
+            if file.to_string_lossy().ends_with(".suite.toml") {
+                let loaded = crate::suite::load(&file)?;
+                if path.file_name().is_some_and(|name| name.to_string_lossy() == loaded.suite.shader) {
+                    named.push(file.to_string_lossy().into_owned());
+                }
+            }
+        }
+        anyhow::ensure!(
+            named.len() > before,
+            "no suite file beside `{argument}` names it; give the suite, and the shader with --shader"
+        );
+        named[before..].sort();
+    }
+    select::select(&named)
+}

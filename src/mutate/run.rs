@@ -1,0 +1,279 @@
+//! Mutants through their suite: prepared like the shader itself, run on the same batches, judged
+//! with the same expected values.
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+use similar::TextDiff;
+
+use super::operators::Operator;
+use super::outcome::{Kill, Outcome, SuiteResult, Tested};
+use super::{Mutant, MutateError, mutants};
+use crate::diagnostic::Severity;
+use crate::glsl::interface::Storage;
+use crate::glsl::symbols::SymbolKind;
+use crate::glsl::{self, Shader};
+use crate::lane::{Actual, Lane, LaneError};
+use crate::program::Kernel;
+use crate::property::Sampler;
+use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, prepare};
+use crate::suite::{Stage, Suite};
+use crate::text::SourceFile;
+use crate::verdict::{Deviation, Expectations, Movement};
+
+/// Loop iterations of one invocation: far more than a shader of a suite needs, few enough that a
+/// mutant which never ends costs a fraction of a second on a small batch. It must be less than 65535,
+/// after which llvmpipe leaves a loop by itself, and goes on as if it had ended.
+const FUEL: u32 = 1 << 14;
+/// Invocations of the batches: most mutants die in a small one, and those that do not should not
+/// pay for the overhead of many.
+const STEPS: [usize; 3] = [256, 4096, 1 << 14];
+/// Mutants that are prepared together, on all cores.
+const CHUNK: usize = 16;
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Samples of a mutant that nothing kills; rounded up to whole cases.
+    pub samples: u64,
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// Operators that make the mutants.
+    pub operators: Vec<&'static Operator>,
+}
+
+/// A batch with the expected values and the original's outputs.
+struct Step {
+    expectations: Expectations,
+    original: Actual,
+    /// Samples of the batches before.
+    before: u64,
+}
+
+/// What every mutant of a suite is put to.
+struct Bench {
+    steps: Vec<Step>,
+    probes: Probes,
+    seed: u64,
+}
+
+/// Makes the mutants of a suite's shader and runs each on the compute stage of `lane`. `progress`
+/// is told how many are done, and of how many.
+///
+/// # Errors
+/// [`MutateError`] when the original does not pass, or cannot be run; nothing can be said then.
+pub fn run(
+    suite: &Suite,
+    shader: &SourceFile,
+    lane: &dyn Lane,
+    request: &Request,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<SuiteResult, MutateError> {
+    let name = || suite.name.clone();
+    let prepared = prepare(suite, shader)?;
+    let kernel = fuelled(&prepared)?;
+    let lane_error = |source| MutateError::Lane { suite: name(), source };
+    let mut trial = Trial::with_capacity(&prepared, lane, &kernel, STEPS[2]).map_err(lane_error)?;
+    let probes = Probes::new(&prepared, request.seed);
+    let steps = original(&mut trial, &probes, request)?;
+    drop(trial);
+    let bench = Bench { steps, probes, seed: request.seed };
+
+    let stage = match suite.stage {
+        Stage::Vertex => glsl::Stage::Vertex,
+        Stage::Geometry => glsl::Stage::Geometry,
+        Stage::Function => glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library),
+    };
+    let parsed = Shader::parse(shader, stage).shader;
+    let written = written(&parsed);
+    let mutants = mutants(&parsed, suite.entry.as_deref().unwrap_or("main"), &request.operators);
+    let mut tested = Vec::with_capacity(mutants.len());
+    progress(0, mutants.len());
+    for chunk in mutants.chunks(CHUNK) {
+        let ready: Vec<Result<(Prepared, Kernel), Outcome>> =
+            chunk.par_iter().map(|m| ready(suite, m, stage, &written)).collect();
+        for (mutant, ready) in chunk.iter().zip(ready) {
+            let (outcome, samples) = match ready {
+                Ok((mutated, kernel)) if same_interface(&kernel, &prepared.compute) => {
+                    outcome(&mutated, &kernel, lane, &bench, mutant.identity).map_err(lane_error)?
+                }
+                Ok(_) => (Outcome::Invalid("the interface of the shader changes".to_owned()), 0),
+                Err(outcome) => (outcome, 0),
+            };
+            let at = shader.position(mutant.span.start);
+            tested.push(Tested {
+                operator: mutant.operator,
+                what: mutant.what.clone(),
+                line: at.line,
+                column: at.column,
+                diff: diff(shader, &mutant.shader),
+                outcome,
+                samples,
+            });
+            progress(tested.len(), mutants.len());
+        }
+    }
+    let samples = bench.steps.iter().map(|s| s.original.count() as u64).sum();
+    Ok(SuiteResult { suite: name(), shader: shader.name().to_owned(), samples, tolerance: suite.tolerance.ulp, tested })
+}
+
+/// A mutant made ready, or what became of it.
+fn ready(
+    suite: &Suite,
+    mutant: &Mutant,
+    stage: glsl::Stage,
+    outputs: &BTreeSet<String>,
+) -> Result<(Prepared, Kernel), Outcome> {
+    let invalid = |error: &dyn std::fmt::Display| Outcome::Invalid(error.to_string());
+    match prepare(suite, &mutant.shader) {
+        Ok(prepared) => {
+            let kernel = fuelled(&prepared).map_err(|e| invalid(&e))?;
+            Ok((prepared, kernel))
+        }
+        Err(error) => {
+            // GLSL may leave an output without a value. A suite cannot run such a shader, and says so.
+            let parsed = Shader::parse(&mutant.shader, stage);
+            let missing = outputs.difference(&written(&parsed.shader)).next().cloned();
+            let broken = parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
+            Err(match (missing, error) {
+                (Some(name), _) if !broken => Outcome::Killed(Kill::MissingOutput(name)),
+                (_, RunError::Shader { diagnostics, .. }) if !diagnostics.is_empty() => {
+                    invalid(&diagnostics[0].message)
+                }
+                (_, error) => invalid(&error),
+            })
+        }
+    }
+}
+
+/// Names of the outputs that a shader writes.
+fn written(shader: &Shader) -> BTreeSet<String> {
+    let output = |kind| matches!(kind, SymbolKind::Builtin | SymbolKind::Global(Storage::Out));
+    let symbols = shader.symbols().filter(|(id, s)| output(s.kind) && shader.is_written(*id));
+    symbols.map(|(_, s)| s.name.clone()).collect()
+}
+
+fn fuelled(prepared: &Prepared) -> Result<Kernel, MutateError> {
+    let suite = || prepared.suite.name.clone();
+    prepared.compute.clone().with_fuel(FUEL).map_err(|source| MutateError::Program { suite: suite(), source })
+}
+
+/// Batches and expected values are shared by all mutants, so all must read and write the same words.
+fn same_interface(a: &Kernel, b: &Kernel) -> bool {
+    a.invocation == b.invocation
+        && a.case == b.case
+        && a.output.vertex == b.output.vertex
+        && a.output.max_vertices == b.output.max_vertices
+}
+
+/// Runs the original, which has to pass everything that mutants are put to.
+fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result<Vec<Step>, MutateError> {
+    let prepared = trial.prepared;
+    let suite = || prepared.suite.name.clone();
+    let fails = |why: String| MutateError::Original { suite: suite(), why };
+    let lane = |source: LaneError| match source {
+        LaneError::NotWritten { .. } if prepared.compute.has_loops() => {
+            fails(format!("an invocation takes more than {FUEL} iterations of its loops"))
+        }
+        source => MutateError::Lane { suite: suite(), source },
+    };
+    let per_case =
+        prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).clamp(1, trial.capacity());
+    let sampler = Sampler::new(prepared.plan.clone(), request.seed);
+    let cases = request.samples.div_ceil(per_case as u64).max(1);
+    let (mut first, mut judged, mut steps) = (0, 0, Vec::new());
+    while first < cases {
+        let size = STEPS[steps.len().min(STEPS.len() - 1)].min(trial.capacity());
+        let count = ((size / per_case).max(1) as u64).min(cases - first);
+        let batch = sampler.batch(first, count as usize, per_case);
+        let original = trial.run(&batch).map_err(lane)?;
+        let expectations = Expectations::new(&prepared.reference, batch, prepared.tolerance);
+        if let Some(failure) = expectations.first_deviation(&original) {
+            return Err(fails(failure.deviation.to_string()));
+        }
+        judged += expectations.judged(&original);
+        steps.push(Step { expectations, original, before: first * per_case as u64 });
+        first += count;
+    }
+    if judged == 0 {
+        return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
+    }
+    if let Some(relation) = probes.first_broken(trial).map_err(lane)? {
+        return Err(fails(format!("the relation `{relation}` does not hold")));
+    }
+    if !covers(trial, request.seed).map_err(lane)? {
+        return Err(fails("segments of strands are not drawn".to_owned()));
+    }
+    Ok(steps)
+}
+
+fn covers(trial: &mut Trial<'_>, seed: u64) -> Result<bool, LaneError> {
+    match trial.prepared.suite.strands {
+        Some(strands) => Ok(coverage(trial, strands, seed)?.is_complete()),
+        None => Ok(true),
+    }
+}
+
+/// Runs a mutant until something notices it; with the samples that this took.
+fn outcome(
+    prepared: &Prepared,
+    kernel: &Kernel,
+    lane: &dyn Lane,
+    bench: &Bench,
+    identity: Option<&'static str>,
+) -> Result<(Outcome, u64), LaneError> {
+    let mut trial = match Trial::with_capacity(prepared, lane, kernel, STEPS[2]) {
+        Ok(trial) => trial,
+        Err(error) => return Ok((Outcome::Invalid(error.to_string()), 0)),
+    };
+    let mut samples = 0;
+    let result = watch(&mut trial, bench, &mut samples);
+    let outcome = match result {
+        Ok(Watched::Killed(kill)) => Outcome::Killed(kill),
+        Ok(Watched::Passed(movement)) if movement.samples > 0 => Outcome::Survived(movement),
+        Ok(Watched::Passed(_)) => identity.map_or(Outcome::Unmoved, Outcome::Equivalent),
+        // An invocation that runs out of loop iterations writes no record.
+        Err(LaneError::NotWritten { .. }) if kernel.has_loops() => Outcome::Killed(Kill::NotFinished),
+        Err(error) => return Err(error),
+    };
+    Ok((outcome, samples))
+}
+
+enum Watched {
+    Killed(Kill),
+    Passed(Movement),
+}
+
+fn watch(trial: &mut Trial<'_>, bench: &Bench, samples: &mut u64) -> Result<Watched, LaneError> {
+    let mut movement = Movement::default();
+    for step in &bench.steps {
+        *samples = step.before + step.original.count() as u64;
+        let actual = trial.run(step.expectations.batch())?;
+        if let Some(failure) = step.expectations.first_deviation(&actual) {
+            *samples = step.before + failure.invocation as u64 + 1;
+            let told = failure.deviation.to_string();
+            return Ok(Watched::Killed(match failure.deviation {
+                Deviation::Value { .. } | Deviation::NotWritten { .. } => Kill::Formula(told),
+                Deviation::VertexCount { .. } | Deviation::Strip { .. } | Deviation::TooManyVertices { .. } => {
+                    Kill::Shape(told)
+                }
+            }));
+        }
+        movement.merge(step.expectations.movement(&step.original, &actual));
+    }
+    if let Some(relation) = bench.probes.first_broken(trial)? {
+        return Ok(Watched::Killed(Kill::Relation(relation)));
+    }
+    if !covers(trial, bench.seed)? {
+        return Ok(Watched::Killed(Kill::Coverage));
+    }
+    Ok(Watched::Passed(movement))
+}
+
+fn diff(original: &SourceFile, mutant: &SourceFile) -> String {
+    TextDiff::from_lines(original.text(), mutant.text())
+        .unified_diff()
+        .context_radius(1)
+        .header(original.name(), "mutant")
+        .to_string()
+}
