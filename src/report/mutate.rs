@@ -57,7 +57,8 @@ pub fn text(summary: &Summary) -> String {
         }
         let score = Score::of(of.iter().copied());
         let row = row(operator.name, score, Score::default());
-        let _ = writeln!(text, "{}  {}", row.trim_end_matches('-').trim_end(), checks(&of));
+        let line = format!("{}  {}", row.trim_end_matches('-').trim_end(), checks(&of));
+        let _ = writeln!(text, "{}", line.trim_end());
     }
     for (suite, why) in &summary.failed {
         let _ = writeln!(text, "\nerror: {suite}: {why}");

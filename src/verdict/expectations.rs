@@ -190,3 +190,23 @@ fn inputs(reference: &Reference, batch: &Batch, invocation: usize) -> Vec<f64> {
     reference.read_invocation(batch, invocation, &mut inputs);
     inputs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Movement;
+
+    #[test]
+    fn the_larger_movement_wins_and_samples_add_up() {
+        let moved = |samples, tolerances, component: Option<&str>| Movement {
+            samples,
+            tolerances,
+            component: component.map(str::to_owned),
+        };
+        let mut all = moved(1, 0.5, Some("a"));
+        all.merge(moved(2, 0.0, None));
+        all.merge(moved(3, 0.25, Some("b")));
+        assert_eq!(all, moved(6, 0.5, Some("a")));
+        all.merge(moved(1, f64::INFINITY, Some("c")));
+        assert_eq!(all, moved(7, f64::INFINITY, Some("c")));
+    }
+}

@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// A Cardinal weight: exact in every operation when `ulp` is small.
+/// A suite for a Hermite curve, with this tolerance.
 fn suite(ulp: &str) -> String {
     format!(
         "suite = \"planted\"\ntitle = \"Planted\"\nshader = \"planted.glsl\"\nstage = \"function\"\nentry = \"hermite\"\n\
