@@ -279,9 +279,9 @@ pub trait Domain {
     /// Asks what kind of number it is.
     fn classify(&mut self, site: Site, class: Class, a: &Self::Column, out: &mut Words);
     /// Converts to words. Gives the lanes whose value does not fit.
-    fn to_words(&mut self, site: Site, op: ToWords, a: &Self::Column, out: &mut Words) -> Mask;
+    fn words_of(&mut self, site: Site, op: ToWords, a: &Self::Column, out: &mut Words) -> Mask;
     /// Converts from words.
-    fn from_words(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Self::Column);
+    fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Self::Column);
     /// Copies a column.
     fn copy(&mut self, from: &Self::Column, to: &mut Self::Column);
     /// Copies the lanes of `mask` and leaves the others.

@@ -15,7 +15,7 @@ pub fn to_bits(value: f64) -> u16 {
     // The gap between neighbours is 2^(exponent − 10): the quotient is exact, its rounding is the only one.
     let steps = (size * f64::from_bits(((1023 + 10 - exponent) as u64) << 52)).round_ties_even() as u16;
     // A normal number counts its 1024 leading steps as one exponent; a carry runs into the exponent.
-    sign | (((exponent + 14) as u16) << 10) + steps
+    sign | ((((exponent + 14) as u16) << 10) + steps)
 }
 
 /// The value of the bits of a binary16 number.

@@ -212,11 +212,11 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::ToWords { op, to, a, site } => {
                 let a = &self.reals[*a as usize];
-                let outside = self.domain.to_words(*site, *op, a, &mut self.words[*to as usize]);
+                let outside = self.domain.words_of(*site, *op, a, &mut self.words[*to as usize]);
                 self.report(Kind::Conversion, *site, outside);
             }
             Inst::FromWords { op, to, a, site } => {
-                self.domain.from_words(*site, *op, &self.words[*a as usize], &mut self.reals[*to as usize]);
+                self.domain.reals_of(*site, *op, &self.words[*a as usize], &mut self.reals[*to as usize]);
             }
             Inst::Word1 { op, to, a, site } => {
                 let a = &self.words[*a as usize];

@@ -310,7 +310,7 @@ impl<T: Number> Domain for Plain<T> {
         }
     }
 
-    fn to_words(&mut self, _: Site, op: ToWords, a: &Column<T>, out: &mut Words) -> Mask {
+    fn words_of(&mut self, _: Site, op: ToWords, a: &Column<T>, out: &mut Words) -> Mask {
         let a = a.values();
         for (lane, out) in out.iter_mut().enumerate() {
             let x = a[lane].widen();
@@ -330,7 +330,7 @@ impl<T: Number> Domain for Plain<T> {
         }
     }
 
-    fn from_words(&mut self, _: Site, op: FromWords, a: &Words, out: &mut Column<T>) {
+    fn reals_of(&mut self, _: Site, op: FromWords, a: &Words, out: &mut Column<T>) {
         for (out, &word) in out.values_mut().iter_mut().zip(a) {
             *out = T::nearest(match op {
                 FromWords::Signed => f64::from(word.cast_signed()),

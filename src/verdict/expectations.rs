@@ -159,13 +159,13 @@ impl Expectations {
                     continue;
                 };
                 let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-                for k in 0..values.len() {
+                for (k, value) in values.iter().enumerate() {
                     let at = output.actual.start + k;
                     let real = |word: u32| f64::from(f32::from_bits(word));
                     let distance = (real(old[at]) - real(new[at])).abs();
                     // At the output's own scale the tolerance is smallest, and cheap to have.
                     let no_more = distance <= movement.tolerances * self.tolerance.at(scale);
-                    if old[at] == new[at] || no_more || values[k].is_nan() || scale < FLUSHED {
+                    if old[at] == new[at] || no_more || value.is_nan() || scale < FLUSHED {
                         continue;
                     }
                     let full = scale + self.sensitivity(invocation).get(base + k).copied().unwrap_or(f64::INFINITY);

@@ -63,7 +63,7 @@ impl Inputs {
 fn power(x: u32, y: u32, k: u64) -> Arguments {
     let x = x & 0x7fff_ffff;
     let log = f64::from(f32::from_bits(x)).log2();
-    if k % 4 == 0 || log == 0.0 || !log.is_finite() {
+    if k.is_multiple_of(4) || log == 0.0 || !log.is_finite() {
         return [x, y, 0];
     }
     let spread = (mixed(k, 3) >> 11) as f64 / (1_u64 << 53) as f64;

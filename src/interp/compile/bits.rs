@@ -47,7 +47,7 @@ impl Compiler<'_> {
                 let scaled = self.real2(site, Binary::Multiply, clamped, scale);
                 let shifted = self.real2(site, Binary::Add, scaled, half);
                 let rounded = self.real1(site, Unary::Floor, shifted);
-                self.to_words(site, ToWords::Signed, rounded, Scalar::I32)
+                self.words_of(site, ToWords::Signed, rounded, Scalar::I32)
             })
             .collect();
         vec![self.pack(&words, width)]
@@ -64,7 +64,7 @@ impl Compiler<'_> {
         };
         let words = self.unpack(args[0][0], width, field, scalar);
         let value = |word: Slot| {
-            let number = self.from_words(site, from, word);
+            let number = self.reals_of(site, from, word);
             let ratio = self.real2(site, Binary::Divide, number, scale);
             if signed { self.real2(site, Binary::Max, ratio, low) } else { ratio }
         };
@@ -73,13 +73,13 @@ impl Compiler<'_> {
 
     pub(super) fn pack_halves(&mut self, site: Site, args: &Args) -> Vec<Slot> {
         let words: Vec<Slot> =
-            args[0].iter().map(|&x| self.to_words(site, ToWords::HalfBits, x, Scalar::U32)).collect();
+            args[0].iter().map(|&x| self.words_of(site, ToWords::HalfBits, x, Scalar::U32)).collect();
         vec![self.pack(&words, 16)]
     }
 
     pub(super) fn unpack_halves(&mut self, site: Site, args: &Args) -> Vec<Slot> {
         let words = self.unpack(args[0][0], 16, Field::ExtractUnsigned, Scalar::U32);
-        words.into_iter().map(|word| self.from_words(site, FromWords::HalfBits, word)).collect()
+        words.into_iter().map(|word| self.reals_of(site, FromWords::HalfBits, word)).collect()
     }
 
     pub(super) fn pack_clamped(&mut self, site: Site, args: &Args, (low, high): (i32, i32)) -> Vec<Slot> {

@@ -26,13 +26,13 @@ impl<'m> Compiler<'m> {
             .collect())
     }
 
-    pub(super) fn to_words(&mut self, site: Site, op: ToWords, a: Slot, scalar: Scalar) -> Slot {
+    pub(super) fn words_of(&mut self, site: Site, op: ToWords, a: Slot, scalar: Scalar) -> Slot {
         let to = self.temporary();
         self.push(Inst::ToWords { op, to, a: a.reg, site });
         Slot { scalar, reg: to }
     }
 
-    pub(super) fn from_words(&mut self, site: Site, op: FromWords, a: Slot) -> Slot {
+    pub(super) fn reals_of(&mut self, site: Site, op: FromWords, a: Slot) -> Slot {
         let to = self.temporary();
         self.push(Inst::FromWords { op, to, a: a.reg, site });
         Slot { scalar: Scalar::F32, reg: to }
@@ -41,14 +41,14 @@ impl<'m> Compiler<'m> {
     fn convert(&mut self, site: Site, a: Slot, target: Scalar) -> Slot {
         match (a.scalar, target) {
             (Scalar::F32, Scalar::F32) => a,
-            (Scalar::F32, Scalar::I32) => self.to_words(site, ToWords::Signed, a, target),
-            (Scalar::F32, Scalar::U32) => self.to_words(site, ToWords::Unsigned, a, target),
+            (Scalar::F32, Scalar::I32) => self.words_of(site, ToWords::Signed, a, target),
+            (Scalar::F32, Scalar::U32) => self.words_of(site, ToWords::Unsigned, a, target),
             (Scalar::F32, Scalar::Bool) => {
                 let zero = self.real(0.0, None);
                 self.compare(site, Comparison::NotEqual, a, zero)
             }
-            (Scalar::I32, Scalar::F32) => self.from_words(site, FromWords::Signed, a),
-            (Scalar::U32 | Scalar::Bool, Scalar::F32) => self.from_words(site, FromWords::Unsigned, a),
+            (Scalar::I32, Scalar::F32) => self.reals_of(site, FromWords::Signed, a),
+            (Scalar::U32 | Scalar::Bool, Scalar::F32) => self.reals_of(site, FromWords::Unsigned, a),
             (Scalar::I32 | Scalar::U32, Scalar::Bool) => {
                 let zero = self.word(0, a.scalar);
                 self.word2(site, Word2::NotEqual, a, zero, Scalar::Bool)
@@ -64,8 +64,8 @@ impl<'m> Compiler<'m> {
     fn reinterpret(&mut self, site: Site, a: Slot, target: Scalar) -> Slot {
         match (a.scalar, target) {
             (Scalar::F32, Scalar::F32) => a,
-            (Scalar::F32, Scalar::I32 | Scalar::U32 | Scalar::Bool) => self.to_words(site, ToWords::Bits, a, target),
-            (Scalar::I32 | Scalar::U32 | Scalar::Bool, Scalar::F32) => self.from_words(site, FromWords::Bits, a),
+            (Scalar::F32, Scalar::I32 | Scalar::U32 | Scalar::Bool) => self.words_of(site, ToWords::Bits, a, target),
+            (Scalar::I32 | Scalar::U32 | Scalar::Bool, Scalar::F32) => self.reals_of(site, FromWords::Bits, a),
             (Scalar::I32 | Scalar::U32 | Scalar::Bool, Scalar::I32 | Scalar::U32 | Scalar::Bool) => {
                 Slot { scalar: target, ..a }
             }

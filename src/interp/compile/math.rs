@@ -96,7 +96,7 @@ impl Compiler<'_> {
             }
             Mf::Frexp => {
                 let mut all = unary(self, Unary::FrexpFraction)?;
-                all.extend(args[0].iter().map(|&x| self.to_words(site, ToWords::FrexpExponent, x, Scalar::I32)));
+                all.extend(args[0].iter().map(|&x| self.words_of(site, ToWords::FrexpExponent, x, Scalar::I32)));
                 Ok(all)
             }
             Mf::Ldexp => each(args, |v| {

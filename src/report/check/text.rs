@@ -118,7 +118,7 @@ fn is_identity(name: &str, bits: &[u32]) -> bool {
         16 => 4,
         _ => return false,
     };
-    let one = |k: usize| k % (size + 1) == 0;
+    let one = |k: usize| k.is_multiple_of(size + 1);
     name.starts_with("mat") && bits.iter().enumerate().all(|(k, &b)| b == if one(k) { 1.0_f32.to_bits() } else { 0 })
 }
 

@@ -68,7 +68,7 @@ fn files_without_permission_are_told() {
     let folder = folder();
     let path = folder.path().join("closed.vert");
     fs::copy(root().join("shaders/chapter9/sphere.vert"), &path).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).unwrap();
     if fs::read(&path).is_ok() {
         // The superuser reads everything; a dangling link stands for this elsewhere.
         return;
