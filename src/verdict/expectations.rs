@@ -94,7 +94,7 @@ impl Expectations {
 
     /// Judges one invocation.
     fn judge(&self, actual: &Actual, invocation: usize) -> Verdict {
-        let senses = || Senses {
+        let senses = |_: &mut dyn FnMut(&[f64]) -> bool| Senses {
             sensitivity: Cow::Borrowed(self.sensitivity(invocation)),
             vectors: self.reference.vector_size(&inputs(&self.reference, &self.batch, invocation)),
         };

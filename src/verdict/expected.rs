@@ -227,11 +227,22 @@ impl Reference {
 
     /// For each expected word, how sensitive it is to the inputs; see `tolerance`.
     pub(super) fn sensitivity(&self, inputs: &[f64], base: &Expected) -> Vec<f64> {
+        self.sensitivity_until(inputs, base, &mut |_| false)
+    }
+
+    /// The same, ended when `enough` says so of the sums of squares.
+    pub(super) fn sensitivity_until(
+        &self,
+        inputs: &[f64],
+        base: &Expected,
+        enough: &mut dyn FnMut(&[f64]) -> bool,
+    ) -> Vec<f64> {
         let mut scratch = Expected::default();
-        super::tolerance::sensitivity(inputs, &self.families, &base.words, |moved, out| {
+        let eval = |moved: &[f64], out: &mut Vec<f64>| {
             self.eval(moved, &mut scratch);
             out.extend_from_slice(&scratch.words);
-        })
+        };
+        super::tolerance::sensitivity(inputs, &self.families, &base.words, eval, enough)
     }
 }
 

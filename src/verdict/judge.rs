@@ -180,8 +180,8 @@ pub fn judge_sample(
     invocation: usize,
     tolerance: &Tolerance,
 ) -> Verdict {
-    let senses = || Senses {
-        sensitivity: Cow::Owned(reference.sensitivity(inputs, expected)),
+    let senses = |enough: &mut dyn FnMut(&[f64]) -> bool| Senses {
+        sensitivity: Cow::Owned(reference.sensitivity_until(inputs, expected, enough)),
         vectors: reference.vector_size(inputs),
     };
     judge_with(reference, &senses, expected, actual, invocation, tolerance)
@@ -195,10 +195,13 @@ pub(super) struct Senses<'s> {
     pub vectors: f64,
 }
 
+/// Gives the senses of a sample. The search may end as soon as the sums of squares are `enough`.
+pub(super) type Sense<'f, 's> = dyn Fn(&mut dyn FnMut(&[f64]) -> bool) -> Senses<'s> + 'f;
+
 /// The same where the sensitivity may be known already; it is only asked for when it is needed.
 pub(super) fn judge_with<'s>(
     reference: &Reference,
-    senses: &dyn Fn() -> Senses<'s>,
+    senses: &Sense<'_, 's>,
     expected: &Expected,
     actual: &Actual,
     invocation: usize,
@@ -259,7 +262,7 @@ type Suspect<'r> = (usize, &'r Output, usize, Component);
 /// inputs.
 fn judge_suspects<'s>(
     reference: &Reference,
-    senses: &dyn Fn() -> Senses<'s>,
+    senses: &Sense<'_, 's>,
     expected: &Expected,
     actual: &Actual,
     tolerance: &Tolerance,
@@ -273,7 +276,15 @@ fn judge_suspects<'s>(
             return Verdict::Undetermined(Reason::Domain);
         }
     }
-    let Senses { sensitivity, vectors } = senses();
+    let at = |vertex: usize, output: &Output, k: usize| vertex * reference.vertex_words + output.expected.start + k;
+    // A right sample needs a part of the sensitivity: the search for it ends once all suspects agree.
+    let mut all_agree = |squares: &[f64]| {
+        suspects.iter().all(|&(vertex, output, k, component)| {
+            let scale = component.scale + squares[at(vertex, output, k)].sqrt();
+            scale.is_finite() && judge_value(&Component { scale, ..component }, tolerance).is_ok()
+        })
+    };
+    let Senses { sensitivity, vectors } = senses(&mut all_agree);
     let mut undetermined = None;
     for &(vertex, output, k, component) in suspects {
         let name = || component_name(actual, output, k);
@@ -285,8 +296,8 @@ fn judge_suspects<'s>(
             undetermined = Some(Reason::Domain);
             continue;
         }
-        let at = vertex * reference.vertex_words + output.expected.start + k;
-        let scaled = Component { scale: component.scale + sensitivity[at], ..component };
+        let passed = sensitivity[at(vertex, output, k)];
+        let scaled = Component { scale: component.scale + passed, ..component };
         match judge_value(&scaled, tolerance) {
             Ok(_) => {
                 worst = worst.max(tolerance.ulp.min((scaled.expected - value(&scaled)).abs() / ulp_at(scaled.scale)))

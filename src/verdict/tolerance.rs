@@ -56,45 +56,50 @@ pub enum Family {
 /// For each output, √Σ (X · ∂y/∂x)² over the inputs, by moving one input at a time. `eval` gives the
 /// outputs of the inputs, always the same number of them. An output that jumps, or that loses its
 /// value, counts as infinitely sensitive.
+///
+/// `enough` is shown the sums of squares after each input and may end the search: they only grow, so
+/// a scale that suffices already suffices in the end.
 pub fn sensitivity(
     inputs: &[f64],
     families: &[Family],
     base: &[f64],
     mut eval: impl FnMut(&[f64], &mut Vec<f64>),
+    enough: &mut dyn FnMut(&[f64]) -> bool,
 ) -> Vec<f64> {
     let largest = |family| {
         let of = inputs.iter().zip(families).filter(|(_, f)| **f == family);
         of.fold(0.0_f64, |m, (x, _)| m.max(x.abs()))
     };
-    let (vectors, matrices) = (largest(Family::Vector), largest(Family::Matrix));
-    let mut sum = vec![0.0; base.len()];
+    let mut squares = vec![0.0; base.len()];
     let mut moved = inputs.to_vec();
     let mut outputs = Vec::with_capacity(base.len());
-    for (k, &x) in inputs.iter().enumerate() {
-        let size = match families[k] {
-            Family::Exact => 0.0,
-            Family::Single => x.abs(),
-            Family::Vector => vectors,
-            Family::Matrix => matrices,
-        };
-        if size == 0.0 {
-            continue;
-        }
-        moved[k] = x + size * STEP;
-        outputs.clear();
-        eval(&moved, &mut outputs);
-        moved[k] = x;
-        if outputs.len() != base.len() {
-            sum.fill(f64::INFINITY);
-            return sum;
-        }
-        for ((sum, &y), &y0) in sum.iter_mut().zip(&outputs).zip(base) {
-            let change = (y - y0) / STEP;
-            *sum += if change.is_nan() { f64::INFINITY } else { change * change };
+    // Matrices first: their components weigh most where there are any.
+    'search: for family in [Family::Matrix, Family::Vector, Family::Single] {
+        let shared = largest(family);
+        for (k, &x) in inputs.iter().enumerate().filter(|(k, _)| families[*k] == family) {
+            let size = if family == Family::Single { x.abs() } else { shared };
+            if size == 0.0 {
+                continue;
+            }
+            moved[k] = x + size * STEP;
+            outputs.clear();
+            eval(&moved, &mut outputs);
+            moved[k] = x;
+            if outputs.len() != base.len() {
+                squares.fill(f64::INFINITY);
+                break 'search;
+            }
+            for ((sum, &y), &y0) in squares.iter_mut().zip(&outputs).zip(base) {
+                let change = (y - y0) / STEP;
+                *sum += if change.is_nan() { f64::INFINITY } else { change * change };
+            }
+            if enough(&squares) {
+                break 'search;
+            }
         }
     }
-    sum.iter_mut().for_each(|sum| *sum = sum.sqrt());
-    sum
+    squares.iter_mut().for_each(|sum| *sum = sum.sqrt());
+    squares
 }
 
 #[cfg(test)]
@@ -104,7 +109,7 @@ mod tests {
     #[test]
     fn a_cancelling_difference_keeps_the_scale_of_its_terms() {
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0] - x[1]);
-        let sum = sensitivity(&[1000.0, 999.9], &[Family::Single; 2], &[0.1], eval);
+        let sum = sensitivity(&[1000.0, 999.9], &[Family::Single; 2], &[0.1], eval, &mut |_| false);
         assert!((sum[0] - 1000.0_f64.hypot(999.9)).abs() < 1e-2, "{sum:?}");
     }
 
@@ -112,21 +117,34 @@ mod tests {
     fn vectors_share_their_size_and_numbers_do_not() {
         // y = x0; the second input does not matter, but for its size.
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0]);
-        let with = |family| sensitivity(&[0.0, 8.0], &[family; 2], &[0.0], eval)[0];
+        let with = |family| sensitivity(&[0.0, 8.0], &[family; 2], &[0.0], eval, &mut |_| false)[0];
         assert!((with(Family::Vector) - 8.0).abs() < 1e-6);
         assert_eq!(with(Family::Single), 0.0);
     }
 
     #[test]
+    fn the_search_ends_when_it_is_told_to() {
+        let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x.iter().sum());
+        let mut inputs = 0;
+        let mut two = |squares: &[f64]| {
+            inputs += 1;
+            squares[0] > 1.5
+        };
+        let sum = sensitivity(&[1.0; 9], &[Family::Single; 9], &[9.0], eval, &mut two);
+        assert!((sum[0] - 2.0_f64.sqrt()).abs() < 1e-6, "{sum:?}");
+        assert_eq!(inputs, 2);
+    }
+
+    #[test]
     fn integers_are_not_moved() {
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push(x[0]);
-        assert_eq!(sensitivity(&[7.0], &[Family::Exact], &[7.0], eval), [0.0]);
+        assert_eq!(sensitivity(&[7.0], &[Family::Exact], &[7.0], eval, &mut |_| false), [0.0]);
     }
 
     #[test]
     fn a_value_that_is_lost_is_infinitely_sensitive() {
         let eval = |x: &[f64], out: &mut Vec<f64>| out.push((1.0 - x[0]).sqrt());
-        assert_eq!(sensitivity(&[1.0], &[Family::Single], &[0.0], eval), [f64::INFINITY]);
+        assert_eq!(sensitivity(&[1.0], &[Family::Single], &[0.0], eval, &mut |_| false), [f64::INFINITY]);
     }
 
     #[test]
