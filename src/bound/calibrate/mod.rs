@@ -225,33 +225,63 @@ impl Device {
         range: std::ops::Range<u64>,
         tally: &mut Tally,
     ) -> Result<(), CalibrateError> {
-        let arity = self.op.arity().unwrap_or(1);
-        let width = self.width as u64;
         // A power of two, so that no part of a sweep crosses from one binade to the next.
-        let step = (1 << self.runner.capacity().max(1).ilog2()) * width;
+        let step = (1 << self.runner.capacity().max(1).ilog2()) * self.width as u64;
         let mut from = range.start;
-        while from < range.end {
+        // What the device gave last is tallied while it computes the next.
+        let mut last: Option<(Batch, Actual)> = None;
+        let mut spare = self.batch.clone();
+        while from < range.end || last.is_some() {
             let to = range.end.min(from + step);
-            let (inputs, batch) = (&self.inputs, &mut self.batch);
-            batch.invocations.clear();
-            if width > 1 {
-                batch.invocations.extend((from..to).step_by(self.width).map(swept));
-            } else {
-                batch.invocations.extend((from..to).flat_map(|k| inputs.at(k).into_iter().take(arity)));
+            let (op, width) = (self.op, self.width);
+            let (part, next) = std::thread::scope(|scope| {
+                let tallying = last
+                    .as_ref()
+                    .map(|(batch, actual)| scope.spawn(|| dispatch_tally(judge, op, width, batch, actual)));
+                let next = (from < to).then(|| {
+                    self.fill(&mut spare, from..to);
+                    self.runner.run(&spare)
+                });
+                (tallying.map(|thread| thread.join()), next)
+            });
+            match part {
+                Some(Ok(part)) => tally.merge(&part),
+                // A defect of ours, shown as what it is.
+                Some(Err(panic)) => std::panic::resume_unwind(panic),
+                None => {}
             }
-            let actual = self.runner.run(batch)?;
-            let part = match self.op.function().filter(|_| self.width > 1) {
-                Some(function) => sweep_tally(judge, function, batch, &actual),
-                None => judge.tally((to - from) as usize, |k| {
-                    let mut arguments = [0; 3];
-                    arguments[..arity].copy_from_slice(batch.invocation(k));
-                    (arguments, actual.vertex(k, 0)[0])
-                }),
-            };
-            tally.merge(&part);
+            let free = last.take().map(|(batch, _)| batch);
+            if let Some(actual) = next {
+                let filled = std::mem::replace(&mut spare, free.unwrap_or_else(|| self.batch.clone()));
+                last = Some((filled, actual?));
+            }
             from = to;
         }
         Ok(())
+    }
+
+    /// Writes the arguments of samples `range`.
+    fn fill(&self, batch: &mut Batch, range: std::ops::Range<u64>) {
+        let arity = self.op.arity().unwrap_or(1);
+        batch.invocations.clear();
+        if self.width > 1 {
+            batch.invocations.extend(range.step_by(self.width).map(swept));
+        } else {
+            batch.invocations.extend(range.flat_map(|k| self.inputs.at(k).into_iter().take(arity)));
+        }
+    }
+}
+
+/// The tally of a dispatch.
+fn dispatch_tally(judge: &Judge<'_>, op: Op, width: usize, batch: &Batch, actual: &Actual) -> Tally {
+    match op.function().filter(|_| width > 1) {
+        Some(function) => sweep_tally(judge, function, batch, actual),
+        None => judge.tally(batch.invocation_count(), |k| {
+            let mut arguments = [0; 3];
+            let record = batch.invocation(k);
+            arguments[..record.len()].copy_from_slice(record);
+            (arguments, actual.vertex(k, 0)[0])
+        }),
     }
 }
 
@@ -261,8 +291,8 @@ const PART: usize = 1 << 12;
 /// The tally of a dispatch of the sweeping kernel.
 fn sweep_tally(judge: &Judge<'_>, function: fn(f64) -> f64, batch: &Batch, actual: &Actual) -> Tally {
     let part = |(k, words): (usize, &[u32])| {
-        let invocations = k * PART..k * PART + words.len();
-        let results: Vec<u32> = invocations.flat_map(|i| actual.vertex(i, 0).iter().copied()).collect();
+        let mut results = Vec::with_capacity(words.len() * kernel::SWEEP);
+        (k * PART..k * PART + words.len()).for_each(|i| results.extend_from_slice(actual.vertex(i, 0)));
         judge.tally_neighbours(words[0], &results, function)
     };
     batch.invocations.par_chunks(PART).enumerate().map(part).reduce(Tally::default, |mut a, b| {

@@ -11,6 +11,9 @@ use crate::lane::Stage;
 /// Samples that one thread takes at a time.
 const CHUNK: usize = 1 << 15;
 
+/// Exponent field of a binary64 at the smallest normal binary32 number.
+const LEAST_EXPONENT: u64 = 1023 - 126;
+
 /// A largest value, and where it was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
@@ -153,18 +156,27 @@ impl<'a> Judge<'a> {
         };
         let (mut ulp_limit, mut abs_limit) = (0.0, 0.0);
         let mut plain = [0_u64; CLASSES.len() + 1];
+        let mut beyond = 0;
+        let normal = bin % (BINS / 2) != 0;
         for (k, &result) in results.iter().enumerate() {
             let word = first + k as u32;
             let exact = function(f64::from(f32::from_bits(word)));
             let error = (f64::from(f32::from_bits(result)) - exact).abs();
             let size = exact.abs();
-            // The reciprocal of the gap, from the exponent: a power of two, whose gap is another, and
-            // what has no normal result take the long way.
-            let exponent = exact.to_bits() >> 52 & 0x7ff;
-            let ulp = error * f64::from_bits((2046 + 23_u64).wrapping_sub(exponent) << 52);
-            let usual = size > grid::MIN_NORMAL && size < grid::MAX_FINITE && exact.to_bits() << 12 != 0;
+            if size > grid::MAX_FINITE && f64::from(f32::from_bits(result)) == exact.signum() * f64::INFINITY {
+                beyond += 1;
+                continue;
+            }
+            // The reciprocal of the gap from the exponent, as `grid::ulp` without its cases.
+            let bits = exact.to_bits();
+            let exponent = (bits >> 52 & 0x7ff).clamp(LEAST_EXPONENT, 0x7fe);
+            let power_of_two = bits << 12 == 0 && size > grid::MIN_NORMAL;
+            let ulp = error * f64::from_bits((2046 + 23 - exponent + u64::from(power_of_two)) << 52);
+            // A subnormal number may be flushed: that is no error, and takes the long way.
+            let usual = ulp <= 0.5 || (normal && size >= grid::MIN_NORMAL);
             if usual && ulp <= ulp_limit && error <= abs_limit {
-                let class = CLASSES.iter().position(|end| ulp <= *end).unwrap_or(CLASSES.len());
+                let class =
+                    if ulp <= 0.5 { 0 } else { CLASSES.iter().position(|end| ulp <= *end).unwrap_or(CLASSES.len()) };
                 plain[class] += 1;
             } else {
                 self.one_with(&mut tally, [word, 0, 0], result, exact, promises);
@@ -172,7 +184,8 @@ impl<'a> Judge<'a> {
             }
         }
         let count: u64 = plain.iter().sum();
-        tally.samples += count;
+        tally.samples += count + beyond;
+        tally.beyond += beyond;
         tally.bins[bin].samples += count;
         tally.bins[bin].histogram.iter_mut().zip(plain).for_each(|(a, b)| *a += b);
         tally
@@ -245,7 +258,7 @@ impl<'a> Judge<'a> {
         }
         let mut zeroed = [0.0; 3];
         for (to, x) in zeroed.iter_mut().zip(args) {
-            *to = if subnormal(*x) { 0.0 } else { *x };
+            *to = if subnormal(*x) { 0.0_f64.copysign(*x) } else { *x };
         }
         let value = self.op.exact(&zeroed[..args.len()]);
         grid::down(value) <= found && found <= grid::up(value)

@@ -291,8 +291,8 @@ fn the_written_profile_reads_back_with_its_bounds() {
         Allowed::Bound(bound) => bound / crate::value::ulp_at(op.exact(&[x])),
         other => panic!("{other:?}"),
     };
-    // Half as much again as the 4.5 ULP that were seen.
-    assert!((6.5..7.0).contains(&bound(Op::Sin, 1.3)), "{}", bound(Op::Sin, 1.3));
+    // Twice the 4.5 ULP that were seen.
+    assert!((8.8..9.1).contains(&bound(Op::Sin, 1.3)), "{}", bound(Op::Sin, 1.3));
     assert!(bound(Op::Sin, 0.3) <= 0.5);
     let unmeasured = profile.allowed(Op::Cos, &[1.0], 0.5, Stage::Compute);
     assert_eq!(unmeasured, Allowed::NoPromise);

@@ -6,12 +6,11 @@ use super::probe::Behaviour;
 use super::{Standing, State, Tally, Worst, promises};
 use crate::bound::profile::{BINS, Flush, Op, bounds_of_bin};
 
-/// Factor on errors that were measured by samples. A sweep of all arguments needs none.
+/// Factor on errors that were measured by samples; a sweep of all arguments needs none.
 ///
-/// Between samples an error grows with the argument's neighbourhood of a polynomial's extremum, which
-/// samples in every binade have seen, and by the rounding of its last operations, which is within a
-/// few ULP: half as much again has covered every exhaustive sweep that was compared with samples.
-const MARGIN: f64 = 1.5;
+/// Measured on llvmpipe of Mesa 22.3.6: with 2^22 samples, the largest error of all 2^32 arguments was
+/// in no binade more than 1.25 times that of the samples for `exp2`, and 1.95 times for `sin`.
+const MARGIN: f64 = 2.0;
 
 /// The profile file of a device. `compute` and `vertex` are what the probes found; a stage that the
 /// lane lacks counts as the other.

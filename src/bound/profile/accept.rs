@@ -17,7 +17,8 @@ pub enum Free {
     OutsideDomain,
 }
 
-/// The accepted results of a scalar operation with these arguments.
+/// The accepted results of a scalar operation with these arguments, by a promise; a measured entry
+/// promises nothing.
 ///
 /// # Errors
 /// [`Free`] when any result is accepted.
@@ -29,14 +30,15 @@ pub fn accept(profile: &Profile, op: Op, args: &[f64], stage: Stage) -> Result<I
     // An argument that may be flushed may also be zero; all combinations count.
     let flushed = |k: usize| args[k] != 0.0 && profile.argument_flush(args[k], stage) > 0.0;
     if (0..count).any(flushed) {
-        for combination in 1_u32..1 << count {
+        // The sign of such a zero is not promised, and `atan2` tells the two apart.
+        for (combination, zero) in (1_u32..1 << count).flat_map(|c| [(c, 0.0), (c, -0.0)]) {
             if (0..count).any(|k| combination >> k & 1 == 1 && !flushed(k)) {
                 continue;
             }
             let mut points = points;
             for (k, point) in points.iter_mut().enumerate() {
                 if combination >> k & 1 == 1 {
-                    *point = Interval::point(0.0);
+                    *point = Interval::point(zero);
                 }
             }
             accepted = accepted.join(scope.apply(op, &points[..count])?);

@@ -193,7 +193,10 @@ fn a_subnormal_argument_may_count_as_zero() {
     let tiny = 2f64.powi(-127);
     let twice = accept(profile("vulkan-1.4"), Op::Mul, &[tiny, 2f64.powi(20)], Stage::Vertex).unwrap();
     assert!(twice.contains(0.0) && twice.contains(2f64.powi(-107)));
-    // 1/0 is undefined, so a flushed divisor allows anything.
+    // A flushed −2^-127 may be either zero, and the angle then either half turn.
+    let angle = accept(profile("vulkan-1.4"), Op::Atan2, &[-tiny, -2.0 * tiny], Stage::Vertex).unwrap();
+    assert!(angle.contains(-PI) && angle.contains(PI));
+    // log2 of zero is undefined, so a flushed argument allows anything.
     assert_eq!(accept(profile("wgsl"), Op::Atan, &[tiny], Stage::Vertex).map(|i| i.contains(0.0)), Ok(true));
     assert_eq!(accept(profile("vulkan-1.4"), Op::Log2, &[tiny], Stage::Vertex), Err(Free::OutsideDomain));
 }

@@ -28,7 +28,7 @@ impl Report<'_> {
             writeln!(text, "promise: {} ({}), {} ({})\n", promise.name, promise.revision, suite.name, suite.revision);
         let _ = writeln!(
             text,
-            "{:<12} {:>11}  {:>9}  {:>9}  {:<22} {:>8}  {:<32} promised",
+            "{:<12} {:>11}  {:>9}  {:>9}  {:<30} {:>8}  {:<32} promised",
             "operation", "samples", "max ULP", "max abs", "at", "ratio", "verdict"
         );
         for (op, tally) in self.state.measurements() {
@@ -110,7 +110,7 @@ fn row(op: Op, tally: &Tally) -> String {
         Standing::Outside => format!("{} ({})", standing.name(), tally.outside_suite),
     };
     format!(
-        "{:<12} {:>11}  {:>9}  {:>9}  {:<22} {:>8}  {counted:<32} {}",
+        "{:<12} {:>11}  {:>9}  {:>9}  {:<30} {:>8}  {counted:<32} {}",
         op.name(),
         tally.samples,
         short(ulp.value()),

@@ -151,10 +151,10 @@ impl Outputs {
         self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| api(&e))?;
         receive.recv().map_err(|e| api(&e))?.map_err(|e| api(&e))?;
         let mut words = std::mem::take(&mut self.spare);
-        words.clear();
         {
             let view = slice.get_mapped_range().map_err(|e| api(&e))?;
-            words.extend(view.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+            words.resize(view.len() / 4, 0);
+            bytemuck::cast_slice_mut(&mut words).copy_from_slice(&view);
         }
         self.readback.unmap();
         Actual::accept(&self.layout, words, count, marks)
