@@ -157,7 +157,7 @@ impl<'a> Judge<'a> {
         let (mut ulp_limit, mut abs_limit) = (0.0, 0.0);
         let mut plain = [0_u64; CLASSES.len() + 1];
         let mut beyond = 0;
-        let normal = bin % (BINS / 2) != 0;
+        let normal = !bin.is_multiple_of(BINS / 2);
         for (k, &result) in results.iter().enumerate() {
             let word = first + k as u32;
             let exact = function(f64::from(f32::from_bits(word)));
