@@ -7,9 +7,8 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::Diagnostic;
-use crate::glsl::{Shader, Stage};
-use crate::lower::{self, Target};
+use crate::glsl::Stage;
+use crate::lower::Target;
 use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
 use crate::report::diagnostics;
 use crate::text::SourceFile;
@@ -74,31 +73,24 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
 }
 
 fn program(file: &SourceFile, stage: Stage, entry: Option<&str>) -> Result<Program, ProgramError> {
-    let parsed = Shader::parse(file, stage);
-    let errors: Vec<Diagnostic> =
-        parsed.diagnostics.into_iter().filter(|d| d.severity == crate::diagnostic::Severity::Error).collect();
-    if !errors.is_empty() {
-        return Err(ProgramError::Source(errors));
-    }
-    let target = match (entry, stage) {
-        (Some(name), _) => Target::Function(name.to_owned()),
+    Program::from_source(file, stage, |shader| match (entry, stage) {
+        (Some(name), _) => Ok(Target::Function(name.to_owned())),
         (None, Stage::Library) => {
-            let mut names = parsed.shader.functions().map(|(_, f)| f.name.name.clone());
+            let mut names = shader.functions().map(|(_, f)| f.name.name.clone());
             match (names.next(), names.next()) {
-                (Some(only), None) => Target::Function(only),
-                (None, _) => Target::Stage,
+                (Some(only), None) => Ok(Target::Function(only)),
+                (None, _) => Ok(Target::Stage),
                 (Some(first), Some(second)) => {
                     let rest: Vec<String> = names.collect();
                     let all = [vec![first, second], rest].concat().join(", ");
-                    return Err(ProgramError::Unsupported {
+                    Err(ProgramError::Unsupported {
                         what: format!("a library of several functions as a whole; choose one with --entry: {all}"),
-                    });
+                    })
                 }
             }
         }
-        (None, _) => Target::Stage,
-    };
-    Program::new(lower::lower(&parsed.shader, &target).map_err(ProgramError::Source)?)
+        (None, _) => Ok(Target::Stage),
+    })
 }
 
 /// Reads a text file for a command.

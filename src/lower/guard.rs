@@ -2,10 +2,10 @@
 //! that means something else than the text is worse than none.
 
 use super::Work;
-use crate::glsl::Shader;
 use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind, UnaryOp};
 use crate::glsl::interface::Storage;
 use crate::glsl::symbols::{CallTarget, Direction, FunctionId, SymbolKind};
+use crate::glsl::{Fit, Shader};
 
 pub(super) fn check(work: &mut Work<'_>) {
     global_initializers(work);
@@ -102,24 +102,60 @@ fn function_has_effect(shader: &Shader, function: FunctionId, depth: u32) -> boo
 fn constructors(work: &mut Work<'_>) {
     let shader = work.shader;
     for (id, expr) in shader.arena().iter() {
-        let ExprKind::Call { callee: Callee::Type(_), args } = &expr.kind else { continue };
-        let Some(needed) = shader.type_of(id).components() else { continue };
-        if args.len() < 2 {
-            continue;
+        let Some(constructor) = shader.constructor(id) else { continue };
+        let (ty, needs) = (&constructor.ty, constructor.needs);
+        match constructor.fit {
+            Fit::Fits | Fit::Unknown => {}
+            Fit::TooMany { .. } => {
+                let total: usize = constructor.given.iter().flatten().sum();
+                let message = format!("`{ty}` takes {needs} components, and {total} are given");
+                work.unsupported(expr.span, message, "run `shadercheck lint`, which explains and repairs it (T001)");
+            }
+            Fit::TooFew { given } => {
+                let message = format!("`{ty}` takes {needs} components, and only {given} are given");
+                work.unsupported(expr.span, message, "give the missing components");
+            }
         }
-        let given: Option<Vec<usize>> = args.iter().map(|&a| shader.type_of(a).components()).collect();
-        let Some(given) = given else { continue };
-        let before_last: usize = given[..given.len() - 1].iter().sum();
-        let total: usize = given.iter().sum();
-        if before_last >= needed {
-            let ty = shader.type_of(id);
-            let message =
-                format!("`{ty}` takes {needed} components, and {total} are given; the translator drops the rest");
-            work.unsupported(expr.span, message, "run `shadercheck lint`, which explains and repairs it (T001)");
-        } else if total < needed {
-            let ty = shader.type_of(id);
-            let message = format!("`{ty}` takes {needed} components, and only {total} are given");
-            work.unsupported(expr.span, message, "give the missing components");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::glsl::{Shader, Stage};
+    use crate::lower::{Target, UNSUPPORTED, lower};
+    use crate::text::SourceFile;
+
+    /// Messages with their columns, for a `main` of one line.
+    fn refused(body: &str) -> Vec<(usize, String)> {
+        let text = format!("#version 150\nin vec4 v;\nvoid main() {{ {body} }}\n");
+        let shader = Shader::parse(&SourceFile::new("t.vert", text), Stage::Vertex).shader;
+        let found = lower(&shader, &Target::Stage).err().unwrap_or_default();
+        assert!(found.iter().all(|d| d.code == UNSUPPORTED));
+        found.into_iter().map(|d| (d.file.position(d.span.start).column, d.message)).collect()
+    }
+
+    #[test]
+    fn constructors_with_arguments_left_over_never_reach_naga() {
+        let four = "`vec3` takes 3 components, and 4 are given".to_owned();
+        let column = |body: &str| 15 + body.find("vec3(").unwrap();
+        for body in [
+            "vec3 p = vec3(1.0, 2.0, 3.0, 4.0); gl_Position = vec4(p, 1.0);",
+            "gl_Position = vec4(vec3(v.x, v.y, v.z, 1.0), 1.0);",
+            "vec4 p = vec3(1.0, 2.0, 3.0, 4.0); gl_Position = p;",
+        ] {
+            // The first `vec3(` is the constructor, not the declaration before it.
+            assert_eq!(refused(body), [(column(body), four.clone())], "{body}");
         }
+    }
+
+    #[test]
+    fn constructors_with_too_few_arguments_never_reach_naga() {
+        let found = refused("gl_Position = vec4(v.xyz);");
+        assert_eq!(found, [(29, "`vec4` takes 4 components, and only 3 are given".to_owned())]);
+    }
+
+    #[test]
+    fn a_last_argument_that_is_used_in_part_is_fine() {
+        assert_eq!(refused("gl_Position = vec4(vec3(v), 1.0) + vec4(v.xy, v.z, 1.0) + vec4(0.0);"), []);
     }
 }

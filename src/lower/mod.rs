@@ -13,7 +13,6 @@ mod stage;
 mod uniforms;
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::glsl::interface::{InputPrimitive, OutputPrimitive};
 use crate::glsl::{Shader, Stage};
 use crate::text::{EditList, Span};
 
@@ -120,19 +119,5 @@ impl Primitives {
     /// Vertices of one input primitive.
     pub fn input_vertices(&self) -> u32 {
         self.input.vertices()
-    }
-
-    /// Vertices that a strip needs to draw anything.
-    pub fn least_vertices(&self) -> u32 {
-        match self.output {
-            OutputPrimitive::Points => 1,
-            OutputPrimitive::LineStrip => 2,
-            OutputPrimitive::TriangleStrip => 3,
-        }
-    }
-
-    /// True when neighbours of the primitive are part of it.
-    pub fn has_adjacency(&self) -> bool {
-        matches!(self.input, InputPrimitive::LinesAdjacency | InputPrimitive::TrianglesAdjacency)
     }
 }

@@ -5,6 +5,7 @@ mod contain;
 mod front;
 mod fuel;
 mod interface;
+mod source;
 mod strides;
 mod translate;
 

@@ -1,9 +1,8 @@
 //! Kernels that apply one operation, made the way that every shader goes.
 
 use crate::bound::profile::Op;
-use crate::diagnostic::Severity;
-use crate::glsl::{Shader, Stage};
-use crate::lower::{Target, lower};
+use crate::glsl::Stage;
+use crate::lower::Target;
 use crate::program::{Kernel, Program, ProgramError};
 use crate::text::SourceFile;
 
@@ -111,12 +110,7 @@ fn function(op: Op, body: &str) -> Result<Kernel, ProgramError> {
 
 /// A program from a text of our own.
 pub fn program(file: &SourceFile, stage: Stage, target: &Target) -> Result<Program, ProgramError> {
-    let parsed = Shader::parse(file, stage);
-    let errors: Vec<_> = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
-    if !errors.is_empty() {
-        return Err(ProgramError::Source(errors));
-    }
-    Program::new(lower(&parsed.shader, target).map_err(ProgramError::Source)?)
+    Program::from_source(file, stage, |_| Ok(target.clone()))
 }
 
 #[cfg(test)]

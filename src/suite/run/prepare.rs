@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::diagnostic::{Diagnostic, Severity};
-use crate::glsl::{self, Shader};
-use crate::lower::{self, Target};
+use crate::diagnostic::Diagnostic;
+use crate::glsl;
+use crate::lower::Target;
 use crate::program::{Kernel, Program, ProgramError};
 use crate::property::{Plan, PlanError, Relation, relations};
 use crate::suite::{Stage, Suite};
@@ -87,22 +87,15 @@ pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError>
         Stage::Geometry => glsl::Stage::Geometry,
         Stage::Function => glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library),
     };
-    let parsed = Shader::parse(shader, stage);
-    let errors: Vec<Diagnostic> = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
     let target = match &suite.entry {
         Some(entry) => Target::Function(entry.clone()),
         None => Target::Stage,
     };
-    if !errors.is_empty() {
-        return Err(RunError::Shader { suite: name(), diagnostics: errors });
-    }
-    let lowered =
-        lower::lower(&parsed.shader, &target).map_err(|diagnostics| RunError::Shader { suite: name(), diagnostics })?;
     let captured = |source| match source {
         ProgramError::Source(diagnostics) => RunError::Shader { suite: name(), diagnostics },
         source => RunError::Program { suite: name(), source },
     };
-    let program = Program::new(lowered).map_err(captured)?;
+    let program = Program::from_source(shader, stage, |_| Ok(target)).map_err(captured)?;
     let compute = program.compute_kernel().map_err(captured)?;
     let vertex = match suite.stage {
         Stage::Vertex => {

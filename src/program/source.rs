@@ -1,0 +1,30 @@
+//! From an author's text to a program, in one step.
+
+use super::{Program, ProgramError};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::glsl::{Shader, Stage};
+use crate::lower::{Target, lower};
+use crate::text::SourceFile;
+
+impl Program {
+    /// Reads a text, lowers what `target` chooses of it, and makes a program. Nothing is lowered when
+    /// the front end finds an error.
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] with diagnostics at the author's places, and whatever `target` or
+    /// [`Program::new`] refuses.
+    pub fn from_source(
+        file: &SourceFile,
+        stage: Stage,
+        target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
+    ) -> Result<Self, ProgramError> {
+        let parsed = Shader::parse(file, stage);
+        let errors: Vec<Diagnostic> =
+            parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
+        if !errors.is_empty() {
+            return Err(ProgramError::Source(errors));
+        }
+        let target = target(&parsed.shader)?;
+        Self::new(lower(&parsed.shader, &target).map_err(ProgramError::Source)?)
+    }
+}
