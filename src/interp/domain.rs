@@ -87,11 +87,17 @@ pub enum Unary {
     Half,
     /// Fraction of x = f·2^e with ½ ≤ |f| < 1.
     FrexpFraction,
+    /// 1/√x as the factor of `normalize`, which specifications define in more than one way.
+    NormalScale,
+    /// x, the result of `determinant`: specifications promise nothing for it.
+    Determinant,
+    /// x, a component of `inverse`: specifications promise nothing for it.
+    Inverse,
 }
 
 impl Unary {
     /// All of them.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 33] = [
         Self::Negate,
         Self::Abs,
         Self::Sign,
@@ -122,7 +128,20 @@ impl Unary {
         Self::Degrees,
         Self::Half,
         Self::FrexpFraction,
+        Self::NormalScale,
+        Self::Determinant,
+        Self::Inverse,
     ];
+
+    /// True when the two have the same values everywhere and differ in what is promised alone.
+    pub fn equals(self, other: Self) -> bool {
+        let value = |op| match op {
+            Self::NormalScale => Self::InverseSqrt,
+            Self::Inverse => Self::Determinant,
+            op => op,
+        };
+        value(self) == value(other)
+    }
 }
 
 /// An operation on two real numbers.
@@ -274,12 +293,21 @@ pub trait Domain {
     );
     /// a·2^e for signed integers e.
     fn scale(&mut self, site: Site, a: &Self::Column, exponent: &Words, out: &mut Self::Column);
-    /// Compares two numbers.
-    fn compare(&mut self, site: Site, op: Comparison, a: &Self::Column, b: &Self::Column, out: &mut Words);
-    /// Asks what kind of number it is.
-    fn classify(&mut self, site: Site, class: Class, a: &Self::Column, out: &mut Words);
-    /// Converts to words. Gives the lanes whose value does not fit.
-    fn words_of(&mut self, site: Site, op: ToWords, a: &Self::Column, out: &mut Words) -> Mask;
+    /// Compares two numbers. Answers matter in the lanes of `active` alone.
+    fn compare(
+        &mut self,
+        site: Site,
+        op: Comparison,
+        active: &Mask,
+        a: &Self::Column,
+        b: &Self::Column,
+        out: &mut Words,
+    );
+    /// Asks what kind of number it is. Answers matter in the lanes of `active` alone.
+    fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Self::Column, out: &mut Words);
+    /// Converts to words. Gives the lanes whose value does not fit. Results matter in the lanes of
+    /// `active` alone.
+    fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Self::Column, out: &mut Words) -> Mask;
     /// Converts from words.
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Self::Column);
     /// Copies a column.

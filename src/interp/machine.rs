@@ -205,14 +205,20 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::Compare { op, to, a, b, site } => {
                 let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
-                self.domain.compare(*site, *op, a, b, &mut self.words[*to as usize]);
+                self.domain.compare(*site, *op, &self.active, a, b, &mut self.words[*to as usize]);
             }
             Inst::Classify { class, to, a, site } => {
-                self.domain.classify(*site, *class, &self.reals[*a as usize], &mut self.words[*to as usize]);
+                self.domain.classify(
+                    *site,
+                    *class,
+                    &self.active,
+                    &self.reals[*a as usize],
+                    &mut self.words[*to as usize],
+                );
             }
             Inst::ToWords { op, to, a, site } => {
                 let a = &self.reals[*a as usize];
-                let outside = self.domain.words_of(*site, *op, a, &mut self.words[*to as usize]);
+                let outside = self.domain.words_of(*site, *op, &self.active, a, &mut self.words[*to as usize]);
                 self.report(Kind::Conversion, *site, outside);
             }
             Inst::FromWords { op, to, a, site } => {

@@ -243,7 +243,7 @@ impl<T: Number> Domain for Plain<T> {
             Unary::Trunc => slow(a, out, f64::trunc),
             Unary::Fract => slow(a, out, |x| x - x.floor()),
             Unary::Sqrt => map(a, out, T::root),
-            Unary::InverseSqrt => map(a, out, |x| T::nearest(1.0 / x.widen().sqrt())),
+            Unary::InverseSqrt | Unary::NormalScale => map(a, out, |x| T::nearest(1.0 / x.widen().sqrt())),
             Unary::Exp => slow(a, out, f64::exp),
             Unary::Exp2 => slow(a, out, f64::exp2),
             Unary::Log => slow(a, out, f64::ln),
@@ -264,6 +264,7 @@ impl<T: Number> Domain for Plain<T> {
             Unary::Degrees => slow(a, out, f64::to_degrees),
             Unary::Half => slow(a, out, |x| half::from_bits(half::to_bits(x))),
             Unary::FrexpFraction => slow(a, out, |x| frexp(x).0),
+            Unary::Determinant | Unary::Inverse => self.copy(a, out),
         }
     }
 
@@ -293,14 +294,14 @@ impl<T: Number> Domain for Plain<T> {
         }
     }
 
-    fn compare(&mut self, _: Site, op: Comparison, a: &Column<T>, b: &Column<T>, out: &mut Words) {
+    fn compare(&mut self, _: Site, op: Comparison, _: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Words) {
         let (a, b) = (a.values(), b.values());
         for (lane, out) in out.iter_mut().enumerate() {
             *out = u32::from(op.holds(a[lane], b[lane]));
         }
     }
 
-    fn classify(&mut self, _: Site, class: Class, a: &Column<T>, out: &mut Words) {
+    fn classify(&mut self, _: Site, class: Class, _: &Mask, a: &Column<T>, out: &mut Words) {
         for (out, x) in out.iter_mut().zip(a.values()) {
             let x = x.widen();
             *out = u32::from(match class {
@@ -310,7 +311,7 @@ impl<T: Number> Domain for Plain<T> {
         }
     }
 
-    fn words_of(&mut self, _: Site, op: ToWords, a: &Column<T>, out: &mut Words) -> Mask {
+    fn words_of(&mut self, _: Site, op: ToWords, _: &Mask, a: &Column<T>, out: &mut Words) -> Mask {
         let a = a.values();
         for (lane, out) in out.iter_mut().enumerate() {
             let x = a[lane].widen();

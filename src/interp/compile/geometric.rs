@@ -47,10 +47,10 @@ impl Compiler<'_> {
             }
             MathFunction::Length => Some(vec![self.length(site, arg(0)?)?]),
             MathFunction::Normalize => {
-                // Vulkan: x · inversesqrt(dot(x, x)).
+                // Vulkan: x · inversesqrt(dot(x, x)); WGSL: x / length(x).
                 let x = arg(0)?;
                 let square = self.dot(site, x, x)?;
-                let scale = self.real1(site, Unary::InverseSqrt, square);
+                let scale = self.real1(site, Unary::NormalScale, square);
                 Some(x.iter().map(|&x| self.real2(site, Binary::Multiply, x, scale)).collect())
             }
             MathFunction::FaceForward => {
@@ -80,11 +80,13 @@ impl Compiler<'_> {
             }
             MathFunction::Determinant => {
                 let (n, _) = matrix.filter(|(columns, rows)| columns == rows)?;
-                Some(vec![self.determinant(site, n, arg(0)?)])
+                let determinant = self.determinant(site, n, arg(0)?);
+                Some(vec![self.real1(site, Unary::Determinant, determinant)])
             }
             MathFunction::Inverse => {
                 let (n, _) = matrix.filter(|(columns, rows)| columns == rows)?;
-                Some(self.inverse(site, n, arg(0)?))
+                let inverse = self.inverse(site, n, arg(0)?);
+                Some(inverse.into_iter().map(|x| self.real1(site, Unary::Inverse, x)).collect())
             }
             _ => None,
         }

@@ -77,7 +77,7 @@ fn a_wrong_entry_of_the_table_is_noticed() {
     let rows: Vec<Row> = rows().into_iter().chain(operators::rows()).collect();
     let mut missed = Vec::new();
     for right in Unary::ALL {
-        for wrong in Unary::ALL.into_iter().filter(|wrong| *wrong != right) {
+        for wrong in Unary::ALL.into_iter().filter(|wrong| !wrong.equals(right)) {
             let caught = noticed(&rows, |inst| match inst {
                 Inst::Real1 { op, .. } if *op == right => *op = wrong,
                 _ => {}
