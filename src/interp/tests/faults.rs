@@ -76,7 +76,8 @@ fn a_swapped_operand_order_is_noticed() {
 fn a_wrong_entry_of_the_table_is_noticed() {
     let rows: Vec<Row> = rows().into_iter().chain(operators::rows()).collect();
     let mut missed = Vec::new();
-    for right in Unary::ALL {
+    // WGSL has no `inverse`: a test of its own multiplies with one.
+    for right in Unary::ALL.into_iter().filter(|op| *op != Unary::Inverse) {
         for wrong in Unary::ALL.into_iter().filter(|wrong| !wrong.equals(right)) {
             let caught = noticed(&rows, |inst| match inst {
                 Inst::Real1 { op, .. } if *op == right => *op = wrong,
