@@ -35,7 +35,7 @@ pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToW
 pub use lanes::{LANES, Mask, Words};
 pub use machine::{Machine, OutputColumn};
 pub use meaning::{Finding, Flags, Kind, Meaning};
-pub use plain::{Binary32, Binary64, Column, Number, Plain};
+pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
 
 /// Bits of an output that was never written: a quiet NaN with a payload of its own.
 pub const POISON: u32 = 0x7fd5_a3c9;

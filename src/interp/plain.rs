@@ -201,6 +201,44 @@ fn pow(a: f64, b: f64) -> f64 {
     if a < 0.0 { f64::NAN } else { a.powf(b) }
 }
 
+/// Converts numbers to words. Gives the lanes whose value does not fit.
+pub fn to_words(op: ToWords, a: &[f64; LANES], out: &mut Words) -> Mask {
+    for (out, &x) in out.iter_mut().zip(a) {
+        // `as` clamps and takes NaN to 0.
+        *out = match op {
+            ToWords::Signed => (x as i32).cast_unsigned(),
+            ToWords::Unsigned => x as u32,
+            ToWords::Bits => (x as f32).to_bits(),
+            ToWords::HalfBits => u32::from(half::to_bits(x)),
+            ToWords::FrexpExponent => frexp(x).1.cast_unsigned(),
+        };
+    }
+    match op {
+        ToWords::Signed => Mask::where_(|k| !(-2_147_483_648.0..2_147_483_648.0).contains(&a[k].trunc())),
+        ToWords::Unsigned => Mask::where_(|k| !(0.0..4_294_967_296.0).contains(&a[k].trunc())),
+        ToWords::Bits | ToWords::HalfBits | ToWords::FrexpExponent => Mask::NONE,
+    }
+}
+
+/// Converts words to numbers.
+pub fn from_words(op: FromWords, a: &Words, out: &mut [f64; LANES]) {
+    for (out, &word) in out.iter_mut().zip(a) {
+        *out = match op {
+            FromWords::Signed => f64::from(word.cast_signed()),
+            FromWords::Unsigned => f64::from(word),
+            FromWords::Bits => f64::from(f32::from_bits(word)),
+            FromWords::HalfBits => half::from_bits(word as u16),
+        };
+    }
+}
+
+/// Replaces numbers by the nearest binary16.
+pub fn to_half(values: &mut [f64; LANES]) {
+    for value in values {
+        *value = half::from_bits(half::to_bits(*value));
+    }
+}
+
 impl<T: Number> Domain for Plain<T> {
     type Column = Column<T>;
     type Word = T::Word;
@@ -312,33 +350,15 @@ impl<T: Number> Domain for Plain<T> {
     }
 
     fn words_of(&mut self, _: Site, op: ToWords, _: &Mask, a: &Column<T>, out: &mut Words) -> Mask {
-        let a = a.values();
-        for (lane, out) in out.iter_mut().enumerate() {
-            let x = a[lane].widen();
-            // `as` clamps and takes NaN to 0.
-            *out = match op {
-                ToWords::Signed => (x as i32).cast_unsigned(),
-                ToWords::Unsigned => x as u32,
-                ToWords::Bits => (x as f32).to_bits(),
-                ToWords::HalfBits => u32::from(half::to_bits(x)),
-                ToWords::FrexpExponent => frexp(x).1.cast_unsigned(),
-            };
-        }
-        match op {
-            ToWords::Signed => Mask::where_(|k| !(-2_147_483_648.0..2_147_483_648.0).contains(&a[k].widen().trunc())),
-            ToWords::Unsigned => Mask::where_(|k| !(0.0..4_294_967_296.0).contains(&a[k].widen().trunc())),
-            ToWords::Bits | ToWords::HalfBits | ToWords::FrexpExponent => Mask::NONE,
-        }
+        let wide: [f64; LANES] = std::array::from_fn(|lane| a.values()[lane].widen());
+        to_words(op, &wide, out)
     }
 
     fn reals_of(&mut self, _: Site, op: FromWords, a: &Words, out: &mut Column<T>) {
-        for (out, &word) in out.values_mut().iter_mut().zip(a) {
-            *out = T::nearest(match op {
-                FromWords::Signed => f64::from(word.cast_signed()),
-                FromWords::Unsigned => f64::from(word),
-                FromWords::Bits => f64::from(f32::from_bits(word)),
-                FromWords::HalfBits => half::from_bits(word as u16),
-            });
+        let mut wide = [0.0; LANES];
+        from_words(op, a, &mut wide);
+        for (out, wide) in out.values_mut().iter_mut().zip(wide) {
+            *out = T::nearest(wide);
         }
     }
 

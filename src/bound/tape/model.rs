@@ -1,0 +1,243 @@
+//! What an operation may add to the error: by a profile, or by the rounding of binary64 itself.
+
+use super::arena::Lanes;
+use crate::bound::profile::grid::{MAX_FINITE, MIN_NORMAL};
+use crate::bound::profile::{
+    Acceptance, Allowed, Definition, Entry, Flush, Interval, Op, Piece, Profile, Rounding, Rule,
+};
+use crate::interp::LANES;
+use crate::lane::Stage;
+
+/// Error of an evaluation in binary64, relative to the value: a function of the mathematical library
+/// is off by less than 2^-51, and rounding errors of the few operations behind one node add to that.
+const BINARY64: f64 = 1.0 / (1_u64 << 48) as f64;
+
+/// What bounds the error of single operations.
+#[derive(Clone, Copy, Debug)]
+pub enum Model<'p> {
+    /// A device that keeps the promises of a profile in a stage.
+    Device {
+        /// The profile.
+        profile: &'p Profile,
+        /// The stage.
+        stage: Stage,
+        /// Whether sums and products may be regrouped.
+        rearranged: bool,
+    },
+    /// Two evaluations in binary64 of the same real function.
+    Binary64,
+}
+
+/// An argument of an operation: its values, and how far they may be off.
+#[derive(Clone, Copy)]
+pub(super) struct Arg<'a> {
+    pub value: &'a Lanes,
+    pub radius: &'a Lanes,
+}
+
+/// Distance between neighbouring binary32 numbers at x ≥ 0; infinite beyond the range.
+#[inline]
+pub(super) fn gap(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    const ULP: f64 = 1.0 / (1 << 23) as f64;
+    let power = f64::from_bits(x.to_bits() & EXPONENT);
+    (power * ULP).max(f64::from_bits((1023 - 149) << 52))
+}
+
+impl<'p> Model<'p> {
+    /// The definition that an operation inherits from, with the error that is allowed in any case.
+    pub(super) fn definition(&self, op: Op) -> Option<(Definition, f64)> {
+        let Self::Device { profile, .. } = self else { return None };
+        let Entry::Promised(pieces) = profile.entry(op) else { return None };
+        match pieces.first().map(|piece| piece.rule) {
+            Some(Rule::Inherited { definition, or }) => Some((definition, or)),
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_rearranged(&self) -> bool {
+        matches!(self, Self::Device { rearranged: true, .. })
+    }
+
+    /// How much of the value one rounding is.
+    pub(super) fn unit(&self) -> f64 {
+        match self {
+            Self::Device { profile, .. } => match profile.rounding {
+                Rounding::Either => 2f64.powi(-23),
+                Rounding::NearestEven => 2f64.powi(-24),
+            },
+            Self::Binary64 => BINARY64,
+        }
+    }
+
+    /// True when subnormal numbers may become zero.
+    pub(super) fn flushes(&self) -> bool {
+        match self {
+            Self::Device { profile, stage, .. } => profile.flush(*stage) != Flush::Never,
+            Self::Binary64 => false,
+        }
+    }
+
+    /// The error that an operation itself may make, in `local`, for any arguments within their
+    /// radius. `carried` is how far the exact result moves with the arguments. Infinite where nothing
+    /// is promised.
+    pub(super) fn local(&self, op: Op, args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+        let Self::Device { profile, stage, .. } = *self else {
+            for (b, v) in local.iter_mut().zip(value) {
+                *b = v.abs() * BINARY64;
+            }
+            return;
+        };
+        match profile.entry(op) {
+            Entry::Promised(pieces) => match &pieces[..] {
+                [Piece { rule, domain }] if domain.is_empty() => {
+                    promised(profile, *rule, args, value, carried, local);
+                }
+                pieces => pieced(profile, pieces, args, value, carried, local),
+            },
+            Entry::Measured(_) => measured(profile, op, stage, args, value, carried, local),
+        }
+    }
+
+    /// Adds what holds for every operation of a device: binary64 itself, flushed results, overflow.
+    /// True when some result may be subnormal.
+    pub(super) fn finish(&self, value: &Lanes, carried: &Lanes, local: &mut Lanes) -> bool {
+        let Self::Device { .. } = self else { return false };
+        let flushes = self.flushes();
+        let mut tiny = false;
+        for lane in 0..LANES {
+            let (v, e) = (value[lane].abs(), carried[lane]);
+            let b = local[lane];
+            // The reference itself is computed in binary64.
+            let b = if b > 0.0 { b + v * BINARY64 } else { b };
+            let reach = v + e + b;
+            let small = v - e - b < MIN_NORMAL && reach > 0.0;
+            tiny |= small;
+            let b = if small && flushes { b.max(reach.min(MIN_NORMAL)) } else { b };
+            // Where an argument may be anything, nothing is to be said of this operation.
+            local[lane] = if e == f64::INFINITY {
+                0.0
+            } else if reach > MAX_FINITE {
+                f64::INFINITY
+            } else {
+                b
+            };
+        }
+        tiny
+    }
+}
+
+/// One rule for all arguments.
+fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    let outward = if profile.acceptance == Acceptance::Outward { 1.0 } else { 0.0 };
+    match rule {
+        Rule::Exact => local.fill(0.0),
+        Rule::Rounded => {
+            let part = match profile.rounding {
+                Rounding::Either => 1.0,
+                Rounding::NearestEven => 0.5,
+            };
+            for lane in 0..LANES {
+                let (v, e) = (value[lane], carried[lane]);
+                // Exact arguments with a result that is a binary32 number: rounding leaves it.
+                let kept = e == 0.0 && f64::from(v as f32) == v;
+                local[lane] = if kept { 0.0 } else { part * gap(v.abs() + e) };
+            }
+        }
+        Rule::Ulp { constant, slope } => {
+            let x = args[0];
+            for lane in 0..LANES {
+                let count = constant + slope * (x.value[lane].abs() + x.radius[lane]) + outward;
+                local[lane] = count * gap(value[lane].abs() + carried[lane]);
+            }
+        }
+        Rule::Absolute(error) => {
+            for lane in 0..LANES {
+                local[lane] = error + outward * gap(value[lane].abs() + carried[lane] + error);
+            }
+        }
+        Rule::NoPromise | Rule::Inherited { .. } => local.fill(f64::INFINITY),
+    }
+}
+
+/// Rules by the range of the arguments: the largest of those that may hold within the radius.
+fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    let mut part = [0.0; LANES];
+    let mut open = [true; LANES];
+    local.fill(0.0);
+    for piece in pieces {
+        promised(profile, piece.rule, args, value, carried, &mut part);
+        for lane in 0..LANES {
+            if !open[lane] {
+                continue;
+            }
+            let ranges = boxed(args, lane);
+            let ranges = &ranges[..args.len()];
+            if piece.touches(ranges) {
+                local[lane] = local[lane].max(part[lane]);
+            }
+            open[lane] = !piece.covers(ranges);
+        }
+    }
+    // What no piece covers is promised nothing.
+    for (b, open) in local.iter_mut().zip(open) {
+        if open {
+            *b = f64::INFINITY;
+        }
+    }
+}
+
+fn boxed(args: &[Arg<'_>], lane: usize) -> [Interval; 2] {
+    std::array::from_fn(|k| match args.get(k) {
+        Some(arg) => {
+            let (x, e) = (arg.value[lane], arg.radius[lane]);
+            Interval { lo: x - e, hi: x + e }
+        }
+        None => Interval::point(f64::NAN),
+    })
+}
+
+/// Errors as they were measured, at the ends of what the arguments may be.
+fn measured(
+    profile: &Profile,
+    op: Op,
+    stage: Stage,
+    args: &[Arg<'_>],
+    value: &Lanes,
+    carried: &Lanes,
+    local: &mut Lanes,
+) {
+    for lane in 0..LANES {
+        let ranges = boxed(args, lane);
+        let exact = value[lane].abs() + carried[lane];
+        let at = |ends: [f64; 2]| match profile.allowed(op, &ends[..args.len()], exact, stage) {
+            Allowed::Bound(bound) => bound,
+            Allowed::Inherited { .. } | Allowed::NoPromise | Allowed::OutsideDomain => f64::INFINITY,
+        };
+        let rounded = carried[lane] == 0.0
+            && args.iter().all(|arg| arg.radius[lane] == 0.0)
+            && f64::from(value[lane] as f32) == value[lane]
+            && matches!(op, Op::Add | Op::Sub | Op::Mul);
+        local[lane] = if rounded {
+            0.0
+        } else if ranges.iter().take(args.len()).all(|r| r.lo == r.hi) {
+            at([ranges[0].lo, ranges[1].lo])
+        } else {
+            at([ranges[0].lo, ranges[1].lo]).max(at([ranges[0].hi, ranges[1].hi]))
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::value::ulp_at;
+
+    #[test]
+    fn the_gap_is_the_distance_of_neighbours() {
+        for x in [0.0, 1e-45, 1e-38, 0.3, 1.0, 1.5, 2.0, 3e38] {
+            assert_eq!(gap(x), ulp_at(x), "{x}");
+        }
+        assert_eq!(gap(f64::INFINITY), f64::INFINITY);
+    }
+}

@@ -1,0 +1,639 @@
+//! Operations as nodes: values, radii, local errors and derivatives.
+
+use super::Tape;
+use super::arena::{Id, Kind, Lanes, Meta};
+use super::functions::{Image1, Image2, image1, image2};
+use super::model::Arg;
+use crate::bound::profile::grid::MIN_NORMAL;
+use crate::bound::profile::{Definition, Op};
+use crate::interp::{LANES, Mask, Site, Unary};
+
+impl Tape<'_> {
+    /// An operation on one number.
+    pub(super) fn apply1(&mut self, site: Site, op: Unary, active: &Mask, a: Id) -> Id {
+        let op = match op {
+            Unary::Negate => return self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0)),
+            Unary::NormalScale => return self.normal_scale(site, active, a),
+            Unary::Determinant => return self.mark(site, Op::Determinant, a),
+            Unary::Inverse => return self.mark(site, Op::Inverse, a),
+            Unary::Half => return self.half(site, a),
+            Unary::FrexpFraction => return self.frexp_fraction(site, a),
+            Unary::Abs => Op::Abs,
+            Unary::Sign => Op::Sign,
+            Unary::Floor => Op::Floor,
+            Unary::Ceil => Op::Ceil,
+            Unary::Round => Op::RoundEven,
+            Unary::Trunc => Op::Trunc,
+            Unary::Fract => Op::Fract,
+            Unary::Sqrt => Op::Sqrt,
+            Unary::InverseSqrt => Op::InverseSqrt,
+            Unary::Exp => Op::Exp,
+            Unary::Exp2 => Op::Exp2,
+            Unary::Log => Op::Log,
+            Unary::Log2 => Op::Log2,
+            Unary::Sin => Op::Sin,
+            Unary::Cos => Op::Cos,
+            Unary::Tan => Op::Tan,
+            Unary::Asin => Op::Asin,
+            Unary::Acos => Op::Acos,
+            Unary::Atan => Op::Atan,
+            Unary::Sinh => Op::Sinh,
+            Unary::Cosh => Op::Cosh,
+            Unary::Tanh => Op::Tanh,
+            Unary::Asinh => Op::Asinh,
+            Unary::Acosh => Op::Acosh,
+            Unary::Atanh => Op::Atanh,
+            Unary::Radians => Op::Radians,
+            Unary::Degrees => Op::Degrees,
+        };
+        self.function1(site, op, active, a)
+    }
+
+    /// A function of one number, by the definition that it inherits from where it has one.
+    fn function1(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
+        let Some((definition, or)) = self.model.definition(op) else { return self.one(site, op, active, a) };
+        let id = match definition {
+            Definition::SqrtByInverseSqrt => self.one(site, op, active, a),
+            Definition::SinOverCos => {
+                let (sin, cos) = (self.function1(site, Op::Sin, active, a), self.function1(site, Op::Cos, active, a));
+                self.two(site, Op::Div, active, sin, cos)
+            }
+            Definition::SinhOverCosh => {
+                let (sinh, cosh) =
+                    (self.function1(site, Op::Sinh, active, a), self.function1(site, Op::Cosh, active, a));
+                self.two(site, Op::Div, active, sinh, cosh)
+            }
+            Definition::AsinByAtan2 => {
+                let side = self.cathetus(site, active, a);
+                self.two(site, Op::Atan2, active, a, side)
+            }
+            Definition::AcosByAtan2 => {
+                let side = self.cathetus(site, active, a);
+                self.two(site, Op::Atan2, active, side, a)
+            }
+            Definition::SinhByExp | Definition::CoshByExp => {
+                let sign = if definition == Definition::SinhByExp { -1.0 } else { 1.0 };
+                let rising = self.function1(site, Op::Exp, active, a);
+                let negative = self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0));
+                let falling = self.function1(site, Op::Exp, active, negative);
+                let both = self.sum(Some(site), Op::Add, rising, falling, (1.0, sign));
+                self.scaled(site, both, 0.5)
+            }
+            Definition::AsinhByLog | Definition::AcoshByLog => {
+                let sign = if definition == Definition::AsinhByLog { 1.0 } else { -1.0 };
+                let square = self.product(site, Op::Mul, a, a);
+                let one = self.number(1.0);
+                let shifted = self.sum(Some(site), Op::Add, square, one, (1.0, sign));
+                let root = self.function1(site, Op::Sqrt, active, shifted);
+                let sum = self.sum(Some(site), Op::Add, a, root, (1.0, 1.0));
+                self.function1(site, Op::Log, active, sum)
+            }
+            Definition::AtanhByLog => {
+                let one = self.number(1.0);
+                let above = self.sum(Some(site), Op::Add, one, a, (1.0, 1.0));
+                let below = self.sum(Some(site), Op::Sub, one, a, (1.0, -1.0));
+                let quotient = self.two(site, Op::Div, active, above, below);
+                let log = self.function1(site, Op::Log, active, quotient);
+                self.scaled(site, log, 0.5)
+            }
+            Definition::FractByFloor => {
+                let floor = self.function1(site, Op::Floor, active, a);
+                self.sum(Some(site), Op::Sub, a, floor, (1.0, -1.0))
+            }
+            Definition::RadiansByProduct => self.scaled(site, a, std::f64::consts::PI / 180.0),
+            Definition::DegreesByProduct => self.scaled(site, a, 180.0 / std::f64::consts::PI),
+            // Definitions of operations on two numbers or on vectors.
+            Definition::PowByExp2
+            | Definition::ModByFloor
+            | Definition::RemByTrunc
+            | Definition::MultiplyAdd
+            | Definition::MixByWeights
+            | Definition::SmoothStepByCubic
+            | Definition::SumOfProducts
+            | Definition::LengthByDot
+            | Definition::DistanceByLength
+            | Definition::NormalizeByInverseSqrt
+            | Definition::NormalizeByLength
+            | Definition::DifferenceOfProducts
+            | Definition::ReflectByDot
+            | Definition::RefractByDot
+            | Definition::FaceForwardByDot
+            | Definition::MatrixBySums => self.one(site, op, active, a),
+        };
+        self.allow(id, or)
+    }
+
+    /// √(1 − x²).
+    fn cathetus(&mut self, site: Site, active: &Mask, a: Id) -> Id {
+        let square = self.product(site, Op::Mul, a, a);
+        let one = self.number(1.0);
+        let rest = self.sum(Some(site), Op::Sub, one, square, (1.0, -1.0));
+        self.function1(site, Op::Sqrt, active, rest)
+    }
+
+    /// An operation on two numbers.
+    pub(super) fn apply2(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+        match op {
+            Op::Add => return self.sum(Some(site), op, a, b, (1.0, 1.0)),
+            Op::Sub => return self.sum(Some(site), op, a, b, (1.0, -1.0)),
+            Op::Mul => return self.product(site, op, a, b),
+            _ => {}
+        }
+        let Some((definition, or)) = self.model.definition(op) else { return self.two(site, op, active, a, b) };
+        let id = match definition {
+            Definition::RemByTrunc | Definition::ModByFloor => {
+                let whole = if definition == Definition::RemByTrunc { Op::Trunc } else { Op::Floor };
+                let quotient = self.two(site, Op::Div, active, a, b);
+                let whole = self.function1(site, whole, active, quotient);
+                let product = self.product(site, Op::Mul, b, whole);
+                self.sum(Some(site), Op::Sub, a, product, (1.0, -1.0))
+            }
+            _ => self.two(site, op, active, a, b),
+        };
+        self.allow(id, or)
+    }
+
+    /// 1/√x as the factor of `normalize`: 1/length where the profile defines it so.
+    fn normal_scale(&mut self, site: Site, active: &Mask, a: Id) -> Id {
+        match self.model.definition(Op::Normalize) {
+            Some((Definition::NormalizeByLength, _)) => {
+                let length = self.function1(site, Op::Sqrt, active, a);
+                let one = self.number(1.0);
+                // x/length(x) is rounded once, x·(1/length(x)) twice: the bound covers both.
+                self.two(site, Op::Div, active, one, length)
+            }
+            _ => self.one(site, Op::InverseSqrt, active, a),
+        }
+    }
+
+    fn number(&mut self, value: f64) -> Id {
+        self.leaf(|v| v.fill(value))
+    }
+
+    /// The product with a constant, which the device has as the nearest binary32 number.
+    fn scaled(&mut self, site: Site, a: Id, factor: f64) -> Id {
+        let id = self.number(factor);
+        let id = self.allow(id, (f64::from(factor as f32) - factor).abs());
+        self.product(site, Op::Mul, a, id)
+    }
+
+    /// The node, off by `error` more.
+    fn allow(&mut self, id: Id, error: f64) -> Id {
+        if error > 0.0 { self.identity(None, None, id, &[error; LANES]) } else { id }
+    }
+
+    /// The same value once more, with an error of its own: what is added is not regrouped.
+    fn identity(&mut self, site: Option<Site>, op: Option<Op>, a: Id, error: &Lanes) -> Id {
+        let partial = self.arena.partial();
+        self.arena.partials.get_mut(2 * partial as usize).fill(1.0);
+        self.arena.partials.get_mut(2 * partial as usize + 1).fill(0.0);
+        let Meta { tiny, not_negative, .. } = self.arena.nodes[a as usize];
+        let kind = Kind::One { a, partial };
+        let id = self.arena.push(Meta { kind, op, site, exact: false, tiny, not_negative });
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        *value = *before[a as usize];
+        let (before, radius) = self.arena.radius.split(at);
+        for (lane, radius) in radius.iter_mut().enumerate() {
+            *radius = before[a as usize][lane] + error[lane];
+        }
+        *self.arena.local.get_mut(at) = *error;
+        self.group(id);
+        id
+    }
+
+    /// Marks the result of an operation that is made of others, of which nothing may be promised.
+    fn mark(&mut self, site: Site, op: Op, a: Id) -> Id {
+        let at = a as usize;
+        let mut local = [0.0; LANES];
+        let args = [Arg { value: self.arena.value.get(at), radius: self.arena.radius.get(at) }];
+        if matches!(self.model, super::Model::Device { .. }) && self.model.definition(op).is_none() {
+            self.model.local(op, &args, args[0].value, args[0].radius, &mut local);
+        }
+        self.identity(Some(site), Some(op), a, &local)
+    }
+
+    /// The nearest binary16.
+    fn half(&mut self, site: Site, a: Id) -> Id {
+        let before = *self.arena.value.get(a as usize);
+        let mut values = before;
+        crate::interp::to_half(&mut values);
+        // To either neighbour, of the exact value or of the device's.
+        let error: Lanes = std::array::from_fn(|lane| {
+            (values[lane] - before[lane]).abs() + 2f64.powi(-10) * before[lane].abs() + 2f64.powi(-24)
+        });
+        let id = self.identity(Some(site), Some(Op::Convert), a, &error);
+        *self.arena.value.get_mut(id as usize) = values;
+        id
+    }
+
+    /// x·2^-e with the exponent of the exact value; a device may have the neighbouring one.
+    fn frexp_fraction(&mut self, site: Site, a: Id) -> Id {
+        let at = a as usize;
+        let (x, e) = (*self.arena.value.get(at), *self.arena.radius.get(at));
+        let exponent = |x: f64| if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log2().floor() + 1.0 };
+        let factor = self.leaf(|v| {
+            for (v, x) in v.iter_mut().zip(&x) {
+                *v = (-exponent(*x)).exp2();
+            }
+        });
+        let id = self.product(site, Op::Ldexp, a, factor);
+        let doubt: Lanes = std::array::from_fn(|lane| {
+            let same = exponent(x[lane] - e[lane]) == exponent(x[lane] + e[lane]);
+            if same { 0.0 } else { 1.0 }
+        });
+        self.identity(Some(site), Some(Op::Ldexp), id, &doubt)
+    }
+
+    /// ±a ± b.
+    pub(super) fn sum(&mut self, site: Option<Site>, op: Op, a: Id, b: Id, signs: (f64, f64)) -> Id {
+        let nodes = &self.arena.nodes;
+        let (left, right) = (nodes[a as usize], nodes[b as usize]);
+        let single = signs.1 == 0.0;
+        let not_negative = signs == (1.0, 1.0) && left.not_negative && right.not_negative;
+        let kind = Kind::Sum { a, b, signs };
+        let id = self.arena.push(Meta { kind, op: Some(op), site, exact: single, tiny: false, not_negative });
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, y) = (&before[a as usize], &before[b as usize]);
+        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        if single {
+            for lane in 0..LANES {
+                value[lane] = signs.0 * x[lane];
+                carried[lane] = ex[lane];
+            }
+            self.arena.local.get_mut(at).fill(0.0);
+            self.arena.nodes[at].tiny = left.tiny;
+            self.group(id);
+            return id;
+        }
+        for lane in 0..LANES {
+            value[lane] = signs.0 * x[lane] + signs.1 * y[lane];
+            carried[lane] = ex[lane] + ey[lane];
+        }
+        let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
+        let op = if op == Op::Neg { Op::Sub } else { op };
+        self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
+        self.flush(id, &[(a, None), (b, None)]);
+        self.close(id);
+        id
+    }
+
+    /// a·b.
+    pub(super) fn product(&mut self, site: Site, op: Op, a: Id, b: Id) -> Id {
+        let nodes = &self.arena.nodes;
+        let not_negative = a == b || (nodes[a as usize].not_negative && nodes[b as usize].not_negative);
+        let kind = Kind::Product { a, b };
+        let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, y) = (&before[a as usize], &before[b as usize]);
+        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        for lane in 0..LANES {
+            value[lane] = x[lane] * y[lane];
+            carried[lane] = x[lane].abs() * ey[lane] + (y[lane].abs() + ey[lane]) * ex[lane];
+        }
+        let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
+        self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
+        self.flush(id, &[(a, Some(b)), (b, Some(a))]);
+        self.close(id);
+        id
+    }
+
+    /// `a` in the lanes of a mask, `b` in the others.
+    pub(super) fn select(&mut self, mask: &Mask, a: Id, b: Id) -> Id {
+        if a == b {
+            return a;
+        }
+        let nodes = &self.arena.nodes;
+        let (left, right) = (nodes[a as usize], nodes[b as usize]);
+        let number = self.arena.mask(*mask);
+        let id = self.arena.push(Meta {
+            kind: Kind::Select { mask: number, a, b },
+            op: None,
+            site: None,
+            exact: true,
+            tiny: left.tiny || right.tiny,
+            not_negative: left.not_negative && right.not_negative,
+        });
+        let at = id as usize;
+        for pool in [&mut self.arena.value, &mut self.arena.radius] {
+            let (before, to) = pool.split(at);
+            *to = *before[b as usize];
+            mask.merge(&before[a as usize], to);
+        }
+        self.arena.local.get_mut(at).fill(0.0);
+        self.group(id);
+        id
+    }
+
+    /// A function of one number as a node of its own.
+    fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
+        let partial = self.arena.partial();
+        let not_negative = self.arena.nodes[a as usize].not_negative;
+        let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
+        let kind = Kind::One { a, partial };
+        let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative: keeps };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, ex) = (&before[a as usize], &radii[a as usize]);
+        let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
+        let mut slopes = [0.0; LANES];
+        let mut bends = [0.0; LANES];
+        value.fill(0.0);
+        carried.fill(0.0);
+        active.each(|lane| {
+            let Image1 { value: v, moves, slope, bends: bend } =
+                image1(op, x[lane], reach(x[lane], ex[lane], flushes), not_negative);
+            (value[lane], carried[lane], slopes[lane], bends[lane]) = (v, moves, slope, bend);
+        });
+        *self.arena.partials.get_mut(2 * partial as usize) = slopes;
+        *self.arena.partials.get_mut(2 * partial as usize + 1) = bends;
+        let args = [Arg { value: x, radius: ex }];
+        let local = self.arena.local.get_mut(at);
+        if op == Op::Sqrt && self.model.definition(op).is_some() {
+            root_by_inverse(&self.model, args[0], value, carried, local);
+        } else {
+            self.model.local(op, &args, value, carried, local);
+        }
+        self.flush(id, &[(a, None)]);
+        self.cut(id, &[partial]);
+        self.close(id);
+        id
+    }
+
+    /// A function of two numbers as a node of its own.
+    fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+        let partials = [self.arena.partial(), self.arena.partial()];
+        let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
+        let not_negative = match op {
+            Op::Pow => true,
+            Op::Div | Op::Min | Op::Max => left.not_negative && right.not_negative,
+            _ => false,
+        };
+        let kind = Kind::Two { a, b, partials };
+        let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, y) = (&before[a as usize], &before[b as usize]);
+        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        let flushes = [left.tiny, right.tiny].map(|tiny| tiny && self.model.flushes());
+        let mut slopes = [[0.0; LANES]; 2];
+        let mut bends = [[0.0; LANES]; 2];
+        value.fill(0.0);
+        carried.fill(0.0);
+        active.each(|lane| {
+            let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+            let image = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
+            let Image2 { value: v, moves, slopes: s, bends: d } = image;
+            (value[lane], carried[lane]) = (v, moves);
+            for k in 0..2 {
+                (slopes[k][lane], bends[k][lane]) = (s[k], d[k]);
+            }
+        });
+        for k in 0..2 {
+            *self.arena.partials.get_mut(2 * partials[k] as usize) = slopes[k];
+            *self.arena.partials.get_mut(2 * partials[k] as usize + 1) = bends[k];
+        }
+        let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
+        let local = self.arena.local.get_mut(at);
+        if op == Op::Pow && self.model.definition(op).is_some() {
+            power_by_exp2(&self.model, args, value, carried, local);
+        } else {
+            self.model.local(op, &args, value, carried, local);
+        }
+        self.flush(id, &[(a, None), (b, None)]);
+        self.cut(id, &partials);
+        self.close(id);
+        id
+    }
+
+    /// Adds what a flushed argument may do. `None` for the other factor stands for the node's own
+    /// partials.
+    fn flush(&mut self, id: Id, args: &[(Id, Option<Id>)]) {
+        if !self.model.flushes() || args.iter().all(|(a, _)| !self.arena.nodes[*a as usize].tiny) {
+            return;
+        }
+        let at = id as usize;
+        let mut more = [0.0; LANES];
+        for (k, &(a, other)) in args.iter().enumerate() {
+            let a = a as usize;
+            if !self.arena.nodes[a].tiny {
+                continue;
+            }
+            let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
+            for lane in 0..LANES {
+                let reach = x[lane].abs() + e[lane];
+                if reach == 0.0 || x[lane].abs() - e[lane] >= MIN_NORMAL {
+                    continue;
+                }
+                let slope = match (other, self.arena.nodes[at].kind) {
+                    (Some(other), _) => {
+                        let other = other as usize;
+                        self.arena.value.get(other)[lane].abs() + self.arena.radius.get(other)[lane]
+                    }
+                    (None, Kind::One { partial, .. }) => {
+                        let (slope, bend) = self.arena.partial_at(partial);
+                        slope[lane].abs() + bend[lane]
+                    }
+                    (None, Kind::Two { partials, .. }) => {
+                        let (slope, bend) = self.arena.partial_at(partials[k]);
+                        slope[lane].abs() + bend[lane]
+                    }
+                    (None, _) => 1.0,
+                };
+                // Without a finite slope the movement counts as a whole, the flush included.
+                if slope.is_finite() {
+                    more[lane] += slope * reach.min(MIN_NORMAL);
+                }
+            }
+        }
+        self.arena.local.get_mut(at).iter_mut().zip(&more).for_each(|(b, more)| *b += more);
+    }
+
+    /// Where a derivative is not finite, the node's movement becomes its own error.
+    fn cut(&mut self, id: Id, partials: &[u32]) {
+        let at = id as usize;
+        for lane in 0..LANES {
+            let finite = partials.iter().all(|&p| {
+                let (slope, bend) = self.arena.partial_at(p);
+                slope[lane].is_finite() && bend[lane].is_finite()
+            });
+            if !finite {
+                for &p in partials {
+                    self.arena.partials.get_mut(2 * p as usize)[lane] = 0.0;
+                    self.arena.partials.get_mut(2 * p as usize + 1)[lane] = 0.0;
+                }
+                let carried = self.arena.radius.get(at)[lane];
+                self.arena.local.get_mut(at)[lane] += carried;
+                self.arena.radius.get_mut(at)[lane] = 0.0;
+            }
+        }
+    }
+
+    /// Completes a node: its local error and with it its radius.
+    fn close(&mut self, id: Id) {
+        let at = id as usize;
+        let (value, local) = (self.arena.value.get(at), self.arena.local.get_mut(at));
+        let carried = self.arena.radius.get_mut(at);
+        self.arena.nodes[at].tiny = self.model.finish(value, carried, local);
+        let regrouped = self.model.is_rearranged() && self.arena.nodes[at].kind.is_polynomial();
+        if !regrouped {
+            carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b);
+        }
+        self.group(id);
+    }
+
+    /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
+    pub(super) fn group(&mut self, id: Id) {
+        if !self.model.is_rearranged() {
+            return;
+        }
+        let at = id as usize;
+        self.arena.size.more();
+        // Number of terms of a sum, and roundings of the worst of them.
+        let (terms, heights) = (self.arena.roundings.more(), self.arena.roundings.more());
+        debug_assert_eq!((terms, heights), (2 * at, 2 * at + 1));
+        let unit = self.model.unit();
+        let (earlier, size) = self.arena.size.split(at);
+        let (counts, height) = self.arena.roundings.split(heights);
+        // The column of heights is the last one; that of terms stands just before it.
+        let mut term = [1.0; LANES];
+        let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
+        let kind = self.arena.nodes[at].kind;
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+                let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
+                for lane in 0..LANES {
+                    size[lane] = v[lane].abs() + e[lane];
+                }
+                height.fill(0.0);
+            }
+            Kind::Sum { a, b, signs } => {
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    if signs.1 == 0.0 {
+                        (size[lane], term[lane], height[lane]) = (sa[lane], ta[lane], ha[lane]);
+                    } else {
+                        size[lane] = sa[lane] + sb[lane];
+                        term[lane] = ta[lane] + tb[lane];
+                        height[lane] = ha[lane].max(hb[lane]);
+                    }
+                }
+            }
+            Kind::Product { a, b } => {
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    size[lane] = sa[lane] * sb[lane];
+                    // Each factor is a sum with its own roundings; one more for the product.
+                    height[lane] = ha[lane] + ta[lane] - 1.0 + hb[lane] + tb[lane] - 1.0 + 1.0;
+                }
+            }
+            Kind::Select { mask, a, b } => {
+                let mask = self.arena.masks[mask as usize];
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                *size = *earlier[b as usize];
+                mask.merge(&earlier[a as usize], size);
+                term = **tb;
+                mask.merge(ta, &mut term);
+                *height = **hb;
+                mask.merge(ha, height);
+            }
+        }
+        *self.arena.roundings.get_mut(terms) = term;
+        if kind.is_polynomial() {
+            let height = self.arena.roundings.get(heights);
+            let (size, radius) = (self.arena.size.get(at), self.arena.radius.get_mut(at));
+            let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
+            let mut own = [0.0; LANES];
+            for lane in 0..LANES {
+                let count = height[lane] + term[lane] - 1.0;
+                let relative = count * unit;
+                // γ_n = n·u/(1 − n·u); flushed terms keep their size.
+                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
+                radius[lane] += own[lane];
+            }
+            *self.arena.local.get_mut(at) = own;
+            self.arena.nodes[at].exact = false;
+        }
+    }
+}
+
+/// How far the value may be that a function gets: a subnormal argument may be flushed to zero.
+fn reach(x: f64, radius: f64, flushes: bool) -> f64 {
+    let most = x.abs() + radius;
+    let tiny = flushes && most > 0.0 && x.abs() - radius < MIN_NORMAL;
+    if tiny { radius + most.min(MIN_NORMAL) } else { radius }
+}
+
+/// Local error of √x where it inherits from 1/inversesqrt(x): both steps of the definition.
+///
+/// At 0 the definition is taken in its limit, as every device does that has a root at all.
+fn root_by_inverse(model: &super::Model<'_>, x: Arg<'_>, value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    let (mut inverse, mut reach) = ([0.0; LANES], [0.0; LANES]);
+    let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        // A root below which nothing is normal has an inverse that is; the largest is taken.
+        inverse[lane] = 1.0 / (value[lane] + carried[lane]).max(MIN_NORMAL);
+        reach[lane] = inverse[lane] * 1e-6;
+    }
+    let exact = [0.0; LANES];
+    let ones = [1.0; LANES];
+    model.local(Op::InverseSqrt, &[Arg { value: x.value, radius: &exact }], &inverse, &reach, &mut first);
+    let args = [Arg { value: &ones, radius: &exact }, Arg { value: &inverse, radius: &reach }];
+    model.local(Op::Div, &args, value, carried, &mut second);
+    for lane in 0..LANES {
+        let root = value[lane] + carried[lane];
+        // d(1/q)/dq = q^-2 = root².
+        let by_inverse = first[lane] * root * root * (1.0 + 1e-4);
+        local[lane] = if root == 0.0 { 0.0 } else { by_inverse + second[lane] };
+    }
+}
+
+/// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition.
+fn power_by_exp2(model: &super::Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    let [x, y] = args;
+    let mut logarithm = [0.0; LANES];
+    let mut exponent = [0.0; LANES];
+    let (mut by_log, mut by_product, mut by_power) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let mut log_moves = [0.0; LANES];
+    for lane in 0..LANES {
+        let image = image1(Op::Log2, x.value[lane], x.radius[lane], false);
+        (logarithm[lane], log_moves[lane]) = (image.value, image.moves);
+        exponent[lane] = y.value[lane] * image.value;
+    }
+    model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
+    let mut product_moves = [0.0; LANES];
+    for lane in 0..LANES {
+        let log = log_moves[lane] + by_log[lane];
+        product_moves[lane] = (y.value[lane].abs() + y.radius[lane]) * log + y.radius[lane] * logarithm[lane].abs();
+    }
+    let log = Arg { value: &logarithm, radius: &by_log };
+    model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
+    let mut exponent_moves = [0.0; LANES];
+    for lane in 0..LANES {
+        exponent_moves[lane] = product_moves[lane] + by_product[lane];
+    }
+    let argument = Arg { value: &exponent, radius: &exponent_moves };
+    let mut power_moves = [0.0; LANES];
+    for lane in 0..LANES {
+        power_moves[lane] = value[lane] * (std::f64::consts::LN_2 * exponent_moves[lane]).exp_m1();
+    }
+    model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);
+    for lane in 0..LANES {
+        // What the steps inside add to the exponent; what the arguments carry is the node's partials'.
+        let inside = (y.value[lane].abs() + y.radius[lane]) * by_log[lane] + by_product[lane];
+        let most = value[lane] + carried[lane];
+        let moved = most * (std::f64::consts::LN_2 * inside).exp_m1() + by_power[lane];
+        local[lane] = if moved.is_nan() { f64::INFINITY } else { moved };
+    }
+}

@@ -1,0 +1,125 @@
+//! Answers about single lanes, for reports: what a bound is made of, and why there is none.
+
+use super::arena::{Id, Kind};
+use super::{Column, Model, Tape};
+use crate::bound::profile::grid::MAX_FINITE;
+use crate::bound::profile::{Allowed, Op};
+use crate::interp::{Number, Site};
+
+/// Why a value or a bound is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Why {
+    /// The operation has no value for these arguments.
+    Domain,
+    /// The arguments are so uncertain that they reach a place where the operation has no value.
+    Singular,
+    /// The API promises nothing for the operation, or for these arguments.
+    NoPromise,
+    /// The value is, or may be, too large for binary32.
+    Overflow,
+}
+
+/// The operation that is to blame for a value or a bound that is not finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    /// Why.
+    pub why: Why,
+    /// The operation; `None` for what is not one, an input that is NaN for example.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// Its value, exactly.
+    pub value: f64,
+}
+
+/// The part of a bound that one operation has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    /// The operation; `None` for a literal.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// Its value, exactly.
+    pub value: f64,
+    /// Its part of the bound, in the unit of the output.
+    pub share: f64,
+}
+
+impl Tape<'_> {
+    /// Why a value is no finite number in a lane, or why nothing bounds its error.
+    pub fn cause(&self, output: Column, lane: usize) -> Option<Cause> {
+        let loose = |id: &Id| !self.arena.radius.get(*id as usize)[lane].is_finite();
+        let lost = |id: &Id| !self.arena.value.get(*id as usize)[lane].is_finite();
+        let mut id = self.id(&output);
+        if !lost(&id) && !loose(&id) {
+            return None;
+        }
+        // Arguments have smaller numbers: this ends. A lost value is followed first.
+        loop {
+            let arguments = self.arguments(id, lane);
+            let before = arguments.iter().find(|a| lost(a)).or_else(|| arguments.iter().find(|a| loose(a)));
+            match before {
+                Some(&before) => id = before,
+                None => return Some(self.cause_at(id, lane)),
+            }
+        }
+    }
+
+    /// The largest parts of a bound in a lane, largest first.
+    pub fn shares(&mut self, output: Column, lane: usize, most: usize) -> Vec<Share> {
+        let mut parts: Vec<(Id, f64)> = Vec::new();
+        self.bounds_with(output, &mut |_| false, &mut |id, part| {
+            if part[lane] > 0.0 {
+                parts.push((id, part[lane]));
+            }
+        });
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        parts.truncate(most);
+        let share = |(id, share): (Id, f64)| Share {
+            op: self.arena.nodes[id as usize].op,
+            site: self.arena.nodes[id as usize].site,
+            args: self.argument_values(id, lane),
+            value: self.arena.value.get(id as usize)[lane],
+            share,
+        };
+        parts.into_iter().map(share).collect()
+    }
+
+    fn arguments(&self, id: Id, lane: usize) -> Vec<Id> {
+        match self.arena.nodes[id as usize].kind {
+            Kind::Leaf => Vec::new(),
+            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => vec![a],
+            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => vec![a, b],
+            Kind::Select { mask, a, b } => vec![if self.arena.masks[mask as usize].has(lane) { a } else { b }],
+        }
+    }
+
+    fn argument_values(&self, id: Id, lane: usize) -> Vec<f64> {
+        self.arguments(id, lane).into_iter().map(|a| self.arena.value.get(a as usize)[lane]).collect()
+    }
+
+    fn cause_at(&self, id: Id, lane: usize) -> Cause {
+        let at = id as usize;
+        let meta = self.arena.nodes[at];
+        let (value, args) = (self.arena.value.get(at)[lane], self.argument_values(id, lane));
+        let reach = value.abs() + self.arena.radius.get(at)[lane];
+        let promise = match (self.model, meta.op) {
+            (Model::Device { profile, stage, .. }, Some(op)) => Some(profile.allowed(op, &args, value, stage)),
+            _ => None,
+        };
+        let why = if value.is_nan() && !value.is_poison() {
+            Why::Domain
+        } else if matches!(promise, Some(Allowed::NoPromise | Allowed::OutsideDomain)) {
+            Why::NoPromise
+        } else if value.abs() > MAX_FINITE || (value.is_finite() && reach.is_finite() && reach > MAX_FINITE) {
+            Why::Overflow
+        } else {
+            Why::Singular
+        };
+        Cause { why, op: meta.op, site: meta.site, args, value }
+    }
+}
