@@ -377,6 +377,14 @@ impl Executable {
         self.sites.len()
     }
 
+    /// The literals of real numbers, with their sites.
+    pub fn literals(&self) -> impl Iterator<Item = (Site, f32)> + '_ {
+        self.constants.iter().filter_map(|constant| match *constant {
+            Constant::Real { value, site: Some(site), .. } => Some((site, value)),
+            Constant::Real { site: None, .. } | Constant::Word { .. } => None,
+        })
+    }
+
     /// Types of the output words of one vertex.
     pub fn outputs(&self) -> impl ExactSizeIterator<Item = Scalar> + '_ {
         self.outputs.iter().map(|slot| slot.scalar)

@@ -46,7 +46,8 @@ pub struct Machine<'e, D: Domain> {
     fuel_limit: u32,
     flags: [Flags; LANES],
     findings: Vec<Finding>,
-    first: usize,
+    /// The invocation of each lane; lanes behind the last one follow the first.
+    invocations: [usize; LANES],
     lanes: usize,
 }
 
@@ -75,7 +76,7 @@ impl<'e, D: Domain> Machine<'e, D> {
             fuel_limit: fuel,
             flags: [Flags::default(); LANES],
             findings: Vec::new(),
-            first: 0,
+            invocations: [0; LANES],
             lanes: 0,
         }
     }
@@ -83,7 +84,26 @@ impl<'e, D: Domain> Machine<'e, D> {
     /// Runs the invocations of `batch` from `first` on, at most [`LANES`] of them. Gives their number.
     pub fn run(&mut self, batch: &Batch, first: usize) -> usize {
         let lanes = batch.invocation_count().saturating_sub(first).min(LANES);
-        (self.first, self.lanes) = (first, lanes);
+        self.start(batch, lanes, |lane| first + lane);
+        lanes
+    }
+
+    /// Runs any invocations of `batch`, at most [`LANES`] of them: those past that are left out. Gives
+    /// their number.
+    ///
+    /// # Panics
+    /// When the batch has no such invocation: a defect of the caller.
+    pub fn run_some(&mut self, batch: &Batch, invocations: &[usize]) -> usize {
+        let lanes = invocations.len().min(LANES);
+        self.start(batch, lanes, |lane| invocations[lane]);
+        lanes
+    }
+
+    fn start(&mut self, batch: &Batch, lanes: usize, invocation: impl Fn(usize) -> usize) {
+        self.lanes = lanes;
+        if lanes > 0 {
+            self.invocations = std::array::from_fn(|lane| invocation(if lane < lanes { lane } else { 0 }));
+        }
         self.domain.begin();
         for &constant in &self.executable.constants {
             match constant {
@@ -93,9 +113,11 @@ impl<'e, D: Domain> Machine<'e, D> {
                 Constant::Word { to, value } => self.words[to as usize] = [value; LANES],
             }
         }
-        self.fill(batch);
+        if lanes > 0 {
+            self.fill(batch);
+        }
         for &reg in &self.executable.numbers {
-            self.words[reg as usize] = std::array::from_fn(|lane| (first + if lane < lanes { lane } else { 0 }) as u32);
+            self.words[reg as usize] = self.invocations.map(|invocation| invocation as u32);
         }
         for k in 0..self.executable.poisoned.len() {
             self.poison(self.executable.poisoned[k], Mask::ALL);
@@ -112,7 +134,6 @@ impl<'e, D: Domain> Machine<'e, D> {
             self.active = Mask::ALL;
             self.block(&executable.body);
         }
-        lanes
     }
 
     fn fill(&mut self, batch: &Batch) {
@@ -122,20 +143,14 @@ impl<'e, D: Domain> Machine<'e, D> {
             match fill.source {
                 Source::Invocation(word) => {
                     for (lane, value) in column.iter_mut().enumerate() {
-                        let invocation = if lane < self.lanes { self.first + lane } else { self.first };
-                        *value = batch.invocations[invocation * words + word as usize];
+                        *value = batch.invocations[self.invocations[lane] * words + word as usize];
                     }
                 }
                 Source::Case(word) => {
-                    let mut lane = 0;
-                    while lane < self.lanes {
-                        let case = (self.first + lane) / batch.per_case;
-                        let end = ((case + 1) * batch.per_case - self.first).min(self.lanes);
-                        column[lane..end].fill(batch.cases[case * case_words + word as usize]);
-                        lane = end;
+                    for (lane, value) in column.iter_mut().enumerate() {
+                        let case = self.invocations[lane] / batch.per_case;
+                        *value = batch.cases[case * case_words + word as usize];
                     }
-                    let value = column[0];
-                    column[self.lanes..].fill(value);
                 }
             }
             let reg = fill.to.reg as usize;
@@ -170,7 +185,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         match self.findings.iter_mut().find(|finding| finding.kind == kind && finding.site == site) {
             Some(finding) => finding.count += count,
             None => {
-                let invocation = self.first + mask.lanes().next().unwrap_or(0);
+                let invocation = self.invocations[mask.lanes().next().unwrap_or(0)];
                 self.findings.push(Finding { kind, site, invocation, count });
             }
         }

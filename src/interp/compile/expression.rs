@@ -173,7 +173,10 @@ impl<'m> Compiler<'m> {
         let arena: &Arena<Expression> = &self.module.global_expressions;
         let span = arena.get_span(handle);
         Ok(match arena[handle] {
-            Expression::Literal(literal) => vec![self.literal(literal, None, span)?],
+            Expression::Literal(literal) => {
+                let site = self.constant_site(handle, span);
+                vec![self.literal(literal, Some(site), span)?]
+            }
             Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,
             Expression::ZeroValue(ty) => self.zero_value(ty, span)?,
             Expression::Compose { ref components, .. } => {

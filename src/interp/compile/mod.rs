@@ -131,6 +131,8 @@ struct Compiler<'m> {
     constants: HashMap<ConstantKey, Reg>,
     executable: Executable,
     sites: HashMap<(Option<Handle<Function>>, Handle<Expression>), Site>,
+    /// Sites of literals outside of functions.
+    constant_sites: HashMap<Handle<Expression>, Site>,
     /// Registers that are known to hold what a variable holds.
     known: HashMap<(File, Reg), Reg>,
     depth: usize,
@@ -161,6 +163,7 @@ impl<'m> Compiler<'m> {
                 max_vertices: subject.max_vertices,
             },
             sites: HashMap::new(),
+            constant_sites: HashMap::new(),
             known: HashMap::new(),
             depth: 0,
         }
@@ -440,6 +443,14 @@ impl<'m> Compiler<'m> {
             Scalar::F32 => self.real(0.0, None),
             Scalar::I32 | Scalar::U32 | Scalar::Bool => self.word(0, scalar),
         }
+    }
+
+    fn constant_site(&mut self, handle: Handle<Expression>, span: naga::Span) -> Site {
+        let sites = &mut self.executable.sites;
+        *self.constant_sites.entry(handle).or_insert_with(|| {
+            sites.push(Place { function: None, expression: None, span });
+            Site((sites.len() - 1) as u32)
+        })
     }
 
     fn site(&mut self, frame: &Frame<'m>, expression: Handle<Expression>) -> Site {
