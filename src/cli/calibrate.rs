@@ -5,17 +5,19 @@ mod table;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::bound::calibrate::{self, Request, Standing, State, measurable, probe, profile_text};
-use crate::bound::profile::Op;
+use crate::bound::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
+use crate::bound::profile::{self, Op};
 use crate::cli::check::Format;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
+use crate::text::SourceFile;
 
 /// Arguments of `shadercheck calibrate`.
 #[derive(Args, Clone, Debug)]
@@ -87,20 +89,31 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
     })?;
     bar.finish_and_clear();
 
-    // The device's name without the versions behind it.
-    let device = description.driver.split([',', '(']).next().unwrap_or(&description.driver).trim();
-    let text = profile_text(device, description.name, &state, &compute, vertex.as_ref());
+    let date = day_of(SystemTime::now());
+    let vertex = vertex.as_ref();
+    let document =
+        Document { lane: description, state: &state, compute: &compute, vertex, definitions: &[], date: &date };
+    let bounds = profile::parse(&SourceFile::new(output.display().to_string(), document.text()), &|name| {
+        profile::by_name(name).cloned()
+    })
+    .context("what was measured cannot be read back, which is a defect of this program")?;
+    let definitions = confirmed(lane, &bounds)?;
+    let text = Document { definitions: &definitions, ..document }.text();
     write_atomically(&output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
     if saved.exists() {
         fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.display()))?;
     }
-    let report = table::Report { lane: description, state: &state, compute: &compute, vertex: vertex.as_ref() };
+    let report = table::Report { lane: description, state: &state, compute: &compute, vertex };
     match args.format {
         Format::Text => {
             out.write_all(report.text().as_bytes())?;
-            writeln!(out, "\nThe measured profile is in {}.", output.display())?;
+            writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.display())?;
         }
-        Format::Json => writeln!(out, "{:#}", report.json())?,
+        Format::Json => {
+            let mut json = report.json();
+            json["profile"] = output.display().to_string().into();
+            writeln!(out, "{json:#}")?;
+        }
     }
     let outside = state.measurements().into_iter().any(|(op, tally)| Standing::of(op, tally) == Standing::Outside);
     Ok(if outside { ExitStatus::Findings } else { ExitStatus::Clean })
@@ -168,6 +181,29 @@ fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     fs::rename(&fresh, path)
 }
 
+/// The day of a moment in universal time, such as `2026-01-31`.
+fn day_of(time: SystemTime) -> String {
+    let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let mut days = seconds / 86_400;
+    let mut year = 1970;
+    let is_leap = |year: u64| year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400);
+    let length = |year| if is_leap(year) { 366 } else { 365 };
+    while days >= length(year) {
+        days -= length(year);
+        year += 1;
+    }
+    let february = if is_leap(year) { 29 } else { 28 };
+    let mut month = 1;
+    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
+        if days < length {
+            break;
+        }
+        days -= length;
+        month += 1;
+    }
+    format!("{year}-{month:02}-{:02}", days + 1)
+}
+
 /// A bar on standard error; hidden when it is no terminal, or not wanted.
 fn bar(wanted: bool, total: u64) -> ProgressBar {
     let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
@@ -189,6 +225,14 @@ mod tests {
         assert_eq!(error, "there is no operation `sine` to measure; did you mean `sin`?");
         assert_eq!(operations(&["exp2".to_owned(), "exp2".to_owned()]).unwrap(), [Op::Exp2]);
         assert!(operations(&[]).unwrap().len() > 30);
+    }
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        let day = |seconds| day_of(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds));
+        assert_eq!((day(0), day(86_399), day(86_400)), ("1970-01-01".into(), "1970-01-01".into(), "1970-01-02".into()));
+        assert_eq!((day(951_782_400), day(951_868_800)), ("2000-02-29".into(), "2000-03-01".into()));
+        assert_eq!((day(1_798_675_200), day(1_798_761_600)), ("2026-12-31".into(), "2027-01-01".into()));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! `shadercheck check`: suites on lanes.
 
+mod profile;
 pub(super) mod progress;
 pub(super) mod select;
 
@@ -9,14 +10,18 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 
+use crate::bound::profile::Rulings;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
-use crate::suite::run::{DEFAULT_SEED, Entry, Outcome, Prepared, Request, Status, Summary, prepare, run as run_suite};
+use crate::suite::run::{
+    DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, prepare, run as run_suite,
+};
 use crate::suite::save_regressions;
 
+use profile::Choice;
 use progress::Progress;
 use select::Selected;
 
@@ -51,6 +56,10 @@ pub struct CheckArgs {
     /// Run only this case, as a report's `reproduce` line gives it; needs exactly one suite
     #[arg(long, value_name = "INPUTS")]
     pub case: Option<String>,
+    /// Measured profile that lanes are compared with: a shipped one by name, a file that `calibrate`
+    /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
+    #[arg(long, value_name = "NAME|FILE")]
+    pub profile: Option<String>,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -99,8 +108,9 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
             anyhow::ensure!(!given, "{option} needs exactly one suite, and {} are chosen", selected.len());
         }
     }
+    let profile = Choice::new(args.profile.as_deref())?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
-    let lanes = open_lanes(args, &mut summary)?;
+    let lanes = open_lanes(args, &profile, &mut summary)?;
     if lanes.is_empty() {
         for (name, missing) in &summary.unavailable {
             writeln!(err, "lane `{name}` cannot be had: {missing}")?;
@@ -140,7 +150,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
 }
 
 /// Opens the lanes that are asked for, or all. A required one that is missing is an error.
-fn open_lanes(args: &CheckArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
+fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
     let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
     for asked in args.lane.iter().chain(&args.require_lane) {
         if !names.contains(&asked.as_str()) {
@@ -161,7 +171,8 @@ fn open_lanes(args: &CheckArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box
         }
         match (candidate.open)() {
             Ok(lane) => {
-                summary.lanes.push(lane.description().clone());
+                let description = lane.description().clone();
+                summary.lanes.push(LaneUsed { rulings: profile.rulings(&description), description });
                 lanes.push(lane);
             }
             Err(missing) if required => {
@@ -199,9 +210,11 @@ fn one_suite(
         Ok(prepared) => prepared,
         Err(error) => return add(entry(None, Outcome::Refused(error)), progress),
     };
-    let request = request(args, selected, &prepared)?;
+    // The lanes are in the order of the summary.
+    let rulings: Vec<Rulings> = summary.lanes.iter().map(|used| used.rulings.clone()).collect();
     let mut failing: Vec<Sample> = Vec::new();
-    for lane in lanes {
+    for (lane, rulings) in lanes.iter().zip(rulings) {
+        let request = request(args, selected, &prepared, rulings)?;
         let name = lane.description().name;
         for &stage in &lane.description().stages {
             // Geometry stages and functions run as compute; there is no vertex stage to speak of.
@@ -229,11 +242,19 @@ fn one_suite(
     Ok(())
 }
 
-fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared) -> anyhow::Result<Request> {
+fn request(
+    args: &CheckArgs,
+    selected: &Selected,
+    prepared: &Prepared,
+    rulings: Rulings,
+) -> anyhow::Result<Request> {
     let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
     let mut arguments = shell_word(&selected.argument);
     if let Some(shader) = &args.shader {
         arguments = format!("{arguments} --shader {}", shell_word(&shader.display().to_string()));
+    }
+    if let Some(profile) = &args.profile {
+        arguments = format!("{arguments} --profile {}", shell_word(profile));
     }
     let mut replay = Vec::new();
     match &args.case {
@@ -268,6 +289,7 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared) -> anyhow
         quick: args.quick,
         replay_only: args.case.is_some(),
         replay,
+        rulings,
         arguments,
     })
 }

@@ -7,7 +7,7 @@ use crate::interp::{self, Binary32, Executable, Kind};
 use crate::program::{Form, Kernel, OutputLayout};
 use crate::value::Batch;
 
-use super::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, Unavailable};
+use super::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, Unavailable};
 
 /// Opens the lane; it is always there.
 ///
@@ -15,7 +15,8 @@ use super::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, Unavaila
 /// None; the signature is that of all lanes.
 pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
     let driver = format!("interpreter of shadercheck {}, strict binary32", env!("CARGO_PKG_VERSION"));
-    Ok(Box::new(Embedded { description: Description { name: "embedded", driver, stages: vec![Stage::Compute] } }))
+    let description = Description { name: "embedded", driver, api: Api::Binary32, stages: vec![Stage::Compute] };
+    Ok(Box::new(Embedded { description }))
 }
 
 struct Embedded {

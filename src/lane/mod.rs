@@ -39,6 +39,25 @@ impl fmt::Display for Stage {
     }
 }
 
+/// Whose promises about numbers hold on a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Api {
+    /// Vulkan: what its specification and its conformance suite allow a driver.
+    Vulkan,
+    /// Strict binary32 of IEEE 754: every operation rounded to nearest, in the order of the source.
+    Binary32,
+}
+
+impl Api {
+    /// `vulkan` or `binary32`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vulkan => "vulkan",
+            Self::Binary32 => "binary32",
+        }
+    }
+}
+
 /// What a lane is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Description {
@@ -46,6 +65,8 @@ pub struct Description {
     pub name: &'static str,
     /// Device and driver with version.
     pub driver: String,
+    /// Whose promises hold.
+    pub api: Api,
     /// Stages in which it can run kernels.
     pub stages: Vec<Stage>,
 }

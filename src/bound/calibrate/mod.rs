@@ -6,6 +6,7 @@
 //! The work is cut into blocks. What was measured after a block is a [`State`], which can be written
 //! down and continued.
 
+mod definition;
 mod inputs;
 mod kernel;
 mod probe;
@@ -21,11 +22,12 @@ use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
 use crate::program::ProgramError;
 use crate::value::Batch;
 
+pub use definition::confirmed;
 pub use inputs::Inputs;
 pub use kernel::expression;
 pub use probe::{Behaviour, Fusion, probe};
 pub use tally::{Judge, Tally, Worst};
-pub use write::profile_text;
+pub use write::Document;
 
 /// Invocations of one dispatch.
 const DISPATCH: usize = 1 << 17;

@@ -1,4 +1,5 @@
-//! What a device does with subnormal numbers, with products and sums, and how it rounds.
+//! What a device does with subnormal numbers, with products and sums, with the order of the source,
+//! and how it rounds.
 
 use crate::bound::profile::Flush;
 use crate::glsl;
@@ -16,16 +17,21 @@ const TEXT: &str = "#version 450
 layout(location = 0) in vec4 tiny;
 layout(location = 1) in vec4 product;
 layout(location = 2) in vec4 sums;
+layout(location = 3) in vec4 order;
 layout(location = 0) out vec4 results;
 layout(location = 1) out vec4 arguments;
 layout(location = 2) out vec4 fused;
 layout(location = 3) out vec4 rounded;
+layout(location = 4) out vec4 ordered;
 void main() {
     float least = tiny.x, half_ = tiny.y, subnormal = tiny.z, big = tiny.w;
     results = vec4(least * half_, least - (least + least * half_), (least / big) * 1.0, least * least);
     arguments = vec4(subnormal * big, subnormal + least, subnormal / half_, subnormal * big - least);
     fused = vec4(fma(product.x, product.y, product.z), product.x * product.y + product.z, 0.0, 0.0);
     rounded = vec4(sums.x + sums.y, sums.x + sums.z, -sums.x - sums.y, (sums.x + sums.w) + sums.z);
+    float one = order.x, small = order.y, large = order.z;
+    ordered = vec4((one + small) - one, (small + 1.0) + -1.0, (large * 1.2676506e30) * 7.8886091e-31,
+        product.x * product.y + product.x * -one);
     gl_Position = vec4(0.0);
 }
 ";
@@ -50,6 +56,8 @@ pub struct Behaviour {
     pub fusion: Fusion,
     /// Sums are rounded to nearest, ties to even.
     pub nearest_even: bool,
+    /// A sum, a product or a common factor was computed in another order than the source has.
+    pub reordered: bool,
 }
 
 impl Behaviour {
@@ -76,12 +84,12 @@ pub fn probe(lane: &dyn Lane, stage: Stage) -> Result<Behaviour, CalibrateError>
 fn kernel_of(program: &Program, stage: Stage) -> Result<Kernel, ProgramError> {
     match stage {
         Stage::Compute => program.compute_kernel(),
-        Stage::Vertex => program.vertex_kernel(&[4, 4, 4]),
+        Stage::Vertex => program.vertex_kernel(&[4, 4, 4, 4]),
     }
 }
 
-/// The three attributes.
-fn operands() -> [f32; 12] {
+/// The four attributes.
+fn operands() -> [f32; 16] {
     let least = f32::MIN_POSITIVE;
     let product = 1.0 + 2f32.powi(-12);
     let (gap, half_gap) = (f32::EPSILON, f32::EPSILON / 2.0);
@@ -100,15 +108,21 @@ fn operands() -> [f32; 12] {
         0.75 * gap,
         half_gap,
         gap,
+        // 1 + 2^-25 is 1, and 2^100·2^100 is infinite, if each is computed before what follows.
+        1.0,
+        2f32.powi(-25),
+        2f32.powi(100),
+        0.0,
     ]
 }
 
-/// The four output vectors.
+/// The output vectors.
 struct Outputs {
     results: [f32; 4],
     arguments: [f32; 4],
     fused: [f32; 4],
     rounded: [f32; 4],
+    ordered: [f32; 4],
 }
 
 impl Outputs {
@@ -125,6 +139,7 @@ impl Outputs {
             arguments: vector("arguments")?,
             fused: vector("fused")?,
             rounded: vector("rounded")?,
+            ordered: vector("ordered")?,
         })
     }
 }
@@ -145,8 +160,21 @@ fn judge(outputs: &Outputs) -> Result<Behaviour, CalibrateError> {
         _ if found == 2f32.powi(-24) => Ok(true),
         other => Err(CalibrateError::Odd { what: "a product with a sum", found: other }),
     };
+    // In the order of the source, and rearranged. With one rounding for a product and a sum, a common
+    // factor cannot be told from a fused product: then the order counts as not kept.
+    let orders = [
+        (0.0, 2f32.powi(-25)),
+        (0.0, 2f32.powi(-25)),
+        (f32::INFINITY, 2f32.powi(100)),
+        (2f32.powi(-12), 2f32.powi(-12) + 2f32.powi(-24)),
+    ];
+    let mut reordered = false;
+    for (found, (kept, rearranged)) in outputs.ordered.into_iter().zip(orders) {
+        reordered |= !one(found, kept, rearranged, "the order of a sum or product")?;
+    }
     let gap = f32::EPSILON;
     Ok(Behaviour {
+        reordered,
         results: all(&results),
         arguments: all(&arguments),
         fusion: Fusion { fma: fusion(outputs.fused[0])?, expression: fusion(outputs.fused[1])? },
@@ -154,11 +182,11 @@ fn judge(outputs: &Outputs) -> Result<Behaviour, CalibrateError> {
     })
 }
 
-/// True for a kept number.
-fn one(found: f32, kept: f32, flushed: f32, what: &'static str) -> Result<bool, CalibrateError> {
+/// True for a kept number or order, false for a changed one.
+fn one(found: f32, kept: f32, changed: f32, what: &'static str) -> Result<bool, CalibrateError> {
     if found == kept {
         Ok(true)
-    } else if found == flushed {
+    } else if found == changed {
         Ok(false)
     } else {
         Err(CalibrateError::Odd { what, found })
@@ -198,21 +226,24 @@ mod tests {
             arguments: [2.0 * least, 1.5 * least, least, least],
             fused: [0.0; 4],
             rounded: [1.0 + gap, 1.0, -1.0 - gap, 1.0 + 2.0 * gap],
+            ordered: [0.0, 0.0, f32::INFINITY, 2f32.powi(-12)],
         }
     }
 
     #[test]
     fn the_host_is_plain() {
-        let [least, half, subnormal, big, x, y, z, _, one, three_quarters, half_gap, gap] =
+        let [least, half, subnormal, big, x, y, z, _, one, three_quarters, half_gap, gap, _, small, large, _] =
             operands().map(std::hint::black_box);
+        let factor = 2f32.powi(100);
         let outputs = Outputs {
             results: [least * half, 0.0, least / big, 0.0],
             arguments: [subnormal * big, subnormal + least, subnormal / half, 0.0],
             fused: [x.mul_add(y, z), x * y + z, 0.0, 0.0],
             rounded: [one + three_quarters, one + half_gap, -one - three_quarters, (one + gap) + half_gap],
+            ordered: [(one + small) - one, (small + 1.0) - 1.0, (large * factor) / factor, x * y + x * -one],
         };
         let behaviour = judge(&outputs).unwrap();
-        assert_eq!((behaviour.flush(), behaviour.nearest_even), (Flush::Never, true));
+        assert_eq!((behaviour.flush(), behaviour.nearest_even, behaviour.reordered), (Flush::Never, true, false));
         assert_eq!(behaviour.fusion, Fusion { fma: true, expression: false });
     }
 
@@ -235,6 +266,13 @@ mod tests {
         let mut truncating = plain();
         truncating.rounded[0] = 1.0;
         assert!(!judge(&truncating).unwrap().nearest_even);
+        let orders = [2f32.powi(-25), 2f32.powi(-25), 2f32.powi(100), 2f32.powi(-12) + 2f32.powi(-24)];
+        for (k, rearranged) in orders.into_iter().enumerate() {
+            let mut reordered = plain();
+            reordered.ordered[k] = rearranged;
+            assert!(judge(&reordered).unwrap().reordered, "{k}");
+        }
+        assert!(!judge(&plain()).unwrap().reordered);
     }
 
     #[test]
@@ -245,5 +283,8 @@ mod tests {
         let mut nan = plain();
         nan.fused[0] = f32::NAN;
         assert!(judge(&nan).is_err());
+        let mut lost = plain();
+        lost.ordered[3] = 0.0;
+        assert!(matches!(judge(&lost), Err(CalibrateError::Odd { what: "the order of a sum or product", .. })));
     }
 }

@@ -1,15 +1,15 @@
 use std::cell::Cell;
 
 use super::*;
-use crate::bound::profile::{Allowed, Flush, accept, parse};
-use crate::lane::{Actual, Description, Marks};
+use crate::bound::profile::{Allowed, Definition, Flush, accept, parse};
+use crate::lane::{Actual, Api, Description, Marks};
 use crate::program::Kernel;
 use crate::text::SourceFile;
 
 type Function = fn(&[f32]) -> f32;
 
 /// A device that computes one function on the host.
-struct Soft {
+pub(super) struct Soft {
     description: Description,
     function: Function,
     /// Dispatches that still succeed.
@@ -17,8 +17,13 @@ struct Soft {
 }
 
 impl Soft {
-    fn new(function: Function) -> Self {
-        let description = Description { name: "soft", driver: "soft 1".to_owned(), stages: vec![Stage::Compute] };
+    pub(super) fn new(function: Function) -> Self {
+        let description = Description {
+            name: "soft",
+            driver: "soft 1".to_owned(),
+            api: Api::Vulkan,
+            stages: vec![Stage::Compute],
+        };
         Self { description, function, left: Cell::new(usize::MAX) }
     }
 }
@@ -271,7 +276,8 @@ fn the_quick_tally_is_the_plain_one() {
 
 #[test]
 fn the_written_profile_reads_back_with_its_bounds() {
-    let mut state = State::new(request(&[Op::Sin, Op::Sqrt], 50_000));
+    let driver = "so\"ft, 1".to_owned();
+    let mut state = State::new(Request { driver, ..request(&[Op::Sin, Op::Sqrt], 50_000) });
     // An error of 4 ULP in one binade.
     let function: Function = |a| {
         let sine = rounded(Op::Sin, a[0]);
@@ -283,10 +289,18 @@ fn the_written_profile_reads_back_with_its_bounds() {
         arguments: Flush::Never,
         fusion: Fusion { fma: false, expression: false },
         nearest_even: true,
+        reordered: false,
     };
-    let text = profile_text("so\"ft", "soft", &state, &behaviour, None);
-    let profile = parse(&SourceFile::new("m.toml", text), &|_| None).unwrap();
-    assert_eq!((profile.name.as_str(), profile.contraction), ("measured:so\"ft", false));
+    let lane = Soft::new(function);
+    let document = |definitions| {
+        let (lane, state) = (lane.description(), &state);
+        Document { lane, state, compute: &behaviour, vertex: None, definitions, date: "2026-01-31" }.text()
+    };
+    let read = |text: String| parse(&SourceFile::new("m.toml", text), &|name| by_name(name).cloned()).unwrap();
+    let profile = read(document(&[]));
+    assert_eq!((profile.name.as_str(), profile.contraction, profile.rearrangement), ("so\"ft", false, false));
+    assert_eq!(profile.driver.as_deref(), Some("so\"ft, 1"));
+    assert_eq!(profile.revision, "so\"ft, 1; measured 2026-01-31 with 50000 samples an operation");
     let bound = |op: Op, x: f64| match profile.allowed(op, &[x], op.exact(&[x]), Stage::Compute) {
         Allowed::Bound(bound) => bound / crate::value::ulp_at(op.exact(&[x])),
         other => panic!("{other:?}"),
@@ -294,6 +308,80 @@ fn the_written_profile_reads_back_with_its_bounds() {
     // Twice the 4.5 ULP that were seen.
     assert!((8.8..9.1).contains(&bound(Op::Sin, 1.3)), "{}", bound(Op::Sin, 1.3));
     assert!(bound(Op::Sin, 0.3) <= 0.5);
-    let unmeasured = profile.allowed(Op::Cos, &[1.0], 0.5, Stage::Compute);
-    assert_eq!(unmeasured, Allowed::NoPromise);
+    // What was not measured is as the API promises, and operations on vectors are as defined.
+    let unmeasured = |op| profile.allowed(op, &[1.0, 1.0, 1.0], 0.5, Stage::Compute);
+    assert_eq!(unmeasured(Op::Cos), Allowed::Bound(2f64.powi(-11)));
+    assert!(matches!(unmeasured(Op::Dot), Allowed::Inherited { definition: Definition::SumOfProducts, .. }));
+    assert_eq!(unmeasured(Op::Inverse), Allowed::NoPromise);
+    // An operation that is computed by its definition has the bound of that.
+    let by_definition = read(document(&[(Op::Sin, Definition::SinOverCos)]));
+    let allowed = by_definition.allowed(Op::Sin, &[1.3], 0.9, Stage::Compute);
+    assert_eq!(allowed, Allowed::Inherited { definition: Definition::SinOverCos, or: 0.0 });
+}
+
+#[test]
+fn what_the_probes_find_is_in_the_header() {
+    let plain = Behaviour {
+        results: Flush::Never,
+        arguments: Flush::Never,
+        fusion: Fusion { fma: false, expression: false },
+        nearest_even: true,
+        reordered: false,
+    };
+    let fused = Behaviour { fusion: Fusion { fma: true, expression: true }, ..plain };
+    let reordered = Behaviour { reordered: true, ..plain };
+    let flushing = Behaviour { results: Flush::Must, arguments: Flush::Must, ..plain };
+    let truncating = Behaviour { nearest_even: false, ..plain };
+    let lane = Soft::new(|a| a[0]);
+    let state = State::new(request(&[], 1));
+    let header = |compute: &Behaviour, vertex: Option<&Behaviour>| {
+        let lane = lane.description();
+        let text = Document { lane, state: &state, compute, vertex, definitions: &[], date: "2026-01-31" }.text();
+        let p = parse(&SourceFile::new("m.toml", text), &|name| by_name(name).cloned()).unwrap();
+        (p.contraction, p.rearrangement, p.compute, p.vertex, p.rounding)
+    };
+    use crate::bound::profile::Rounding::{Either, NearestEven};
+    use Flush::{Must, Never};
+    assert_eq!(header(&plain, None), (false, false, Never, Never, NearestEven));
+    // One stage is enough for what the header says of both.
+    assert_eq!(header(&plain, Some(&fused)), (true, false, Never, Never, NearestEven));
+    assert_eq!(header(&reordered, Some(&plain)), (false, true, Never, Never, NearestEven));
+    assert_eq!(header(&plain, Some(&flushing)), (false, false, Never, Must, NearestEven));
+    assert_eq!(header(&truncating, Some(&plain)), (false, false, Never, Never, Either));
+}
+
+/// The embedded lane against what its profile says, with a fault in the last bit or without.
+fn embedded(op: Op, shifted: u32) -> Tally {
+    let binary32 = by_name("binary32").unwrap();
+    let judge = Judge::new(op, binary32, binary32, Stage::Compute);
+    let lane = crate::lane::embedded::open().unwrap();
+    let kernel = kernel::pointwise(op).unwrap();
+    let inputs = Inputs::new(op);
+    let mut batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, DISPATCH);
+    batch.invocations.extend((0..20_000).flat_map(|k| inputs.at(k).into_iter().take(op.arity().unwrap())));
+    let actual = lane.prepare(&kernel, DISPATCH).unwrap().run(&batch).unwrap();
+    judge.tally(batch.invocation_count(), |k| {
+        let mut arguments = [0; 3];
+        arguments[..batch.invocation(k).len()].copy_from_slice(batch.invocation(k));
+        (arguments, actual.vertex(k, 0)[0] ^ shifted)
+    })
+}
+
+#[test]
+fn the_embedded_lane_keeps_the_binary32_profile() {
+    for op in measurable() {
+        let tally = embedded(op, 0);
+        assert_eq!((tally.outside_text, tally.flushed), (0, 0), "{op:?}: {:?}", tally.ratio);
+        assert!(tally.samples > 0);
+    }
+}
+
+#[test]
+fn a_wrong_last_bit_is_outside_of_the_binary32_profile() {
+    for op in measurable() {
+        let tally = embedded(op, 1);
+        // A sum of several operations leaves room for it; one operation does not.
+        let room = matches!(op, Op::Mod | Op::Fma);
+        assert!(room || tally.outside_text > 1000, "{op:?}: {}", tally.outside_text);
+    }
 }

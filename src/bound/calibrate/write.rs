@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::probe::Behaviour;
 use super::{Standing, State, Tally, Worst, promises};
-use crate::bound::profile::{BINS, Flush, Op, bounds_of_bin};
+use crate::bound::profile::{self, BINS, Definition, Flush, Identity, Op, bounds_of_bin, device_name};
+use crate::lane::Description;
 
 /// Factor on errors that were measured by samples; a sweep of all arguments needs none.
 ///
@@ -12,57 +13,88 @@ use crate::bound::profile::{BINS, Flush, Op, bounds_of_bin};
 /// in no binade more than 1.25 times that of the samples for `exp2`, and 1.95 times for `sin`.
 const MARGIN: f64 = 2.0;
 
-/// The profile file of a device. `compute` and `vertex` are what the probes found; a stage that the
-/// lane lacks counts as the other.
-pub fn profile_text(
-    device: &str,
-    lane: &str,
-    state: &State,
-    compute: &Behaviour,
-    vertex: Option<&Behaviour>,
-) -> String {
-    let measurements = state.measurements();
-    let vertex = vertex.unwrap_or(compute);
-    // A function may flush its result where arithmetic keeps it.
-    let flushed = measurements.iter().any(|(_, tally)| tally.flushed > 0);
-    let in_compute = match compute.flush() {
-        Flush::Never if flushed => Flush::May,
-        flush => flush,
-    };
-    let yes = |b: bool| if b { "one rounding" } else { "two roundings" };
-    let rounding = if compute.nearest_even && vertex.nearest_even { "nearest-even" } else { "either" };
-    let contracts = compute.fusion.expression || vertex.fusion.expression;
-    let mut text = String::new();
-    let mut line = |line: String| {
-        // Writing to a text cannot fail.
-        let _ = writeln!(text, "{line}");
-    };
-    line("# Errors of a device, measured. Written by `shadercheck calibrate`.".to_owned());
-    line(format!("name = {}", quoted(&format!("measured:{device}"))));
-    line(format!("revision = {}", quoted(&state.request().driver)));
-    line(format!("rounding = \"{rounding}\""));
-    line("acceptance = \"text\"".to_owned());
-    line(format!("contraction = \"{}\"", if contracts { "allowed" } else { "never" }));
-    line("# Whether a compiler rearranges cannot be measured operation by operation.".to_owned());
-    line("rearrangement = \"allowed\"".to_owned());
-    line("\n[subnormals]".to_owned());
-    line(format!("compute = \"{}\"", in_compute.name()));
-    line(format!("vertex = \"{}\"", vertex.flush().name()));
-    line("\n[device]".to_owned());
-    line(format!("lane = {}", quoted(lane)));
-    line(format!("driver = {}", quoted(&state.request().driver)));
-    line(format!("fma = \"{}\"", yes(compute.fusion.fma)));
-    line(format!("products_and_sums = \"{}\"", yes(compute.fusion.expression)));
-    line("\n# A row of `binades`: sign, first and last exponent (-127: zero and subnormal numbers),".to_owned());
-    line("# samples, largest error in ULP, largest absolute error, samples by size of error in ULP:".to_owned());
-    line("# to 0.5, 1, 2, 4, 8, 16, 64, 256, 1024, 4096, 65536, and above.".to_owned());
-    for (op, tally) in measurements {
-        operation(&mut line, op, tally, state.request().sweeps(op));
-    }
-    text
+/// What a profile of a device is made of.
+pub struct Document<'a> {
+    /// The lane that was measured.
+    pub lane: &'a Description,
+    /// The measurements.
+    pub state: &'a State,
+    /// What the probe found in the compute stage.
+    pub compute: &'a Behaviour,
+    /// What it found in the vertex stage; a stage that the lane lacks counts as the other.
+    pub vertex: Option<&'a Behaviour>,
+    /// Operations that the device computes by a formula, see [`super::confirmed`].
+    pub definitions: &'a [(Op, Definition)],
+    /// Day of the measurement, such as `2026-01-31`.
+    pub date: &'a str,
 }
 
-fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: bool) {
+impl Document<'_> {
+    /// The profile file.
+    pub fn text(&self) -> String {
+        let (compute, vertex) = (self.compute, self.vertex.unwrap_or(self.compute));
+        let measurements = self.state.measurements();
+        // A function may flush its result where arithmetic keeps it.
+        let flushed = measurements.iter().any(|(_, tally)| tally.flushed > 0);
+        let flush = |stage: &Behaviour| match stage.flush() {
+            Flush::Never if flushed => Flush::May,
+            flush => flush,
+        };
+        let both = |of: fn(&Behaviour) -> bool| of(compute) && of(vertex);
+        let allowance = |never: bool| if never { "never" } else { "allowed" };
+        let yes = |b: bool| if b { "one rounding" } else { "two roundings" };
+        let rounding = if both(|b| b.nearest_even) { "nearest-even" } else { "either" };
+        let request = self.state.request();
+        let name = Identity::of(&request.driver)
+            .map_or_else(|| device_name(&request.driver).to_owned(), |identity| identity.profile_name());
+        let extent = if request.exhaustive { ", all arguments of functions of one" } else { "" };
+        let revision =
+            format!("{}; measured {} with {} samples an operation{extent}", request.driver, self.date, request.samples);
+        let mut text = String::new();
+        let mut line = |line: String| {
+            // Writing to a text cannot fail.
+            let _ = writeln!(text, "{line}");
+        };
+        line("# Errors of a device, measured. Written by `shadercheck calibrate`.".to_owned());
+        line(format!("name = {}", quoted(&name)));
+        line(format!("revision = {}", quoted(&revision)));
+        line("# What was not measured is as promised; operations on vectors are as their definitions.".to_owned());
+        line(format!("extends = {}", quoted(&profile::promises(self.lane.api)[0].name)));
+        line(format!("rounding = \"{rounding}\""));
+        line("acceptance = \"text\"".to_owned());
+        line("# `never` where no probe, in no stage, found the contrary.".to_owned());
+        line(format!("contraction = \"{}\"", allowance(both(|b| !b.fusion.expression))));
+        line(format!("rearrangement = \"{}\"", allowance(both(|b| !b.reordered))));
+        line("\n[subnormals]".to_owned());
+        line(format!("compute = \"{}\"", flush(compute).name()));
+        line(format!("vertex = \"{}\"", flush(vertex).name()));
+        line("\n[device]".to_owned());
+        line(format!("lane = {}", quoted(self.lane.name)));
+        line(format!("driver = {}", quoted(&request.driver)));
+        line(format!("date = {}", quoted(self.date)));
+        line(format!("samples = {}", request.samples));
+        line(format!("fma = \"{}\"", yes(compute.fusion.fma)));
+        line(format!("products_and_sums = \"{}\"", yes(compute.fusion.expression)));
+        line(format!("order = \"{}\"", if both(|b| !b.reordered) { "kept" } else { "not kept" }));
+        line("\n# A row of `binades`: sign, first and last exponent (-127: zero and subnormal numbers),".to_owned());
+        line("# samples, largest error in ULP, largest absolute error, samples by size of error in ULP:".to_owned());
+        line("# to 0.5, 1, 2, 4, 8, 16, 64, 256, 1024, 4096, 65536, and above. The operations were".to_owned());
+        line("# measured in the compute stage.".to_owned());
+        for (op, tally) in measurements {
+            let definition = self.definitions.iter().find(|(of, _)| *of == op).map(|(_, definition)| *definition);
+            operation(&mut line, op, tally, request.sweeps(op), definition);
+        }
+        text
+    }
+}
+
+fn operation(
+    line: &mut impl FnMut(String),
+    op: Op,
+    tally: &Tally,
+    exhaustive: bool,
+    definition: Option<Definition>,
+) {
     let (promise, _) = promises();
     let at = |worst: &Worst| {
         let words = worst.at.iter().take(op.arity().unwrap_or(0)).map(|w| format!("\"0x{w:08x}\""));
@@ -70,6 +102,10 @@ fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: b
     };
     let (ulp, abs) = (tally.worst_ulp(), tally.worst_abs());
     line(format!("\n[operations.{}]", op.name()));
+    if let Some(definition) = definition {
+        line("# The parts of this formula, as measured, bound all errors that were seen.".to_owned());
+        line(format!("definition = {}", quoted(&format!("inherits({})", definition.text()))));
+    }
     line(format!("samples = {}", tally.samples));
     line(format!("exhaustive = {exhaustive}"));
     line(format!("margin = {:?}", if exhaustive { 1.0 } else { MARGIN }));
@@ -98,37 +134,55 @@ fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: b
     line("]".to_owned());
 }
 
+/// Errors up to this many ULP are bounded by their ULP alone, as good as always, and not by their size.
+const FEW_ULP: f64 = 4.0;
+/// Factor between errors that are about the same.
+const ALIKE: f64 = 1.15;
+
 /// Neighbouring bins of one sign.
 struct Run {
     first: usize,
     last: usize,
     samples: u64,
     ulp: f64,
+    /// The smallest of the largest errors of the bins.
+    least: f64,
     abs: f64,
     histogram: [u64; 12],
 }
 
-/// Bins with samples. Neighbours that round correctly are one row;
-/// bins with a result that is no number have no bound, and no row.
+/// Bins with samples. Neighbours that round correctly are one row, and so are those that err by about
+/// the same few ULP; bins with a result that is no number have no bound, and no row.
 fn runs(tally: &Tally) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (k, bin) in tally.bins.iter().enumerate().filter(|(_, b)| b.samples > 0 && b.wild == 0) {
         let (ulp, abs) = (bin.ulp.value(), bin.abs.value());
         let joins = |run: &&mut Run| {
-            let class = |x: f64| x <= 0.5;
-            // Rounding is correct between binades as well where no key was tried.
             let one_sign = (run.last < BINS / 2) == (k < BINS / 2);
-            one_sign && ulp <= 0.5 && class(run.ulp) == class(ulp)
+            // Rounding is correct between binades as well where no key was tried.
+            let correct = ulp <= 0.5 && run.ulp <= 0.5;
+            let (least, most) = (run.least.min(ulp), run.ulp.max(ulp));
+            let alike = run.last + 1 == k && least > 0.5 && most <= FEW_ULP && most <= ALIKE * least;
+            one_sign && (correct || alike)
         };
         match runs.last_mut().filter(joins) {
             Some(run) => {
                 run.last = k;
                 run.samples += bin.samples;
                 run.ulp = run.ulp.max(ulp);
+                run.least = run.least.min(ulp);
                 run.abs = run.abs.max(abs);
                 run.histogram.iter_mut().zip(bin.histogram).for_each(|(a, b)| *a += b);
             }
-            None => runs.push(Run { first: k, last: k, samples: bin.samples, ulp, abs, histogram: bin.histogram }),
+            None => runs.push(Run {
+                first: k,
+                last: k,
+                samples: bin.samples,
+                ulp,
+                least: ulp,
+                abs,
+                histogram: bin.histogram,
+            }),
         }
     }
     runs

@@ -1,13 +1,14 @@
 //! Errors of an operation as a device showed them, binade by binade.
 
-use super::Op;
+use super::{Definition, Op};
 use crate::value::ulp_at;
 
 /// Upper ends of the classes of a histogram of errors, in ULP; one more class takes the rest.
 pub const CLASSES: [f64; 11] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0];
 
 /// Keys of the table of a measured operation: what a bound needs, and what people read beside it.
-pub(super) const KEYS: [&str; 14] = [
+pub(super) const KEYS: [&str; 15] = [
+    "definition",
     "samples",
     "exhaustive",
     "margin",
@@ -41,6 +42,9 @@ pub fn bounds_of_bin(bin: usize) -> (i32, i32) {
     (if bin >= BINS / 2 { -1 } else { 1 }, (bin % (BINS / 2)) as i32 - 127)
 }
 
+/// How far the arguments of a device may lie from the exact ones, as a part of the key of the table.
+const NEAR: f64 = 1.0 / 65536.0;
+
 /// Neighbouring binades of one sign in which an operation errs by the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
@@ -63,8 +67,11 @@ pub struct Table {
     pub samples: u64,
     /// True when these are all arguments that there are.
     pub exhaustive: bool,
-    /// Factor on errors that accounts for arguments that were not tried.
+    /// Factor on errors that accounts for arguments that were not tried; at least 1.
     pub margin: f64,
+    /// The formula by which the device was seen to compute the operation. Then the errors of its
+    /// parts bound the operation, and the rows are there to be read.
+    pub definition: Option<Definition>,
     /// Rows in ascending order of bins.
     pub rows: Vec<Row>,
 }
@@ -78,14 +85,30 @@ impl Table {
         self.rows.iter().map(|r| r.ulp).fold(0.0, f64::max)
     }
 
-    /// Largest error to expect; `None` where nothing was measured.
+    /// Largest error to expect at these arguments and in a neighbourhood of [`NEAR`]; `None` where
+    /// nothing was measured.
     pub(super) fn bound(&self, op: Op, args: &[f64], exact: f64) -> Option<f64> {
-        let bin = bin_of(op.key(args))?;
+        let key = op.key(args);
+        let at = |key: f64| self.row(bin_of(key)?).map(|row| self.bound_of(row, exact));
+        let here = at(key)?;
+        // Next to the end of a binade, the arguments of the device may lie in the next one.
+        let near = [key * (1.0 - NEAR), key * (1.0 + NEAR)].into_iter().filter_map(at);
+        Some(near.fold(here, f64::max))
+    }
+
+    fn row(&self, bin: usize) -> Option<&Row> {
         let at = self.rows.partition_point(|r| r.bins.1 < bin);
-        let row = self.rows.get(at).filter(|r| r.bins.0 <= bin)?;
-        // A device that rounds correctly wherever it was tried does so by design.
-        let margin = if row.ulp <= 0.5 { 1.0 } else { self.margin };
-        Some(margin * (row.ulp * ulp_at(exact)).min(row.abs))
+        self.rows.get(at).filter(|r| r.bins.0 <= bin)
+    }
+
+    fn bound_of(&self, row: &Row, exact: f64) -> f64 {
+        // A device that rounds correctly wherever it was tried does so by design: the bound is that
+        // of the rounding and not the luck of the samples. Where no result of the operation was off,
+        // as with the sign and the floor, the operation is exact.
+        if row.ulp <= 0.5 {
+            return if row.ulp == 0.0 && self.max_ulp() == 0.0 { 0.0 } else { ulp_at(exact) / 2.0 };
+        }
+        self.margin * (row.ulp * ulp_at(exact)).min(row.abs)
     }
 }
 
@@ -94,7 +117,7 @@ mod tests {
     use super::*;
 
     fn table(rows: Vec<Row>) -> Table {
-        Table { samples: 2, exhaustive: false, margin: 1.5, rows }
+        Table { samples: 2, exhaustive: false, margin: 1.5, definition: None, rows }
     }
 
     fn row(bins: (usize, usize), ulp: f64, abs: f64) -> Row {
@@ -118,6 +141,28 @@ mod tests {
         assert_eq!(at(1.5), Some(0.5 * ulp_at(1.0)), "no margin on correct rounding");
         assert_eq!(at(2.0), None, "nothing was measured there");
         assert_eq!(at(-0.75), None);
+        assert_eq!(at(f64::NAN), None);
+    }
+
+    #[test]
+    fn correct_rounding_is_half_an_ulp_however_lucky_the_samples_were() {
+        let lucky = table(vec![row((120, 126), 0.0, 0.0), row((127, 127), 0.31, 1e-12)]);
+        assert_eq!(lucky.bound(Op::Sqrt, &[0.75], 8.0), Some(ulp_at(8.0) / 2.0));
+        assert_eq!(lucky.bound(Op::Sqrt, &[1.5], 8.0), Some(ulp_at(8.0) / 2.0), "not the absolute error of the row");
+        let exact = table(vec![row((120, 127), 0.0, 0.0)]);
+        assert_eq!(exact.bound(Op::Sqrt, &[1.5], 8.0), Some(0.0));
+        let off = table(vec![row((127, 127), 0.51, 1.0)]);
+        assert_eq!(off.bound(Op::Sqrt, &[1.5], 8.0), Some(1.5 * 0.51 * ulp_at(8.0)));
+    }
+
+    #[test]
+    fn next_to_the_end_of_a_binade_the_worse_neighbour_counts() {
+        let table = table(vec![row((126, 126), 1.0, 1.0), row((127, 127), 8.0, 1.0)]);
+        let at = |x: f64| table.bound(Op::Sin, &[x], 1.0).unwrap() / ulp_at(1.0);
+        assert_eq!((at(0.75), at(1.0 - 1e-6), at(1.0), at(1.5)), (1.5, 12.0, 12.0, 12.0));
+        // An unmeasured neighbour adds nothing, and a measured one is no measurement of this binade.
+        assert_eq!(at(2.0 - 1e-6), 12.0);
+        assert_eq!(table.bound(Op::Sin, &[2.0], 1.0), None);
     }
 
     #[test]

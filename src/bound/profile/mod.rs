@@ -4,11 +4,13 @@
 //! TOML file; those of the specifications are in `fixtures/profiles` and part of the program.
 
 mod accept;
+mod device;
 pub mod grid;
 mod measured;
 mod op;
 mod read;
 mod rule;
+mod rulings;
 mod shipped;
 
 use std::fmt;
@@ -16,12 +18,14 @@ use std::fmt;
 use crate::lane::Stage;
 
 pub use accept::{Free, accept, least_ulp, may_promise};
+pub use device::{Identity, device_name};
 pub use grid::Interval;
 pub use measured::{BINS, CLASSES, Measured, Row, Table, bin_of, bounds_of_bin};
 pub use op::Op;
 pub use read::{ProfileError, parse};
 pub use rule::{Condition, Definition, Piece, Quantity, Rule};
-pub use shipped::{by_name, names};
+pub use rulings::{Rulings, promises};
+pub use shipped::{by_name, for_device, names};
 
 /// How a correctly rounded result is rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,11 +79,13 @@ pub enum Entry {
 /// Numeric behaviour of an API, or of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// Name, such as `vulkan-1.4` or `measured:llvmpipe`.
+    /// Name, such as `vulkan-1.4`, or device and version of a measurement, such as `llvmpipe-22.3.6`.
     pub name: String,
-    /// The revision of the specification that the tables were taken from, or the driver and the
-    /// date of a measurement.
+    /// The revision of the specification that the tables were taken from, or the driver, the date
+    /// and the extent of a measurement.
     pub revision: String,
+    /// Device and driver of a measurement, as the lane described them.
+    pub driver: Option<String>,
     /// What correctly rounded means.
     pub rounding: Rounding,
     /// Subnormal numbers in compute stages.
@@ -125,7 +131,12 @@ impl Profile {
     /// [`Profile::argument_flush`].
     pub fn allowed(&self, op: Op, args: &[f64], exact: f64, stage: Stage) -> Allowed {
         let pieces = match self.entry(op) {
-            Entry::Measured(table) => return self.finish(table.bound(op, args, exact), exact, stage, true),
+            Entry::Measured(table) => {
+                return match table.definition {
+                    Some(definition) => Allowed::Inherited { definition, or: 0.0 },
+                    None => self.finish(table.bound(op, args, exact), exact, stage, true),
+                };
+            }
             Entry::Promised(pieces) => pieces,
         };
         let points: [Interval; 3] = std::array::from_fn(|k| Interval::point(args.get(k).copied().unwrap_or(f64::NAN)));
@@ -197,7 +208,10 @@ impl fmt::Display for Entry {
                 let parts: Vec<String> = pieces.iter().map(Piece::to_string).collect();
                 f.write_str(&parts.join("; else "))
             }
-            Self::Measured(table) => write!(f, "{} ULP over {} samples", table.max_ulp(), table.samples),
+            Self::Measured(table) => {
+                write!(f, "{} ULP over {} samples", table.max_ulp(), table.samples)?;
+                table.definition.map_or(Ok(()), |d| write!(f, ", by {}", d.text()))
+            }
         }
     }
 }

@@ -145,8 +145,9 @@ impl Reader {
             table
         };
         if let Some(device) = table("device") {
-            self.only(device, ["lane", "driver", "fma", "products_and_sums"].into_iter());
+            self.only(device, super::device::KEYS.into_iter());
         }
+        let driver = table("device").and_then(|device| Some(self.text("driver", device.get("driver")?)?.to_owned()));
         let subnormals = table("subnormals");
         if let Some(subnormals) = subnormals {
             self.only(subnormals, ["compute", "vertex"].into_iter());
@@ -168,6 +169,7 @@ impl Reader {
         Some(Profile {
             name: name?,
             revision: revision?,
+            driver,
             rounding: rounding?,
             compute: compute?,
             vertex: vertex?,
@@ -178,7 +180,8 @@ impl Reader {
         })
     }
 
-    /// One entry for each operation. What a device was not measured for, it does not promise.
+    /// One entry for each operation. What a device was not measured for is as in the profile that
+    /// it extends; without one, it does not promise it.
     fn entries(&self, table: Option<&DeTable<'_>>, base: Option<&Profile>, device: bool) -> Option<Vec<Entry>> {
         if let Some(table) = table {
             self.only(table, Op::ALL.iter().map(|op| op.name()));
@@ -268,7 +271,26 @@ impl Reader {
         };
         let samples = required("samples").and_then(|v| self.number("samples", v));
         let margin = required("margin").and_then(|v| self.number("margin", v));
-        let exhaustive = required("exhaustive").and_then(|v| v.get_ref().as_bool());
+        let exhaustive = required("exhaustive").and_then(|v| {
+            let exhaustive = v.get_ref().as_bool();
+            if exhaustive.is_none() {
+                self.problem(v.span().start, "`exhaustive` is true or false");
+            }
+            exhaustive
+        });
+        if let Some(value) = table.get("margin").filter(|_| margin.is_some_and(|m| m < 1.0)) {
+            self.problem(value.span().start, "`margin` is a factor on errors, and at least 1");
+        }
+        let definition = match table.get("definition") {
+            None => None,
+            Some(value) => match self.rule(op, value)? {
+                Rule::Inherited { definition, or: 0.0 } => Some(definition),
+                _ => {
+                    self.problem(value.span().start, "`definition` is a formula; write `inherits(FORMULA)`");
+                    return None;
+                }
+            },
+        };
         let rows = required("binades")?;
         let Some(list) = rows.get_ref().as_array() else {
             self.problem(rows.span().start, "`binades` is a list of rows");
@@ -280,7 +302,7 @@ impl Reader {
             self.problem(at, format!("the binades of `{}` overlap or are not in ascending order", op.name()));
             return None;
         }
-        Some(Table { samples: samples? as u64, exhaustive: exhaustive?, margin: margin?.max(1.0), rows })
+        Some(Table { samples: samples? as u64, exhaustive: exhaustive?, margin: margin?, definition, rows })
     }
 
     fn number(&self, key: &str, value: &Value<'_>) -> Option<f64> {
@@ -305,18 +327,17 @@ impl Reader {
             self.problem(row.span().start, format!("a row of `binades` has {width} numbers"));
             return None;
         };
-        let exponents = -127.0..=128.0;
+        let exponent = |x: f64| (-127.0..=128.0).contains(&x) && x.fract() == 0.0;
         let sign = n[0].abs() == 1.0;
-        if !sign
-            || !exponents.contains(&n[1])
-            || !exponents.contains(&n[2])
-            || n[1] > n[2]
-            || n[3..].iter().any(|x| *x < 0.0)
-        {
+        if !sign || !exponent(n[1]) || !exponent(n[2]) || n[1] > n[2] || n[3..].iter().any(|x| *x < 0.0) {
             self.problem(
                 row.span().start,
                 "a row of `binades` is a sign, two exponents from -127 to 128, and no number below 0",
             );
+            return None;
+        }
+        if n[6..].iter().sum::<f64>() != n[3] {
+            self.problem(row.span().start, "the classes of a row of `binades` do not add up to its samples");
             return None;
         }
         let bin = |exponent: f64| (exponent as i32 + 127) as usize + if n[0] < 0.0 { 256 } else { 0 };

@@ -18,7 +18,8 @@ fn read(text: &str) -> Result<Profile, ProfileError> {
 
 #[test]
 fn every_shipped_profile_has_an_entry_for_every_operation() {
-    assert_eq!(names().collect::<Vec<_>>(), ["vulkan-1.4", "vulkan-cts", "wgsl", "glsl-4.60"]);
+    let all = ["vulkan-1.4", "vulkan-cts", "wgsl", "glsl-4.60", "binary32", "llvmpipe-22.3.6"];
+    assert_eq!(names().collect::<Vec<_>>(), all);
     for name in names() {
         let profile = profile(name);
         assert_eq!((profile.name.as_str(), profile.entries.len()), (name, Op::ALL.len()));
@@ -232,4 +233,138 @@ fn an_operation_without_an_entry_is_refused() {
     let without: String = text.lines().filter(|l| !l.starts_with("tanh")).map(|l| format!("{l}\n")).collect();
     let error = read(&without).unwrap_err();
     assert_eq!(error.0, ["p.toml:1:1: operation `tanh` has no entry; write `none` for no promise"]);
+}
+
+fn llvmpipe() -> &'static str {
+    include_str!("../../../fixtures/profiles/llvmpipe-22.3.6.toml")
+}
+
+#[test]
+fn the_measurement_of_llvmpipe_says_what_was_measured_and_on_what() {
+    let measured = profile("llvmpipe-22.3.6");
+    assert_eq!(Identity::of(measured.driver.as_deref().unwrap()).unwrap().version, (22, 3));
+    for part in ["LLVM 15.0.6", "Mesa 22.3.6", "measured 20", "samples an operation"] {
+        assert!(measured.revision.contains(part), "{part}: {}", measured.revision);
+    }
+    assert_eq!((measured.rounding, measured.acceptance), (Rounding::NearestEven, Acceptance::Text));
+    // The vertex stage flushes, the compute stage keeps what arithmetic gives; some functions do not.
+    assert_eq!((measured.compute, measured.vertex), (Flush::May, Flush::Must));
+    assert_eq!((measured.contraction, measured.rearrangement), (false, true));
+    for op in crate::bound::calibrate::measurable() {
+        let Entry::Measured(table) = measured.entry(op) else { panic!("{op:?} was not measured") };
+        assert!(table.samples > 1 << 24, "{op:?}: {}", table.samples);
+    }
+}
+
+#[test]
+fn the_measurement_of_llvmpipe_bounds_operations() {
+    let measured = |op: Op, args: &[f64]| allowed("llvmpipe-22.3.6", op, args);
+    let half = |op: Op, args: &[f64]| Allowed::Bound(ulp_at(op.exact(args)) / 2.0);
+    for (op, args) in [
+        (Op::Add, vec![0.3, 1.1]),
+        (Op::Sub, vec![0.3, 1.1]),
+        (Op::Mul, vec![0.3, 1.1]),
+        (Op::Div, vec![0.3, 1.1]),
+        (Op::Sqrt, vec![0.3]),
+        (Op::Fract, vec![1.3]),
+    ] {
+        assert_eq!(measured(op, &args), half(op, &args), "{op:?}");
+    }
+    for op in [Op::Floor, Op::Neg, Op::Abs, Op::Sign] {
+        assert_eq!(measured(op, &[1.3]), Allowed::Bound(0.0), "{op:?}");
+    }
+    // Far better than the promise, and no better than what was seen.
+    for (op, x, least, most) in
+        [(Op::Sin, 1.3, 5e-8, 2e-7), (Op::Cos, 1.3, 5e-8, 2e-7), (Op::Asin, 0.8, 3.9e-4, 8e-4), (Op::Exp2, 1.3, 1e-7, 3e-6)]
+    {
+        assert!(matches!(measured(op, &[x]), Allowed::Bound(b) if b > least && b < most), "{op:?}: {:?}", measured(op, &[x]));
+    }
+    // Operations that are made of others, and those on vectors.
+    for (op, definition) in [
+        (Op::Pow, Definition::PowByExp2),
+        (Op::Fma, Definition::MultiplyAdd),
+        (Op::Mod, Definition::ModByFloor),
+        (Op::Tan, Definition::SinOverCos),
+        (Op::Dot, Definition::SumOfProducts),
+        (Op::Mix, Definition::MixByWeights),
+        (Op::Normalize, Definition::NormalizeByInverseSqrt),
+    ] {
+        assert_eq!(measured(op, &[1.1, 0.2, 0.3]), Allowed::Inherited { definition, or: 0.0 }, "{op:?}");
+    }
+    assert_eq!(measured(Op::Determinant, &[]), Allowed::NoPromise);
+    assert_eq!(measured(Op::Inverse, &[]), Allowed::NoPromise);
+}
+
+#[test]
+fn a_binade_that_was_not_measured_is_outside_of_the_domain() {
+    let text = llvmpipe();
+    let start = text.find("[operations.exp2]").unwrap();
+    let rows = start + text[start..].find("binades = [\n").unwrap() + "binades = [\n".len();
+    let end = rows + text[rows..].find("\n]").unwrap();
+    // The same without the rows for 2 ≤ x < 4.
+    let kept = |line: &&str| !line.trim_start().starts_with("[1, 1, ");
+    let fewer: Vec<&str> = text[rows..end].lines().filter(kept).collect();
+    assert!(fewer.len() < text[rows..end].lines().count(), "there is such a row");
+    let profile = read(&format!("{}{}{}", &text[..rows], fewer.join("\n"), &text[end..])).unwrap();
+    let at = |x: f64| profile.allowed(Op::Exp2, &[x], x.exp2(), Stage::Compute);
+    assert_eq!(at(3.0), Allowed::OutsideDomain);
+    assert!(matches!(at(1.5), Allowed::Bound(_)) && matches!(at(-3.0), Allowed::Bound(_)));
+    assert!(matches!(allowed("llvmpipe-22.3.6", Op::Exp2, &[3.0]), Allowed::Bound(_)));
+    // Where no value is defined, nothing was measured either.
+    for (op, x) in [(Op::Log2, -2.0), (Op::Asin, 4.0), (Op::Sqrt, -1.0)] {
+        let measured = profile.allowed(op, &[x], op.exact(&[x]), Stage::Compute);
+        assert_eq!(measured, Allowed::OutsideDomain, "{op:?}");
+    }
+}
+
+#[test]
+fn a_corrupt_measurement_is_refused_at_the_place() {
+    let text = llvmpipe();
+    assert!(read(text).is_ok());
+    let row = text.lines().find(|line| line.starts_with("    [1, ")).unwrap();
+    for (from, to, said) in [
+        ("extends = \"vulkan-1.4\"", "extends = \"vulkan-9\"", ":5:11: there is no profile `vulkan-9` to extend"),
+        ("vertex = \"must\"", "vertex = \"perhaps\"", "`vertex` is `perhaps`; it can be must, may, never"),
+        ("exhaustive = false", "exhaustive = 0", "`exhaustive` is true or false"),
+        ("margin = 2.0", "margin = 0.5", "`margin` is a factor on errors, and at least 1"),
+        ("margin = 2.0", "margin = nan", "`margin` is not a finite number"),
+        ("definition = \"inherits(", "definition = \"ulp(", "no number"),
+        ("definition = \"inherits(x*y + z)\"", "definition = \"exact\"", "`definition` is a formula"),
+        ("[operations.exp2]", "[operations.expp]", "unknown key `expp`; did you mean `exp`?"),
+        (row, "    [1, 0, 0],", "a row of `binades` has 18 numbers"),
+        (row, "    [1, 0.5, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],", "two exponents from -127 to 128"),
+        (row, "    [1, 0, 0, 7, 0.5, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],", "do not add up to its samples"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let error = read(&text.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(error.starts_with("p.toml:") && error.contains(said), "{to}: {error}");
+    }
+    // Cut off anywhere: no measurement comes out of a part of a file.
+    for part in [1, 5, 9] {
+        let cut = text.len() / 10 * part;
+        let error = read(&text[..cut]).unwrap_err().to_string();
+        assert!(error.starts_with("p.toml:"), "{error}");
+    }
+}
+
+#[test]
+fn strict_binary32_is_what_its_text_says() {
+    let strict = profile("binary32");
+    assert_eq!((strict.rounding, strict.contraction, strict.rearrangement), (Rounding::NearestEven, false, false));
+    assert_eq!((strict.compute, strict.vertex), (Flush::Never, Flush::Never));
+    let ulps = |op: Op, args: &[f64]| match allowed("binary32", op, args) {
+        Allowed::Bound(bound) => bound / ulp_at(op.exact(args)),
+        other => panic!("{op:?}: {other:?}"),
+    };
+    for op in Op::ALL.into_iter().filter(|op| op.arity().is_some() && !matches!(op, Op::Mod | Op::Fma)) {
+        let args = if op == Op::Acosh { [1.3, 0.7] } else { [0.3, 0.7] };
+        assert!(ulps(op, &args) <= 0.5 + 2f64.powi(-20) * 1.1, "{op:?}: {}", ulps(op, &args));
+    }
+    assert_eq!((ulps(Op::Add, &[0.3, 0.7]), ulps(Op::Neg, &[0.3])), (0.5, 0.0));
+    // A subnormal result is not flushed, and rounds on the finest grid.
+    assert_eq!(allowed("binary32", Op::Mul, &[2f64.powi(-100), 2f64.powi(-30)]), Allowed::Bound(2f64.powi(-150)));
+    assert_eq!(strict.argument_flush(1e-40, Stage::Vertex), 0.0);
+    for op in [Op::Determinant, Op::Inverse] {
+        assert!(names().all(|name| allowed(name, op, &[]) == Allowed::NoPromise), "{op:?}");
+    }
 }

@@ -7,7 +7,7 @@ mod vertex;
 #[cfg(test)]
 mod tests;
 
-use super::{Description, Lane, LaneError, Runner, Stage, Unavailable};
+use super::{Api, Description, Lane, LaneError, Runner, Stage, Unavailable};
 use crate::program::{Form, Kernel, contain};
 
 use gpu::Gpu;
@@ -24,7 +24,7 @@ pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
     // A broken driver may bring wgpu to panic: that is a missing lane, not the end of the run.
     let gpu = contain(Gpu::open).map_err(|panic| missing(format!("the Vulkan driver fails: {panic}")))?;
     let gpu = gpu.map_err(missing)?;
-    let description = Description { name: "vulkan", driver: gpu.driver(), stages: gpu.stages() };
+    let description = Description { name: "vulkan", driver: gpu.driver(), api: Api::Vulkan, stages: gpu.stages() };
     Ok(Box::new(Vulkan { gpu, description }))
 }
 

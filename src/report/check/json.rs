@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::suite::run::{Case, Entry, Finding, Outcome, RunError, Status, Summary};
+use crate::lane::Stage;
+use crate::suite::run::{Case, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
 use crate::verdict::Deviation;
 
 /// The whole run as one JSON object, with a line break.
@@ -15,9 +16,7 @@ pub fn json(summary: &Summary) -> String {
     let lanes: Vec<Value> = summary
         .lanes
         .iter()
-        .flat_map(|lane| {
-            lane.stages.iter().map(|stage| json!({"name": lane.name, "stage": stage.name(), "driver": lane.driver}))
-        })
+        .flat_map(|used| used.description.stages.iter().map(|stage| lane(used, *stage)))
         .collect();
     let unavailable: Vec<Value> = summary
         .unavailable
@@ -39,6 +38,19 @@ pub fn json(summary: &Summary) -> String {
         },
     });
     format!("{value:#}\n")
+}
+
+fn lane(used: &LaneUsed, stage: Stage) -> Value {
+    let (lane, rulings) = (&used.description, &used.rulings);
+    json!({
+        "name": lane.name,
+        "stage": stage.name(),
+        "driver": lane.driver,
+        "api": lane.api.name(),
+        "promise": rulings.text.name,
+        "conformance": rulings.conformance.map(|p| &p.name),
+        "measured": rulings.measured.as_ref().map(|p| &p.name),
+    })
 }
 
 fn entry(entry: &Entry) -> Value {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::report::diagnostics;
-use crate::suite::run::{Case, Entry, Finding, InputValue, Outcome, Report, RunError, Summary};
+use crate::suite::run::{Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
 
 /// Colours of a terminal; empty strings elsewhere.
 struct Style {
@@ -180,7 +180,7 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     }
 }
 
-/// The last lines: lanes that are missing, facts about coverage, totals.
+/// The last lines: what lanes were held against, lanes that are missing, facts about coverage, totals.
 pub fn totals(summary: &Summary, color: bool) -> String {
     let style = Style::new(color);
     let mut text = String::new();
@@ -198,6 +198,14 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
             let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
         }
+    }
+    for LaneUsed { description, rulings } in &summary.lanes {
+        let promises: Vec<&str> = rulings.promises().map(|p| p.name.as_str()).collect();
+        let measured = match &rulings.measured {
+            Some(measured) => format!("measured profile {}", measured.name),
+            None => "no measured profile".to_owned(),
+        };
+        let _ = writeln!(text, "note: lane `{}`: promises of {}; {measured}", description.name, promises.join(", "));
     }
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` did not run: {why}");

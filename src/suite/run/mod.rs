@@ -8,6 +8,7 @@ mod sampling;
 mod summary;
 mod trial;
 
+use crate::bound::profile::Rulings;
 use crate::lane::{Lane, LaneError, Stage};
 use crate::property::Sample;
 use crate::suite::Suite;
@@ -17,7 +18,7 @@ pub use coverage::{Coverage, check as coverage};
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
 pub use relate::Probes;
-pub use summary::{Entry, Outcome, Status, Summary, Totals};
+pub use summary::{Entry, LaneUsed, Outcome, Status, Summary, Totals};
 pub use trial::Trial;
 
 /// Seed of a run that names none: the same inputs on every machine.
@@ -36,6 +37,8 @@ pub struct Request {
     pub replay: Vec<Sample>,
     /// Only the samples of `replay`.
     pub replay_only: bool,
+    /// What the results are held against.
+    pub rulings: Rulings,
     /// The arguments of `shadercheck check` that name the suite and the shader, for reproduction.
     pub arguments: String,
 }

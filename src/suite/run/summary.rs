@@ -1,6 +1,7 @@
 //! A whole run: every suite on every lane, and what follows for the exit status.
 
 use super::{Report, RunError};
+use crate::bound::profile::Rulings;
 use crate::lane::{Description, Stage, Unavailable};
 
 /// A run of `check`.
@@ -9,11 +10,20 @@ pub struct Summary {
     /// Seed of the inputs.
     pub seed: u64,
     /// Lanes that were used.
-    pub lanes: Vec<Description>,
+    pub lanes: Vec<LaneUsed>,
     /// Lanes that were wanted and could not be had, by name.
     pub unavailable: Vec<(&'static str, Unavailable)>,
     /// Suites in order, once for each lane and stage.
     pub entries: Vec<Entry>,
+}
+
+/// A lane with what its results are held against.
+#[derive(Debug)]
+pub struct LaneUsed {
+    /// The lane.
+    pub description: Description,
+    /// The profiles.
+    pub rulings: Rulings,
 }
 
 /// One suite on one stage of one lane.

@@ -4,6 +4,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use shadercheck::bound::profile::Rulings;
 use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, vulkan};
 use shadercheck::program::{Kernel, OutputLayout};
 use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
@@ -134,6 +135,7 @@ pub(super) fn reports_of(prepared: &Prepared, fault: Fault) -> Vec<Result<Report
         quick: true,
         replay: Vec::new(),
         replay_only: false,
+        rulings: Rulings::of_lane(lane.description()),
         arguments: prepared.suite.name.clone(),
     };
     let stages = if prepared.vertex.is_some() { &[Stage::Compute, Stage::Vertex][..] } else { &[Stage::Compute] };

@@ -23,7 +23,10 @@ const MODULES: &[(&str, &[&str])] = &[
     ("property", &["text", "value"]),
     ("bound", &["property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("verdict", &["bound", "property", "formula", "lane", "interp", "program", "text", "diagnostic", "value"]),
-    ("suite", &["verdict", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"]),
+    (
+        "suite",
+        &["verdict", "bound", "property", "lane", "interp", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"],
+    ),
     ("mutate", &["suite", "verdict", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
     (

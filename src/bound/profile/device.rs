@@ -1,0 +1,96 @@
+//! Which measurement belongs to which device.
+
+/// Keys of the table `device` of a measured profile.
+pub(super) const KEYS: [&str; 7] = ["lane", "driver", "date", "samples", "fma", "products_and_sums", "order"];
+
+/// What tells apart devices whose operations differ: the name of the device, and the version of the
+/// driver that translates the operations.
+///
+/// The rule: two descriptions are of one device when the names before the first comma or parenthesis
+/// are equal, and the first two numbers behind `Mesa` are. What stands in parentheses is no part of
+/// it: llvmpipe tells there the version of LLVM and the width of its vectors, and its functions are
+/// made by Mesa from additions and multiplications, which are the same in any width. The third number
+/// of Mesa's version counts corrections. A description without a version of Mesa has no identity: of
+/// other drivers it is not known which number says that the operations have changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// Name of the device.
+    pub device: String,
+    /// First two numbers of Mesa's version.
+    pub version: (u32, u32),
+    /// The whole version, as the driver writes it; two identities with other ones may be equal in
+    /// everything that counts, see [`Identity::is_same`].
+    pub full_version: String,
+}
+
+impl Identity {
+    /// The identity in a description of device and driver; `None` where it names no version of Mesa.
+    pub fn of(driver: &str) -> Option<Self> {
+        // A device may be called after Mesa too: the version is what has numbers behind it.
+        let mut versions = driver.match_indices("Mesa ").filter_map(|(at, word)| version(&driver[at + word.len()..]));
+        let (version, full_version) = versions.next()?;
+        Some(Self { device: device_name(driver).to_owned(), version, full_version })
+    }
+
+    /// True when measurements of one hold for the other.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.device == other.device && self.version == other.version
+    }
+
+    /// Device and version in a word, such as `llvmpipe-22.3.6`: the name of a measured profile.
+    pub fn profile_name(&self) -> String {
+        format!("{}-{}", self.device, self.full_version)
+    }
+}
+
+/// The name of a device, without the versions behind it.
+pub fn device_name(driver: &str) -> &str {
+    driver.split([',', '(']).next().unwrap_or(driver).trim()
+}
+
+/// `22.3.6` at the start of a text, with its first two numbers.
+fn version(text: &str) -> Option<((u32, u32), String)> {
+    let full: &str = text.split(|c: char| !c.is_ascii_digit() && c != '.').next()?;
+    let full = full.trim_end_matches('.');
+    let mut numbers = full.split('.').map(str::parse);
+    let (Some(Ok(major)), Some(Ok(minor))) = (numbers.next(), numbers.next()) else { return None };
+    Some(((major, minor), full.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LLVMPIPE: &str = "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)";
+
+    fn same(a: &str, b: &str) -> bool {
+        Identity::of(a).zip(Identity::of(b)).is_some_and(|(a, b)| a.is_same(&b))
+    }
+
+    #[test]
+    fn name_and_version_come_out_of_the_description() {
+        let identity = Identity::of(LLVMPIPE).unwrap();
+        assert_eq!((identity.device.as_str(), identity.version), ("llvmpipe", (22, 3)));
+        assert_eq!(identity.profile_name(), "llvmpipe-22.3.6");
+        let other = Identity::of("AMD Radeon RX 580 Series (RADV POLARIS10), radv, Mesa 23.2.1-1ubuntu3").unwrap();
+        assert_eq!(other.profile_name(), "AMD Radeon RX 580 Series-23.2.1");
+    }
+
+    #[test]
+    fn corrections_and_the_width_of_vectors_make_no_other_device() {
+        assert!(same(LLVMPIPE, LLVMPIPE));
+        assert!(same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 128 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)"));
+        assert!(same(LLVMPIPE, "llvmpipe (LLVM 14.0.0, 512 bits), llvmpipe, Mesa 22.3.1 (LLVM 14.0.0)"));
+    }
+
+    #[test]
+    fn another_version_and_another_name_make_another_device() {
+        assert!(!same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.2.6 (LLVM 15.0.6)"));
+        assert!(!same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 23.3.6 (LLVM 15.0.6)"));
+        assert!(!same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.30.6 (LLVM 15.0.6)"));
+        assert!(!same(LLVMPIPE, "softpipe, softpipe, Mesa 22.3.6"));
+        for none in ["llvmpipe", "llvmpipe, llvmpipe, Mesa", "llvmpipe, Mesa 22", "llvmpipe, Mesa x.y", "SwiftShader 5.0", ""] {
+            assert_eq!(Identity::of(none), None, "{none}");
+        }
+    }
+}
