@@ -508,6 +508,16 @@ impl<D: Domain> Machine<'_, D> {
         }
     }
 
+    /// True for a geometry stage, which emits vertices.
+    pub fn is_emitting(&self) -> bool {
+        self.executable.max_vertices.is_some()
+    }
+
+    /// Vertices that are stored for each lane at most; 1 for a pointwise program.
+    pub fn room(&self) -> usize {
+        self.executable.max_vertices.unwrap_or(1) as usize
+    }
+
     /// Vertices that each lane emitted, those past the limit included.
     pub fn emitted(&self) -> &Words {
         &self.emitted

@@ -1,6 +1,7 @@
 //! Domains that carry values and nothing else: binary64 and strict binary32.
 
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
 use super::half;
@@ -133,8 +134,20 @@ impl Number for f32 {
 }
 
 /// Values of one type of numbers, each operation rounded to nearest even.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Plain<T>(PhantomData<T>);
+#[derive(Clone, Debug, Default)]
+pub struct Plain<T> {
+    /// Numbers in the place of literals, by the number of their site; NaN where there is none.
+    literals: Option<Arc<[f64]>>,
+    numbers: PhantomData<T>,
+}
+
+impl<T> Plain<T> {
+    /// The domain with other numbers in the place of literals: by the number of their site, NaN where
+    /// the literal stays.
+    pub fn with_literals(literals: Arc<[f64]>) -> Self {
+        Self { literals: Some(literals), numbers: PhantomData }
+    }
+}
 
 /// Real semantics: every operation in binary64.
 pub type Binary64 = Plain<f64>;
@@ -247,8 +260,10 @@ impl<T: Number> Domain for Plain<T> {
         Column(vec![T::ZERO; LANES].into_boxed_slice())
     }
 
-    fn constant(&mut self, _: Option<Site>, value: f32, out: &mut Column<T>) {
-        out.values_mut().fill(T::nearest(f64::from(value)));
+    fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Column<T>) {
+        let literals = self.literals.as_deref().unwrap_or_default();
+        let literal = site.and_then(|site| literals.get(site.index())).filter(|literal| !literal.is_nan());
+        out.values_mut().fill(T::nearest(literal.copied().unwrap_or(f64::from(value))));
     }
 
     fn input(&mut self, _: Source, words: &Words, out: &mut Column<T>) {

@@ -46,8 +46,8 @@ pub enum Outcome {
     Killed(Kill),
     /// The suite passed, although outputs moved: by so much.
     Survived(Movement),
-    /// The suite passed, and every output was the same in every bit. It may still mean something
-    /// else outside of the samples.
+    /// The suite passed, and every output means the same on all samples. It may still mean something
+    /// else outside of them.
     Unmoved,
     /// No output moved, and the form of the mutant shows why none can: the reason.
     Equivalent(&'static str),
@@ -149,8 +149,6 @@ pub struct SuiteResult {
     pub shader: String,
     /// Samples for each mutant that nothing kills.
     pub samples: u64,
-    /// The suite's tolerance in ULP at the scale of the inputs.
-    pub tolerance: f64,
     /// The mutants in the order of operators and of the text.
     pub tested: Vec<Tested>,
 }
@@ -161,8 +159,7 @@ impl SuiteResult {
         Score::of(&self.tested)
     }
 
-    /// Mutants without those that move a literal by one ULP, which a tolerance of more than that is
-    /// meant to let through.
+    /// Mutants without those that move a literal by one ULP, which is less than many a device is off.
     pub fn score_above_ulp(&self) -> Score {
         Score::of(self.tested.iter().filter(|t| t.operator != CONSTANT_ULP))
     }
@@ -178,7 +175,7 @@ mod tests {
 
     #[test]
     fn what_did_not_move_or_run_counts_on_neither_side() {
-        let survived = Outcome::Survived(Movement { samples: 1, tolerances: 0.5, component: Some("d".into()) });
+        let survived = Outcome::Survived(Movement { samples: 1, bounds: 0.5, component: Some("d".into()) });
         let all = [
             tested("sign", Outcome::Killed(Kill::NotFinished)),
             tested("sign", Outcome::Killed(Kill::Coverage)),
@@ -190,8 +187,7 @@ mod tests {
         ];
         let score = Score::of(&all);
         assert_eq!((score.all(), score.share(), score.pessimistic()), (7, Some(0.75), Some(0.6)));
-        let result =
-            SuiteResult { suite: "s".into(), shader: "s".into(), samples: 1, tolerance: 1.0, tested: all.to_vec() };
+        let result = SuiteResult { suite: "s".into(), shader: "s".into(), samples: 1, tested: all.to_vec() };
         assert_eq!(result.score_above_ulp().share(), Some(1.0));
         assert_eq!(Score::default().share(), None);
     }

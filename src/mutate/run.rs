@@ -1,5 +1,6 @@
-//! Mutants through their suite: prepared like the shader itself, run on the same batches, judged
-//! with the same expected values.
+//! Mutants through their suite: prepared like the shader itself, and held against the same formula on
+//! the same inputs. What a mutant means is a matter of the shader and of no lane, so the interpreter
+//! decides; only the relations between outputs are looked at on the lane.
 
 use std::collections::BTreeSet;
 
@@ -9,17 +10,20 @@ use similar::TextDiff;
 use super::operators::Operator;
 use super::outcome::{Kill, Outcome, SuiteResult, Tested};
 use super::{Mutant, MutateError, mutants};
+use crate::bound::profile::Rulings;
 use crate::diagnostic::Severity;
 use crate::glsl::interface::Storage;
 use crate::glsl::symbols::SymbolKind;
 use crate::glsl::{self, Shader};
-use crate::lane::{Actual, Lane, LaneError};
+use crate::lane::{Lane, LaneError, Stage as LaneStage};
 use crate::program::Kernel;
+use crate::program::OutputLayout;
 use crate::property::Sampler;
 use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, prepare};
 use crate::suite::{Stage, Suite};
 use crate::text::SourceFile;
-use crate::verdict::{Deviation, Expectations, Movement};
+use crate::value::Batch;
+use crate::verdict::{Court, Failure, Movement, What, judge_batch, movement, shader_deviation};
 
 /// Loop iterations of one invocation: far more than a shader of a suite needs, few enough that a
 /// mutant which never ends costs a fraction of a second on a small batch. It must be less than 65535,
@@ -42,19 +46,22 @@ pub struct Request {
     pub operators: Vec<&'static Operator>,
 }
 
-/// A batch with the expected values and the original's outputs.
+/// A batch of inputs.
 struct Step {
-    expectations: Expectations,
-    original: Actual,
+    batch: Batch,
     /// Samples of the batches before.
     before: u64,
 }
 
 /// What every mutant of a suite is put to.
-struct Bench {
+struct Bench<'a> {
     steps: Vec<Step>,
     probes: Probes,
     seed: u64,
+    /// The original.
+    court: Court<'a>,
+    layout: &'a OutputLayout,
+    rulings: &'a Rulings,
 }
 
 /// Makes the mutants of a suite's shader and runs each on the compute stage of `lane`. `progress`
@@ -73,11 +80,13 @@ pub fn run(
     let prepared = prepare(suite, shader)?;
     let kernel = fuelled(&prepared)?;
     let lane_error = |source| MutateError::Lane { suite: name(), source };
-    let mut trial = Trial::with_capacity(&prepared, lane, &kernel, STEPS[2]).map_err(lane_error)?;
-    let probes = Probes::new(&prepared, request.seed);
+    let rulings = Rulings::of_lane(lane.description());
+    let mut trial = Trial::with_capacity(&prepared, lane, &kernel, &rulings, STEPS[2]).map_err(lane_error)?;
+    let probes = Probes::new(&trial, request.seed);
     let steps = original(&mut trial, &probes, request)?;
+    let (court, layout) = (trial.court(), &kernel.output);
     drop(trial);
-    let bench = Bench { steps, probes, seed: request.seed };
+    let bench = Bench { steps, probes, seed: request.seed, court, layout, rulings: &rulings };
 
     let stage = match suite.stage {
         Stage::Vertex => glsl::Stage::Vertex,
@@ -113,8 +122,8 @@ pub fn run(
             progress(tested.len(), mutants.len());
         }
     }
-    let samples = bench.steps.iter().map(|s| s.original.count() as u64).sum();
-    Ok(SuiteResult { suite: name(), shader: shader.name().to_owned(), samples, tolerance: suite.tolerance.ulp, tested })
+    let samples = bench.steps.iter().map(|s| s.batch.invocation_count() as u64).sum();
+    Ok(SuiteResult { suite: name(), shader: shader.name().to_owned(), samples, tested })
 }
 
 /// A mutant made ready, or what became of it.
@@ -186,13 +195,13 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
         let size = STEPS[steps.len().min(STEPS.len() - 1)].min(trial.capacity());
         let count = ((size / per_case).max(1) as u64).min(cases - first);
         let batch = sampler.batch(first, count as usize, per_case);
-        let original = trial.run(&batch).map_err(lane)?;
-        let expectations = Expectations::new(&prepared.reference, batch, prepared.tolerance);
-        if let Some(failure) = expectations.first_deviation(&original) {
+        let actual = trial.run(&batch).map_err(lane)?;
+        let verdicts = judge_batch(&trial.court(), &batch, &actual);
+        if let Some(failure) = verdicts.failures.first() {
             return Err(fails(failure.deviation.to_string()));
         }
-        judged += expectations.judged(&original);
-        steps.push(Step { expectations, original, before: first * per_case as u64 });
+        judged += verdicts.agreed;
+        steps.push(Step { batch, before: first * per_case as u64 });
         first += count;
     }
     if judged == 0 {
@@ -214,60 +223,53 @@ fn covers(trial: &mut Trial<'_>, seed: u64) -> Result<bool, LaneError> {
     }
 }
 
-/// Runs a mutant until something notices it; with the samples that this took.
+/// Puts a mutant to the test until something notices it; with the samples that this took.
 fn outcome(
     prepared: &Prepared,
     kernel: &Kernel,
     lane: &dyn Lane,
-    bench: &Bench,
+    bench: &Bench<'_>,
     identity: Option<&'static str>,
 ) -> Result<(Outcome, u64), LaneError> {
-    let mut trial = match Trial::with_capacity(prepared, lane, kernel, STEPS[2]) {
+    let oracle = prepared.oracle.clone().with_fuel(FUEL);
+    let (reference, stage) = (&prepared.reference, LaneStage::Compute);
+    let court = Court { oracle: &oracle, reference, rulings: bench.rulings, stage };
+    let (mut moved, mut samples) = (Movement::default(), 0);
+    for Step { batch, before } in &bench.steps {
+        samples = before + batch.invocation_count() as u64;
+        if let Some(Failure { invocation, deviation }) = shader_deviation(&court, bench.layout, batch) {
+            let told = deviation.to_string();
+            let kill = match deviation.what {
+                What::Value(_) | What::NotWritten { .. } => Kill::Formula(told),
+                What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => Kill::Shape(told),
+                What::Endless => Kill::NotFinished,
+            };
+            return Ok((Outcome::Killed(kill), before + invocation as u64 + 1));
+        }
+        moved.merge(movement(&bench.court, &court, bench.layout, batch));
+    }
+    if moved.samples == 0 {
+        return Ok((identity.map_or(Outcome::Unmoved, Outcome::Equivalent), samples));
+    }
+    let mut trial = match Trial::with_capacity(prepared, lane, kernel, bench.rulings, STEPS[2]) {
         Ok(trial) => trial,
         Err(error) => return Ok((Outcome::Invalid(error.to_string()), 0)),
     };
-    let mut samples = 0;
-    let result = watch(&mut trial, bench, &mut samples);
-    let outcome = match result {
-        Ok(Watched::Killed(kill)) => Outcome::Killed(kill),
-        Ok(Watched::Passed(movement)) if movement.samples > 0 => Outcome::Survived(movement),
-        Ok(Watched::Passed(_)) => identity.map_or(Outcome::Unmoved, Outcome::Equivalent),
+    let kill = match related(&mut trial, bench) {
+        Ok(kill) => kill,
         // An invocation that runs out of loop iterations writes no record.
-        Err(LaneError::NotWritten { .. }) if kernel.has_loops() => Outcome::Killed(Kill::NotFinished),
+        Err(LaneError::NotWritten { .. }) if kernel.has_loops() => Some(Kill::NotFinished),
         Err(error) => return Err(error),
     };
-    Ok((outcome, samples))
+    Ok((kill.map_or(Outcome::Survived(moved), Outcome::Killed), samples))
 }
 
-enum Watched {
-    Killed(Kill),
-    Passed(Movement),
-}
-
-fn watch(trial: &mut Trial<'_>, bench: &Bench, samples: &mut u64) -> Result<Watched, LaneError> {
-    let mut movement = Movement::default();
-    for step in &bench.steps {
-        *samples = step.before + step.original.count() as u64;
-        let actual = trial.run(step.expectations.batch())?;
-        if let Some(failure) = step.expectations.first_deviation(&actual) {
-            *samples = step.before + failure.invocation as u64 + 1;
-            let told = failure.deviation.to_string();
-            return Ok(Watched::Killed(match failure.deviation {
-                Deviation::Value { .. } | Deviation::NotWritten { .. } => Kill::Formula(told),
-                Deviation::VertexCount { .. } | Deviation::Strip { .. } | Deviation::TooManyVertices { .. } => {
-                    Kill::Shape(told)
-                }
-            }));
-        }
-        movement.merge(step.expectations.movement(&step.original, &actual));
-    }
+/// What relations and coverage say of a mutant.
+fn related(trial: &mut Trial<'_>, bench: &Bench<'_>) -> Result<Option<Kill>, LaneError> {
     if let Some(relation) = bench.probes.first_broken(trial)? {
-        return Ok(Watched::Killed(Kill::Relation(relation)));
+        return Ok(Some(Kill::Relation(relation)));
     }
-    if !covers(trial, bench.seed)? {
-        return Ok(Watched::Killed(Kill::Coverage));
-    }
-    Ok(Watched::Passed(movement))
+    Ok((!covers(trial, bench.seed)?).then_some(Kill::Coverage))
 }
 
 fn diff(original: &SourceFile, mutant: &SourceFile) -> String {

@@ -140,11 +140,11 @@ fn fate(outcome: &Outcome) -> String {
         Outcome::Killed(kill) => format!("killed by {}", kill.name()),
         Outcome::Survived(movement) => match &movement.component {
             Some(component) => {
-                format!("survived; {component} moved by {:.2} of its tolerance at most", movement.tolerances)
+                format!("survived; {component} moved by {:.2} of what a lane may be off at most", movement.bounds)
             }
-            None => "survived; outputs moved only where the suite does not judge".to_owned(),
+            None => "survived; outputs moved only where nothing is judged".to_owned(),
         },
-        Outcome::Unmoved => "unmoved: every output is the same on all samples".to_owned(),
+        Outcome::Unmoved => "unmoved: every output means the same on all samples".to_owned(),
         Outcome::Equivalent(why) => format!("equivalent: {why}"),
         Outcome::Invalid(why) => format!("invalid: {why}"),
     }
@@ -161,7 +161,6 @@ pub fn json(summary: &Summary) -> String {
                 "suite": suite.suite,
                 "shader": suite.shader,
                 "samples": suite.samples,
-                "tolerance_ulp": suite.tolerance,
                 "score": score(suite.score()),
                 "score_above_ulp": score(suite.score_above_ulp()),
                 "mutants": suite.tested.iter().map(mutant).collect::<Vec<_>>(),
@@ -218,8 +217,7 @@ fn mutant(tested: &Tested) -> Value {
             value["moved_samples"] = movement.samples.into();
             value["moved_component"] = movement.component.clone().into();
             // JSON has no infinity.
-            value["moved_tolerances"] =
-                if movement.tolerances.is_finite() { movement.tolerances.into() } else { Value::Null };
+            value["moved_bounds"] = if movement.bounds.is_finite() { movement.bounds.into() } else { Value::Null };
         }
         Outcome::Unmoved => {}
         Outcome::Equivalent(why) => value["message"] = (*why).into(),
@@ -243,12 +241,11 @@ mod tests {
             outcome,
             samples: 7,
         };
-        let moved = Movement { samples: 4, tolerances: 0.25, component: Some("gl_Position.x".into()) };
+        let moved = Movement { samples: 4, bounds: 0.25, component: Some("gl_Position.x".into()) };
         let suite = SuiteResult {
             suite: "sphere".into(),
             shader: "sphere.vert".into(),
             samples: 512,
-            tolerance: 8.0,
             tested: vec![
                 tested("arithmetic", Outcome::Killed(Kill::Relation("sphere_radius"))),
                 tested("arithmetic", Outcome::Survived(moved.clone())),
@@ -263,7 +260,7 @@ mod tests {
     fn the_text_shows_survivors_with_their_diff_and_how_far_they_moved() {
         let text = text(&summary());
         for part in [
-            "sphere.vert:3:5: arithmetic: `+` becomes `-`: survived; gl_Position.x moved by 0.25 of its tolerance",
+            "sphere.vert:3:5: arithmetic: `+` becomes `-`: survived; gl_Position.x moved by 0.25 of what a lane may be off at most",
             "    +x - y",
             "invalid: it does not compile",
             "relation 1",
@@ -280,7 +277,7 @@ mod tests {
         let value: Value = serde_json::from_str(&json(&summary())).unwrap();
         assert_eq!(value["score"]["survived"], 2);
         assert_eq!(value["suites"][0]["mutants"][0]["relation"], "sphere_radius");
-        assert_eq!(value["suites"][0]["mutants"][1]["moved_tolerances"], 0.25);
+        assert_eq!(value["suites"][0]["mutants"][1]["moved_bounds"], 0.25);
         assert_eq!(value["failed"][0]["suite"], "bent");
     }
 

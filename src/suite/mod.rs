@@ -45,22 +45,15 @@ impl Stage {
     }
 }
 
-/// How far an output may be from the formula.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tolerance {
-    /// In ULP at the scale of the inputs; above 0.
-    pub ulp: f64,
-    /// Why so much.
-    pub reason: String,
-}
-
 /// What a run must reach so that its success means something.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Floors {
     /// Samples that have to be judged at least, when all samples of the suite are run.
     pub judged: u64,
     /// Largest share of samples that may stay undetermined, 0 to 1.
     pub undetermined: f64,
+    /// Why more than the usual share may; empty for a suite that allows no more.
+    pub reason: String,
 }
 
 impl Floors {
@@ -94,8 +87,6 @@ pub struct Suite {
     pub relations: Vec<String>,
     /// What fills the inputs.
     pub inputs: Vec<InputGroup>,
-    /// How far outputs may be from the formula.
-    pub tolerance: Tolerance,
     /// What a run must reach.
     pub floors: Floors,
     /// Strands of which a geometry stage sees windows.

@@ -9,9 +9,9 @@ use crate::text::SourceFile;
 
 use super::error::SuiteError;
 use super::table::{At, Reader, Table};
-use super::{Floors, Stage, Suite, Tolerance};
+use super::{Floors, Stage, Suite};
 
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 12] = [
     "suite",
     "title",
     "shader",
@@ -22,7 +22,6 @@ const KEYS: [&str; 13] = [
     "per_case",
     "relations",
     "inputs",
-    "tolerance",
     "floors",
     "strands",
 ];
@@ -81,6 +80,11 @@ pub fn parse_with(file: &SourceFile, names: &Names) -> Result<Suite, SuiteError>
 }
 
 fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
+    if root.has("tolerance") {
+        let message = "a suite states no tolerance: what a lane may be off follows from the shader; remove the table";
+        root.reader.problem(root.offset_of("tolerance"), message);
+        return None;
+    }
     let root = root.only(&KEYS);
     let name = suite_name(root);
     let title = root.required_text("title", "title = \"Points of a sphere\"");
@@ -96,7 +100,6 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         .into_iter()
         .filter_map(|relation| known(root, "relation", &relation, names.relations.iter().map(String::as_str)));
     let relations = relations.collect();
-    let tolerance = tolerance(root);
     let floors = floors(root, samples);
     let strands = strands(root, stage);
     let inputs = inputs(root, strands);
@@ -115,7 +118,6 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         per_case: per_case.unwrap_or(PER_CASE) as usize,
         relations,
         inputs,
-        tolerance: tolerance?,
         floors: floors?,
         strands,
         file: file.clone(),
@@ -170,29 +172,11 @@ fn entry(root: Table<'_>, stage: Option<Stage>) -> Option<String> {
     }
 }
 
-fn tolerance(root: Table<'_>) -> Option<Tolerance> {
-    if !root.has("tolerance") {
-        root.missing("tolerance", "[tolerance] ulp = 8 reason = \"…\"");
-    }
-    let table = root.table("tolerance", "[tolerance]")?.only(&["ulp", "reason"]);
-    if !table.has("ulp") {
-        table.missing("ulp", "ulp = 8");
-    }
-    let ulp = table.number("ulp");
-    let reason = table.required_text("reason", "reason = \"two roundings in mix\"");
-    let ulp = ulp?;
-    if !(ulp.value > 0.0 && ulp.value.is_finite()) {
-        table.reader.problem(ulp.offset, format!("`ulp` is {}; a tolerance is finite and above 0", ulp.value));
-        return None;
-    }
-    Some(Tolerance { ulp: ulp.value, reason: reason?.value })
-}
-
 fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
     if !root.has("floors") {
         root.missing("floors", "[floors] judged = 60000");
     }
-    let table = root.table("floors", "[floors]")?.only(&["judged", "undetermined"]);
+    let table = root.table("floors", "[floors]")?.only(&["judged", "undetermined", "reason"]);
     let judged = table.required_whole("judged", 1, MOST_SAMPLES, "judged = 60000");
     if let (Some(judged), Some(samples)) = (judged, samples)
         && judged > samples
@@ -201,12 +185,19 @@ fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
         table.reader.problem(table.offset_of("judged"), message);
     }
     let undetermined = table.number("undetermined");
-    if let Some(At { value, offset }) = undetermined
-        && !(0.0..=1.0).contains(&value)
+    if let Some(At { value, offset }) = undetermined.as_ref()
+        && !(0.0..=1.0).contains(value)
     {
-        table.reader.problem(offset, format!("`undetermined` is {value}; a share is from 0 to 1"));
+        table.reader.problem(*offset, format!("`undetermined` is {value}; a share is from 0 to 1"));
     }
-    Some(Floors { judged: judged?, undetermined: undetermined.map_or(UNDETERMINED, |u| u.value) })
+    let share = undetermined.as_ref().map_or(UNDETERMINED, |u| u.value);
+    let reason = table.text("reason").map_or_else(String::new, |reason| reason.value);
+    if let (Some(At { offset, .. }), true) = (undetermined, share > UNDETERMINED && reason.trim().is_empty()) {
+        let message =
+            format!("`undetermined` is above {UNDETERMINED}; say why: reason = \"sin has no promise beyond pi\"");
+        table.reader.problem(offset, message);
+    }
+    Some(Floors { judged: judged?, undetermined: share, reason })
 }
 
 fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {

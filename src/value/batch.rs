@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Shape;
+use super::{Scalar, Shape};
 
 /// A named value in a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,6 +55,11 @@ impl Record {
     pub fn range(&self, index: usize) -> std::ops::Range<usize> {
         let at = self.offsets[index];
         at..at + self.fields[index].shape.words()
+    }
+
+    /// Type of one word.
+    pub fn scalar_of(&self, word: usize) -> Scalar {
+        self.fields[self.offsets.partition_point(|&at| at <= word) - 1].shape.scalar
     }
 
     /// Name of one word: `gl_Position.y`, `mc[3][0]`.

@@ -1,12 +1,20 @@
 //! Verdicts on whole batches, on all cores.
+//!
+//! Most samples are settled by a first look: the lane's words are the nearest to what the shader means,
+//! and what it means is what the formula says to within the rounding of binary64. The others are
+//! gathered and go through the tape.
 
 use rayon::prelude::*;
 
 use super::expected::{Expected, Reference};
-use super::judge::{Deviation, Reason, Verdict, judge_sample};
-use super::tolerance::Tolerance;
+use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
+use super::oracle::Court;
+use super::suspects::Suspects;
+use crate::bound::profile::Op;
+use crate::bound::profile::grid::MIN_NORMAL;
+use crate::interp::{Binary64, Kind, LANES, Machine, Number, OutputColumn, Site};
 use crate::lane::Actual;
-use crate::value::Batch;
+use crate::value::{Batch, Scalar, ulp_at};
 
 /// An invocation that deviates.
 #[derive(Clone, Debug)]
@@ -17,16 +25,38 @@ pub struct Failure {
     pub deviation: Deviation,
 }
 
+/// Undetermined invocations with one reason and one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubts {
+    /// Why.
+    pub reason: Reason,
+    /// The operation.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Arguments of the operation in the first of them.
+    pub args: Vec<f64>,
+    /// Number of invocations.
+    pub count: u64,
+}
+
 /// The verdicts on a batch, counted.
 #[derive(Clone, Debug, Default)]
 pub struct BatchVerdict {
     /// Invocations that agree.
     pub agreed: u64,
+    /// How many of these agree by each promise, in the order of [`Promise::ALL`].
+    pub agreed_by: [u64; Promise::ALL.len()],
     /// Invocations that deviate.
     pub deviated: u64,
-    /// Undetermined invocations, by reason: domain, ill-conditioned, underflow.
-    pub undetermined: [u64; 3],
-    /// Largest error of an invocation that agrees, in ULP.
+    /// How many of these are the shader's fault.
+    pub shader_deviated: u64,
+    /// Undetermined invocations, in the order of [`Reason::ALL`].
+    pub undetermined: [u64; Reason::ALL.len()],
+    /// The same by place.
+    pub doubts: Vec<Doubts>,
+    /// Largest distance between a lane and the meaning of the shader, of invocations that agree, in
+    /// ULP of the largest component of the variable.
     pub max_ulp: f64,
     /// The first few failures, in the order of the batch.
     pub failures: Vec<Failure>,
@@ -48,31 +78,41 @@ impl BatchVerdict {
 
     /// Adds the verdicts on what comes after.
     pub fn merge(&mut self, later: Self) {
-        let Self { agreed, deviated, undetermined, max_ulp, failures } = later;
+        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, failures } = later;
         self.agreed += agreed;
+        self.agreed_by.iter_mut().zip(agreed_by).for_each(|(sum, n)| *sum += n);
         self.deviated += deviated;
+        self.shader_deviated += shader_deviated;
         self.undetermined.iter_mut().zip(undetermined).for_each(|(sum, n)| *sum += n);
+        doubts.into_iter().for_each(|doubts| self.doubt(doubts));
         self.max_ulp = self.max_ulp.max(max_ulp);
         let room = KEPT.saturating_sub(self.failures.len());
         self.failures.extend(failures.into_iter().take(room));
     }
 
-    fn count(&mut self, invocation: usize, verdict: Verdict) {
+    fn doubt(&mut self, new: Doubts) {
+        let same = |d: &&mut Doubts| (d.reason, d.op, d.site) == (new.reason, new.op, new.site);
+        match self.doubts.iter_mut().find(same) {
+            Some(doubts) => doubts.count += new.count,
+            None => self.doubts.push(new),
+        }
+    }
+
+    pub(super) fn count(&mut self, invocation: usize, verdict: Verdict) {
         match verdict {
-            Verdict::Agree { ulp } => {
+            Verdict::Agree(promise) => {
                 self.agreed += 1;
-                self.max_ulp = self.max_ulp.max(ulp);
+                self.agreed_by[promise as usize] += 1;
             }
-            Verdict::Undetermined(reason) => {
-                let at = match reason {
-                    Reason::Domain => 0,
-                    Reason::IllConditioned => 1,
-                    Reason::Underflow => 2,
-                };
-                self.undetermined[at] += 1;
+            Verdict::Undetermined(Doubt { reason, cause }) => {
+                self.undetermined[reason as usize] += 1;
+                let (op, site) = cause.as_ref().map_or((None, None), |cause| (cause.op, cause.site));
+                let args = cause.map_or_else(Vec::new, |cause| cause.args);
+                self.doubt(Doubts { reason, op, site, args, count: 1 });
             }
             Verdict::Deviate(deviation) => {
                 self.deviated += 1;
+                self.shader_deviated += u64::from(deviation.blame == Blame::Shader);
                 if self.failures.len() < KEPT {
                     self.failures.push(Failure { invocation, deviation });
                 }
@@ -88,15 +128,15 @@ pub(super) const CHUNK: usize = 4096;
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn judge_batch(reference: &Reference, batch: &Batch, actual: &Actual, tolerance: &Tolerance) -> BatchVerdict {
+pub fn judge_batch(court: &Court<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
     let count = batch.invocation_count();
     assert_eq!(actual.count(), count, "outputs of another batch");
     let chunks: Vec<BatchVerdict> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
-        .map(|chunk| {
-            let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-            judge_range(reference, batch, actual, tolerance, range)
-        })
+        .map_init(
+            || Bench::new(court),
+            |bench, chunk| bench.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
+        )
         .collect();
     let mut all = BatchVerdict::default();
     for chunk in chunks {
@@ -105,41 +145,275 @@ pub fn judge_batch(reference: &Reference, batch: &Batch, actual: &Actual, tolera
     all
 }
 
-/// Judges a single invocation of a batch.
-pub fn judge_one(
-    reference: &Reference,
-    batch: &Batch,
-    actual: &Actual,
-    invocation: usize,
-    tolerance: &Tolerance,
-) -> Verdict {
-    let mut inputs = reference.scratch();
-    reference.read_case(batch, invocation / batch.per_case, &mut inputs);
-    reference.read_invocation(batch, invocation, &mut inputs);
-    let mut expected = Expected::default();
-    reference.eval(&inputs, &mut expected);
-    judge_sample(reference, &inputs, &expected, actual, invocation, tolerance)
+/// Judges each invocation of a small batch. The verdicts are in the order of the batch.
+///
+/// # Panics
+/// When `actual` is not of this batch: a defect of the caller.
+pub fn judge_each(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Verdict> {
+    let count = batch.invocation_count();
+    assert_eq!(actual.count(), count, "outputs of another batch");
+    let mut bench = Bench::new(court);
+    let mut verdicts = vec![Verdict::Agree(Promise::Text); count];
+    let (suspects, _) = bench.scan(batch, actual, 0..count);
+    for (invocation, verdict) in bench.suspects.judge(batch, actual, &suspects) {
+        verdicts[invocation] = verdict;
+    }
+    verdicts
 }
 
-fn judge_range(
-    reference: &Reference,
-    batch: &Batch,
-    actual: &Actual,
-    tolerance: &Tolerance,
-    range: std::ops::Range<usize>,
-) -> BatchVerdict {
-    let mut verdict = BatchVerdict::default();
-    let mut inputs = reference.scratch();
-    let mut expected = Expected::default();
-    let mut case = usize::MAX;
-    for invocation in range {
-        if invocation / batch.per_case != case {
-            case = invocation / batch.per_case;
-            reference.read_case(batch, case, &mut inputs);
+/// An invocation that the first look leaves open.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Suspect {
+    pub invocation: usize,
+    /// The shader may not mean what the formula says.
+    pub shader: bool,
+    /// The lane may not give what the shader means.
+    pub lane: bool,
+}
+
+/// How near two evaluations in binary64 must be to count as equal at once, relative to the largest
+/// component of the variable. Farther ones are judged by what binary64 may have done to them.
+pub(super) const NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// What one thread judges with.
+struct Bench<'a> {
+    court: Court<'a>,
+    meaning: Machine<'a, Binary64>,
+    /// Where literals are not binary32 numbers: what the author wrote.
+    ideal: Option<Machine<'a, Binary64>>,
+    inputs: Vec<f64>,
+    expected: Expected,
+    suspects: Suspects<'a>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(court: &Court<'a>) -> Self {
+        Self {
+            court: *court,
+            meaning: court.oracle.meaning(),
+            ideal: court.oracle.ideal(),
+            inputs: court.reference.scratch(),
+            expected: Expected::default(),
+            suspects: Suspects::new(court),
         }
+    }
+
+    fn judge(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> BatchVerdict {
+        let mut verdict = BatchVerdict::default();
+        let count = range.len();
+        let (suspects, max_ulp) = self.scan(batch, actual, range);
+        verdict.max_ulp = max_ulp;
+        verdict.agreed = (count - suspects.len()) as u64;
+        verdict.agreed_by[Promise::Text as usize] = verdict.agreed;
+        for (invocation, one) in self.suspects.judge(batch, actual, &suspects) {
+            verdict.count(invocation, one);
+        }
+        verdict.max_ulp = verdict.max_ulp.max(self.suspects.take_max_ulp());
+        verdict
+    }
+
+    /// The first look: the invocations that it leaves open, and the largest error of the others in ULP.
+    fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> (Vec<Suspect>, f64) {
+        let mut suspects = Vec::new();
+        let mut max_ulp = 0.0_f64;
+        let mut case = usize::MAX;
+        for first in range.clone().step_by(LANES) {
+            let lanes = self.meaning.run(batch, first).min(range.end - first);
+            let (near, ulp) = near_lanes(&self.meaning, actual, first, lanes);
+            let ideal = match &mut self.ideal {
+                Some(ideal) => {
+                    ideal.run(batch, first);
+                    &*ideal
+                }
+                None => &self.meaning,
+            };
+            let columns = columns(ideal, self.court.reference);
+            for lane in 0..lanes {
+                let invocation = first + lane;
+                if invocation / batch.per_case != case {
+                    case = invocation / batch.per_case;
+                    self.court.reference.read_case(batch, case, &mut self.inputs);
+                }
+                self.court.reference.read_invocation(batch, invocation, &mut self.inputs);
+                self.court.reference.eval(&self.inputs, &mut self.expected);
+                let shader = !fits(ideal, &columns, self.court.reference, &self.expected, lane);
+                if shader || !near[lane] {
+                    suspects.push(Suspect { invocation, shader, lane: !near[lane] });
+                } else {
+                    max_ulp = max_ulp.max(ulp[lane]);
+                }
+            }
+        }
+        (suspects, max_ulp)
+    }
+}
+
+/// For each lane, whether every word of the lane is the one nearest to the shader's meaning, and the
+/// largest error in ULP.
+fn near_lanes(
+    meaning: &Machine<'_, Binary64>,
+    actual: &Actual,
+    first: usize,
+    lanes: usize,
+) -> ([bool; LANES], [f64; LANES]) {
+    let mut near = [true; LANES];
+    let mut most = [0.0_f64; LANES];
+    let geometry = actual.layout().max_vertices.is_some();
+    let mut room = 1;
+    if geometry {
+        room = 0;
+        for lane in 0..lanes {
+            let invocation = first + lane;
+            let stored = actual.stored(invocation);
+            room = room.max(stored);
+            near[lane] = meaning.emitted()[lane] == actual.emitted(invocation)
+                && (1..stored).all(|v| meaning.strip(v)[lane] == actual.strip(invocation, v));
+        }
+    }
+    let record = &actual.layout().vertex;
+    let mut scale = [0.0_f64; LANES];
+    for vertex in 0..room {
+        for field in 0..record.fields().len() {
+            scale.fill(0.0);
+            for word in record.range(field) {
+                if let OutputColumn::Real(column) = meaning.output(vertex, word) {
+                    for (scale, v) in scale.iter_mut().zip(column.values()) {
+                        *scale = scale.max(v.abs());
+                    }
+                }
+            }
+            for word in record.range(field) {
+                let column = meaning.output(vertex, word);
+                for lane in 0..lanes {
+                    let invocation = first + lane;
+                    if geometry && vertex >= actual.stored(invocation) {
+                        continue;
+                    }
+                    let found = actual.vertex(invocation, vertex)[word];
+                    match column {
+                        OutputColumn::Real(column) => {
+                            let value = column.values()[lane];
+                            let error = (f64::from(f32::from_bits(found)) - value).abs();
+                            // Half a gap, less what binary64 leaves open; NaN does not pass. Below the
+                            // normal range a device may do what it likes, which says nothing.
+                            let small = scale[lane] < MIN_NORMAL && scale[lane] != 0.0;
+                            near[lane] &= error <= 0.499_999 * ulp_at(value) && !small;
+                            most[lane] = most[lane].max(error / ulp_at(scale[lane]));
+                        }
+                        OutputColumn::Word(words) => near[lane] &= words[lane] == found,
+                    }
+                }
+            }
+        }
+    }
+    (near, most)
+}
+
+/// The columns of the outputs that the formula gives: by vertex, then by word of the formula.
+fn columns<'m>(machine: &'m Machine<'_, Binary64>, reference: &Reference) -> Vec<Words<'m>> {
+    let room = machine.room();
+    let mut columns = Vec::with_capacity(room * reference.vertex_words);
+    for vertex in 0..room {
+        for output in &reference.outputs {
+            for word in output.actual.clone() {
+                columns.push(match machine.output(vertex, word) {
+                    OutputColumn::Real(column) => Words::Real(column.values()),
+                    OutputColumn::Word(words) => Words::Exact(words, output.scalar),
+                });
+            }
+        }
+    }
+    columns
+}
+
+enum Words<'m> {
+    Real(&'m [f64; LANES]),
+    Exact(&'m [u32; LANES], Scalar),
+}
+
+impl Words<'_> {
+    #[inline]
+    fn at(&self, lane: usize) -> f64 {
+        match self {
+            Self::Real(values) => values[lane],
+            Self::Exact(words, scalar) => <f64 as Number>::exact(words[lane], *scalar),
+        }
+    }
+}
+
+/// Invocations of a chunk in which the shader may not mean what the formula says, by the first look.
+pub(super) fn shader_suspects(
+    court: &Court<'_>,
+    ideal: &mut Machine<'_, Binary64>,
+    batch: &Batch,
+    first: usize,
+) -> Vec<usize> {
+    let reference = court.reference;
+    let lanes = ideal.run(batch, first);
+    let columns = columns(ideal, reference);
+    let (mut inputs, mut expected) = (reference.scratch(), Expected::default());
+    let mut open = Vec::new();
+    for lane in 0..lanes {
+        let invocation = first + lane;
+        reference.read_case(batch, invocation / batch.per_case, &mut inputs);
         reference.read_invocation(batch, invocation, &mut inputs);
         reference.eval(&inputs, &mut expected);
-        verdict.count(invocation, judge_sample(reference, &inputs, &expected, actual, invocation, tolerance));
+        if !fits(ideal, &columns, reference, &expected, lane) {
+            open.push(invocation);
+        }
     }
-    verdict
+    open
+}
+
+/// True when the shader ends, emits what the formula emits, and means what it says, by the first look.
+fn fits(
+    machine: &Machine<'_, Binary64>,
+    columns: &[Words<'_>],
+    reference: &Reference,
+    expected: &Expected,
+    lane: usize,
+) -> bool {
+    !machine.flags()[lane].has(Kind::Fuel)
+        && same_shape(machine, reference, expected, lane)
+        && means(columns, reference, expected, lane)
+}
+
+/// True when the shader emits what the formula emits.
+pub(super) fn same_shape<D: crate::interp::Domain>(
+    machine: &Machine<'_, D>,
+    reference: &Reference,
+    expected: &Expected,
+    lane: usize,
+) -> bool {
+    if expected.strips.is_empty() && !reference.emits() {
+        return true;
+    }
+    let count = expected.strips.len();
+    machine.emitted()[lane] as usize == count
+        && count <= machine.room()
+        && (1..count).all(|v| {
+            let begins = expected.strips[v] != expected.strips[v - 1];
+            begins == (machine.strip(v)[lane] != machine.strip(v - 1)[lane])
+        })
+}
+
+/// True when the shader means what the formula says, by the first look.
+fn means(columns: &[Words<'_>], reference: &Reference, expected: &Expected, lane: usize) -> bool {
+    let vertices = expected.words.len() / reference.vertex_words.max(1);
+    for vertex in 0..vertices {
+        let base = vertex * reference.vertex_words;
+        for output in &reference.outputs {
+            let at = base + output.expected.start..base + output.expected.end;
+            let values = &expected.words[at.clone()];
+            let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let allowed = if output.scalar == Scalar::F32 { NEAR * scale } else { 0.0 };
+            for (value, column) in values.iter().zip(&columns[at]) {
+                // Written so that NaN does not pass.
+                if !((column.at(lane) - value).abs() <= allowed) {
+                    return false;
+                }
+            }
+        }
+    }
+    true
 }

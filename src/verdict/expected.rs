@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::tolerance::Family;
 use crate::formula::{Args, Emission, Formula, Kind, Param, Rule};
 use crate::program::{OutputLayout, Program};
 use crate::value::{Batch, Record, Scalar};
@@ -85,7 +84,8 @@ pub struct Reference {
     invocation: Vec<Copy>,
     case: Vec<Copy>,
     input_words: usize,
-    families: Arc<[Family]>,
+    /// Which words belong to vectors.
+    vectors: Arc<[bool]>,
     /// For each judged variable: its words in the formula's outputs and in the vertex record.
     pub(super) outputs: Vec<Output>,
     pub(super) vertex_words: usize,
@@ -120,7 +120,7 @@ impl Reference {
             invocation: Vec::new(),
             case: Vec::new(),
             input_words: formula.inputs.iter().map(Param::words).sum(),
-            families: formula.inputs.iter().flat_map(|p| std::iter::repeat_n(family(p.kind), p.words())).collect(),
+            vectors: formula.inputs.iter().flat_map(|p| std::iter::repeat_n(is_vector(p.kind), p.words())).collect(),
             outputs: Vec::new(),
             vertex_words: formula.outputs.iter().map(Param::words).sum(),
         };
@@ -187,6 +187,11 @@ impl Reference {
         self.formula
     }
 
+    /// True for a formula that emits vertices.
+    pub(super) fn emits(&self) -> bool {
+        matches!(self.formula.rule, Rule::Emission(_))
+    }
+
     /// Room for the inputs of one evaluation.
     pub(super) fn scratch(&self) -> Vec<f64> {
         vec![0.0; self.input_words]
@@ -221,37 +226,15 @@ impl Reference {
 
     /// The largest component of all vectors among the inputs.
     pub(super) fn vector_size(&self, inputs: &[f64]) -> f64 {
-        let vectors = inputs.iter().zip(self.families.iter()).filter(|(_, f)| **f == Family::Vector);
+        let vectors = inputs.iter().zip(self.vectors.iter()).filter(|(_, vector)| **vector);
         vectors.fold(0.0, |m, (x, _)| m.max(x.abs()))
-    }
-
-    /// For each expected word, how sensitive it is to the inputs; see `tolerance`.
-    pub(super) fn sensitivity(&self, inputs: &[f64], base: &Expected) -> Vec<f64> {
-        self.sensitivity_until(inputs, base, &mut |_| false)
-    }
-
-    /// The same, ended when `enough` says so of the sums of squares.
-    pub(super) fn sensitivity_until(
-        &self,
-        inputs: &[f64],
-        base: &Expected,
-        enough: &mut dyn FnMut(&[f64]) -> bool,
-    ) -> Vec<f64> {
-        let mut scratch = Expected::default();
-        let eval = |moved: &[f64], out: &mut Vec<f64>| {
-            self.eval(moved, &mut scratch);
-            out.extend_from_slice(&scratch.words);
-        };
-        super::tolerance::sensitivity(inputs, &self.families, &base.words, eval, enough)
     }
 }
 
-fn family(kind: Kind) -> Family {
+fn is_vector(kind: Kind) -> bool {
     match kind {
-        Kind::Int => Family::Exact,
-        Kind::Float => Family::Single,
-        Kind::Vec2 | Kind::Vec3 | Kind::Vec4 => Family::Vector,
-        Kind::Mat4 => Family::Matrix,
+        Kind::Vec2 | Kind::Vec3 | Kind::Vec4 => true,
+        Kind::Int | Kind::Float | Kind::Mat4 => false,
     }
 }
 

@@ -1,15 +1,19 @@
-//! The judge: the only place where what a lane wrote is compared with what the formula says.
+//! The judge: the only place where what a lane wrote, what the shader means and what the formula says
+//! are compared.
 
 mod batch;
 mod expectations;
 mod expected;
 mod judge;
+mod literals;
 mod observe;
-mod tolerance;
+mod oracle;
+mod suspects;
 
-pub use batch::{BatchVerdict, Failure, judge_batch, judge_one};
-pub use expectations::{Expectations, Movement};
+pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
+pub use expectations::{Movement, movement, shader_deviation};
 pub use expected::{Expected, Reference, ReferenceError};
-pub use judge::{Component, Deviation, Reason, Verdict, judge_sample, judge_value};
-pub use observe::{observe, observe_with, passed};
-pub use tolerance::Tolerance;
+pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
+pub use literals::source_span;
+pub use observe::{Slack, observe, observed, slack};
+pub use oracle::{Court, Oracle};

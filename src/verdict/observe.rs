@@ -1,61 +1,66 @@
 //! What relations get to see: a lane's values with how far each may be off.
 
-use super::expected::{Expected, Reference};
-use super::tolerance::Tolerance;
+use rayon::prelude::*;
+
+use super::judge::real;
+use super::oracle::Court;
+use crate::interp::{LANES, OutputColumn};
 use crate::lane::Actual;
 use crate::property::Observed;
-use crate::value::{Batch, Scalar};
+use crate::value::Batch;
 
-/// The outputs of one invocation as numbers, each with its tolerance at the scale of the inputs.
-/// The words are those of the formula's outputs, in their order.
-pub fn observe(
-    reference: &Reference,
-    batch: &Batch,
-    actual: &Actual,
-    invocation: usize,
-    tolerance: &Tolerance,
-) -> Observed {
-    observe_with(reference, &passed(reference, batch, invocation), actual, invocation, tolerance)
+/// The outputs of every invocation of a batch as numbers, each with what the most lenient promise
+/// allows it: infinite where nothing is promised. The words are those of the formula's outputs, in
+/// their order; nothing else of the formula is used.
+pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
+    let slack = slack(court, batch);
+    (0..batch.invocation_count()).map(|i| observed(court, actual, i, &slack[i])).collect()
 }
 
-/// How much of the inputs' size passes through to each word that the formula gives: all that a
-/// relation needs of the formula, and the same for every program that runs this batch.
-pub fn passed(reference: &Reference, batch: &Batch, invocation: usize) -> Vec<f64> {
-    let mut inputs = reference.scratch();
-    reference.read_case(batch, invocation / batch.per_case, &mut inputs);
-    reference.read_invocation(batch, invocation, &mut inputs);
-    let mut expected = Expected::default();
-    reference.eval(&inputs, &mut expected);
-    reference.sensitivity(&inputs, &expected)
+/// How far each word may be off, for every invocation: by vertex, then by word of the record.
+pub type Slack = Vec<Vec<f64>>;
+
+/// The slack of the outputs of a batch; it depends on the program and its inputs alone.
+pub fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
+    let count = batch.invocation_count();
+    let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || court.oracle.tape(court.lenient()),
+            |machine, chunk| {
+                let lanes = machine.run(batch, chunk * LANES);
+                let width = court.oracle.executable.outputs().len();
+                let mut slack = vec![vec![0.0; machine.room() * width]; lanes];
+                for vertex in 0..machine.room() {
+                    for word in 0..width {
+                        let at = vertex * width + word;
+                        let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
+                        let tape = machine.domain();
+                        let bounds = tape.bounds(column, &mut |_| false);
+                        for (lane, slack) in slack.iter_mut().enumerate() {
+                            let open = tape.fork(lane).is_some() || !tape.values(column)[lane].is_finite();
+                            slack[at] = if open { f64::INFINITY } else { bounds.bound[lane] };
+                        }
+                    }
+                }
+                slack
+            },
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
 }
 
-/// The same as [`observe`], with what [`passed`] gave.
-pub fn observe_with(
-    reference: &Reference,
-    sensitivity: &[f64],
-    actual: &Actual,
-    invocation: usize,
-    tolerance: &Tolerance,
-) -> Observed {
+/// One invocation, with the slack of its words.
+pub fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
     let vertices = actual.stored(invocation);
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
+    let width = court.oracle.executable.outputs().len();
     for vertex in 0..vertices {
         let words = actual.vertex(invocation, vertex);
-        let base = vertex * reference.vertex_words;
-        for output in &reference.outputs {
-            let values = &words[output.actual.clone()];
-            let real = |word: u32| match output.scalar {
-                Scalar::F32 => f64::from(f32::from_bits(word)),
-                Scalar::I32 => f64::from(word as i32),
-                Scalar::U32 | Scalar::Bool => f64::from(word),
-            };
-            // The scale is the lane's own: a relation must not lean on the formula's value. Only the
-            // sensitivity to the inputs is taken from it.
-            let scale = values.iter().map(|&w| real(w).abs()).fold(0.0_f64, f64::max);
-            for (k, &word) in values.iter().enumerate() {
-                let passed = sensitivity.get(base + output.expected.start + k).copied().unwrap_or(f64::INFINITY);
-                observed.words.push(real(word));
-                observed.slack.push(tolerance.at(scale + passed));
+        for output in &court.reference.outputs {
+            for word in output.actual.clone() {
+                observed.words.push(real(words[word], output.scalar));
+                observed.slack.push(slack.get(vertex * width + word).copied().unwrap_or(f64::INFINITY));
             }
         }
     }

@@ -88,13 +88,7 @@ impl Document<'_> {
     }
 }
 
-fn operation(
-    line: &mut impl FnMut(String),
-    op: Op,
-    tally: &Tally,
-    exhaustive: bool,
-    definition: Option<Definition>,
-) {
+fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: bool, definition: Option<Definition>) {
     let (promise, _) = promises();
     let at = |worst: &Worst| {
         let words = worst.at.iter().take(op.arity().unwrap_or(0)).map(|w| format!("\"0x{w:08x}\""));

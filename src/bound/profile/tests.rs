@@ -274,10 +274,17 @@ fn the_measurement_of_llvmpipe_bounds_operations() {
         assert_eq!(measured(op, &[1.3]), Allowed::Bound(0.0), "{op:?}");
     }
     // Far better than the promise, and no better than what was seen.
-    for (op, x, least, most) in
-        [(Op::Sin, 1.3, 5e-8, 2e-7), (Op::Cos, 1.3, 5e-8, 2e-7), (Op::Asin, 0.8, 3.9e-4, 8e-4), (Op::Exp2, 1.3, 1e-7, 3e-6)]
-    {
-        assert!(matches!(measured(op, &[x]), Allowed::Bound(b) if b > least && b < most), "{op:?}: {:?}", measured(op, &[x]));
+    for (op, x, least, most) in [
+        (Op::Sin, 1.3, 5e-8, 2e-7),
+        (Op::Cos, 1.3, 5e-8, 2e-7),
+        (Op::Asin, 0.8, 3.9e-4, 8e-4),
+        (Op::Exp2, 1.3, 1e-7, 3e-6),
+    ] {
+        assert!(
+            matches!(measured(op, &[x]), Allowed::Bound(b) if b > least && b < most),
+            "{op:?}: {:?}",
+            measured(op, &[x])
+        );
     }
     // Operations that are made of others, and those on vectors.
     for (op, definition) in [

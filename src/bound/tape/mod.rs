@@ -44,13 +44,10 @@ pub struct Literal {
     pub slack: f64,
 }
 
-/// Gives the literal of a site, where it is another number than the module's binary32.
-pub type Literals<'p> = dyn Fn(Site) -> Option<Literal> + Sync + 'p;
-
 /// The domain.
 pub struct Tape<'p> {
     model: Model<'p>,
-    literals: Option<&'p Literals<'p>>,
+    literals: &'p [Option<Literal>],
     arena: Arena,
     /// Lanes in which a decision could have gone the other way, with the first place where.
     forks: [Option<Site>; LANES],
@@ -60,13 +57,14 @@ pub struct Tape<'p> {
 impl<'p> Tape<'p> {
     /// A tape for devices that follow a model.
     pub fn new(model: Model<'p>) -> Self {
-        Self { model, literals: None, arena: Arena::default(), forks: [None; LANES], sweep: sweep::Scratch::default() }
+        Self { model, literals: &[], arena: Arena::default(), forks: [None; LANES], sweep: sweep::Scratch::default() }
     }
 
-    /// A tape on which literals have the values that their author wrote.
+    /// A tape on which literals have the values that their author wrote: by the number of their site,
+    /// where that is another number than the module's binary32.
     #[must_use]
-    pub fn with_literals(mut self, literals: &'p Literals<'p>) -> Self {
-        self.literals = Some(literals);
+    pub fn with_literals(mut self, literals: &'p [Option<Literal>]) -> Self {
+        self.literals = literals;
         self
     }
 
@@ -131,7 +129,7 @@ impl Domain for Tape<'_> {
     }
 
     fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Column) {
-        let literal = site.and_then(|site| self.literals.and_then(|literals| literals(site)));
+        let literal = site.and_then(|site| self.literals.get(site.index()).copied().flatten());
         let literal = literal.unwrap_or(Literal { value: f64::from(value), slack: 0.0 });
         let id = self.leaf(|v| v.fill(literal.value));
         let at = id as usize;

@@ -49,7 +49,19 @@ pub struct Share {
     pub share: f64,
 }
 
+impl From<Share> for Cause {
+    /// The operation of a share as a cause; its value is a number.
+    fn from(Share { op, site, args, value, share: _ }: Share) -> Self {
+        Self { why: Why::Singular, op, site, args, value }
+    }
+}
+
 impl Tape<'_> {
+    /// A comparison as a cause.
+    pub fn decision(&self, site: Site) -> Cause {
+        Cause { why: Why::Singular, op: None, site: Some(site), args: Vec::new(), value: f64::NAN }
+    }
+
     /// Why a value is no finite number in a lane, or why nothing bounds its error.
     pub fn cause(&self, output: Column, lane: usize) -> Option<Cause> {
         let loose = |id: &Id| !self.arena.radius.get(*id as usize)[lane].is_finite();

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::lane::Stage;
 use crate::suite::run::{Case, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
-use crate::verdict::Deviation;
+use crate::verdict::{Promise, Reason};
 
 /// The whole run as one JSON object, with a line break.
 pub fn json(summary: &Summary) -> String {
@@ -13,11 +13,8 @@ pub fn json(summary: &Summary) -> String {
         Status::Fail | Status::Broken => "fail",
     };
     let totals = summary.totals();
-    let lanes: Vec<Value> = summary
-        .lanes
-        .iter()
-        .flat_map(|used| used.description.stages.iter().map(|stage| lane(used, *stage)))
-        .collect();
+    let lanes: Vec<Value> =
+        summary.lanes.iter().flat_map(|used| used.description.stages.iter().map(|stage| lane(used, *stage))).collect();
     let unavailable: Vec<Value> = summary
         .unavailable
         .iter()
@@ -79,8 +76,11 @@ fn entry(entry: &Entry) -> Value {
             if report.verdicts.agreed > 0 {
                 value["max_ulp"] = report.verdicts.max_ulp.into();
             }
-            let [domain, ill, underflow] = report.verdicts.undetermined;
-            value["undetermined_by"] = json!({"domain": domain, "ill_conditioned": ill, "underflow": underflow});
+            let reasons = Reason::ALL.iter().zip(report.verdicts.undetermined);
+            value["undetermined_by"] = reasons.map(|(reason, n)| (reason.name().to_owned(), Value::from(n))).collect();
+            let promises = Promise::ALL.iter().zip(report.verdicts.agreed_by);
+            value["agreed_by"] = promises.map(|(promise, n)| (promise.name().to_owned(), Value::from(n))).collect();
+            value["shader_deviated"] = report.verdicts.shader_deviated.into();
             value["relations"] = report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
             if let Some(coverage) = &report.coverage {
                 value["coverage"] = json!({
@@ -133,14 +133,19 @@ fn case(case: &Case) -> Value {
         })
         .collect();
     let mut value = json!({"inputs": inputs, "rounds": case.rounds, "candidates": case.tried});
-    if let Some(Deviation::Value { component, vertex, expected, actual, tolerance, .. }) = &case.deviation {
-        value["component"] = component.clone().into();
-        value["vertex"] = vertex.map_or(Value::Null, Value::from);
-        value["expected"] = (*expected).into();
-        value["actual_bits"] = format!("0x{actual:08x}").into();
-        value["actual"] = f64::from(f32::from_bits(*actual)).into();
-        value["tolerance"] = (*tolerance).into();
-        value["ulp"] = case.deviation.as_ref().map_or(Value::Null, |d| d.ulp().into());
+    if let Some(deviation) = &case.deviation {
+        value["blame"] = deviation.blame.name().into();
+    }
+    if let Some((deviation, found)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?))) {
+        value["component"] = found.component.clone().into();
+        value["vertex"] = found.vertex.map_or(Value::Null, Value::from);
+        // JSON has no NaN: it becomes null.
+        value["expected"] = deviation.target(found).into();
+        value["meaning"] = found.meaning.into();
+        value["actual_bits"] = format!("0x{:08x}", found.actual).into();
+        value["actual"] = f64::from(f32::from_bits(found.actual)).into();
+        value["bound"] = found.bound.into();
+        value["ulp"] = deviation.ulp().into();
     }
     value
 }

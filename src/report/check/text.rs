@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use crate::report::diagnostics;
 use crate::suite::run::{Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
+use crate::value::{F32Bits, Scalar};
+use crate::verdict::{Blame, Deviation, Value};
 
 /// Colours of a terminal; empty strings elsewhere.
 struct Style {
@@ -129,7 +131,7 @@ const SHOWN: usize = 16;
 fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, told: bool, color: bool) {
     let style = Style::new(color);
     let _ = writeln!(text, "\n{}{on}: {}{}", style.bold, finding.message, style.off);
-    let _ = writeln!(text, "  shader     {shader}");
+    let _ = writeln!(text, "  file       {shader}");
     if finding.count > 0 {
         let _ = writeln!(text, "  samples    {}", finding.count);
     }
@@ -142,8 +144,6 @@ fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, told: bool,
 }
 
 fn case_text(text: &mut String, case: &Case, told: bool) {
-    use crate::value::{F32Bits, Scalar};
-    use crate::verdict::Deviation;
     // A case that was asked for is shown as it is.
     let mut label = if case.tried > 0 { "smallest" } else { "case" };
     if told {
@@ -162,21 +162,40 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
         let _ = writeln!(text, "             bits {}{more}", hex.join(" "));
         label = "";
     }
-    if let Some(Deviation::Value { component, expected, actual, scalar: Scalar::F32, tolerance, .. }) = &case.deviation
+    if let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?)))
+        && value.scalar == Scalar::F32
     {
-        let bits = F32Bits(*actual);
-        let _ = writeln!(text, "  expected   {component} = {expected:?} ± {tolerance:.1e}");
-        let _ = writeln!(text, "  actual     {component} = {bits} (0x{actual:08x}, {})", bits.to_hex_float());
-        let (off, ulp) =
-            ((f64::from(bits.to_f32()) - expected).abs(), crate::value::ulp_distance(*expected, bits.to_f32()));
-        // The distance of a NaN is NaN, and that of an expected 0 in ULP is astronomical.
-        if off.is_finite() {
-            let ulp = if ulp < 1e9 { format!("{ulp:.1}") } else { format!("{ulp:.1e}") };
-            let _ = writeln!(text, "  off by     {off:.3e}: {:.1} times the tolerance, {ulp} ULP", off / tolerance);
-        }
+        sides(text, deviation, value);
     }
     if case.tried > 0 && !told {
         let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
+    }
+}
+
+/// A component on all sides.
+fn sides(text: &mut String, deviation: &Deviation, value: &Value) {
+    let Value { component, expected, meaning, actual, bound, .. } = value;
+    if let Some(expected) = expected {
+        let _ = writeln!(text, "  formula    {component} = {expected:?}");
+    }
+    let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
+    let _ = writeln!(text, "  shader     {component} = {meaning:?}{allowed}");
+    let bits = F32Bits(*actual);
+    let _ = writeln!(text, "  lane       {component} = {bits} (0x{actual:08x}, {})", bits.to_hex_float());
+    let found = match deviation.blame {
+        Blame::Shader => *meaning,
+        Blame::Lane => f64::from(bits.to_f32()),
+    };
+    let off = (found - deviation.target(value)).abs();
+    // The distance of a NaN is NaN, and that of an expected 0 in ULP is astronomical.
+    if off.is_finite() {
+        let ulp = off / crate::value::ulp_at(deviation.target(value));
+        let ulp = if ulp < 1e9 { format!("{ulp:.1}") } else { format!("{ulp:.1e}") };
+        let times = match deviation.blame {
+            Blame::Lane if *bound > 0.0 => format!("{:.1} times what is allowed, ", off / bound),
+            Blame::Lane | Blame::Shader => String::new(),
+        };
+        let _ = writeln!(text, "  off by     {off:.3e}: {times}{ulp} ULP");
     }
 }
 

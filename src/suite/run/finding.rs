@@ -6,7 +6,7 @@ use crate::lane::LaneError;
 use crate::property::shrink::{self, Shrunk};
 use crate::property::{Sample, regressions};
 use crate::suite::Suite;
-use crate::verdict::{Deviation, Verdict, judge_one};
+use crate::verdict::{Deviation, Reason, Verdict, What, judge_each};
 
 /// What a finding is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -127,11 +127,10 @@ pub(super) fn deviations(
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
     let batch = batch_of(&samples);
     let actual = trial.run(&batch)?;
-    let prepared = trial.prepared;
+    let verdicts = judge_each(&trial.court(), &batch, &actual);
     let mut shown: Vec<(String, Sample)> = Vec::new();
-    for (k, shrunk) in shrunk.iter().enumerate() {
-        let Verdict::Deviate(deviation) = judge_one(&prepared.reference, &batch, &actual, k, &prepared.tolerance)
-        else {
+    for (shrunk, verdict) in shrunk.iter().zip(verdicts) {
+        let Verdict::Deviate(deviation) = verdict else {
             // The same inputs gave another answer: nothing that was found may get lost over it.
             report.findings.push(Finding {
                 kind: FindingKind::Deviation,
@@ -161,12 +160,15 @@ pub(super) fn deviations(
 
 /// Deviations that are told once: the same component, or the same kind of shape.
 fn kind_of(deviation: &Deviation) -> String {
-    match deviation {
-        Deviation::Value { component, .. } | Deviation::NotWritten { component, .. } => component.clone(),
-        Deviation::VertexCount { .. } => "count".to_owned(),
-        Deviation::Strip { .. } => "strip".to_owned(),
-        Deviation::TooManyVertices { .. } => "limit".to_owned(),
-    }
+    let what = match &deviation.what {
+        What::Value(value) => value.component.as_str(),
+        What::NotWritten { component, .. } => component.as_str(),
+        What::VertexCount { .. } => "count",
+        What::Strip { .. } => "strip",
+        What::TooManyVertices { .. } => "limit",
+        What::Endless => "loop",
+    };
+    format!("{} {what}", deviation.blame.name())
 }
 
 /// Findings about the run itself: too little judged, too much undetermined, segments not drawn.
@@ -188,8 +190,7 @@ pub(super) fn shortfalls(suite: &Suite, request: &Request, wanted: u64, report: 
     };
     let judged = report.verdicts.agreed + report.verdicts.deviated;
     let seen = report.verdicts.seen();
-    let [domain, ill, underflow] = report.verdicts.undetermined;
-    let reasons = format!("{domain} outside the domain, {ill} ill-conditioned, {underflow} underflow");
+    let reasons = reasons(&report.verdicts.undetermined);
     if judged == 0 {
         floor(format!("no sample was judged: of {seen}, all are undetermined ({reasons})"), seen);
         return;
@@ -213,4 +214,11 @@ pub(super) fn shortfalls(suite: &Suite, request: &Request, wanted: u64, report: 
             undetermined,
         );
     }
+}
+
+/// Undetermined samples by reason, those reasons left out that there are none of.
+fn reasons(undetermined: &[u64]) -> String {
+    let some = Reason::ALL.iter().zip(undetermined).filter(|(_, n)| **n > 0);
+    let parts: Vec<String> = some.map(|(reason, n)| format!("{n} {reason}")).collect();
+    parts.join(", ")
 }

@@ -124,7 +124,7 @@ pub fn run(
             }
         },
     };
-    let mut trial = match trial::Trial::new(prepared, lane, kernel) {
+    let mut trial = match trial::Trial::new(prepared, lane, kernel, &request.rulings) {
         Ok(trial) => trial,
         Err(LaneError::Unsupported(_)) => {
             report.unsupported = wanted;

@@ -11,7 +11,7 @@ use crate::program::{Kernel, Program, ProgramError};
 use crate::property::{Plan, PlanError, Relation, relations};
 use crate::suite::{Stage, Suite};
 use crate::text::SourceFile;
-use crate::verdict::{Reference, ReferenceError, Tolerance};
+use crate::verdict::{Oracle, Reference, ReferenceError};
 
 /// Why a suite cannot be run.
 #[derive(Debug, Error)]
@@ -72,8 +72,8 @@ pub struct Prepared {
     pub plan: Arc<Plan>,
     /// The relations that the suite names.
     pub relations: Vec<&'static dyn Relation>,
-    /// How far outputs may be off.
-    pub tolerance: Tolerance,
+    /// What the program means.
+    pub oracle: Oracle,
 }
 
 /// Reads, lowers, translates and captures the shader of a suite, and binds formula and inputs to it.
@@ -121,9 +121,13 @@ pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError>
         shader: shader_name(),
         source: Box::new(source),
     })?;
+    let oracle = Oracle::new(&program).map_err(|error| RunError::Program {
+        suite: name(),
+        source: ProgramError::Unsupported { what: error.locate(&program) },
+    })?;
     Ok(Prepared {
+        oracle,
         relations: suite.relations.iter().filter_map(|r| relations::by_name(r)).collect(),
-        tolerance: Tolerance { ulp: suite.tolerance.ulp },
         suite: suite.clone(),
         shader: shader_name(),
         plan: Arc::new(plan),

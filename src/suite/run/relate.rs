@@ -5,7 +5,7 @@ use super::trial::Trial;
 use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
-use crate::verdict::{observe, observe_with, passed};
+use crate::verdict::{Slack, observe, observed, slack};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
 /// formula for each input, so there are fewer of them than of plain samples.
@@ -63,21 +63,21 @@ struct Probe {
     relation: &'static dyn Relation,
     inputs: Vec<Vec<Sample>>,
     flat: Vec<Sample>,
-    /// For each of `flat`, the sensitivity of the formula's words.
-    passed: Vec<Vec<f64>>,
+    /// For each of `flat`, how far the words of a lane may be off.
+    slack: Slack,
 }
 
 impl Probes {
     /// The inputs of all relations of a suite.
-    pub fn new(prepared: &Prepared, seed: u64) -> Self {
-        use rayon::prelude::*;
+    pub fn new(trial: &Trial<'_>, seed: u64) -> Self {
+        let prepared = trial.prepared;
         let samples = samples(prepared, seed, SAMPLES);
         let probe = |&relation: &&'static dyn Relation| {
             let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
             let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-            let of = |s: &Sample| passed(&prepared.reference, &super::trial::batch_of(std::slice::from_ref(s)), 0);
-            let passed = flat.par_iter().map(of).collect();
-            Probe { relation, inputs, flat, passed }
+            let slack =
+                if flat.is_empty() { Slack::new() } else { slack(&trial.court(), &super::trial::batch_of(&flat)) };
+            Probe { relation, inputs, flat, slack }
         };
         Self { probes: prepared.relations.iter().map(probe).collect() }
     }
@@ -88,17 +88,17 @@ impl Probes {
     /// [`LaneError`] when the lane fails.
     pub fn first_broken(&self, trial: &mut Trial<'_>) -> Result<Option<&'static str>, LaneError> {
         use rayon::prelude::*;
-        let (reference, tolerance) = (&trial.prepared.reference, &trial.prepared.tolerance);
-        for Probe { relation, inputs, flat, passed } in &self.probes {
-            let mut observed: Vec<Observed> = Vec::with_capacity(flat.len());
+        let court = trial.court();
+        for Probe { relation, inputs, flat, slack } in &self.probes {
+            let mut observations: Vec<Observed> = Vec::with_capacity(flat.len());
             if !flat.is_empty() {
                 trial.run_samples(flat, |first, batch, actual| {
-                    let see = |i: usize| observe_with(reference, &passed[first + i], actual, i, tolerance);
+                    let see = |i: usize| observed(&court, actual, i, &slack[first + i]);
                     let seen: Vec<Observed> = (0..batch.invocation_count()).into_par_iter().map(see).collect();
-                    observed.extend(seen);
+                    observations.extend(seen);
                 })?;
             }
-            let mut rest = observed.into_iter();
+            let mut rest = observations.into_iter();
             let fails = inputs.iter().any(|inputs| {
                 let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
                 matches!(judge(*relation, inputs, &outputs), Outcome::Fails(_))
@@ -127,19 +127,12 @@ enum Outcome {
 }
 
 fn outcomes(trial: &mut Trial<'_>, relation: &dyn Relation, samples: &[Sample]) -> Result<Vec<Outcome>, LaneError> {
-    let prepared = trial.prepared;
     let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
     let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
     let mut observed: Vec<Observed> = Vec::with_capacity(flat.len());
     if !flat.is_empty() {
-        use rayon::prelude::*;
-        trial.run_samples(&flat, |_, batch, actual| {
-            let seen: Vec<Observed> = (0..batch.invocation_count())
-                .into_par_iter()
-                .map(|i| observe(&prepared.reference, batch, actual, i, &prepared.tolerance))
-                .collect();
-            observed.extend(seen);
-        })?;
+        let court = trial.court();
+        trial.run_samples(&flat, |_, batch, actual| observed.extend(observe(&court, batch, actual)))?;
     }
     let mut rest = observed.into_iter();
     Ok(inputs

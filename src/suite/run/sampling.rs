@@ -11,9 +11,9 @@ use crate::verdict::{BatchVerdict, judge_batch};
 pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], report: &mut Report) -> Result<Vec<Sample>, LaneError> {
     let mut failing = Vec::new();
     let mut all = BatchVerdict::default();
-    let prepared = trial.prepared;
+    let court = trial.court();
     trial.run_samples(samples, |_, batch, actual| {
-        let verdict = judge_batch(&prepared.reference, batch, actual, &prepared.tolerance);
+        let verdict = judge_batch(&court, batch, actual);
         failing.extend(verdict.failures.iter().map(|f| sample_of(batch, f.invocation)));
         all.merge(verdict);
     })?;
@@ -37,7 +37,7 @@ pub fn sample(
     let sampler = Sampler::new(prepared.plan.clone(), request.seed);
     let cases = wanted.div_ceil(per_case as u64);
     let mut failing = Vec::new();
-    let (reference, tolerance) = (&prepared.reference, &prepared.tolerance);
+    let court = trial.court();
     let batch_at = |first: u64| {
         let count = cases_per_batch.min(cases.saturating_sub(first));
         (count > 0).then(|| sampler.batch(first, count as usize, per_case))
@@ -53,7 +53,7 @@ pub fn sample(
         rayon::in_place_scope(|scope| {
             scope.spawn(|_| next = batch_at(after));
             if let Some((batch, actual)) = &finished {
-                scope.spawn(|_| verdict = Some(judge_batch(reference, batch, actual, tolerance)));
+                scope.spawn(|_| verdict = Some(judge_batch(&court, batch, actual)));
             }
             actual = running.as_ref().map(|batch| trial.run(batch));
         });

@@ -1,10 +1,11 @@
 //! A prepared suite on an open lane.
 
-use crate::lane::{Actual, Lane, LaneError, Runner};
-use crate::program::Kernel;
+use crate::bound::profile::Rulings;
+use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
+use crate::program::{Form, Kernel};
 use crate::property::Sample;
 use crate::value::Batch;
-use crate::verdict::{Verdict, judge_one};
+use crate::verdict::{Court, Verdict, judge_each};
 
 use super::Prepared;
 
@@ -17,6 +18,9 @@ const BATCH_WORDS: usize = 1 << 23;
 pub struct Trial<'a> {
     /// The suite.
     pub prepared: &'a Prepared,
+    /// What the lane is held against.
+    rulings: &'a Rulings,
+    stage: Stage,
     runner: Box<dyn Runner>,
 }
 
@@ -25,8 +29,13 @@ impl<'a> Trial<'a> {
     ///
     /// # Errors
     /// [`LaneError`] when the lane refuses the kernel.
-    pub fn new(prepared: &'a Prepared, lane: &dyn Lane, kernel: &Kernel) -> Result<Self, LaneError> {
-        Self::with_capacity(prepared, lane, kernel, BATCH)
+    pub fn new(
+        prepared: &'a Prepared,
+        lane: &dyn Lane,
+        kernel: &Kernel,
+        rulings: &'a Rulings,
+    ) -> Result<Self, LaneError> {
+        Self::with_capacity(prepared, lane, kernel, rulings, BATCH)
     }
 
     /// Makes the kernel ready for batches of at most `most` invocations.
@@ -37,11 +46,22 @@ impl<'a> Trial<'a> {
         prepared: &'a Prepared,
         lane: &dyn Lane,
         kernel: &Kernel,
+        rulings: &'a Rulings,
         most: usize,
     ) -> Result<Self, LaneError> {
         let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
         let capacity = most.min(BATCH_WORDS / widest).max(1);
-        Ok(Self { prepared, runner: lane.prepare(kernel, capacity)? })
+        let stage = match kernel.form {
+            Form::Compute => Stage::Compute,
+            Form::Vertex { .. } => Stage::Vertex,
+        };
+        Ok(Self { prepared, rulings, stage, runner: lane.prepare(kernel, capacity)? })
+    }
+
+    /// What verdicts on the lane's outputs need.
+    pub fn court(&self) -> Court<'a> {
+        let Prepared { oracle, reference, .. } = self.prepared;
+        Court { oracle, reference, rulings: self.rulings, stage: self.stage }
     }
 
     /// Most invocations of one batch.
@@ -82,12 +102,10 @@ impl<'a> Trial<'a> {
     /// [`LaneError`]; there is no verdict then.
     pub fn deviates(&mut self, samples: &[Sample]) -> Result<Vec<bool>, LaneError> {
         let mut verdicts = Vec::with_capacity(samples.len());
-        let (reference, tolerance) = (&self.prepared.reference, self.prepared.tolerance);
+        let court = self.court();
         self.run_samples(samples, |_, batch, actual| {
-            verdicts.extend(
-                (0..batch.invocation_count())
-                    .map(|i| matches!(judge_one(reference, batch, actual, i, &tolerance), Verdict::Deviate(_))),
-            );
+            let deviates = |verdict: Verdict| matches!(verdict, Verdict::Deviate(_));
+            verdicts.extend(judge_each(&court, batch, actual).into_iter().map(deviates));
         })?;
         Ok(verdicts)
     }

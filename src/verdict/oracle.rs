@@ -1,0 +1,113 @@
+//! What a program means, ready to be asked: the interpreter and what bounds a lane.
+
+use std::sync::Arc;
+
+use crate::bound::profile::Rulings;
+use crate::bound::tape::{Literal, Model, Tape};
+use crate::interp::{self, Binary64, Executable, FUEL, InterpError, Machine};
+use crate::lane::Stage;
+use crate::program::Program;
+
+use super::expected::Reference;
+use super::judge::Promise;
+use super::literals;
+
+/// The meaning of a program.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    pub(super) executable: Executable,
+    /// Literals as their author wrote them, by the number of their site.
+    pub(super) literals: Vec<Option<Literal>>,
+    /// Their values alone; `None` when all are binary32 numbers.
+    ideal: Option<Arc<[f64]>>,
+    fuel: u32,
+}
+
+impl Oracle {
+    /// Compiles a program for the interpreter.
+    ///
+    /// # Errors
+    /// [`InterpError`] for constructs that are not interpreted.
+    pub fn new(program: &Program) -> Result<Self, InterpError> {
+        let executable = interp::compile(program)?;
+        let literals = literals::written(program, &executable);
+        let value = |literal: &Option<Literal>| literal.map_or(f64::NAN, |literal| literal.value);
+        let ideal = literals.iter().any(Option::is_some).then(|| literals.iter().map(value).collect());
+        Ok(Self { executable, literals, ideal, fuel: FUEL })
+    }
+
+    /// The same with another number of rounds that loops may take.
+    #[must_use]
+    pub fn with_fuel(self, fuel: u32) -> Self {
+        Self { fuel, ..self }
+    }
+
+    /// The program as the interpreter runs it.
+    pub fn executable(&self) -> &Executable {
+        &self.executable
+    }
+
+    /// A machine for the meaning of the module, with literals in binary32.
+    pub(super) fn meaning(&self) -> Machine<'_, Binary64> {
+        Machine::new(&self.executable, Binary64::default(), self.fuel)
+    }
+
+    /// A machine for what the author wrote; `None` when the module means just that.
+    pub(super) fn ideal(&self) -> Option<Machine<'_, Binary64>> {
+        let literals = self.ideal.clone()?;
+        Some(Machine::new(&self.executable, Binary64::with_literals(literals), self.fuel))
+    }
+
+    /// A machine for what the author wrote, whether or not the module means just that.
+    pub(super) fn ideal_or_meaning(&self) -> Machine<'_, Binary64> {
+        self.ideal().unwrap_or_else(|| self.meaning())
+    }
+
+    /// A machine for what the author wrote, with bounds on the error of binary64.
+    pub(super) fn ideal_tape(&self) -> Machine<'_, Tape<'_>> {
+        Machine::new(&self.executable, Tape::new(Model::Binary64).with_literals(&self.literals), self.fuel)
+    }
+
+    /// A machine with bounds for devices.
+    pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, Tape::new(model), self.fuel)
+    }
+}
+
+/// Everything that a verdict on a lane needs.
+#[derive(Clone, Copy)]
+pub struct Court<'a> {
+    /// What the program means.
+    pub oracle: &'a Oracle,
+    /// What the formula says.
+    pub reference: &'a Reference,
+    /// What the lane is held against.
+    pub rulings: &'a Rulings,
+    /// The stage in which the lane ran.
+    pub stage: Stage,
+}
+
+impl<'a> Court<'a> {
+    /// What may be allowed to a lane, the strictest first.
+    pub(super) fn tiers(&self) -> Vec<(Promise, Model<'a>)> {
+        let Rulings { text, conformance, measured } = self.rulings;
+        let stage = self.stage;
+        let device = |profile, rearranged| Model::Device { profile, stage, rearranged };
+        let mut tiers = vec![(Promise::Text, device(*text, false))];
+        tiers.extend(conformance.map(|profile| (Promise::Conformance, device(profile, false))));
+        let lenient = conformance.unwrap_or(text);
+        if lenient.rearrangement {
+            tiers.push((Promise::Rearranged, device(lenient, true)));
+        }
+        if let Some(measured) = measured {
+            tiers.push((Promise::Measured, device(measured, measured.rearrangement)));
+        }
+        tiers
+    }
+
+    /// The most that any promise allows.
+    pub(super) fn lenient(&self) -> Model<'a> {
+        let profile = self.rulings.conformance.unwrap_or(self.rulings.text);
+        Model::Device { profile, stage: self.stage, rearranged: profile.rearrangement }
+    }
+}

@@ -1,0 +1,463 @@
+//! The second look at samples: every operation on the tape, with what each may be off by.
+
+use super::batch::{NEAR, Suspect, same_shape};
+use super::expected::{Expected, Output};
+use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
+use super::oracle::Court;
+use crate::bound::profile::grid::MIN_NORMAL;
+use crate::bound::tape::{Model, Tape};
+use crate::interp::{Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use crate::lane::Actual;
+use crate::program::OutputLayout;
+use crate::value::{Batch, Scalar, ulp_at};
+
+/// An error of this part of the values' size is no test any more, even if it is allowed.
+const USELESS: f64 = 1.0 / 1024.0;
+
+/// The same for two evaluations in binary64.
+const USELESS_64: f64 = 1.0 / (1_u64 << 30) as f64;
+
+/// Formula and shader are two ways to compute the same; each may be off by what binary64 does to it.
+const TWO_WAYS: f64 = 8.0;
+
+/// Judges samples with the tape. The machines are made when they are first needed.
+pub(super) struct Suspects<'a> {
+    court: Court<'a>,
+    ideal: Option<Machine<'a, Tape<'a>>>,
+    tiers: Vec<Tier<'a>>,
+    inputs: Vec<f64>,
+    max_ulp: f64,
+}
+
+struct Tier<'a> {
+    promise: Promise,
+    model: Model<'a>,
+    machine: Option<Machine<'a, Tape<'a>>>,
+}
+
+impl<'a> Suspects<'a> {
+    pub(super) fn new(court: &Court<'a>) -> Self {
+        let tier = |(promise, model)| Tier { promise, model, machine: None };
+        Self {
+            court: *court,
+            ideal: None,
+            tiers: court.tiers().into_iter().map(tier).collect(),
+            inputs: court.reference.scratch(),
+            max_ulp: 0.0,
+        }
+    }
+
+    /// The largest error of invocations that agree since the last call, in ULP.
+    pub(super) fn take_max_ulp(&mut self) -> f64 {
+        std::mem::take(&mut self.max_ulp)
+    }
+
+    /// Verdicts on suspects, in their order.
+    pub(super) fn judge(&mut self, batch: &Batch, actual: &Actual, suspects: &[Suspect]) -> Vec<(usize, Verdict)> {
+        let mut verdicts: Vec<Option<Verdict>> = vec![None; suspects.len()];
+        let shaders: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].shader).collect();
+        for group in shaders.chunks(LANES) {
+            let invocations: Vec<usize> = group.iter().map(|&k| suspects[k].invocation).collect();
+            for (&k, verdict) in group.iter().zip(self.shader(batch, actual.layout(), Some(actual), &invocations)) {
+                verdicts[k] = verdict;
+            }
+        }
+        // A lane is judged by the shader as it is, where that is not what is wrong.
+        let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
+        let mut lanes: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].lane && !wrong(&verdicts[k])).collect();
+        for tier in 0..self.tiers.len() {
+            let mut open = Vec::new();
+            for group in lanes.chunks(LANES) {
+                let invocations: Vec<usize> = group.iter().map(|&k| suspects[k].invocation).collect();
+                for (&k, found) in group.iter().zip(self.lane(tier, batch, actual, &invocations)) {
+                    // What is not promised is not held against a lane that is not as it was measured.
+                    let measured = self.tiers[tier].promise == Promise::Measured;
+                    match found {
+                        Verdict::Agree(_) | Verdict::Undetermined(Doubt { reason: Reason::Domain, .. }) => {}
+                        _ => open.push(k),
+                    }
+                    if !measured || matches!(found, Verdict::Agree(_)) {
+                        verdicts[k] = Some(worse(verdicts[k].take(), found, tier));
+                    }
+                }
+            }
+            // Measurements decide where nothing is promised, and nowhere else.
+            let next = self.tiers.get(tier + 1).map(|next| next.promise);
+            if next == Some(Promise::Measured) {
+                open.retain(|&k| {
+                    matches!(&verdicts[k], Some(Verdict::Undetermined(Doubt { reason: Reason::NoPromise, .. })))
+                });
+            }
+            lanes = open;
+        }
+        let agree = Verdict::Agree(Promise::Text);
+        suspects.iter().zip(verdicts).map(|(s, v)| (s.invocation, v.unwrap_or(agree.clone()))).collect()
+    }
+
+    /// Whether the shader means what the formula says; `None` where it does.
+    /// `actual` is only asked for the words that a report shows.
+    pub(super) fn shader(
+        &mut self,
+        batch: &Batch,
+        layout: &OutputLayout,
+        actual: Option<&Actual>,
+        invocations: &[usize],
+    ) -> Vec<Option<Verdict>> {
+        let Self { court, ideal, inputs, .. } = self;
+        let reference = court.reference;
+        let machine = ideal.get_or_insert_with(|| court.oracle.ideal_tape());
+        let lanes = machine.run_some(batch, invocations);
+        let mut verdicts = vec![None; lanes];
+        let mut expected = vec![Expected::default(); lanes];
+        for lane in 0..lanes {
+            reference.read_case(batch, invocations[lane] / batch.per_case, inputs);
+            reference.read_invocation(batch, invocations[lane], inputs);
+            reference.eval(inputs, &mut expected[lane]);
+            verdicts[lane] = shape_of_shader(machine, court, &expected[lane], lane).map(Verdict::Deviate);
+        }
+        for vertex in 0..machine.room() {
+            for output in &reference.outputs {
+                let base = vertex * reference.vertex_words;
+                let scale = |lane: usize| {
+                    let values = expected[lane].words.get(base + output.expected.start..base + output.expected.end);
+                    values.map_or(0.0, |values| values.iter().fold(0.0_f64, |m, v| m.max(v.abs())))
+                };
+                let scales: Vec<f64> = (0..lanes).map(scale).collect();
+                for k in 0..output.expected.len() {
+                    let target = |lane: usize| expected[lane].words.get(base + output.expected.start + k).copied();
+                    let open: Vec<usize> = (0..lanes)
+                        .filter(|&lane| !matches!(verdicts[lane], Some(Verdict::Deviate(_))) && target(lane).is_some())
+                        .collect();
+                    let word = output.actual.start + k;
+                    let found = word_of_shader(machine, word, vertex, output, &open, &target, &scales);
+                    for (lane, verdict) in found {
+                        let verdict = match verdict {
+                            Err(doubt) => Verdict::Undetermined(doubt),
+                            Ok((meaning, bound)) => {
+                                let value = Value {
+                                    component: layout.vertex.word_name(word),
+                                    vertex: reference.emits().then_some(vertex),
+                                    expected: target(lane),
+                                    meaning: meaning.unwrap_or(f64::NAN),
+                                    actual: actual.map_or(POISON, |a| found_word(a, invocations[lane], vertex, word)),
+                                    scalar: output.scalar,
+                                    bound,
+                                };
+                                let what = match meaning {
+                                    Some(_) => What::Value(value),
+                                    None => What::NotWritten { component: value.component, vertex: value.vertex },
+                                };
+                                Verdict::Deviate(Deviation { blame: Blame::Shader, what })
+                            }
+                        };
+                        verdicts[lane] = Some(worse(verdicts[lane].take(), verdict, 0));
+                    }
+                }
+            }
+        }
+        verdicts
+    }
+
+    /// Whether a lane is within what a tier allows.
+    fn lane(&mut self, tier: usize, batch: &Batch, actual: &Actual, invocations: &[usize]) -> Vec<Verdict> {
+        let Self { court, tiers, inputs, max_ulp, .. } = self;
+        let Tier { promise, model, machine } = &mut tiers[tier];
+        let machine = machine.get_or_insert_with(|| court.oracle.tape(*model));
+        let lanes = machine.run_some(batch, invocations);
+        let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); lanes];
+        let mut ulps = vec![0.0_f64; lanes];
+        let vectors: Vec<f64> = invocations
+            .iter()
+            .map(|&invocation| {
+                court.reference.read_case(batch, invocation / batch.per_case, inputs);
+                court.reference.read_invocation(batch, invocation, inputs);
+                court.reference.vector_size(inputs)
+            })
+            .collect();
+        for lane in 0..lanes {
+            if let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) {
+                verdicts[lane] = Verdict::Deviate(deviation);
+            }
+        }
+        let record = actual.layout().vertex.clone();
+        for vertex in 0..machine.room() {
+            for (field, shape) in record.fields().iter().enumerate().map(|(k, f)| (k, f.shape)) {
+                let mut scale = [0.0_f64; LANES];
+                for word in record.range(field) {
+                    if let OutputColumn::Real(&column) = machine.output(vertex, word) {
+                        let values = machine.domain().values(column);
+                        scale.iter_mut().zip(values).for_each(|(s, v)| *s = s.max(v.abs()));
+                    }
+                }
+                for word in record.range(field) {
+                    let open: Vec<usize> = (0..lanes)
+                        .filter(|&lane| !matches!(verdicts[lane], Verdict::Deviate(_)))
+                        .filter(|&lane| vertex < actual.stored(invocations[lane]))
+                        .collect();
+                    for lane in open_words(machine, actual, invocations, &open, vertex, word) {
+                        let (lane, outcome, error) = lane;
+                        let scale = scale[lane];
+                        let size = scale.max(vectors[lane]);
+                        let verdict = match outcome {
+                            Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
+                                Verdict::Undetermined(underflow(machine, vertex, word, lane))
+                            }
+                            Allowed::Within if error > USELESS * size.max(MIN_NORMAL) => {
+                                let reason = Reason::IllConditioned;
+                                Verdict::Undetermined(Doubt { reason, ..underflow(machine, vertex, word, lane) })
+                            }
+                            Allowed::Within => {
+                                if error > 0.0 {
+                                    ulps[lane] = ulps[lane].max(error / ulp_at(scale));
+                                }
+                                continue;
+                            }
+                            Allowed::Doubtful(doubt) => Verdict::Undetermined(doubt),
+                            Allowed::Outside { meaning, bound } => {
+                                let found = found_word(actual, invocations[lane], vertex, word);
+                                let component = record.word_name(word);
+                                let on = actual.layout().max_vertices.map(|_| vertex);
+                                let what = if actual.is_unwritten(found) {
+                                    What::NotWritten { component, vertex: on }
+                                } else {
+                                    What::Value(Value {
+                                        component,
+                                        vertex: on,
+                                        expected: None,
+                                        meaning,
+                                        actual: found,
+                                        scalar: shape.scalar,
+                                        bound,
+                                    })
+                                };
+                                Verdict::Deviate(Deviation { blame: Blame::Lane, what })
+                            }
+                        };
+                        let before = std::mem::replace(&mut verdicts[lane], Verdict::Agree(*promise));
+                        verdicts[lane] = worse(Some(before), verdict, 0);
+                    }
+                }
+            }
+        }
+        for (ulp, verdict) in ulps.iter().zip(&verdicts) {
+            if matches!(verdict, Verdict::Agree(_)) {
+                *max_ulp = max_ulp.max(*ulp);
+            }
+        }
+        verdicts
+    }
+}
+
+/// The word of a lane; the mark of what was never written where the vertex is not stored.
+fn found_word(actual: &Actual, invocation: usize, vertex: usize, word: usize) -> u32 {
+    if vertex < actual.stored(invocation) { actual.vertex(invocation, vertex)[word] } else { POISON }
+}
+
+/// Of two verdicts on a sample the one that weighs more. On later tiers the later one counts.
+fn worse(before: Option<Verdict>, verdict: Verdict, tier: usize) -> Verdict {
+    let weight = |verdict: &Verdict| match verdict {
+        Verdict::Agree(_) => 0,
+        Verdict::Undetermined(_) => 1,
+        Verdict::Deviate(_) => 2,
+    };
+    match before {
+        Some(before) if tier == 0 && weight(&before) >= weight(&verdict) => before,
+        // The formula has no value: that a lane is right says nothing.
+        Some(before @ Verdict::Undetermined(Doubt { reason: Reason::Domain, .. })) if weight(&verdict) < 2 => before,
+        Some(_) | None => verdict,
+    }
+}
+
+/// What came of one word of one lane.
+enum Allowed {
+    /// The error is within the bound, or within a part of it.
+    Within,
+    Doubtful(Doubt),
+    Outside {
+        meaning: f64,
+        bound: f64,
+    },
+}
+
+/// Judges one output word in some lanes. Gives the lane, what came of it, and its error.
+fn open_words(
+    machine: &mut Machine<'_, Tape<'_>>,
+    actual: &Actual,
+    invocations: &[usize],
+    open: &[usize],
+    vertex: usize,
+    word: usize,
+) -> Vec<(usize, Allowed, f64)> {
+    let found = |lane: usize| actual.vertex(invocations[lane], vertex)[word];
+    let column = match machine.output(vertex, word) {
+        OutputColumn::Real(&column) => column,
+        OutputColumn::Word(words) => {
+            let (words, scalar) = (*words, actual.layout().vertex.scalar_of(word));
+            let tape = machine.domain();
+            let judge = |&lane: &usize| {
+                let outcome = if words[lane] == found(lane) {
+                    Allowed::Within
+                } else if tape.fork(lane).is_some() {
+                    Allowed::Doubtful(fork(tape, lane))
+                } else {
+                    Allowed::Outside { meaning: real(words[lane], scalar), bound: 0.0 }
+                };
+                (lane, outcome, 0.0)
+            };
+            return open.iter().map(judge).collect();
+        }
+    };
+    let tape = machine.domain();
+    let values = *tape.values(column);
+    // NaN on either side gives an error that is within nothing.
+    let errors: Vec<(usize, f64)> =
+        open.iter().map(|&lane| (lane, (f64::from(f32::from_bits(found(lane))) - values[lane]).abs())).collect();
+    let equal = |lane: usize| f64::from(f32::from_bits(found(lane))) == values[lane];
+    let bounds =
+        tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| equal(lane) || agrees(e, 0.0, bound[lane])));
+    errors
+        .into_iter()
+        .map(|(lane, error)| {
+            let bound = bounds.bound[lane];
+            if equal(lane) || agrees(error, 0.0, bound) {
+                return (lane, Allowed::Within, if error.is_nan() { 0.0 } else { error });
+            }
+            // What the shader itself leaves unwritten, a lane may leave so.
+            if values[lane].is_poison() && actual.is_unwritten(found(lane)) {
+                return (lane, Allowed::Within, 0.0);
+            }
+            let outcome = if !values[lane].is_finite() || !bound.is_finite() {
+                Allowed::Doubtful(Doubt::by(tape.cause(column, lane)))
+            } else if tape.fork(lane).is_some() {
+                Allowed::Doubtful(fork(tape, lane))
+            } else {
+                Allowed::Outside { meaning: values[lane], bound }
+            };
+            (lane, outcome, error)
+        })
+        .collect()
+}
+
+fn fork(tape: &Tape<'_>, lane: usize) -> Doubt {
+    let cause = tape.fork(lane).map(|site| tape.decision(site));
+    Doubt { reason: Reason::Branch, cause }
+}
+
+/// The operation that has the largest part in the doubt about a small value.
+fn underflow(machine: &mut Machine<'_, Tape<'_>>, vertex: usize, word: usize, lane: usize) -> Doubt {
+    let OutputColumn::Real(&column) = machine.output(vertex, word) else { return Doubt::of(Reason::Underflow) };
+    let share = machine.domain().shares(column, lane, 1).into_iter().next();
+    Doubt { reason: Reason::Underflow, cause: share.map(Into::into) }
+}
+
+type Found = (usize, Result<(Option<f64>, f64), Doubt>);
+
+/// Judges one word of the formula in some lanes: those in which the shader means something else, with
+/// its meaning and what binary64 allows, or with a doubt.
+fn word_of_shader(
+    machine: &mut Machine<'_, Tape<'_>>,
+    word: usize,
+    vertex: usize,
+    output: &Output,
+    open: &[usize],
+    target: &dyn Fn(usize) -> Option<f64>,
+    scales: &[f64],
+) -> Vec<Found> {
+    let column = match machine.output(vertex, word) {
+        OutputColumn::Real(&column) => column,
+        OutputColumn::Word(words) => {
+            let words = *words;
+            let wrong = |&lane: &usize| {
+                let (meaning, wanted) = (<f64 as Number>::exact(words[lane], output.scalar), target(lane)?);
+                let meaning = (words[lane] != POISON).then_some(meaning);
+                (meaning != Some(wanted)).then_some((lane, Ok((meaning, 0.0))))
+            };
+            return open.iter().filter_map(wrong).collect();
+        }
+    };
+    let tape = machine.domain();
+    let values = *tape.values(column);
+    let far: Vec<(usize, f64)> = open
+        .iter()
+        .filter_map(|&lane| Some((lane, (values[lane] - target(lane)?).abs())))
+        .filter(|&(lane, error)| !(error <= NEAR * scales[lane]))
+        .collect();
+    if far.is_empty() {
+        return Vec::new();
+    }
+    let bounds = tape.bounds(column, &mut |_| false);
+    let judge = |(lane, error): (usize, f64)| -> Option<Found> {
+        let wanted = target(lane)?;
+        let bound = TWO_WAYS * bounds.bound[lane] + NEAR * scales[lane];
+        if values[lane].is_poison() {
+            return Some((lane, Ok((None, 0.0))));
+        }
+        if wanted.is_nan() {
+            // The formula has no value here.
+            return Some((lane, Err(Doubt { reason: Reason::Domain, cause: tape.cause(column, lane) })));
+        }
+        if agrees(error, 0.0, bound) {
+            let useless = error > USELESS_64 * scales[lane].max(MIN_NORMAL);
+            return useless.then(|| (lane, Err(Doubt::of(Reason::IllConditioned))));
+        }
+        // A shader without a value where the formula has one is wrong.
+        if values[lane].is_finite() && !bound.is_finite() {
+            return Some((lane, Err(Doubt::by(tape.cause(column, lane)))));
+        }
+        if values[lane].is_finite() && tape.fork(lane).is_some() {
+            return Some((lane, Err(fork(tape, lane))));
+        }
+        Some((lane, Ok((Some(values[lane]), if bound.is_finite() { bound } else { 0.0 }))))
+    };
+    far.into_iter().filter_map(judge).collect()
+}
+
+/// Compares what is no number: how many vertices the shader emits, in which strips.
+fn shape_of_shader(
+    machine: &Machine<'_, Tape<'_>>,
+    court: &Court<'_>,
+    expected: &Expected,
+    lane: usize,
+) -> Option<Deviation> {
+    let blame = Blame::Shader;
+    if machine.flags()[lane].has(Kind::Fuel) {
+        return Some(Deviation { blame, what: What::Endless });
+    }
+    if same_shape(machine, court.reference, expected, lane) {
+        return None;
+    }
+    let (emitted, max) = (machine.emitted()[lane], machine.room() as u32);
+    let count = expected.strips.len();
+    let what = if emitted > max {
+        What::TooManyVertices { emitted, max }
+    } else if emitted as usize != count {
+        What::VertexCount { expected: count, actual: emitted }
+    } else {
+        let begins = |v: usize| expected.strips[v] != expected.strips[v - 1];
+        let began = |v: usize| machine.strip(v)[lane] != machine.strip(v - 1)[lane];
+        let vertex = (1..count).find(|&v| begins(v) != began(v))?;
+        What::Strip { vertex, begins: begins(vertex) }
+    };
+    Some(Deviation { blame, what })
+}
+
+/// The same between a lane and the shader.
+fn shape_of_lane<D: Domain>(
+    machine: &Machine<'_, D>,
+    actual: &Actual,
+    invocation: usize,
+    lane: usize,
+) -> Option<Deviation> {
+    let max = actual.layout().max_vertices?;
+    let (emitted, meant) = (actual.emitted(invocation), machine.emitted()[lane]);
+    let what = if emitted != meant {
+        What::VertexCount { expected: meant as usize, actual: emitted }
+    } else {
+        let count = emitted.min(max) as usize;
+        let begins = |v: usize| machine.strip(v)[lane] != machine.strip(v - 1)[lane];
+        let began = |v: usize| actual.strip(invocation, v) != actual.strip(invocation, v - 1);
+        let vertex = (1..count).find(|&v| begins(v) != began(v))?;
+        What::Strip { vertex, begins: begins(vertex) }
+    };
+    Some(Deviation { blame: Blame::Lane, what })
+}
