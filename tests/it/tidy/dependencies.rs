@@ -21,7 +21,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("interp", &["program", "text", "value"]),
     ("lane", &["interp", "program", "value"]),
     ("property", &["text", "value"]),
-    ("bound", &["property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
+    ("bound", &["property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("verdict", &["property", "formula", "lane", "program", "text", "diagnostic", "value"]),
     ("suite", &["verdict", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("mutate", &["suite", "verdict", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
