@@ -13,11 +13,11 @@ use shadercheck::value::Batch;
 const SAMPLES: usize = 2000;
 
 fn suites() -> Vec<Prepared> {
-    let ready = |suite: &shadercheck::suite::Shipped| {
+    let ready = shipped().iter().map(|suite| {
         let parsed = parse(&SourceFile::new(suite.path, suite.toml)).unwrap();
         prepare(&parsed, &SourceFile::new(suite.shader_name, suite.shader_text)).unwrap()
-    };
-    let suites: Vec<Prepared> = shipped().iter().map(ready).collect();
+    });
+    let suites: Vec<Prepared> = ready.collect();
     assert_eq!(suites.len(), 14);
     suites
 }
