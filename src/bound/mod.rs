@@ -1,6 +1,7 @@
 //! How far a conforming device may be off: what specifications promise for single operations, what a
-//! device was measured to keep, and the sweep that measures it.
+//! device was measured to keep, the sweep that measures it, and a device that errs as far as it may.
 
+pub mod adversary;
 pub mod calibrate;
 pub mod profile;
 pub mod tape;

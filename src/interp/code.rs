@@ -4,7 +4,10 @@
 //! column, a value for each lane. Variables have registers of their own, one for each scalar of their
 //! type; calls are expanded in place, which gives every variable a fixed one.
 
+use std::sync::Arc;
+
 use super::domain::{Binary, Class, Comparison, FromWords, Site, Source, ToWords, Unary};
+use super::rearrange::Draft;
 use crate::value::Scalar;
 
 /// Number of a register within its file.
@@ -364,6 +367,8 @@ pub struct Executable {
     pub(super) poisoned: Vec<Slot>,
     pub(super) outputs: Vec<Slot>,
     pub(super) max_vertices: Option<u32>,
+    /// The body before its temporaries share registers.
+    pub(super) draft: Arc<Draft>,
 }
 
 impl Executable {

@@ -20,6 +20,7 @@ mod lanes;
 mod machine;
 mod meaning;
 mod plain;
+mod rearrange;
 #[cfg(test)]
 mod tests;
 
@@ -36,6 +37,7 @@ pub use lanes::{LANES, Mask, Words};
 pub use machine::{Machine, OutputColumn};
 pub use meaning::{Finding, Flags, Kind, Meaning};
 pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
+pub use rearrange::Laws;
 
 /// Bits of an output that was never written: a quiet NaN with a payload of its own.
 pub const POISON: u32 = 0x7fd5_a3c9;
@@ -130,13 +132,26 @@ impl Executable {
     /// # Errors
     /// [`InterpError::Batch`] when the batch has too few words.
     pub fn run<D: Domain + Default>(&self, batch: &Batch, fuel: u32) -> Result<Meaning<D::Word>, InterpError> {
+        self.run_with(batch, fuel, D::default)
+    }
+
+    /// The same in domains that `domain` makes, one for each thread.
+    ///
+    /// # Errors
+    /// [`InterpError::Batch`] when the batch has too few words.
+    pub fn run_with<D: Domain>(
+        &self,
+        batch: &Batch,
+        fuel: u32,
+        domain: impl Fn() -> D + Sync + Send,
+    ) -> Result<Meaning<D::Word>, InterpError> {
         self.check(batch)?;
         let count = batch.invocation_count();
         let (room, width) = (self.max_vertices.unwrap_or(1) as usize, self.outputs.len());
         let pieces: Vec<Meaning<D::Word>> = (0..count.div_ceil(LANES))
             .into_par_iter()
             .map_init(
-                || Machine::new(self, D::default(), fuel),
+                || Machine::new(self, domain(), fuel),
                 |machine, chunk| {
                     let first = chunk * LANES;
                     let lanes = machine.run(batch, first);

@@ -168,8 +168,9 @@ impl<T> Column<T> {
         self.0.first_chunk().expect("a column has a number for each lane")
     }
 
+    /// The numbers, to be changed.
     #[inline]
-    fn values_mut(&mut self) -> &mut [T; LANES] {
+    pub fn values_mut(&mut self) -> &mut [T; LANES] {
         self.0.first_chunk_mut().expect("a column has a number for each lane")
     }
 }

@@ -3,7 +3,7 @@
 //! It rounds every operation correctly and rearranges nothing, so it is no evidence about a driver:
 //! it stands in where there is none, and it tells a shader that is wrong from a driver that is.
 
-use crate::interp::{self, Binary32, Executable, Kind};
+use crate::interp::{self, Binary32, Executable, Kind, Meaning};
 use crate::program::{Form, Kernel, OutputLayout};
 use crate::value::Batch;
 
@@ -59,33 +59,42 @@ impl Runner for EmbeddedRunner {
         }
         let meaning =
             self.executable.run::<Binary32>(batch, interp::FUEL).map_err(|error| LaneError::Api(error.to_string()))?;
-        let endless = (0..count).find(|&i| meaning.flags(i).has(Kind::Fuel));
-        if let Some(invocation) = endless {
-            return Err(LaneError::Endless { invocation, count, rounds: interp::FUEL });
-        }
-        let marks = Marks::random();
-        let mut words = vec![marks.sentinel; self.layout.words() * count];
-        let geometry = self.layout.max_vertices.is_some();
-        for (invocation, record) in words.chunks_exact_mut(self.layout.words()).enumerate() {
-            record[0] = marks.canary ^ invocation as u32;
-            if geometry {
-                record[1] = meaning.emitted(invocation);
-                record[2] = meaning.ended_strips(invocation);
-            }
-            let header = self.layout.header_words();
-            let size = self.layout.vertex_words();
-            for vertex in 0..meaning.stored(invocation) {
-                let place = &mut record[header + vertex * size..][..size];
-                let (strip, place) = place.split_at_mut(usize::from(geometry));
-                strip.fill(meaning.strip(invocation, vertex));
-                place.copy_from_slice(meaning.vertex(invocation, vertex));
-            }
-        }
-        // What the shader left out bears the interpreter's own mark; here it is the sentinel again.
-        for &(invocation, vertex, word) in meaning.unwritten() {
-            let at = self.layout.header_words() + vertex * self.layout.vertex_words() + usize::from(geometry) + word;
-            words[invocation * self.layout.words() + at] = marks.sentinel;
-        }
-        Actual::accept(&self.layout, words, count, marks)
+        accepted(&self.layout, &meaning)
     }
+}
+
+/// What a lane made of the interpreter wrote: the records of all invocations.
+///
+/// # Errors
+/// [`LaneError::Endless`] when an invocation ran out of fuel, which is [`interp::FUEL`].
+pub fn accepted(layout: &OutputLayout, meaning: &Meaning<u32>) -> Result<Actual, LaneError> {
+    let count = meaning.count();
+    let endless = (0..count).find(|&i| meaning.flags(i).has(Kind::Fuel));
+    if let Some(invocation) = endless {
+        return Err(LaneError::Endless { invocation, count, rounds: interp::FUEL });
+    }
+    let marks = Marks::random();
+    let mut words = vec![marks.sentinel; layout.words() * count];
+    let geometry = layout.max_vertices.is_some();
+    for (invocation, record) in words.chunks_exact_mut(layout.words()).enumerate() {
+        record[0] = marks.canary ^ invocation as u32;
+        if geometry {
+            record[1] = meaning.emitted(invocation);
+            record[2] = meaning.ended_strips(invocation);
+        }
+        let header = layout.header_words();
+        let size = layout.vertex_words();
+        for vertex in 0..meaning.stored(invocation) {
+            let place = &mut record[header + vertex * size..][..size];
+            let (strip, place) = place.split_at_mut(usize::from(geometry));
+            strip.fill(meaning.strip(invocation, vertex));
+            place.copy_from_slice(meaning.vertex(invocation, vertex));
+        }
+    }
+    // What the shader left out bears the interpreter's own mark; here it is the sentinel again.
+    for &(invocation, vertex, word) in meaning.unwritten() {
+        let at = layout.header_words() + vertex * layout.vertex_words() + usize::from(geometry) + word;
+        words[invocation * layout.words() + at] = marks.sentinel;
+    }
+    Actual::accept(layout, words, count, marks)
 }

@@ -18,3 +18,4 @@ pub use relation::{Claim, Observed, Relation};
 pub use sample::Sample;
 pub use sampler::Sampler;
 pub use strategy::{CaseStrategy, CaseTree};
+pub use stream::{Stream, mix};

@@ -1,5 +1,6 @@
 //! Tests across modules and processes, in one binary.
 
+mod adversary;
 mod alarms;
 mod binary;
 mod calibrate;

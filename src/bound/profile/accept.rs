@@ -5,7 +5,7 @@
 //! 2^-28 ULP of binary32 an operation, is not accounted for.
 
 use super::grid::{self, Interval};
-use super::{Acceptance, Definition, Entry, Flush, Op, Profile, Rounding, Rule};
+use super::{Acceptance, Definition, Entry, Flush, Op, Piece, Profile, Rounding, Rule};
 use crate::lane::Stage;
 
 /// Why any result is accepted.
@@ -45,6 +45,22 @@ pub fn accept(profile: &Profile, op: Op, args: &[f64], stage: Stage) -> Result<I
         }
     }
     Ok(accepted)
+}
+
+/// The accepted results around an exact value that the caller knows, for operations on what is no
+/// real number: `ldexp` and conversions of integers. `args` are the arguments as numbers; flushed
+/// ones are not accounted for.
+///
+/// # Errors
+/// [`Free`] when any result is accepted.
+pub fn accept_near(profile: &Profile, op: Op, args: &[f64], exact: f64, stage: Stage) -> Result<Interval, Free> {
+    let points: [Interval; 3] = std::array::from_fn(|k| Interval::point(args.get(k).copied().unwrap_or(f64::NAN)));
+    let points = &points[..args.len().min(3)];
+    let Entry::Promised(pieces) = profile.entry(op) else { return Err(Free::NoPromise) };
+    if exact.is_nan() {
+        return Err(Free::OutsideDomain);
+    }
+    Scope { profile, stage }.open(pieces, Interval::point(exact), points)
 }
 
 /// An error, in ULP at the exact value, that a profile accepts for every argument for which it
@@ -99,12 +115,20 @@ impl Scope<'_> {
         if !pieces.iter().any(|p| p.touches(args)) {
             return Err(Free::OutsideDomain);
         }
-        let range = exact_range(op, args).ok_or(Free::OutsideDomain)?;
+        self.open(pieces, exact_range(op, args).ok_or(Free::OutsideDomain)?, args)
+    }
+
+    /// What the rules of an operation open around its exact values.
+    fn open(&self, pieces: &[Piece], range: Interval, args: &[Interval]) -> Result<Interval, Free> {
         let mut accepted: Option<Interval> = None;
         // The first piece that covers a point counts: later ones count for what earlier ones leave.
         let mut covered = false;
         for piece in pieces.iter().filter(|p| p.touches(args)) {
             let part = self.around(&piece.rule, range, args)?;
+            // An infinite error at an infinite value leaves no end.
+            if part.lo.is_nan() || part.hi.is_nan() {
+                return Err(Free::OutsideDomain);
+            }
             accepted = Some(accepted.map_or(part, |a| a.join(part)));
             covered = piece.covers(args);
             if covered {

@@ -375,3 +375,19 @@ fn strict_binary32_is_what_its_text_says() {
         assert!(names().all(|name| allowed(name, op, &[]) == Allowed::NoPromise), "{op:?}");
     }
 }
+
+#[test]
+fn an_infinite_error_at_an_infinite_value_accepts_anything() {
+    let at = |x: f64| accept(profile("vulkan-1.4"), Op::Exp, &[x], Stage::Compute);
+    assert_eq!(at(f64::INFINITY), Err(Free::OutsideDomain));
+    assert!(at(80.0).is_ok());
+}
+
+#[test]
+fn a_known_exact_value_is_judged_by_the_rule_of_its_operation() {
+    let near = |op, x: f64| accept_near(profile("vulkan-1.4"), op, &[x], x, Stage::Compute);
+    assert_eq!(near(Op::Convert, 16_777_217.0), Ok(Interval { lo: 16_777_216.0, hi: 16_777_218.0 }));
+    assert_eq!(near(Op::Ldexp, 12.0), Ok(Interval::point(12.0)));
+    assert_eq!(near(Op::Determinant, 1.0), Err(Free::NoPromise));
+    assert_eq!(near(Op::Convert, f64::NAN), Err(Free::OutsideDomain));
+}

@@ -12,14 +12,15 @@ mod types;
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Type};
 
 use super::InterpError;
-use super::allocate::allocate;
 use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Slot, TEMPORARY};
 use super::domain::{Site, Source};
+use super::rearrange::Draft;
 use crate::program::{Entry, PortAt};
 use crate::value::Scalar;
 
@@ -161,6 +162,7 @@ impl<'m> Compiler<'m> {
                 poisoned: Vec::new(),
                 outputs: Vec::new(),
                 max_vertices: subject.max_vertices,
+                draft: Arc::default(),
             },
             sites: HashMap::new(),
             constant_sites: HashMap::new(),
@@ -224,10 +226,8 @@ impl<'m> Compiler<'m> {
             |inst| !matches!(inst, Inst::Copy { to, .. } if own.contains(&key(*to)) || marked.contains(&key(*to))),
         );
         all.push(Inst::Call { body });
-        let (reals, words) = allocate(&mut all, self.fixed);
-        self.executable.body = all;
-        (self.executable.reals, self.executable.words) = (reals as usize, words as usize);
-        Ok(self.executable)
+        let draft = Draft { body: all, fixed: self.fixed, temporaries: self.temporaries };
+        Ok(self.executable.with_body(draft))
     }
 
     /// The registers that an input fills.

@@ -6,5 +6,6 @@ mod functions;
 mod memory;
 mod operators;
 mod ranges;
+mod rearrange;
 mod refusals;
 mod support;
