@@ -242,12 +242,7 @@ fn one_suite(
     Ok(())
 }
 
-fn request(
-    args: &CheckArgs,
-    selected: &Selected,
-    prepared: &Prepared,
-    rulings: Rulings,
-) -> anyhow::Result<Request> {
+fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: Rulings) -> anyhow::Result<Request> {
     let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
     let mut arguments = shell_word(&selected.argument);
     if let Some(shader) = &args.shader {

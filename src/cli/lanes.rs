@@ -28,12 +28,7 @@ pub fn run(_args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus>
                 let promises: Vec<&str> = rulings.promises().map(|p| p.name.as_str()).collect();
                 let measured = rulings.measured.as_ref().map_or("none", |p| p.name.as_str());
                 let api = description.api.name();
-                writeln!(
-                    out,
-                    "{:<10} API {api}: promises {}; measured profile: {measured}",
-                    "",
-                    promises.join(", ")
-                )?;
+                writeln!(out, "{:<10} API {api}: promises {}; measured profile: {measured}", "", promises.join(", "))?;
             }
             Err(missing) => writeln!(out, "{:<10} unavailable  {missing} ({})", candidate.name, candidate.about)?,
         }

@@ -1,7 +1,7 @@
 use std::cell::Cell;
 
 use super::*;
-use crate::bound::profile::{Allowed, Definition, Flush, accept, parse};
+use crate::bound::profile::{Allowed, Definition, Flush, Rounding, accept, parse};
 use crate::lane::{Actual, Api, Description, Marks};
 use crate::program::Kernel;
 use crate::text::SourceFile;
@@ -18,12 +18,8 @@ pub(super) struct Soft {
 
 impl Soft {
     pub(super) fn new(function: Function) -> Self {
-        let description = Description {
-            name: "soft",
-            driver: "soft 1".to_owned(),
-            api: Api::Vulkan,
-            stages: vec![Stage::Compute],
-        };
+        let description =
+            Description { name: "soft", driver: "soft 1".to_owned(), api: Api::Vulkan, stages: vec![Stage::Compute] };
         Self { description, function, left: Cell::new(usize::MAX) }
     }
 }
@@ -321,6 +317,9 @@ fn the_written_profile_reads_back_with_its_bounds() {
 
 #[test]
 fn what_the_probes_find_is_in_the_header() {
+    use Flush::{Must, Never};
+    use Rounding::{Either, NearestEven};
+
     let plain = Behaviour {
         results: Flush::Never,
         arguments: Flush::Never,
@@ -340,14 +339,45 @@ fn what_the_probes_find_is_in_the_header() {
         let p = parse(&SourceFile::new("m.toml", text), &|name| by_name(name).cloned()).unwrap();
         (p.contraction, p.rearrangement, p.compute, p.vertex, p.rounding)
     };
-    use crate::bound::profile::Rounding::{Either, NearestEven};
-    use Flush::{Must, Never};
     assert_eq!(header(&plain, None), (false, false, Never, Never, NearestEven));
     // One stage is enough for what the header says of both.
     assert_eq!(header(&plain, Some(&fused)), (true, false, Never, Never, NearestEven));
     assert_eq!(header(&reordered, Some(&plain)), (false, true, Never, Never, NearestEven));
     assert_eq!(header(&plain, Some(&flushing)), (false, false, Never, Must, NearestEven));
     assert_eq!(header(&truncating, Some(&plain)), (false, false, Never, Never, Either));
+}
+
+#[test]
+fn the_measurement_of_the_embedded_lane_is_strict() {
+    let lane = crate::lane::embedded::open().unwrap();
+    let ops = [Op::Mul, Op::Sin, Op::Cos, Op::Div, Op::Tan, Op::Exp];
+    let driver = lane.description().driver.clone();
+    let mut state = State::new(Request { driver, ..request(&ops, 100_000) });
+    run(lane.as_ref(), &mut state, &mut |_, _| Ok(())).unwrap();
+    let compute = probe(lane.as_ref(), Stage::Compute).unwrap();
+    let lane_of = lane.description();
+    let document = |definitions| Document {
+        lane: lane_of,
+        state: &state,
+        compute: &compute,
+        vertex: None,
+        definitions,
+        date: "2026-01-31",
+    };
+    let base = |name: &str| by_name(name).cloned();
+    let profile = parse(&SourceFile::new("m.toml", document(&[]).text()), &base).unwrap();
+    assert_eq!((profile.compute, profile.rounding), (Flush::Never, Rounding::NearestEven));
+    assert!(!profile.contraction && !profile.rearrangement);
+    // What is computed in binary64 and rounded once errs by a little more than half an ULP, and counts
+    // as correctly rounded: no margin, and no other formula.
+    assert!(state.tallies.iter().any(|tally| tally.worst_ulp().value() > 0.5));
+    for op in ops {
+        let args = [0.3, 0.7];
+        let exact = op.exact(&args);
+        let bound = Allowed::Bound(crate::value::ulp_at(exact) / 2.0);
+        assert_eq!(profile.allowed(op, &args, exact, Stage::Compute), bound, "{op:?}");
+    }
+    assert_eq!(confirmed(lane.as_ref(), &profile).unwrap(), []);
 }
 
 /// The embedded lane against what its profile says, with a fault in the last bit or without.
@@ -371,8 +401,10 @@ fn embedded(op: Op, shifted: u32) -> Tally {
 fn the_embedded_lane_keeps_the_binary32_profile() {
     for op in measurable() {
         let tally = embedded(op, 0);
-        assert_eq!((tally.outside_text, tally.flushed), (0, 0), "{op:?}: {:?}", tally.ratio);
-        assert!(tally.samples > 0);
+        assert_eq!(tally.outside_text, 0, "{op:?}: {:?}", tally.ratio);
+        // Without a flush a remainder of a subnormal number can look like one.
+        assert!(tally.flushed == 0 || matches!(op, Op::Mod | Op::Fma), "{op:?}");
+        assert_eq!(tally.samples, 20_000);
     }
 }
 

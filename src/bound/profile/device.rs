@@ -89,7 +89,9 @@ mod tests {
         assert!(!same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 23.3.6 (LLVM 15.0.6)"));
         assert!(!same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.30.6 (LLVM 15.0.6)"));
         assert!(!same(LLVMPIPE, "softpipe, softpipe, Mesa 22.3.6"));
-        for none in ["llvmpipe", "llvmpipe, llvmpipe, Mesa", "llvmpipe, Mesa 22", "llvmpipe, Mesa x.y", "SwiftShader 5.0", ""] {
+        for none in
+            ["llvmpipe", "llvmpipe, llvmpipe, Mesa", "llvmpipe, Mesa 22", "llvmpipe, Mesa x.y", "SwiftShader 5.0", ""]
+        {
             assert_eq!(Identity::of(none), None, "{none}");
         }
     }

@@ -75,7 +75,10 @@ mod tests {
 
     fn measured(argument: Option<&str>) -> Option<String> {
         let rulings = Choice::new(argument).unwrap().rulings(&lane());
-        assert_eq!((rulings.text.name.as_str(), rulings.conformance.unwrap().name.as_str()), ("vulkan-1.4", "vulkan-cts"));
+        assert_eq!(
+            (rulings.text.name.as_str(), rulings.conformance.unwrap().name.as_str()),
+            ("vulkan-1.4", "vulkan-cts")
+        );
         rulings.measured.map(|p| p.name.clone())
     }
 

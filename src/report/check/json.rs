@@ -13,11 +13,8 @@ pub fn json(summary: &Summary) -> String {
         Status::Fail | Status::Broken => "fail",
     };
     let totals = summary.totals();
-    let lanes: Vec<Value> = summary
-        .lanes
-        .iter()
-        .flat_map(|used| used.description.stages.iter().map(|stage| lane(used, *stage)))
-        .collect();
+    let lanes: Vec<Value> =
+        summary.lanes.iter().flat_map(|used| used.description.stages.iter().map(|stage| lane(used, *stage))).collect();
     let unavailable: Vec<Value> = summary
         .unavailable
         .iter()

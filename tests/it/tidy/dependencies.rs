@@ -23,7 +23,10 @@ const MODULES: &[(&str, &[&str])] = &[
     ("property", &["text", "value"]),
     ("bound", &["property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("verdict", &["property", "formula", "lane", "program", "text", "diagnostic", "value"]),
-    ("suite", &["verdict", "bound", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"]),
+    (
+        "suite",
+        &["verdict", "bound", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"],
+    ),
     ("mutate", &["suite", "verdict", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
     (
