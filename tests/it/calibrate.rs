@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Parser;
 use serde_json::Value;
 use shadercheck::bound::calibrate::probe;
-use shadercheck::bound::profile::{Allowed, Flush, Op, parse};
+use shadercheck::bound::profile::{Allowed, Flush, Op, by_name, for_device, parse};
 use shadercheck::cli::calibrate::{CalibrateArgs, run_on};
 use shadercheck::cli::status::ExitStatus;
 use shadercheck::cli::{Cli, Command};
@@ -53,8 +53,20 @@ fn a_short_run_measures_the_vulkan_lane() {
     }
     let sine = operation(&report, "sin");
     assert!(number(&sine["promised"]["abs"]) <= 2f64.powi(-11));
-    let profile = parse(&SourceFile::new("device.toml", profile), &|_| None).unwrap();
-    assert!(profile.name.starts_with("measured:"));
+    let profile = parse(&SourceFile::new("device.toml", profile), &|name| by_name(name).cloned()).unwrap();
+    let driver = &lane.description().driver;
+    assert_eq!(profile.driver.as_ref(), Some(driver));
+    assert!(profile.revision.starts_with(driver.as_str()) && profile.revision.contains("; measured 2"));
+    assert!(report["profile"].as_str().unwrap().ends_with("device.toml"));
+    // The short run finds about what the long one that ships has found.
+    if let Some(shipped) = for_device(driver) {
+        assert_eq!(
+            (profile.compute, profile.vertex, profile.rounding),
+            (shipped.compute, shipped.vertex, shipped.rounding)
+        );
+        assert_eq!((profile.contraction, profile.rearrangement), (shipped.contraction, shipped.rearrangement));
+        assert_eq!(profile.name, shipped.name);
+    }
     let allowed = profile.allowed(Op::Sin, &[1.0], 1f64.sin(), Stage::Compute);
     assert!(matches!(allowed, Allowed::Bound(b) if b > 0.0 && b < 2f64.powi(-11)), "{allowed:?}");
 }
@@ -70,6 +82,7 @@ fn the_software_driver_is_as_known() {
     let vertex = probe(lane.as_ref(), Stage::Vertex).unwrap();
     assert_eq!((compute.flush(), vertex.flush()), (Flush::Never, Flush::Must));
     assert!(!compute.fusion.fma && compute.nearest_even);
+    assert!(compute.reordered && vertex.reordered);
     let ops = [Op::Asin, Op::Sqrt, Op::Div];
     let (_, report, _) = calibrate(lane.as_ref(), &ops, "--samples 200000");
     let asin = number(&operation(&report, "asin")["promised"]["abs"]);

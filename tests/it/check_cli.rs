@@ -31,7 +31,9 @@ fn a_line_for_each_suite_and_stage_then_totals() {
             assert!(line.contains(word), "{line}");
         }
     }
-    assert_eq!(lines[3..], ["", "pass: 912 judged, 912 agreed, 0 deviated, 0 undetermined, 0 unsupported"]);
+    assert_eq!(lines[3], "");
+    assert!(lines[4].starts_with("note: lane `vulkan`: promises of vulkan-1.4, vulkan-cts; "), "{}", lines[4]);
+    assert_eq!(lines[5..], ["pass: 912 judged, 912 agreed, 0 deviated, 0 undetermined, 0 unsupported"]);
     assert_eq!(ran.err, "", "no progress bar where there is no terminal");
     assert!(!ran.out.contains('\u{1b}'), "no colours either");
 }
@@ -183,6 +185,53 @@ fn lanes_tells_what_can_run_and_why_not() {
     assert!(ran.out.starts_with("vulkan     available    ") && ran.out.contains("(compute, vertex)"), "{}", ran.out);
     let ran = without_lanes("lanes").expect(0);
     assert!(ran.out.starts_with("vulkan     unavailable  no Vulkan driver was found; install one"), "{}", ran.out);
+}
+
+/// The profiles of the first lane of a run.
+fn profiles(line: &str) -> (Value, Value, Value) {
+    let json = run(&format!("check sphere --samples 16 --stage compute --format json {line}")).expect(0).json();
+    let lane = &json["lanes"][0];
+    (lane["promise"].clone(), lane["conformance"].clone(), lane["measured"].clone())
+}
+
+#[test]
+fn a_lane_is_held_against_the_promises_of_its_api_and_a_measured_profile() {
+    let lanes = run("lanes").expect(0).out;
+    assert!(lanes.contains("API vulkan: promises vulkan-1.4, vulkan-cts; measured profile: "), "{lanes}");
+    assert!(lanes.contains("API binary32: promises binary32; measured profile: none"), "{lanes}");
+    let vulkan = |measured: Value| ("vulkan-1.4".into(), "vulkan-cts".into(), measured);
+    // Which device is here decides what is the default.
+    let own = if lanes.contains("Mesa 22.3.") { "llvmpipe-22.3.6".into() } else { Value::Null };
+    assert_eq!(profiles(""), vulkan(own));
+    assert_eq!(profiles("--profile none"), vulkan(Value::Null));
+    assert_eq!(profiles("--profile llvmpipe-22.3.6"), vulkan("llvmpipe-22.3.6".into()));
+    assert_eq!(profiles("--lane embedded"), ("binary32".into(), Value::Null, Value::Null));
+    let text = run("check sphere --samples 16 --lane embedded --profile wgsl").expect(0).out;
+    assert!(text.contains("\nnote: lane `embedded`: promises of binary32; measured profile wgsl\n"), "{text}");
+}
+
+#[test]
+fn a_profile_of_calibrate_is_taken_and_a_damaged_one_refused_at_the_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    let line = format!("calibrate --lane embedded --builtin exp2,pow,log2,mul --samples 5000 -o {}", path.display());
+    let ran = run(&line).expect(0);
+    let hint = format!("\nThe measured profile is in {0}; use it with `check --profile {0}`.\n", path.display());
+    assert!(ran.out.ends_with(&hint), "{}", ran.out);
+    let (_, _, measured) = profiles(&format!("--profile {}", path.display()));
+    assert_eq!(measured, format!("interpreter of shadercheck {}", env!("CARGO_PKG_VERSION")));
+    let text = fs::read_to_string(&path).unwrap();
+    let damaged = text.replacen("samples = ", "sample = ", 2).replacen("sample = ", "samples = ", 1);
+    fs::write(&path, damaged).unwrap();
+    let ran = run(&format!("check sphere --samples 16 --profile {}", path.display())).expect(2);
+    let at = text.lines().enumerate().filter(|(_, line)| line.starts_with("samples = ")).nth(1).unwrap().0 + 1;
+    let said = format!("{}:{at}:1: unknown key `sample`; did you mean `samples`?", path.display());
+    assert!(ran.err.contains(&said), "{}", ran.err);
+    assert_eq!(ran.out, "");
+    fs::write(&path, &text[..text.len() / 2]).unwrap();
+    run(&format!("check sphere --samples 16 --profile {}", path.display())).expect(2);
+    let ran = run("check sphere --profile llvmpip-22.3.6").expect(2);
+    assert_eq!(ran.err, "error: there is no profile and no file `llvmpip-22.3.6`; did you mean `llvmpipe-22.3.6`?\n");
 }
 
 /// The findings of the first suite of a report, without the commands.

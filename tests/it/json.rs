@@ -14,7 +14,7 @@ fn has(value: &Value, keys: &[&str]) {
 }
 
 const RUN: [&str; 5] = ["status", "seed", "lanes", "suites", "totals"];
-const LANE: [&str; 3] = ["name", "stage", "driver"];
+const LANE: [&str; 7] = ["name", "stage", "driver", "api", "promise", "conformance", "measured"];
 const SUITE: [&str; 11] = [
     "suite",
     "shader",

@@ -1,7 +1,7 @@
 use std::cell::Cell;
 
 use super::*;
-use crate::bound::profile::{Allowed, Definition, Flush, accept, parse};
+use crate::bound::profile::{Allowed, Definition, Flush, Rounding, accept, parse};
 use crate::lane::{Actual, Api, Description, Marks};
 use crate::program::Kernel;
 use crate::text::SourceFile;
@@ -317,6 +317,9 @@ fn the_written_profile_reads_back_with_its_bounds() {
 
 #[test]
 fn what_the_probes_find_is_in_the_header() {
+    use Flush::{Must, Never};
+    use Rounding::{Either, NearestEven};
+
     let plain = Behaviour {
         results: Flush::Never,
         arguments: Flush::Never,
@@ -336,14 +339,70 @@ fn what_the_probes_find_is_in_the_header() {
         let p = parse(&SourceFile::new("m.toml", text), &|name| by_name(name).cloned()).unwrap();
         (p.contraction, p.rearrangement, p.compute, p.vertex, p.rounding)
     };
-    use crate::bound::profile::Rounding::{Either, NearestEven};
-    use Flush::{Must, Never};
     assert_eq!(header(&plain, None), (false, false, Never, Never, NearestEven));
     // One stage is enough for what the header says of both.
     assert_eq!(header(&plain, Some(&fused)), (true, false, Never, Never, NearestEven));
     assert_eq!(header(&reordered, Some(&plain)), (false, true, Never, Never, NearestEven));
     assert_eq!(header(&plain, Some(&flushing)), (false, false, Never, Must, NearestEven));
     assert_eq!(header(&truncating, Some(&plain)), (false, false, Never, Never, Either));
+}
+
+#[test]
+fn the_measurement_of_the_embedded_lane_is_strict() {
+    let lane = crate::lane::embedded::open().unwrap();
+    let ops = [Op::Mul, Op::Sin, Op::Cos, Op::Div, Op::Tan, Op::Exp];
+    let driver = lane.description().driver.clone();
+    let mut state = State::new(Request { driver, ..request(&ops, 100_000) });
+    run(lane.as_ref(), &mut state, &mut |_, _| Ok(())).unwrap();
+    let compute = probe(lane.as_ref(), Stage::Compute).unwrap();
+    let lane_of = lane.description();
+    let document = |definitions| Document {
+        lane: lane_of,
+        state: &state,
+        compute: &compute,
+        vertex: None,
+        definitions,
+        date: "2026-01-31",
+    };
+    let base = |name: &str| by_name(name).cloned();
+    let profile = parse(&SourceFile::new("m.toml", document(&[]).text()), &base).unwrap();
+    assert_eq!((profile.compute, profile.rounding), (Flush::Never, Rounding::NearestEven));
+    assert!(!profile.contraction && !profile.rearrangement);
+    for op in ops {
+        let args = [0.3, 0.7];
+        let exact = op.exact(&args);
+        let bound = Allowed::Bound(crate::value::ulp_at(exact) / 2.0);
+        assert_eq!(profile.allowed(op, &args, exact, Stage::Compute), bound, "{op:?}");
+    }
+    assert_eq!(confirmed(lane.as_ref(), &profile).unwrap(), []);
+}
+
+#[test]
+fn an_error_that_the_references_cannot_tell_from_half_an_ulp_has_no_margin() {
+    // 1 + y lies a little above the middle of 1 and its neighbour, and the device says 1.
+    let bound = |y: f32| {
+        let (text, suite) = promises();
+        let judge = Judge::new(Op::Add, text, suite, Stage::Compute);
+        let tally = judge.tally(1, |_| ([1.0_f32.to_bits(), y.to_bits(), 0], 1.0_f32.to_bits()));
+        assert!(tally.worst_ulp().value() > 0.5 && tally.outside_text == 0);
+        let state = State { request: request(&[Op::Add], 1), tallies: vec![tally], position: 1 };
+        let lane = crate::lane::embedded::open().unwrap();
+        let compute = probe(lane.as_ref(), Stage::Compute).unwrap();
+        let lane = lane.description();
+        let document =
+            Document { lane, state: &state, compute: &compute, vertex: None, definitions: &[], date: "2026-01-31" };
+        let base = |name: &str| by_name(name).cloned();
+        let profile = parse(&SourceFile::new("m.toml", document.text()), &base).unwrap();
+        let args = [1.0, f64::from(y)];
+        match profile.allowed(Op::Add, &args, Op::Add.exact(&args), Stage::Compute) {
+            Allowed::Bound(bound) => bound / f64::from(f32::EPSILON),
+            other => panic!("{other:?}"),
+        }
+    };
+    let middle = f32::EPSILON / 2.0;
+    assert_eq!(bound(middle * (1.0 + f32::EPSILON)), 0.5);
+    let further = bound(middle * (1.0 + 2f32.powi(-12)));
+    assert!((1.0..1.01).contains(&further), "twice what was seen: {further}");
 }
 
 /// The embedded lane against what its profile says, with a fault in the last bit or without.
@@ -367,8 +426,10 @@ fn embedded(op: Op, shifted: u32) -> Tally {
 fn the_embedded_lane_keeps_the_binary32_profile() {
     for op in measurable() {
         let tally = embedded(op, 0);
-        assert_eq!((tally.outside_text, tally.flushed), (0, 0), "{op:?}: {:?}", tally.ratio);
-        assert!(tally.samples > 0);
+        assert_eq!(tally.outside_text, 0, "{op:?}: {:?}", tally.ratio);
+        // Without a flush a remainder of a subnormal number can look like one.
+        assert!(tally.flushed == 0 || matches!(op, Op::Mod | Op::Fma), "{op:?}");
+        assert_eq!(tally.samples, 20_000);
     }
 }
 

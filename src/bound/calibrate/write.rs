@@ -34,8 +34,10 @@ impl Document<'_> {
     pub fn text(&self) -> String {
         let (compute, vertex) = (self.compute, self.vertex.unwrap_or(self.compute));
         let measurements = self.state.measurements();
-        // A function may flush its result where arithmetic keeps it.
-        let flushed = measurements.iter().any(|(_, tally)| tally.flushed > 0);
+        // A function may flush its result where arithmetic keeps it. A remainder and a sum of three can
+        // look flushed by their own roundings.
+        let tells = |op: Op| !matches!(op, Op::Mod | Op::Fma);
+        let flushed = measurements.iter().any(|(op, tally)| tells(*op) && tally.flushed > 0);
         let flush = |stage: &Behaviour| match stage.flush() {
             Flush::Never if flushed => Flush::May,
             flush => flush,
@@ -128,6 +130,9 @@ fn operation(line: &mut impl FnMut(String), op: Op, tally: &Tally, exhaustive: b
     line("]".to_owned());
 }
 
+/// Errors up to this many ULP cannot be told from half an ULP: the references are no better, nor is a
+/// function that a device computes in more digits and rounds once.
+const ROUNDED: f64 = 0.5 + 1.0 / 1_048_576.0;
 /// Errors up to this many ULP are bounded by their ULP alone, as good as always, and not by their size.
 const FEW_ULP: f64 = 4.0;
 /// Factor between errors that are about the same.
@@ -151,6 +156,7 @@ fn runs(tally: &Tally) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (k, bin) in tally.bins.iter().enumerate().filter(|(_, b)| b.samples > 0 && b.wild == 0) {
         let (ulp, abs) = (bin.ulp.value(), bin.abs.value());
+        let ulp = if ulp <= ROUNDED { ulp.min(0.5) } else { ulp };
         let joins = |run: &&mut Run| {
             let one_sign = (run.last < BINS / 2) == (k < BINS / 2);
             // Rounding is correct between binades as well where no key was tried.
@@ -187,8 +193,10 @@ fn upward(x: f64) -> String {
     let short = |x: f64| format!("{x:.4e}");
     let near = short(x);
     let reads_back = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
-    // One and a half units of the last digit further is above `x` in any case.
-    let kept = if reads_back(&near) >= x { near } else { short(x * 1.00015) };
+    // One unit of the last digit further, and no more: half an ULP must not become more than half.
+    let unit = near.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
+    let unit = unit.map_or(0.0, |exponent| 10f64.powi(exponent - 4));
+    let kept = if reads_back(&near) >= x { near } else { short(reads_back(&near) + unit) };
     match reads_back(&kept) {
         value if (1e-3..1e7).contains(&value) || value == 0.0 => format!("{value:?}"),
         _ => kept,
@@ -209,4 +217,19 @@ fn quoted(text: &str) -> String {
     }
     quoted.push('"');
     quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_upward_by_less_than_a_unit_of_the_last_digit() {
+        for x in [0.5, 0.499_983, 0.499_999_9, 0.1, 1.0 / 3.0, 9.999_96, 1.000_01, 6.789_123e31, 2.5e-45, 3829.938_7] {
+            let written: f64 = upward(x).parse().unwrap();
+            assert!(written >= x && written <= x * 1.0001, "{x}: {written}");
+            assert!(x > 0.5 || written <= 0.5, "{x}: {written}");
+        }
+        assert_eq!((upward(0.0).as_str(), upward(0.5).as_str(), upward(0.499_983).as_str()), ("0.0", "0.5", "0.49999"));
+    }
 }

@@ -42,12 +42,13 @@ impl Report<'_> {
             let Some(b) = behaviour else { continue };
             let _ = writeln!(
                 text,
-                "{stage:<8} subnormal arguments {}, results {}; fma {}; x*y + z {}; sums {}",
+                "{stage:<8} subnormal arguments {}, results {}; fma {}; x*y + z {}; sums {}; order of sums and products {}",
                 flush(b.arguments.name()),
                 flush(b.results.name()),
                 fused(b.fusion.fma),
                 fused(b.fusion.expression),
-                if b.nearest_even { "rounded to nearest even" } else { "not rounded to nearest even" }
+                if b.nearest_even { "rounded to nearest even" } else { "not rounded to nearest even" },
+                if b.reordered { "not kept" } else { "kept" }
             );
         }
         text
@@ -63,6 +64,7 @@ impl Report<'_> {
                 "fma_fused": b.fusion.fma,
                 "products_and_sums_fused": b.fusion.expression,
                 "nearest_even": b.nearest_even,
+                "reordered": b.reordered,
             })
         };
         let operations: Vec<Value> = self
