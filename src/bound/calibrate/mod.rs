@@ -7,7 +7,7 @@
 //! down and continued.
 
 mod inputs;
-mod kernel;
+pub(super) mod kernel;
 mod probe;
 mod tally;
 mod write;
