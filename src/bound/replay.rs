@@ -66,8 +66,11 @@ impl Judged {
         if value.is_nan() {
             return Some(f64::INFINITY);
         }
-        let (error, room) =
-            if value > self.exact { (value - self.exact, hi - self.exact) } else { (self.exact - value, self.exact - lo) };
+        let (error, room) = if value > self.exact {
+            (value - self.exact, hi - self.exact)
+        } else {
+            (self.exact - value, self.exact - lo)
+        };
         // Both are infinite where an overflow is accepted; there is no room on a side on which no result
         // is accepted at all.
         Some(if room.is_infinite() { 0.0 } else { error / room.max(0.0) })
@@ -273,11 +276,8 @@ mod tests {
 
     #[test]
     fn factors_are_of_the_side_of_the_error() {
-        let judged = |result: f32, lo, hi| Judged {
-            result: result.to_bits(),
-            exact: 1.0,
-            accepted: Ok(Interval { lo, hi }),
-        };
+        let judged =
+            |result: f32, lo, hi| Judged { result: result.to_bits(), exact: 1.0, accepted: Ok(Interval { lo, hi }) };
         assert_eq!(judged(2.0, 0.75, 1.5).factor(), Some(2.0));
         assert_eq!(judged(0.5, 0.75, 1.5).factor(), Some(2.0));
         assert_eq!(judged(2.0, 1.0, 1.0).factor(), Some(f64::INFINITY));
