@@ -1,5 +1,5 @@
-//! The trace of a probed program, written straight to the output buffer: as a private array it would
-//! cost a device's compiler minutes.
+//! The trace of a probed program, written straight to the output buffer: a private array of that size
+//! takes the compiler of a driver about a hundred times as long.
 
 use naga::{
     AddressSpace, BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, Module, Range,

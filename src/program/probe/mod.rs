@@ -6,8 +6,10 @@
 //! on any lane, and the interpreter runs the same module in any domain of numbers. [`Probed::trace`]
 //! decodes them. A kernel writes the trace straight to its record.
 //!
-//! Stores that are added may keep a compiler from an optimisation. Whether the fault that is looked
-//! for is still there must be told from the ordinary outputs of the same run.
+//! Stores that are added keep a compiler from optimisations, and can change the last bits of a device's
+//! results. Whether the difference that is looked for is still there must be told from the ordinary
+//! outputs of the same run. One that is gone comes from an optimisation across operations, and from
+//! none of them alone.
 
 mod instrument;
 mod operands;
