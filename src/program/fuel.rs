@@ -47,7 +47,7 @@ impl Kernel {
 }
 
 /// The blocks inside a statement.
-fn blocks(statement: &Statement) -> Vec<&Block> {
+pub(super) fn blocks(statement: &Statement) -> Vec<&Block> {
     match statement {
         Statement::Block(block) => vec![block],
         Statement::If { accept, reject, .. } => vec![accept, reject],
@@ -58,7 +58,8 @@ fn blocks(statement: &Statement) -> Vec<&Block> {
     }
 }
 
-fn blocks_mut(statement: &mut Statement) -> Vec<&mut Block> {
+/// The same, to be changed.
+pub(super) fn blocks_mut(statement: &mut Statement) -> Vec<&mut Block> {
     match statement {
         Statement::Block(block) => vec![block],
         Statement::If { accept, reject, .. } => vec![accept, reject],

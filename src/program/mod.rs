@@ -5,6 +5,7 @@ mod contain;
 mod front;
 mod fuel;
 mod interface;
+pub mod probe;
 mod source;
 mod strides;
 mod translate;
@@ -20,6 +21,7 @@ use crate::value::Field;
 pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding};
 pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};
+pub use probe::Probed;
 pub use translate::{Language, TranslateError, Translation, read_back};
 
 /// Why there is no program or kernel.

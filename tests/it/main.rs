@@ -12,6 +12,7 @@ mod lowering;
 mod lowering_vertex;
 mod mutate;
 mod positions;
+mod probe;
 mod regress;
 mod tidy;
 mod translate;

@@ -2,6 +2,7 @@
 
 use crate::bound::profile::Op;
 use crate::glsl::Stage;
+use crate::lane;
 use crate::lower::Target;
 use crate::program::{Kernel, Program, ProgramError};
 use crate::text::SourceFile;
@@ -84,6 +85,38 @@ pub fn pointwise(op: Op) -> Result<Kernel, ProgramError> {
     function(op, &format!("float f({parameters}) {{ return {expression}; }}\n"))
 }
 
+/// A kernel with one result for each invocation in a stage of the device; the output is called
+/// [`result_name`].
+///
+/// # Errors
+/// [`ProgramError`]; of our own making, since the text is.
+pub fn in_stage(op: Op, stage: lane::Stage) -> Result<Kernel, ProgramError> {
+    match stage {
+        lane::Stage::Compute => pointwise(op),
+        lane::Stage::Vertex => vertex(op),
+    }
+}
+
+/// Name of the output of the kernels of [`in_stage`].
+pub fn result_name(stage: lane::Stage) -> &'static str {
+    match stage {
+        lane::Stage::Compute => "return",
+        lane::Stage::Vertex => "result",
+    }
+}
+
+fn vertex(op: Op) -> Result<Kernel, ProgramError> {
+    let (expression, arity) = expression(op).zip(op.arity()).ok_or_else(|| unsupported(op))?;
+    let attribute = |(k, name): (usize, &&str)| format!("layout(location = {k}) in float {name};\n");
+    let attributes: String = ["x", "y", "z"][..arity].iter().enumerate().map(attribute).collect();
+    let text = format!(
+        "#version 450\n{attributes}layout(location = 0) out float result;\n\
+         void main() {{ result = {expression}; gl_Position = vec4(0.0); }}\n"
+    );
+    let file = SourceFile::new(format!("calibrate-{}.vert", op.name()), text);
+    program(&file, Stage::Vertex, &Target::Stage)?.vertex_kernel(&vec![1; arity])
+}
+
 /// A kernel for a function of one argument in which each invocation takes a word and computes the
 /// results for it and the [`SWEEP`] − 1 words behind it: inputs need no upload.
 ///
@@ -122,6 +155,8 @@ mod tests {
         for op in Op::ALL {
             let pointwise = pointwise(op);
             assert_eq!(pointwise.is_ok(), expression(op).is_some(), "{op:?}: {:?}", pointwise.err());
+            let vertex = in_stage(op, lane::Stage::Vertex);
+            assert_eq!(vertex.is_ok(), expression(op).is_some(), "{op:?}: {:?}", vertex.err());
             let unary = expression(op).is_some() && op.arity() == Some(1);
             let sweep = sweep(op);
             assert_eq!(sweep.is_ok(), unary, "{op:?}: {:?}", sweep.err());

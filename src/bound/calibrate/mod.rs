@@ -8,7 +8,7 @@
 
 mod definition;
 mod inputs;
-mod kernel;
+pub(super) mod kernel;
 mod probe;
 mod tally;
 mod write;

@@ -8,6 +8,7 @@ use naga::{
 };
 
 use super::builder::{Builder, Types, add_global};
+use super::trace::Direct;
 use super::words::{self, WordsAt};
 use super::{ENTRY_POINT, Form, Kernel, WORKGROUP, binding, geometry};
 use crate::lower::Role;
@@ -100,6 +101,7 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
         Role::Vertex | Role::Function { .. } => None,
     };
     let function = as_function(program, &mut module);
+    let direct = Direct::insert(program, &mut module, &harness);
 
     let mut b = Builder::new();
     let id = b.argument(0);
@@ -160,6 +162,9 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
         }
         let record = scaled(b, index, layout.words());
         poison(b, &harness, program, &module);
+        if let Some(direct) = &direct {
+            direct.begin(b, record);
+        }
         if let Some(emission) = &emission {
             emission.begin(b, record, index);
         }
@@ -256,7 +261,7 @@ fn put(b: &mut Builder, at: &PortAt, value: Expr) {
 /// Fills the global variables that stand for outputs with the sentinel, so that an output that the
 /// shader does not write shows.
 pub(super) fn poison(b: &mut Builder, harness: &Harness, program: &Program, module: &Module) {
-    for port in &program.outputs {
+    for port in program.outputs.iter().filter(|port| !Direct::writes(port)) {
         let global = match port.at {
             PortAt::Global(global) => Some(global),
             _ => port.backing,
@@ -311,11 +316,12 @@ pub(super) fn store_outputs(
                 let Some(&(_, local)) = references.iter().find(|(at, _)| at == k) else { continue };
                 b.load(local)
             }
-            (PortAt::Global(global), _) => {
+            (PortAt::Global(global), _) if !Direct::writes(port) => {
                 let pointer = b.global(*global);
                 b.load(pointer)
             }
-            // `Program` places outputs nowhere else; a slot left out is found by the sentinel.
+            // A trace stands there already. `Program` places outputs nowhere else; a slot left out is
+            // found by the sentinel.
             _ => {
                 offset += port.field.shape.words() as u32;
                 continue;

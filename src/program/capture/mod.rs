@@ -10,6 +10,7 @@
 mod builder;
 mod compute;
 mod geometry;
+mod trace;
 mod vertex;
 mod words;
 

@@ -10,6 +10,7 @@ use naga::{
 
 use super::builder::Builder;
 use super::compute::{Harness, as_function, canary, entry_point, poison, scaled, store_outputs};
+use super::trace::Direct;
 use super::words::{self, WordsAt};
 use super::{ENTRY_POINT, Form, Kernel};
 use crate::lower::Role;
@@ -61,6 +62,7 @@ pub(super) fn kernel(program: &Program, components: &[u8]) -> Result<Kernel, Pro
     let original = module.entry_points[point].function.arguments.clone();
     let attributes = attributes(program, &original, components)?;
     let function = as_function(program, &mut module);
+    let direct = Direct::insert(program, &mut module, &harness);
 
     let mut b = Builder::new();
     let mut arguments = original;
@@ -76,6 +78,10 @@ pub(super) fn kernel(program: &Program, components: &[u8]) -> Result<Kernel, Pro
     });
     let index = b.argument(index_at as u32);
     poison(&mut b, &harness, program, &module);
+    if let Some(direct) = &direct {
+        let record = scaled(&mut b, index, program.output_layout().words());
+        direct.begin(&mut b, record);
+    }
     let result = module.functions[function].result.is_some().then(|| b.name(Expression::CallResult(function)));
     b.statement(Statement::Call { function, arguments: call, result });
     let layout = program.output_layout();
