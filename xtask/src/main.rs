@@ -1,5 +1,6 @@
 //! Set-up, gate, tests and benchmarks of shadercheck: `cargo xtask`.
 
+mod against;
 mod cargo;
 mod features;
 mod host;
@@ -21,7 +22,9 @@ usage: cargo xtask <task> [arguments]
   test [ARGS]...    set the machine up, then run the whole suite of tests; ARGS go to the test runner
                     (without any, documentation tests run as well and unreferenced snapshots fail)
   tidy              tests of the project's own structure, unreferenced snapshots, shared builds
-  bench [ARGS]...   set the machine up, then print how fast the gate is
+  bench [ARGS]...   set the machine up, then print how fast the gate is; with --against-script
+                    [--samples N] [--rounds N] [--program FILE], beside a test written by hand with
+                    moderngl and numpy, in a Python environment that is thrown away
 
 Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
 may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.

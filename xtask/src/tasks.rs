@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::cargo::{cargo, status, workspace};
 use crate::host::ThisMachine;
 use crate::snapshots::{self, References};
-use crate::{features, setup};
+use crate::{against, features, setup};
 
 /// The gate is built in the profile of the tests: one build of the dependencies serves both tasks. On a
 /// fresh machine with two cores either profile takes minutes (dev 222 s and release 147 s, other builds
@@ -79,6 +79,9 @@ fn unreferenced(workspace: &Path, messages: &mut dyn Write) -> Result<u8> {
 /// Prints how fast the gate is.
 pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
+    if let Some((_, rest)) = arguments.split_first().filter(|(first, _)| *first == "--against-script") {
+        return against::run(rest, messages);
+    }
     status(cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--"]).args(arguments))
 }
 
