@@ -14,7 +14,9 @@ use crate::lane::{self, Lane, Stage};
 use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
-use crate::suite::run::{DEFAULT_SEED, Entry, Outcome, Prepared, Request, Status, Summary, prepare, run as run_suite};
+use crate::suite::run::{
+    DEFAULT_SEED, Entry, Outcome, Prepared, Request, Status, Summary, check_translations, prepare, run as run_suite,
+};
 use crate::suite::save_regressions;
 
 use progress::Progress;
@@ -201,6 +203,8 @@ fn one_suite(
     };
     let request = request(args, selected, &prepared)?;
     let mut failing: Vec<Sample> = Vec::new();
+    // Translations have no lane: the first that gives a report bears what is found out about them.
+    let mut untold = true;
     for lane in lanes {
         let name = lane.description().name;
         for &stage in &lane.description().stages {
@@ -212,7 +216,10 @@ fn one_suite(
             progress.start(&suite.name, name, stage, request.samples_of(suite));
             let result = run_suite(&prepared, lane.as_ref(), stage, &request, &mut |done| progress.at(done));
             let outcome = match result {
-                Ok(report) => {
+                Ok(mut report) => {
+                    if std::mem::take(&mut untold) {
+                        check_translations(&prepared, &request, &mut report);
+                    }
                     failing.extend(report.failing.iter().cloned());
                     Outcome::Ran(Box::new(report))
                 }

@@ -5,6 +5,8 @@ mod contain;
 mod front;
 mod fuel;
 mod interface;
+mod layout;
+mod readback;
 mod source;
 mod strides;
 mod translate;
@@ -20,6 +22,7 @@ use crate::value::Field;
 pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding};
 pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};
+pub use readback::{Place, ReadBack};
 pub use translate::{Language, TranslateError, Translation, read_back};
 
 /// Why there is no program or kernel.

@@ -37,6 +37,9 @@ impl Language {
     pub const ALL: [Self; 7] =
         [Self::SpirV, Self::Wgsl, Self::Glsl330, Self::Glsl450, Self::GlslEs310, Self::Msl, Self::Hlsl];
 
+    /// Those that naga reads as well.
+    pub const READABLE: [Self; 3] = [Self::SpirV, Self::Wgsl, Self::Glsl450];
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -108,6 +111,14 @@ pub enum TranslateError {
         /// The language.
         language: Language,
         /// What naga says.
+        reason: String,
+    },
+    /// The translation takes or gives something else than the shader.
+    #[error("the {language} translation has another interface: {reason}")]
+    Interface {
+        /// The language.
+        language: Language,
+        /// What differs.
         reason: String,
     },
     /// There is nothing to translate.
@@ -236,6 +247,15 @@ fn glsl_reason(error: &glsl::Error) -> String {
 /// # Errors
 /// [`TranslateError::ReadBack`] when naga refuses what it wrote.
 pub fn read_back(translation: &Translation, language: Language, role: &Role) -> Result<Option<Module>, TranslateError> {
+    Ok(parse(translation, language, role)?.map(|(module, _)| module))
+}
+
+/// As [`read_back`], with what the validator found out.
+pub(super) fn parse(
+    translation: &Translation,
+    language: Language,
+    role: &Role,
+) -> Result<Option<(Module, ModuleInfo)>, TranslateError> {
     let fails = |reason: String| TranslateError::ReadBack { language, reason };
     let parsed = contain(|| match (translation, language) {
         (Translation::Words(words), Language::SpirV) => {
@@ -259,13 +279,13 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
         }
         (Translation::Words(_) | Translation::Text(_), _) => Ok(None),
     });
-    let module = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)?;
-    if let Some(module) = &module {
-        contain(|| validator().validate(module).map_err(Box::new))
-            .map_err(|panic| fails(format!("naga panicked: {panic}")))?
-            .map_err(|e| fails(chain(e.as_inner())))?;
-    }
-    Ok(module)
+    let Some(module) = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)? else {
+        return Ok(None);
+    };
+    let info = contain(|| validator().validate(&module).map_err(Box::new))
+        .map_err(|panic| fails(format!("naga panicked: {panic}")))?
+        .map_err(|e| fails(chain(e.as_inner())))?;
+    Ok(Some((module, info)))
 }
 
 fn is_two_row_matrix(error: &naga::front::glsl::Error) -> bool {

@@ -22,7 +22,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("lane", &["interp", "program", "value"]),
     ("property", &["text", "value"]),
     ("bound", &["property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
-    ("verdict", &["property", "formula", "lane", "program", "text", "diagnostic", "value"]),
+    ("verdict", &["property", "formula", "lane", "interp", "program", "text", "diagnostic", "value"]),
     ("suite", &["verdict", "property", "lane", "formula", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("mutate", &["suite", "verdict", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
     ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
