@@ -247,15 +247,6 @@ fn glsl_reason(error: &glsl::Error) -> String {
 /// # Errors
 /// [`TranslateError::ReadBack`] when naga refuses what it wrote.
 pub fn read_back(translation: &Translation, language: Language, role: &Role) -> Result<Option<Module>, TranslateError> {
-    Ok(parse(translation, language, role)?.map(|(module, _)| module))
-}
-
-/// As [`read_back`], with what the validator found out.
-pub(super) fn parse(
-    translation: &Translation,
-    language: Language,
-    role: &Role,
-) -> Result<Option<(Module, ModuleInfo)>, TranslateError> {
     let fails = |reason: String| TranslateError::ReadBack { language, reason };
     let parsed = contain(|| match (translation, language) {
         (Translation::Words(words), Language::SpirV) => {
@@ -282,10 +273,10 @@ pub(super) fn parse(
     let Some(module) = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)? else {
         return Ok(None);
     };
-    let info = contain(|| validator().validate(&module).map_err(Box::new))
+    contain(|| validator().validate(&module).map_err(Box::new))
         .map_err(|panic| fails(format!("naga panicked: {panic}")))?
         .map_err(|e| fails(chain(e.as_inner())))?;
-    Ok(Some((module, info)))
+    Ok(Some(module))
 }
 
 fn is_two_row_matrix(error: &naga::front::glsl::Error) -> bool {

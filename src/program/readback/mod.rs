@@ -11,11 +11,12 @@ mod stage;
 
 use std::sync::Arc;
 
+use naga::compact::KeepUnused;
 use naga::valid::ModuleInfo;
 use naga::{BuiltIn, Handle, Module, Type};
 
-use super::translate::{Language, TranslateError, Translation, parse};
-use super::{Entry, PortAt, Program};
+use super::translate::{Language, TranslateError, Translation, read_back};
+use super::{Entry, PortAt, Program, ProgramError, contain, validate};
 use crate::lower::Role;
 use crate::value::{Batch, Field, Record, Scalar, Shape};
 
@@ -85,7 +86,11 @@ impl Program {
         translation: &Translation,
         language: Language,
     ) -> Result<Option<ReadBack>, TranslateError> {
-        let Some((module, info)) = parse(translation, language, &self.role)? else { return Ok(None) };
+        let Some(mut module) = read_back(translation, language, &self.role)? else { return Ok(None) };
+        // A reader puts an access to every block into every function. What has no effect is left out.
+        contain(|| naga::compact::compact(&mut module, KeepUnused::No))
+            .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?;
+        let info = validate(&module)?;
         let read = match self.role {
             Role::Vertex => stage::resolve(self, language, module, info),
             Role::Geometry(_) | Role::Function { .. } => kernel::resolve(self, language, module, info),
