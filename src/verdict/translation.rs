@@ -17,7 +17,8 @@ use crate::value::{Batch, Record};
 ///
 /// A translator may rearrange nothing. It may write a function that its target lacks as another one
 /// (`mod` as `x - y * floor(x / y)`, a vector function component by component), and binary64 rounds
-/// either at its own steps: this is 2^12 such roundings, and far below one of binary32.
+/// either at its own steps: this is 2^12 such roundings, and far below one of binary32. It also lets
+/// sums in another order pass, which is no other meaning; lanes tell what that costs in binary32.
 const SLACK: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// The batch is not for the program.

@@ -25,8 +25,10 @@ pub(super) fn resolve(
     if let Role::Geometry(primitives) = program.role {
         back.max_vertices = Some(primitives.max_vertices);
         for name in EMISSION {
-            let function = function(&back.module, name).map_err(lost)?;
-            back.module.functions[function].name = Some(name.to_owned());
+            // One that nothing calls is not there.
+            if let Ok(function) = function(&back.module, name) {
+                back.module.functions[function].name = Some(name.to_owned());
+            }
         }
         let uses = program.module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some(PRIMITIVE));
         if let Some(number) = nearest(privates(&back.module), PRIMITIVE).filter(|_| uses) {

@@ -199,6 +199,7 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
         }
     }
+    text.push_str(&super::translations::notes(summary));
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` did not run: {why}");
     }

@@ -19,7 +19,7 @@ pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
 pub use relate::Probes;
 pub use summary::{Entry, Outcome, Status, Summary, Totals};
-pub use translation::{Translated, check as check_translations, check_with};
+pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 
 /// Seed of a run that names none: the same inputs on every machine.
