@@ -262,6 +262,8 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
         (Translation::Text(text), Language::Glsl450) => {
             let stage = if *role == Role::Vertex { ShaderStage::Vertex } else { ShaderStage::Compute };
             let options = naga::front::glsl::Options::from(stage);
+            // naga writes the names of OpenGL, and reads those of Vulkan alone.
+            let text = &text.replace("gl_VertexID", "gl_VertexIndex").replace("gl_InstanceID", "gl_InstanceIndex");
             match naga::front::glsl::Frontend::default().parse(&options, text) {
                 // naga writes such matrices into std140 blocks, and its own reader has no way to express them.
                 Err(e) if e.errors.iter().any(is_two_row_matrix) => Ok(None),

@@ -137,10 +137,7 @@ impl Translations {
     }
 
     /// A program beside anything that was read back for it.
-    pub fn new(
-        program: &Program,
-        translations: Vec<(Language, Result<Option<ReadBack>, TranslateError>)>,
-    ) -> Self {
+    pub fn new(program: &Program, translations: Vec<(Language, Result<Option<ReadBack>, TranslateError>)>) -> Self {
         let outputs = program.output_layout().vertex;
         match interp::compile(program) {
             Ok(source) => {
@@ -180,11 +177,7 @@ impl Translations {
         Ok(deviates)
     }
 
-    fn compare_some(
-        &self,
-        batch: &Batch,
-        wanted: impl Fn(Language) -> bool,
-    ) -> Result<Vec<Comparison>, CompareError> {
+    fn compare_some(&self, batch: &Batch, wanted: impl Fn(Language) -> bool) -> Result<Vec<Comparison>, CompareError> {
         let Some(source) = &self.source else { return Ok(Vec::new()) };
         let source = source.run::<Binary64>(batch, FUEL)?;
         let readable = self.sides.iter().filter_map(|(language, side)| Some((*language, side.as_ref().ok()?)));
@@ -217,12 +210,7 @@ impl Translations {
         Ok(comparison)
     }
 
-    fn difference(
-        &self,
-        source: &Meaning<f64>,
-        translation: &Meaning<f64>,
-        invocation: usize,
-    ) -> Option<Difference> {
+    fn difference(&self, source: &Meaning<f64>, translation: &Meaning<f64>, invocation: usize) -> Option<Difference> {
         let (shader, there) = (source.emitted(invocation), translation.emitted(invocation));
         if shader != there {
             return Some(Difference::VertexCount { shader, translation: there });
@@ -266,7 +254,8 @@ fn agree(shader: f64, translation: f64, slack: f64) -> bool {
 }
 
 fn side(read: Result<Option<ReadBack>, TranslateError>) -> Result<Side, Unread> {
-    let unsupported = |what: String| Unread::Unsupported(what);
+    // The lines behind the first show a place in a text that nobody has seen.
+    let unsupported = |what: String| Unread::Unsupported(what.lines().next().unwrap_or_default().to_owned());
     let back = match read {
         Ok(Some(back)) => back,
         Ok(None) => return Err(unsupported("naga does not read what it writes for this shader".to_owned())),

@@ -14,6 +14,6 @@ mod positions;
 mod regress;
 mod tidy;
 mod translate;
-mod translated;
 mod translate_flips;
 mod translate_validators;
+mod translated;

@@ -81,11 +81,7 @@ impl Program {
     ///
     /// # Errors
     /// [`TranslateError`]: naga refuses it, or it has another interface.
-    pub fn read_back(
-        &self,
-        translation: &Translation,
-        language: Language,
-    ) -> Result<Option<ReadBack>, TranslateError> {
+    pub fn read_back(&self, translation: &Translation, language: Language) -> Result<Option<ReadBack>, TranslateError> {
         let Some(mut module) = read_back(translation, language, &self.role)? else { return Ok(None) };
         // A reader puts an access to every block into every function. What has no effect is left out.
         contain(|| naga::compact::compact(&mut module, KeepUnused::No))

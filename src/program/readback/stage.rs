@@ -28,8 +28,9 @@ pub(super) fn resolve(
         match &argument.binding {
             Some(Binding::BuiltIn(built_in)) => built_ins.push((k as u32, *built_in)),
             Some(Binding::Location { location, .. }) => {
-                let (port, first) = attribute(program, own, *location)
-                    .ok_or_else(|| format!("it takes an attribute at location {location}, which the shader does not"))?;
+                let (port, first) = attribute(program, own, *location).ok_or_else(|| {
+                    format!("it takes an attribute at location {location}, which the shader does not")
+                })?;
                 same_shape(program, port, &module, argument.ty)?;
                 invocation.extend((first..).take(port.field.shape.words()).map(|word| Some(word as u32)));
                 inputs.push(Place { name: port.field.name.clone(), ty: argument.ty, at: PortAt::Argument(k as u32) });
@@ -121,11 +122,7 @@ fn same_binding(a: &Binding, b: &Binding) -> bool {
 
 /// The uniform buffers of the translation, and for each of their words the word of the case that a
 /// host puts at its byte.
-fn uniforms(
-    program: &Program,
-    module: &Module,
-    language: Language,
-) -> Result<(Vec<Place>, Vec<Option<u32>>), String> {
+fn uniforms(program: &Program, module: &Module, language: Language) -> Result<(Vec<Place>, Vec<Option<u32>>), String> {
     // GLSL has no groups.
     let key = |group: u32, binding: u32| if language == Language::Glsl450 { (0, binding) } else { (group, binding) };
     let mut fed = HashMap::new();

@@ -54,7 +54,10 @@ fn lines(suites: &[(&str, &[Translated])]) -> String {
     for (languages, samples, suites) in agreeing {
         let many = if suites == 1 { "suite" } else { "suites" };
         let languages = languages.join(", ");
-        let _ = writeln!(text, "note: translations agree with the shader: {languages} ({samples} samples, {suites} {many})");
+        let _ = writeln!(
+            text,
+            "note: translations agree with the shader: {languages} ({samples} samples, {suites} {many})"
+        );
     }
     text + &open
 }
