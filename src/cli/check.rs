@@ -17,7 +17,8 @@ use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
 use crate::suite::run::{
-    DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, prepare, run as run_suite,
+    DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, check_translations, prepare,
+    run as run_suite,
 };
 use crate::suite::save_regressions;
 
@@ -213,6 +214,8 @@ fn one_suite(
     // The lanes are in the order of the summary.
     let rulings: Vec<Rulings> = summary.lanes.iter().map(|used| used.rulings.clone()).collect();
     let mut failing: Vec<Sample> = Vec::new();
+    // Translations have no lane: the first that gives a report bears what is found out about them.
+    let mut untold = true;
     for (lane, rulings) in lanes.iter().zip(rulings) {
         let request = request(args, selected, &prepared, rulings)?;
         let name = lane.description().name;
@@ -225,7 +228,10 @@ fn one_suite(
             progress.start(&suite.name, name, stage, request.samples_of(suite));
             let result = run_suite(&prepared, lane.as_ref(), stage, &request, &mut |done| progress.at(done));
             let outcome = match result {
-                Ok(report) => {
+                Ok(mut report) => {
+                    if std::mem::take(&mut untold) {
+                        check_translations(&prepared, &request, &mut report);
+                    }
                     failing.extend(report.failing.iter().cloned());
                     Outcome::Ran(Box::new(report))
                 }

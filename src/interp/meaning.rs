@@ -92,6 +92,11 @@ impl<W: Copy> Meaning<W> {
         self.flags.len()
     }
 
+    /// True unless it is that of a geometry stage.
+    pub fn is_pointwise(&self) -> bool {
+        self.max_vertices.is_none()
+    }
+
     fn room(&self) -> usize {
         self.max_vertices.unwrap_or(1) as usize
     }

@@ -27,7 +27,7 @@ mod tests;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::program::{Port, Program};
+use crate::program::{Place as Found, Port, Program, ReadBack};
 use crate::value::{Batch, Scalar};
 
 pub use code::{Executable, Place};
@@ -110,6 +110,30 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         built_ins: &program.built_ins,
         max_vertices: program.output_layout().max_vertices,
     })
+}
+
+/// Compiles a translation that was read back.
+///
+/// # Errors
+/// [`InterpError::Unsupported`] for constructs that are not interpreted.
+pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
+    let bindings = |places: &[Found]| places.iter().map(Binding::from).collect::<Vec<_>>();
+    Executable::compile(&Subject {
+        module: &back.module,
+        info: &back.info,
+        entry: back.entry,
+        inputs: &bindings(&back.inputs),
+        uniforms: &bindings(&back.uniforms),
+        outputs: &bindings(&back.outputs),
+        built_ins: &back.built_ins,
+        max_vertices: back.max_vertices,
+    })
+}
+
+impl From<&Found> for Binding {
+    fn from(place: &Found) -> Self {
+        Self { name: place.name.clone(), ty: place.ty, at: place.at.clone(), backing: None }
+    }
 }
 
 impl From<&Port> for Binding {

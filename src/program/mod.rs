@@ -5,7 +5,9 @@ mod contain;
 mod front;
 mod fuel;
 mod interface;
+mod layout;
 pub mod probe;
+mod readback;
 mod source;
 mod strides;
 mod translate;
@@ -22,6 +24,7 @@ pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlo
 pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};
 pub use probe::Probed;
+pub use readback::{Place, ReadBack};
 pub use translate::{Language, TranslateError, Translation, read_back};
 
 /// Why there is no program or kernel.

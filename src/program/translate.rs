@@ -37,6 +37,9 @@ impl Language {
     pub const ALL: [Self; 7] =
         [Self::SpirV, Self::Wgsl, Self::Glsl330, Self::Glsl450, Self::GlslEs310, Self::Msl, Self::Hlsl];
 
+    /// Those that naga reads as well.
+    pub const READABLE: [Self; 3] = [Self::SpirV, Self::Wgsl, Self::Glsl450];
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -108,6 +111,14 @@ pub enum TranslateError {
         /// The language.
         language: Language,
         /// What naga says.
+        reason: String,
+    },
+    /// The translation takes or gives something else than the shader.
+    #[error("the {language} translation has another interface: {reason}")]
+    Interface {
+        /// The language.
+        language: Language,
+        /// What differs.
         reason: String,
     },
     /// There is nothing to translate.
@@ -251,6 +262,8 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
         (Translation::Text(text), Language::Glsl450) => {
             let stage = if *role == Role::Vertex { ShaderStage::Vertex } else { ShaderStage::Compute };
             let options = naga::front::glsl::Options::from(stage);
+            // naga writes the names of OpenGL, and reads those of Vulkan alone.
+            let text = &text.replace("gl_VertexID", "gl_VertexIndex").replace("gl_InstanceID", "gl_InstanceIndex");
             match naga::front::glsl::Frontend::default().parse(&options, text) {
                 // naga writes such matrices into std140 blocks, and its own reader has no way to express them.
                 Err(e) if e.errors.iter().any(is_two_row_matrix) => Ok(None),
@@ -259,13 +272,13 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
         }
         (Translation::Words(_) | Translation::Text(_), _) => Ok(None),
     });
-    let module = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)?;
-    if let Some(module) = &module {
-        contain(|| validator().validate(module).map_err(Box::new))
-            .map_err(|panic| fails(format!("naga panicked: {panic}")))?
-            .map_err(|e| fails(chain(e.as_inner())))?;
-    }
-    Ok(module)
+    let Some(module) = parsed.map_err(|panic| fails(format!("naga panicked: {panic}")))?.map_err(fails)? else {
+        return Ok(None);
+    };
+    contain(|| validator().validate(&module).map_err(Box::new))
+        .map_err(|panic| fails(format!("naga panicked: {panic}")))?
+        .map_err(|e| fails(chain(e.as_inner())))?;
+    Ok(Some(module))
 }
 
 fn is_two_row_matrix(error: &naga::front::glsl::Error) -> bool {

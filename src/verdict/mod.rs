@@ -9,6 +9,7 @@ mod literals;
 mod observe;
 mod oracle;
 mod suspects;
+mod translation;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
 pub use expectations::{Movement, movement, shader_deviation};
@@ -17,3 +18,4 @@ pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, 
 pub use literals::source_span;
 pub use observe::{Slack, observe, observed, slack};
 pub use oracle::{Court, Oracle};
+pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

@@ -107,3 +107,18 @@ fn nothing_but_json_is_on_standard_output() {
     assert!(ran.out.starts_with('{') && ran.out.ends_with("}\n"), "{}", ran.out);
     assert_eq!(ran.err, "");
 }
+
+#[test]
+fn translations_are_told_once_a_suite() {
+    let json = run("check sphere --samples 300 --format json").expect(0).json();
+    let suites = json["suites"].as_array().unwrap();
+    let told: Vec<_> = suites.iter().map(|s| s["translations"].as_array().unwrap()).collect();
+    assert_eq!(told.iter().map(|t| t.len()).collect::<Vec<_>>(), [3, 0]);
+    for (translation, language) in told[0].iter().zip(["spirv", "wgsl", "glsl450"]) {
+        has(translation, &["language", "agreed", "deviated", "undetermined", "unsupported"]);
+        assert_eq!((&translation["language"], &translation["agreed"]), (&language.into(), &304.into()));
+    }
+    let text = run("check sphere hermite --samples 300").expect(0).out;
+    let line = "note: translations agree with the shader: spirv, wgsl, glsl450 (608 samples, 2 suites)";
+    assert_eq!(text.matches(line).count(), 1, "{text}");
+}

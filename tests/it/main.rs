@@ -18,3 +18,4 @@ mod tidy;
 mod translate;
 mod translate_flips;
 mod translate_validators;
+mod translated;

@@ -10,7 +10,7 @@ use naga::{
 use super::builder::{Builder, Types, add_global};
 use super::trace::Direct;
 use super::words::{self, WordsAt};
-use super::{ENTRY_POINT, Form, Kernel, WORKGROUP, binding, geometry};
+use super::{ENTRY_FUNCTION, ENTRY_POINT, Form, Kernel, WORKGROUP, binding, geometry};
 use crate::lower::Role;
 use crate::program::{Entry, PortAt, Program, ProgramError, validate};
 
@@ -65,7 +65,7 @@ pub(super) fn as_function(program: &Program, module: &mut Module) -> Handle<naga
             if let Some(result) = &mut function.result {
                 result.binding = None;
             }
-            function.name = Some("sc_entry".to_owned());
+            function.name = Some(ENTRY_FUNCTION.to_owned());
             module.functions.append(function, Span::UNDEFINED)
         }
     }

@@ -40,6 +40,9 @@ pub mod binding {
 /// Name of the entry point of a kernel.
 pub const ENTRY_POINT: &str = "capture";
 
+/// Name that the program's own entry point has in a kernel, where it is an ordinary function.
+pub(super) const ENTRY_FUNCTION: &str = "sc_entry";
+
 /// Invocations of a workgroup of the compute kernel.
 pub const WORKGROUP: u32 = 64;
 

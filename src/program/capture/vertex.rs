@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use naga::{
     AddressSpace, BinaryOperator, Binding, BuiltIn, Expression, FunctionArgument, FunctionResult, GlobalVariable,
-    Handle, Module, ResourceBinding, ShaderStage, Statement, Type, TypeInner,
+    Handle, Module, ResourceBinding, ShaderStage, Statement, TypeInner,
 };
 
 use super::builder::Builder;
@@ -14,6 +14,7 @@ use super::trace::Direct;
 use super::words::{self, WordsAt};
 use super::{ENTRY_POINT, Form, Kernel};
 use crate::lower::Role;
+use crate::program::layout::byte_offsets;
 use crate::program::{Entry, PortAt, Program, ProgramError, validate};
 use crate::value::{Field, Scalar};
 
@@ -162,7 +163,10 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
             blocks.push((global, UniformBlock { bytes, slots: Vec::new() }));
             blocks.len() - 1
         });
-        place(module, port.ty, start, &mut word, &mut blocks[at].1.slots);
+        let mut bytes = Vec::new();
+        byte_offsets(module, port.ty, start, &mut bytes);
+        blocks[at].1.slots.extend((word..).zip(&bytes).map(|(word, &byte)| UniformSlot { word, byte }));
+        word += bytes.len() as u32;
     }
     for (k, (global, _)) in blocks.iter().enumerate() {
         let variable = &mut module.global_variables[*global];
@@ -170,32 +174,4 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
         variable.binding = Some(ResourceBinding { group: 1, binding: k as u32 });
     }
     Ok(blocks.into_iter().map(|(_, block)| block).collect())
-}
-
-/// Byte offsets of the words of a value of type `ty` that starts at `byte`.
-fn place(module: &Module, ty: Handle<Type>, byte: u32, word: &mut u32, slots: &mut Vec<UniformSlot>) {
-    let mut run = |start: u32, count: u32| {
-        for k in 0..count {
-            slots.push(UniformSlot { word: *word, byte: start + 4 * k });
-            *word += 1;
-        }
-    };
-    match module.types[ty].inner {
-        TypeInner::Scalar(_) => run(byte, 1),
-        TypeInner::Vector { size, .. } => run(byte, size as u32),
-        TypeInner::Matrix { columns, rows, .. } => {
-            // A column is aligned like a vector of its length: two components to 8 bytes, more to 16.
-            let stride = if rows == naga::VectorSize::Bi { 8 } else { 16 };
-            for column in 0..columns as u32 {
-                run(byte + column * stride, rows as u32);
-            }
-        }
-        TypeInner::Array { base, size: naga::ArraySize::Constant(len), stride } => {
-            for k in 0..len.get() {
-                place(module, base, byte + k * stride, word, slots);
-            }
-        }
-        // `Program` has refused uniforms of other types.
-        _ => {}
-    }
 }

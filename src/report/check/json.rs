@@ -89,6 +89,7 @@ fn entry(entry: &Entry) -> Value {
                     "drawn": coverage.drawn,
                 });
             }
+            value["translations"] = super::translations::json(&report.translations);
             value["findings"] = report.findings.iter().map(finding).collect();
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {

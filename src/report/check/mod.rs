@@ -2,6 +2,7 @@
 
 mod json;
 mod text;
+mod translations;
 
 pub use json::json;
 pub use text::{finding, line, totals};

@@ -226,6 +226,7 @@ pub fn totals(summary: &Summary, color: bool) -> String {
         };
         let _ = writeln!(text, "note: lane `{}`: promises of {}; {measured}", description.name, promises.join(", "));
     }
+    text.push_str(&super::translations::notes(summary));
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` did not run: {why}");
     }

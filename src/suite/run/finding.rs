@@ -15,6 +15,8 @@ pub enum FindingKind {
     Deviation,
     /// A relation between outputs does not hold.
     Relation,
+    /// A translation means something else than the shader.
+    Translation,
     /// Parts of what should be drawn are not.
     Coverage,
     /// Fewer samples were judged, or more left undetermined, than the suite allows.
@@ -29,6 +31,7 @@ impl FindingKind {
         match self {
             Self::Deviation => "deviation",
             Self::Relation => "relation",
+            Self::Translation => "translation",
             Self::Coverage => "coverage",
             Self::Floor => "floor",
             Self::Vacuous => "vacuous",

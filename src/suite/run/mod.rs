@@ -6,6 +6,7 @@ mod prepare;
 mod relate;
 mod sampling;
 mod summary;
+mod translation;
 mod trial;
 
 use crate::bound::profile::Rulings;
@@ -19,6 +20,7 @@ pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
 pub use relate::Probes;
 pub use summary::{Entry, LaneUsed, Outcome, Status, Summary, Totals};
+pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 
 /// Seed of a run that names none: the same inputs on every machine.
@@ -75,6 +77,8 @@ pub struct Report {
     pub relations: Vec<(String, u64)>,
     /// Which segments of strands are drawn, for a suite with strands.
     pub coverage: Option<Coverage>,
+    /// What the shader's translations mean, on the first report of a suite; empty on the others.
+    pub translations: Vec<Translated>,
     /// What is wrong, worst first.
     pub findings: Vec<Finding>,
     /// Failing samples as shrunk, to be saved.
@@ -110,6 +114,7 @@ pub fn run(
         replayed: request.replay.len() as u64,
         relations: Vec::new(),
         coverage: None,
+        translations: Vec::new(),
         findings: Vec::new(),
         failing: Vec::new(),
     };

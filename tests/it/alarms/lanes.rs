@@ -114,7 +114,7 @@ fn raw(actual: &Actual, layout: &OutputLayout, marks: Marks) -> Vec<u32> {
 }
 
 /// A shipped suite, made ready.
-pub(super) fn prepared(suite: &str) -> Prepared {
+pub(crate) fn prepared(suite: &str) -> Prepared {
     let shipped = find(suite).unwrap();
     let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
     prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text)).unwrap()

@@ -5,3 +5,5 @@ mod formulas;
 mod lanes;
 mod shaders;
 mod suites;
+
+pub(crate) use lanes::prepared;

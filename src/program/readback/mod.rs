@@ -1,0 +1,126 @@
+//! A translation read back into a module, with the shader's interface found again in it.
+//!
+//! A vertex stage is found by what a host sees: attributes and varyings by location, uniform buffers
+//! by binding and the places of their words. A geometry stage and a function are ordinary functions
+//! inside the kernel that is translated; they are run there, by themselves, and what they read and
+//! write is found by name.
+
+mod kernel;
+mod names;
+mod stage;
+
+use std::sync::Arc;
+
+use naga::compact::KeepUnused;
+use naga::valid::ModuleInfo;
+use naga::{BuiltIn, Handle, Module, Type};
+
+use super::translate::{Language, TranslateError, Translation, read_back};
+use super::{Entry, PortAt, Program, ProgramError, contain, validate};
+use crate::lower::Role;
+use crate::value::{Batch, Field, Record, Scalar, Shape};
+
+/// Bits of a word of a buffer that no input fills: a NaN with a payload of its own. A translation that
+/// reads beside its inputs gets it.
+const PADDING: u32 = 0x7fda_dada;
+
+/// A value of the interface in the module that was read back.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// Name, for messages.
+    pub name: String,
+    /// Its type in that module.
+    pub ty: Handle<Type>,
+    /// Where it lies.
+    pub at: PortAt,
+}
+
+/// A translation as naga reads it.
+#[derive(Clone, Debug)]
+pub struct ReadBack {
+    /// The language.
+    pub language: Language,
+    /// The module; variables and functions that have a meaning by their name bear the author's.
+    pub module: Module,
+    /// What the validator found out about it.
+    pub info: ModuleInfo,
+    /// What is run.
+    pub entry: Entry,
+    /// What one invocation takes.
+    pub inputs: Vec<Place>,
+    /// What one case takes.
+    pub uniforms: Vec<Place>,
+    /// What one vertex, primitive vertex or call gives, in the order of the program's outputs.
+    pub outputs: Vec<Place>,
+    /// Built-in arguments of the entry point, by argument index.
+    pub built_ins: Vec<(u32, BuiltIn)>,
+    /// For a geometry stage, the number of vertices that are stored.
+    pub max_vertices: Option<u32>,
+    /// For each word that an invocation takes here, the word of the program's invocation record.
+    invocation: Vec<Option<u32>>,
+    /// For each word that a case takes here, the word of the program's case record; `None` for padding.
+    case: Vec<Option<u32>>,
+}
+
+impl Program {
+    /// Translates the program and reads it back. `None` for a language that naga does not read, or a
+    /// construct of it.
+    ///
+    /// # Errors
+    /// [`TranslateError`]: the language lacks something, naga refuses what it wrote, or what it wrote
+    /// has another interface.
+    pub fn retranslate(&self, language: Language) -> Result<Option<ReadBack>, TranslateError> {
+        if !Language::READABLE.contains(&language) {
+            return Ok(None);
+        }
+        self.read_back(&self.translate(language)?, language)
+    }
+
+    /// Reads back any text or words that claim to be a translation of this program. `None` for a
+    /// language that naga does not read, or a construct of it.
+    ///
+    /// # Errors
+    /// [`TranslateError`]: naga refuses it, or it has another interface.
+    pub fn read_back(&self, translation: &Translation, language: Language) -> Result<Option<ReadBack>, TranslateError> {
+        let Some(mut module) = read_back(translation, language, &self.role)? else { return Ok(None) };
+        // A reader puts an access to every block into every function. What has no effect is left out.
+        contain(|| naga::compact::compact(&mut module, KeepUnused::No))
+            .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?;
+        let info = validate(&module)?;
+        let read = match self.role {
+            Role::Vertex => stage::resolve(self, language, module, info),
+            Role::Geometry(_) | Role::Function { .. } => kernel::resolve(self, language, module, info),
+        };
+        read.map(Some)
+    }
+}
+
+impl ReadBack {
+    /// The same inputs, laid out as the module that was read back takes them.
+    pub fn feed(&self, batch: &Batch) -> Batch {
+        let (cases, invocations) = (batch.case_count(), batch.invocation_count());
+        let laid = |words: &[Option<u32>], count: usize, of: &dyn Fn(usize) -> Vec<u32>| -> Vec<u32> {
+            let record = |k| {
+                let from = of(k);
+                words.iter().map(move |word| word.map_or(PADDING, |word| from[word as usize])).collect::<Vec<_>>()
+            };
+            if words.is_empty() { Vec::new() } else { (0..count).flat_map(record).collect() }
+        };
+        // With no words at all, the number of invocations is the one of a case.
+        let per_case = if self.case.is_empty() && self.invocation.is_empty() { invocations } else { batch.per_case };
+        Batch {
+            invocation_record: record(self.invocation.len()),
+            case_record: record(self.case.len()),
+            per_case,
+            invocations: laid(&self.invocation, invocations, &|k| batch.invocation(k).to_vec()),
+            cases: laid(&self.case, cases, &|k| batch.case(k).to_vec()),
+        }
+    }
+}
+
+/// A record of so many words.
+fn record(words: usize) -> Arc<Record> {
+    let shape = Shape::vector(Scalar::U32, 1).array_of(words as u32);
+    let field = (words > 0).then(|| Field { name: "words".to_owned(), shape });
+    Arc::new(Record::new(field.into_iter().collect()))
+}

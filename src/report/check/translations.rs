@@ -1,0 +1,123 @@
+//! What a run has to say about translations.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+
+use crate::suite::run::{Outcome, Summary, Translated};
+
+/// Lines for people: in one line the languages that agree, then what is left open. Deviations are
+/// findings, and told as such.
+pub(super) fn notes(summary: &Summary) -> String {
+    let reports = summary.entries.iter().filter_map(|entry| match &entry.outcome {
+        Outcome::Ran(report) => Some((report.suite.as_str(), &report.translations[..])),
+        Outcome::Refused(_) | Outcome::LaneFailed(_) => None,
+    });
+    lines(&reports.collect::<Vec<_>>())
+}
+
+fn lines(suites: &[(&str, &[Translated])]) -> String {
+    // Languages, with samples and suites on which they agree, in the order in which they turn up.
+    let mut agreeing: Vec<(Vec<&str>, u64, u64)> = Vec::new();
+    let mut open = String::new();
+    let mut counts: Vec<(&str, u64, u64)> = Vec::new();
+    for (suite, translations) in suites {
+        for translated in *translations {
+            let language = translated.language.name();
+            if let Some(why) = &translated.unsupported {
+                let _ = writeln!(open, "note: {suite}: the {language} translation was not compared: {why}");
+            }
+            if translated.undetermined > 0 {
+                let _ = writeln!(
+                    open,
+                    "note: {suite}: the {language} translation differs on {} samples where the shader leaves the range \
+                     of a type",
+                    translated.undetermined
+                );
+            }
+            if translated.agreed == 0 || translated.deviated > 0 {
+                continue;
+            }
+            match counts.iter_mut().find(|(known, ..)| *known == language) {
+                Some((_, samples, suites)) => (*samples, *suites) = (*samples + translated.agreed, *suites + 1),
+                None => counts.push((language, translated.agreed, 1)),
+            }
+        }
+    }
+    for (language, samples, suites) in counts {
+        match agreeing.iter_mut().find(|(_, known, of)| (*known, *of) == (samples, suites)) {
+            Some((languages, ..)) => languages.push(language),
+            None => agreeing.push((vec![language], samples, suites)),
+        }
+    }
+    let mut text = String::new();
+    for (languages, samples, suites) in agreeing {
+        let many = if suites == 1 { "suite" } else { "suites" };
+        let languages = languages.join(", ");
+        let _ = writeln!(
+            text,
+            "note: translations agree with the shader: {languages} ({samples} samples, {suites} {many})"
+        );
+    }
+    text + &open
+}
+
+/// The same for programs.
+pub(super) fn json(translations: &[Translated]) -> Value {
+    let one = |translated: &Translated| {
+        json!({
+            "language": translated.language.name(),
+            "agreed": translated.agreed,
+            "deviated": translated.deviated,
+            "undetermined": translated.undetermined,
+            "unsupported": translated.unsupported,
+        })
+    };
+    translations.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{json, lines};
+    use crate::program::Language;
+    use crate::suite::run::Translated;
+
+    fn agrees(language: Language, agreed: u64) -> Translated {
+        Translated { language, agreed, deviated: 0, undetermined: 0, unsupported: None }
+    }
+
+    #[test]
+    fn languages_that_agree_alike_share_a_line() {
+        use Language::{Glsl450, SpirV, Wgsl};
+        let a = [agrees(SpirV, 10), agrees(Wgsl, 10), agrees(Glsl450, 10)];
+        let unsupported = Some("no `mat2` in blocks".to_owned());
+        let b = [agrees(SpirV, 5), agrees(Wgsl, 5), Translated { agreed: 0, unsupported, ..agrees(Glsl450, 0) }];
+        assert_eq!(
+            lines(&[("a", &a), ("b", &b), ("a", &[])]),
+            "note: translations agree with the shader: spirv, wgsl (15 samples, 2 suites)\n\
+             note: translations agree with the shader: glsl450 (10 samples, 1 suite)\n\
+             note: b: the glsl450 translation was not compared: no `mat2` in blocks\n"
+        );
+    }
+
+    #[test]
+    fn what_deviates_or_is_open_is_not_said_to_agree() {
+        let deviates = Translated { deviated: 1, ..agrees(Language::Wgsl, 9) };
+        assert_eq!(lines(&[("a", &[deviates])]), "");
+        let open = Translated { undetermined: 3, ..agrees(Language::SpirV, 0) };
+        let text = lines(&[("a", &[open])]);
+        assert!(text.starts_with("note: a: the spirv translation differs on 3 samples") && !text.contains("agree"));
+    }
+
+    #[test]
+    fn every_count_is_in_the_json() {
+        let one = Translated { deviated: 2, undetermined: 3, ..agrees(Language::Glsl450, 1) };
+        let value = json(&[one]);
+        assert_eq!(
+            value,
+            serde_json::json!([
+                {"language": "glsl450", "agreed": 1, "deviated": 2, "undetermined": 3, "unsupported": null}
+            ])
+        );
+    }
+}
