@@ -3,7 +3,8 @@
 
 use std::fmt::Write as _;
 
-use shadercheck::lane::{Stage, embedded};
+use shadercheck::bound::profile::Rulings;
+use shadercheck::lane::{Api, Stage, embedded};
 use shadercheck::program::{Language, Program, Translation};
 use shadercheck::property::Sampler;
 use shadercheck::suite::run::{
@@ -321,6 +322,7 @@ fn request(prepared: &Prepared) -> Request {
         replay: Vec::new(),
         replay_only: false,
         arguments: prepared.suite.name.clone(),
+        rulings: Rulings::of_api(Api::Binary32),
     }
 }
 

@@ -5,12 +5,13 @@
 
 use std::time::{Duration, Instant};
 
+use shadercheck::bound::profile::Rulings;
 use shadercheck::lane::{Lane, Stage, vulkan};
 use shadercheck::property::Sampler;
 use shadercheck::suite::run::{DEFAULT_SEED, Prepared, Request, prepare, run};
 use shadercheck::suite::{self, Suite};
 use shadercheck::text::SourceFile;
-use shadercheck::verdict::judge_batch;
+use shadercheck::verdict::{Court, judge_batch};
 
 /// Samples of the large runs.
 const SAMPLES: u64 = 1 << 20;
@@ -51,7 +52,7 @@ fn parsed(shipped: &suite::ShippedSuite) -> Suite {
     suite::parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn request(samples: u64) -> Request {
+fn request(samples: u64, rulings: &Rulings) -> Request {
     Request {
         samples: Some(samples),
         seed: DEFAULT_SEED,
@@ -59,6 +60,7 @@ fn request(samples: u64) -> Request {
         replay: Vec::new(),
         replay_only: false,
         arguments: String::new(),
+        rulings: rulings.clone(),
     }
 }
 
@@ -77,6 +79,9 @@ fn fastest(mut work: impl FnMut()) -> Duration {
 /// the same, the formula, the judge.
 fn compare(name: &str, lane: &dyn Lane) {
     let prepared = prepared(name);
+    let rulings = Rulings::of_lane(lane.description());
+    let Prepared { oracle, reference, .. } = &prepared;
+    let court = Court { oracle, reference, rulings: &rulings, stage: Stage::Compute };
     let per_case = prepared.suite.per_case;
     let sampler = Sampler::new(prepared.plan.clone(), DEFAULT_SEED);
     let mut runner = lane.prepare(&prepared.compute, 1 << 17).unwrap_or_else(|e| panic!("{e}"));
@@ -84,7 +89,7 @@ fn compare(name: &str, lane: &dyn Lane) {
     let batches: Vec<_> =
         (0..SAMPLES / (cases * per_case) as u64).map(|k| sampler.batch(k * cases as u64, cases, per_case)).collect();
     let check = |samples: u64| {
-        let report = run(&prepared, lane, Stage::Compute, &request(samples), &mut |_| {});
+        let report = run(&prepared, lane, Stage::Compute, &request(samples, &rulings), &mut |_| {});
         let report = report.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(report.verdicts.deviated, 0, "{name}");
         assert!(report.judged() >= samples * 9 / 10, "{name}");
@@ -102,7 +107,7 @@ fn compare(name: &str, lane: &dyn Lane) {
         raw = raw.min(start.elapsed());
         let start = Instant::now();
         for (batch, actual) in batches.iter().zip(&actuals) {
-            std::hint::black_box(judge_batch(&prepared.reference, batch, actual, &prepared.tolerance));
+            std::hint::black_box(judge_batch(&court, batch, actual));
         }
         judge = judge.min(start.elapsed());
         let start = Instant::now();
@@ -122,7 +127,7 @@ fn compare(name: &str, lane: &dyn Lane) {
         let time = fastest(|| {
             for batch in &samples {
                 let actual = runner.run(batch).unwrap_or_else(|e| panic!("{e}"));
-                std::hint::black_box(judge_batch(&prepared.reference, batch, &actual, &prepared.tolerance));
+                std::hint::black_box(judge_batch(&court, batch, &actual));
             }
         });
         time.mul_f64(SAMPLES as f64 / SINGLE as f64)
@@ -166,7 +171,7 @@ fn quick(lane: &dyn Lane) {
 fn memory(lane: &dyn Lane) {
     let prepared = prepared("sphere");
     let peak = |samples: u64| {
-        let report = run(&prepared, lane, Stage::Compute, &request(samples), &mut |_| {});
+        let report = run(&prepared, lane, Stage::Compute, &request(samples, &rulings), &mut |_| {});
         assert_eq!(report.unwrap_or_else(|e| panic!("{e}")).verdicts.deviated, 0);
         std::fs::read_to_string("/proc/self/status").ok().and_then(|s| {
             s.lines()
