@@ -127,6 +127,18 @@ pub fn map<X: Copy, Y>(x: &[X], out: &mut [Y], f: impl Fn(X) -> Y) {
     Arch::new().dispatch(Map { x, out, f });
 }
 
+/// [`map`] of a function of two.
+#[inline]
+pub fn map_pairs<A: Copy, B: Copy, Y>(a: &[A], b: &[B], out: &mut [Y], f: impl Fn(A, B) -> Y) {
+    assert!(a.len() == out.len() && b.len() == out.len(), "a column has one result for each pair of arguments");
+    Arch::new().dispatch(MapPairs { a, b, out, f });
+}
+
+/// How many numbers of a column are greater than each of some limits.
+pub fn count_above<const N: usize>(x: &[f64], limits: &[f64; N]) -> [u64; N] {
+    Arch::new().dispatch(CountAbove { x, limits })
+}
+
 struct Map<'a, X, Y, F> {
     x: &'a [X],
     out: &'a mut [Y],
@@ -141,6 +153,44 @@ impl<X: Copy, Y, F: Fn(X) -> Y> NullaryFnOnce for Map<'_, X, Y, F> {
         for (out, &x) in self.out.iter_mut().zip(self.x) {
             *out = (self.f)(x);
         }
+    }
+}
+
+struct MapPairs<'a, A, B, Y, F> {
+    a: &'a [A],
+    b: &'a [B],
+    out: &'a mut [Y],
+    f: F,
+}
+
+impl<A: Copy, B: Copy, Y, F: Fn(A, B) -> Y> NullaryFnOnce for MapPairs<'_, A, B, Y, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for ((out, &a), &b) in self.out.iter_mut().zip(self.a).zip(self.b) {
+            *out = (self.f)(a, b);
+        }
+    }
+}
+
+struct CountAbove<'a, const N: usize> {
+    x: &'a [f64],
+    limits: &'a [f64; N],
+}
+
+impl<const N: usize> NullaryFnOnce for CountAbove<'_, N> {
+    type Output = [u64; N];
+
+    #[inline(always)]
+    fn call(self) -> [u64; N] {
+        self.limits.map(|limit| {
+            let mut count = 0;
+            for &x in self.x {
+                count += u64::from(x > limit);
+            }
+            count
+        })
     }
 }
 

@@ -34,7 +34,7 @@ mod reduction;
 mod series;
 mod trigonometric;
 
-pub use dispatch::{Binary, Unary, map};
+pub use dispatch::{Binary, Unary, count_above, map, map_pairs};
 
 /// sin x, x in radians; NaN for infinities.
 pub const SIN: Unary = Unary::of::<trigonometric::Sine>();

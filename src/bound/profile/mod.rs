@@ -15,7 +15,7 @@ use std::fmt;
 
 use crate::lane::Stage;
 
-pub use accept::{Free, accept, least_ulp, may_promise};
+pub use accept::{Free, Sieve, accept, may_promise};
 pub use grid::Interval;
 pub use measured::{BINS, CLASSES, Measured, Row, Table, bin_of, bounds_of_bin};
 pub use op::Op;
