@@ -184,13 +184,14 @@ impl<const N: usize> NullaryFnOnce for CountAbove<'_, N> {
 
     #[inline(always)]
     fn call(self) -> [u64; N] {
-        self.limits.map(|limit| {
-            let mut count = 0;
+        // Loops and no `map` of the array: that one is not always inlined, and so not vectorised.
+        let mut counts = [0; N];
+        for (count, &limit) in counts.iter_mut().zip(self.limits) {
             for &x in self.x {
-                count += u64::from(x > limit);
+                *count += u64::from(x > limit);
             }
-            count
-        })
+        }
+        counts
     }
 }
 
