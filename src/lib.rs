@@ -9,6 +9,7 @@ pub mod interp;
 pub mod lane;
 pub mod lint;
 pub mod lower;
+pub mod math;
 pub mod mutate;
 pub mod program;
 pub mod property;

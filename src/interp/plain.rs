@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
 use super::half;
 use super::lanes::{LANES, Mask, Words};
+use crate::math;
 use crate::value::Scalar;
 
 /// A type of floating-point numbers.
@@ -48,6 +49,25 @@ pub trait Number:
     fn is_poison(self) -> bool;
     /// The mark of what was never written: a quiet NaN with a payload of its own.
     fn poison() -> Self;
+
+    /// A function on all lanes, each result rounded once.
+    fn column(function: &math::Unary, a: &[Self; LANES], out: &mut [Self; LANES]);
+    /// A function of two numbers on all lanes, each result rounded once.
+    fn columns(function: &math::Binary, a: &[Self; LANES], b: &[Self; LANES], out: &mut [Self; LANES]);
+}
+
+/// Binary32 numbers as binary64 numbers.
+#[inline]
+fn widened(from: &[f32; LANES]) -> [f64; LANES] {
+    let mut to = [0.0; LANES];
+    math::map(from, &mut to, f64::from);
+    to
+}
+
+/// Binary64 numbers rounded to binary32.
+#[inline]
+fn narrowed(from: &[f64; LANES], to: &mut [f32; LANES]) {
+    math::map(from, to, |x| x as f32);
 }
 
 impl Number for f64 {
@@ -92,6 +112,13 @@ impl Number for f64 {
         // The binary32 mark, widened.
         Self::from_bits(0x7ffa_b479_2000_0000)
     }
+
+    fn column(function: &math::Unary, a: &[Self; LANES], out: &mut [Self; LANES]) {
+        function.column(a, out);
+    }
+    fn columns(function: &math::Binary, a: &[Self; LANES], b: &[Self; LANES], out: &mut [Self; LANES]) {
+        function.column(a, b, out);
+    }
 }
 
 impl Number for f32 {
@@ -130,6 +157,17 @@ impl Number for f32 {
     #[inline]
     fn poison() -> Self {
         Self::from_bits(super::POISON)
+    }
+
+    fn column(function: &math::Unary, a: &[Self; LANES], out: &mut [Self; LANES]) {
+        let mut wide = [0.0; LANES];
+        function.column(&widened(a), &mut wide);
+        narrowed(&wide, out);
+    }
+    fn columns(function: &math::Binary, a: &[Self; LANES], b: &[Self; LANES], out: &mut [Self; LANES]) {
+        let mut wide = [0.0; LANES];
+        function.column(&widened(a), &widened(b), &mut wide);
+        narrowed(&wide, out);
     }
 }
 
@@ -190,6 +228,12 @@ fn zip<T: Copy>(a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: impl Fn(T,
     }
 }
 
+/// A function with exact results, on all lanes.
+#[inline]
+fn exact<T: Number>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(f64) -> f64) {
+    math::map(a.values(), out.values_mut(), |x| T::nearest(f(x.widen())));
+}
+
 /// Fraction and exponent of x = f·2^e with ½ ≤ |f| < 1; x itself and 0 for 0 and what is not finite.
 pub(super) fn frexp(x: f64) -> (f64, i32) {
     if x == 0.0 || !x.is_finite() {
@@ -210,10 +254,9 @@ fn ldexp(x: f64, e: i32) -> f64 {
     x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
 }
 
-/// a^b as the shading languages define it: nothing for negative a.
-fn pow(a: f64, b: f64) -> f64 {
-    if a < 0.0 { f64::NAN } else { a.powf(b) }
-}
+/// Active lanes from which on a column as a whole is quicker than the lanes one by one. The results
+/// are the same.
+const WORTH_A_COLUMN: usize = LANES / 8;
 
 /// Converts numbers to words. Gives the lanes whose value does not fit.
 pub fn to_words(op: ToWords, a: &[f64; LANES], out: &mut Words) -> Mask {
@@ -279,6 +322,14 @@ impl<T: Number> Domain for Plain<T> {
             let (a, out) = (a.values(), out.values_mut());
             active.each(|lane| out[lane] = T::nearest(f(a[lane].widen())));
         };
+        let fast = |a: &Column<T>, out: &mut Column<T>, f: math::Unary| {
+            let (a, out) = (a.values(), out.values_mut());
+            if active.count() >= WORTH_A_COLUMN {
+                T::column(&f, a, out);
+            } else {
+                active.each(|lane| out[lane] = T::nearest(f.value(a[lane].widen())));
+            }
+        };
         match op {
             Unary::Negate => map(a, out, |x| -x),
             Unary::Abs => map(a, out, T::size),
@@ -291,23 +342,23 @@ impl<T: Number> Domain for Plain<T> {
                     x
                 }
             }),
-            Unary::Floor => slow(a, out, f64::floor),
-            Unary::Ceil => slow(a, out, f64::ceil),
-            Unary::Round => slow(a, out, f64::round_ties_even),
-            Unary::Trunc => slow(a, out, f64::trunc),
-            Unary::Fract => slow(a, out, |x| x - x.floor()),
+            Unary::Floor => exact(a, out, f64::floor),
+            Unary::Ceil => exact(a, out, f64::ceil),
+            Unary::Round => exact(a, out, f64::round_ties_even),
+            Unary::Trunc => exact(a, out, f64::trunc),
+            Unary::Fract => exact(a, out, |x| x - x.floor()),
             Unary::Sqrt => map(a, out, T::root),
             Unary::InverseSqrt | Unary::NormalScale => map(a, out, |x| T::nearest(1.0 / x.widen().sqrt())),
-            Unary::Exp => slow(a, out, f64::exp),
-            Unary::Exp2 => slow(a, out, f64::exp2),
-            Unary::Log => slow(a, out, f64::ln),
-            Unary::Log2 => slow(a, out, f64::log2),
-            Unary::Sin => slow(a, out, f64::sin),
-            Unary::Cos => slow(a, out, f64::cos),
-            Unary::Tan => slow(a, out, f64::tan),
-            Unary::Asin => slow(a, out, f64::asin),
-            Unary::Acos => slow(a, out, f64::acos),
-            Unary::Atan => slow(a, out, f64::atan),
+            Unary::Exp => fast(a, out, math::EXP),
+            Unary::Exp2 => fast(a, out, math::EXP2),
+            Unary::Log => fast(a, out, math::LN),
+            Unary::Log2 => fast(a, out, math::LOG2),
+            Unary::Sin => fast(a, out, math::SIN),
+            Unary::Cos => fast(a, out, math::COS),
+            Unary::Tan => fast(a, out, math::TAN),
+            Unary::Asin => fast(a, out, math::ASIN),
+            Unary::Acos => fast(a, out, math::ACOS),
+            Unary::Atan => fast(a, out, math::ATAN),
             Unary::Sinh => slow(a, out, f64::sinh),
             Unary::Cosh => slow(a, out, f64::cosh),
             Unary::Tanh => slow(a, out, f64::tanh),
@@ -323,9 +374,13 @@ impl<T: Number> Domain for Plain<T> {
     }
 
     fn binary(&mut self, _: Site, op: Binary, active: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Column<T>) {
-        let slow = |a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: fn(f64, f64) -> f64| {
+        let fast = |a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: math::Binary| {
             let (a, b, out) = (a.values(), b.values(), out.values_mut());
-            active.each(|lane| out[lane] = T::nearest(f(a[lane].widen(), b[lane].widen())));
+            if active.count() >= WORTH_A_COLUMN {
+                T::columns(&f, a, b, out);
+            } else {
+                active.each(|lane| out[lane] = T::nearest(f.value(a[lane].widen(), b[lane].widen())));
+            }
         };
         match op {
             Binary::Add => zip(a, b, out, |a, b| a + b),
@@ -335,8 +390,8 @@ impl<T: Number> Domain for Plain<T> {
             Binary::Remainder => zip(a, b, out, |a, b| a % b),
             Binary::Min => zip(a, b, out, |a, b| if b < a { b } else { a }),
             Binary::Max => zip(a, b, out, |a, b| if a < b { b } else { a }),
-            Binary::Pow => slow(a, b, out, pow),
-            Binary::Atan2 => slow(a, b, out, f64::atan2),
+            Binary::Pow => fast(a, b, out, math::POW),
+            Binary::Atan2 => fast(a, b, out, math::ATAN2),
             Binary::Step => zip(a, b, out, |a, b| if b < a { T::ZERO } else { T::ONE }),
         }
     }
@@ -403,6 +458,44 @@ impl<T: Number> Domain for Plain<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The function in the lanes of a mask, and 7 in the others.
+    fn masked<T: Number>(op: Unary, mask: &Mask) -> Vec<f64> {
+        let mut domain = Plain::<T>::default();
+        let (mut a, mut out) = (domain.column(), domain.column());
+        for (lane, a) in a.values_mut().iter_mut().enumerate() {
+            *a = T::nearest(lane as f64 * 0.11 - 9.0);
+        }
+        let mut result = domain.column();
+        result.values_mut().fill(T::nearest(7.0));
+        domain.unary(Site(0), op, mask, &a, &mut out);
+        domain.merge(mask, &out, &mut result);
+        result.values().map(Number::widen).to_vec()
+    }
+
+    #[test]
+    fn a_lane_has_the_same_result_whichever_others_are_active() {
+        for op in [Unary::Sin, Unary::Exp2, Unary::Log2, Unary::Atan, Unary::Floor] {
+            let bits = |x: &Vec<f64>, lane: usize| x[lane].to_bits();
+            for (all, one) in [
+                (masked::<f64>(op, &Mask::ALL), masked::<f64>(op, &Mask::where_(|lane| lane == 99))),
+                (masked::<f32>(op, &Mask::ALL), masked::<f32>(op, &Mask::where_(|lane| lane == 99))),
+            ] {
+                assert_eq!(bits(&all, 99), bits(&one, 99), "{op:?}");
+                assert_ne!(bits(&all, 98), bits(&one, 98), "{op:?}: another lane is not computed");
+            }
+        }
+    }
+
+    #[test]
+    fn functions_in_binary32_are_rounded_once_from_binary64() {
+        let sine = masked::<f32>(Unary::Sin, &Mask::ALL);
+        for (lane, sine) in sine.into_iter().enumerate() {
+            let x = (lane as f64 * 0.11 - 9.0) as f32;
+            // No tie is within the errors of the two references.
+            assert_eq!(sine, f64::from(f64::from(x).sin() as f32), "{x}");
+        }
+    }
 
     #[test]
     fn frexp_and_ldexp_undo_each_other_down_to_the_smallest_number() {

@@ -150,12 +150,13 @@ fn ms(time: Duration) -> f64 {
 
 /// All suites on all stages, as `check --quick` runs them.
 fn quick(lane: &dyn Lane) {
+    let rulings = Rulings::of_lane(lane.description());
     let time = fastest(|| {
         for shipped in suite::shipped() {
             let suite = parsed(shipped);
             let shader = SourceFile::new(shipped.shader_name, shipped.shader_text);
             let prepared = prepare(&suite, &shader).unwrap_or_else(|e| panic!("{e}"));
-            let request = Request { samples: None, quick: true, ..request(1) };
+            let request = Request { samples: None, quick: true, ..request(1, &rulings) };
             for stage in [Stage::Compute, Stage::Vertex] {
                 if stage == Stage::Compute || prepared.vertex.is_some() {
                     let report = run(&prepared, lane, stage, &request, &mut |_| {});
@@ -170,6 +171,7 @@ fn quick(lane: &dyn Lane) {
 /// Peak memory after a run of 2^20 samples and after one of 2^23.
 fn memory(lane: &dyn Lane) {
     let prepared = prepared("sphere");
+    let rulings = Rulings::of_lane(lane.description());
     let peak = |samples: u64| {
         let report = run(&prepared, lane, Stage::Compute, &request(samples, &rulings), &mut |_| {});
         assert_eq!(report.unwrap_or_else(|e| panic!("{e}")).verdicts.deviated, 0);

@@ -76,13 +76,13 @@ fn unreferenced(workspace: &Path, messages: &mut dyn Write) -> Result<u8> {
     complain(&references.complaints(workspace)?, messages)
 }
 
-/// Prints how fast the gate is.
+/// Prints how fast the gate is, and the functions on columns.
 pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     if let Some((_, rest)) = arguments.split_first().filter(|(first, _)| *first == "--against-script") {
         return against::run(rest, messages);
     }
-    status(cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--"]).args(arguments))
+    status(cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--bench", "math", "--"]).args(arguments))
 }
 
 fn complain(lines: &[String], messages: &mut dyn Write) -> Result<u8> {

@@ -1,7 +1,7 @@
 //! Measures the operations of a device against exact values, and holds them against a promise.
 //!
-//! References are the functions of the standard library in binary64: within 1 ULP of binary64, and so
-//! within 2^-28 ULP of a binary32 result. An error that a table shows is good to that much.
+//! References are computed in binary64: within 2 ULP of binary64, and so within 2^-27 ULP of a binary32
+//! result. An error that a table shows is good to that much.
 //!
 //! The work is cut into blocks. What was measured after a block is a [`State`], which can be written
 //! down and continued.
@@ -276,8 +276,8 @@ impl Device {
 
 /// The tally of a dispatch.
 fn dispatch_tally(judge: &Judge<'_>, op: Op, width: usize, batch: &Batch, actual: &Actual) -> Tally {
-    match op.function().filter(|_| width > 1) {
-        Some(function) => sweep_tally(judge, function, batch, actual),
+    match op.column().filter(|_| width > 1) {
+        Some(column) => sweep_tally(judge, column, batch, actual),
         None => judge.tally(batch.invocation_count(), |k| {
             let mut arguments = [0; 3];
             let record = batch.invocation(k);
@@ -288,14 +288,14 @@ fn dispatch_tally(judge: &Judge<'_>, op: Op, width: usize, batch: &Batch, actual
 }
 
 /// Invocations of a sweep that one thread takes at a time: a part of a binade.
-const PART: usize = 1 << 12;
+const PART: usize = 1 << 14;
 
 /// The tally of a dispatch of the sweeping kernel.
-fn sweep_tally(judge: &Judge<'_>, function: fn(f64) -> f64, batch: &Batch, actual: &Actual) -> Tally {
+fn sweep_tally(judge: &Judge<'_>, column: fn(&[f64], &mut [f64]), batch: &Batch, actual: &Actual) -> Tally {
     let part = |(k, words): (usize, &[u32])| {
         let mut results = Vec::with_capacity(words.len() * kernel::SWEEP);
         (k * PART..k * PART + words.len()).for_each(|i| results.extend_from_slice(actual.vertex(i, 0)));
-        judge.tally_neighbours(words[0], &results, function)
+        judge.tally_neighbours(words[0], &results, column)
     };
     batch.invocations.par_chunks(PART).enumerate().map(part).reduce(Tally::default, |mut a, b| {
         a.merge(&b);

@@ -5,11 +5,33 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::inputs::Arguments;
-use crate::bound::profile::{BINS, CLASSES, Interval, Op, Profile, accept, bin_of, grid, least_ulp, may_promise};
+use crate::bound::profile::{BINS, CLASSES, Interval, Op, Profile, Sieve, accept, bin_of, grid, may_promise};
 use crate::lane::Stage;
+use crate::math;
 
 /// Samples that one thread takes at a time.
 const CHUNK: usize = 1 << 15;
+
+/// Samples of a sweep whose exact values are computed at once.
+const COLUMN: usize = 256;
+
+/// In the place of an error: no value is defined.
+const UNDEFINED: f64 = -3.0;
+/// In the place of an error: an infinity for a value beyond the range.
+const BEYOND: f64 = -2.0;
+/// In the place of an error: the sample is tallied by itself.
+const LONG_WAY: f64 = -1.0;
+/// What errors and the marks above are counted by.
+const LIMITS: [f64; CLASSES.len() + 3] = {
+    let mut limits = [0.0; CLASSES.len() + 3];
+    (limits[0], limits[1], limits[2]) = (UNDEFINED, BEYOND, LONG_WAY);
+    let mut k = 0;
+    while k < CLASSES.len() {
+        limits[k + 3] = CLASSES[k];
+        k += 1;
+    }
+    limits
+};
 
 /// Exponent field of a binary64 at the smallest normal binary32 number.
 const LEAST_EXPONENT: u64 = 1023 - 126;
@@ -110,14 +132,14 @@ pub struct Judge<'a> {
     text: &'a Profile,
     suite: &'a Profile,
     stage: Stage,
-    /// Errors up to this many ULP are promised wherever anything is.
-    sieve: f64,
+    /// Errors that are promised wherever anything is.
+    sieve: Sieve,
 }
 
 impl<'a> Judge<'a> {
     /// A judge by the text of a specification and the rule of its conformance suite.
     pub fn new(op: Op, text: &'a Profile, suite: &'a Profile, stage: Stage) -> Self {
-        Self { op, text, suite, stage, sieve: least_ulp(text, op) }
+        Self { op, text, suite, stage, sieve: Sieve::new(text, op, None) }
     }
 
     /// Tallies `count` samples in all threads. `sample` gives arguments and result.
@@ -138,54 +160,67 @@ impl<'a> Judge<'a> {
 
     /// Tallies the results for neighbouring words of one bin: the same as [`Judge::tally`] for a
     /// function of one argument, without what most samples do not need.
-    pub fn tally_neighbours(&self, first: u32, results: &[u32], function: fn(f64) -> f64) -> Tally {
+    pub fn tally_neighbours(&self, first: u32, results: &[u32], function: fn(&[f64], &mut [f64])) -> Tally {
         let mut tally = Tally::default();
         let ends = [first, first + results.len() as u32 - 1].map(|w| f64::from(f32::from_bits(w)));
+        let range = Interval::hull(ends);
         let bin = (first >> 23) as usize;
-        let promises = Interval::hull(ends).is_some_and(|range| may_promise(self.text, self.op, range));
-        let sieve = if promises { self.sieve } else { f64::INFINITY };
-        // Samples below these limits set no record and need no look at the promise.
-        let limits = |tally: &Tally| {
-            let (ulp, abs) = (tally.bins[bin].ulp.value(), tally.bins[bin].abs.value());
-            if promises {
-                let promised = (tally.promised_ulp.value(), tally.promised_abs.value());
-                (ulp.min(promised.0).min(sieve), abs.min(promised.1))
-            } else {
-                (ulp, abs)
-            }
-        };
-        let (mut ulp_limit, mut abs_limit) = (0.0, 0.0);
-        let mut plain = [0_u64; CLASSES.len() + 1];
-        let mut beyond = 0;
+        let promises = range.is_some_and(|range| may_promise(self.text, self.op, range));
+        let everything = Sieve { ulp: f64::INFINITY, abs: f64::INFINITY };
+        let sieve = if promises { Sieve::new(self.text, self.op, range) } else { everything };
         let normal = !bin.is_multiple_of(BINS / 2);
-        for (k, &result) in results.iter().enumerate() {
-            let word = first + k as u32;
-            let exact = function(f64::from(f32::from_bits(word)));
-            let error = (f64::from(f32::from_bits(result)) - exact).abs();
-            let size = exact.abs();
-            if size > grid::MAX_FINITE && f64::from(f32::from_bits(result)) == exact.signum() * f64::INFINITY {
-                beyond += 1;
-                continue;
+        let least_size = if normal { grid::MIN_NORMAL } else { f64::INFINITY };
+        let mut plain = [0_u64; CLASSES.len() + 1];
+        let (mut arguments, mut exact, mut errors) = ([0.0; COLUMN], [0.0; COLUMN], [0.0; COLUMN]);
+        for (column, results) in (0_u32..).zip(results.chunks(COLUMN)) {
+            let first = first + column * COLUMN as u32;
+            for (word, x) in (first..).zip(&mut arguments) {
+                *x = f64::from(f32::from_bits(word));
             }
-            // The reciprocal of the gap from the exponent, as `grid::ulp` without its cases.
-            let bits = exact.to_bits();
-            let exponent = (bits >> 52 & 0x7ff).clamp(LEAST_EXPONENT, 0x7fe);
-            let power_of_two = bits << 12 == 0 && size > grid::MIN_NORMAL;
-            let ulp = error * f64::from_bits((2046 + 23 - exponent + u64::from(power_of_two)) << 52);
-            // A subnormal number may be flushed: that is no error, and takes the long way.
-            let usual = ulp <= 0.5 || (normal && size >= grid::MIN_NORMAL);
-            if usual && ulp <= ulp_limit && error <= abs_limit {
-                let class =
-                    if ulp <= 0.5 { 0 } else { CLASSES.iter().position(|end| ulp <= *end).unwrap_or(CLASSES.len()) };
-                plain[class] += 1;
-            } else {
-                self.one_with(&mut tally, [word, 0, 0], result, exact, promises);
-                (ulp_limit, abs_limit) = limits(&tally);
+            let count = results.len();
+            let (exact, errors) = (&mut exact[..count], &mut errors[..count]);
+            function(&arguments[..count], exact);
+            // Errors up to these limits set no record.
+            let (mut ulp_limit, mut abs_limit) = (tally.bins[bin].ulp.value(), tally.bins[bin].abs.value());
+            if promises {
+                ulp_limit = ulp_limit.min(tally.promised_ulp.value());
+                abs_limit = abs_limit.min(tally.promised_abs.value());
+            }
+            // The error in ULP of a sample that sets no record and is inside of the promise.
+            math::map_pairs(exact, results, errors, |exact, result| {
+                let error = (f64::from(f32::from_bits(result)) - exact).abs();
+                // The reciprocal of the gap from the exponent, as `grid::ulp` without its cases.
+                let bits = exact.to_bits();
+                let field = bits >> 52 & 0x7ff;
+                let field = if field < LEAST_EXPONENT { LEAST_EXPONENT } else { field };
+                let field = if field > 0x7fe { 0x7fe } else { field };
+                let power_of_two = (bits << 12 == 0) & (exact.abs() > grid::MIN_NORMAL);
+                let ulp = error * f64::from_bits((2046 + 23 - field + u64::from(power_of_two)) << 52);
+                // A subnormal number may be flushed: that is no error, and takes the long way.
+                let usual = (ulp <= 0.5) | (exact.abs() >= least_size);
+                let within = exact.abs() <= grid::MAX_FINITE;
+                let no_record = (ulp <= ulp_limit) & (error <= abs_limit);
+                let value = if usual & within & no_record & sieve.passes(ulp, error) { ulp } else { LONG_WAY };
+                let infinite = f64::from(f32::from_bits(result)) == f64::INFINITY.copysign(exact);
+                let value = if !within & infinite { BEYOND } else { value };
+                if exact.is_nan() { UNDEFINED } else { value }
+            });
+            let above = math::count_above(errors, &LIMITS);
+            let mut rest = count as u64;
+            let parts = above.map(|above| std::mem::replace(&mut rest, above) - above);
+            let [undefined, beyond, long, classes @ ..] = parts;
+            tally.undefined += undefined;
+            tally.beyond += beyond;
+            tally.samples += undefined + beyond;
+            plain.iter_mut().zip(classes.into_iter().chain([rest])).for_each(|(sum, class)| *sum += class);
+            if long > 0 {
+                for (k, &result) in results.iter().enumerate().filter(|(k, _)| errors[*k] == LONG_WAY) {
+                    self.one_with(&mut tally, [first + k as u32, 0, 0], result, exact[k], promises.then_some(sieve));
+                }
             }
         }
         let count: u64 = plain.iter().sum();
-        tally.samples += count + beyond;
-        tally.beyond += beyond;
+        tally.samples += count;
         tally.bins[bin].samples += count;
         tally.bins[bin].histogram.iter_mut().zip(plain).for_each(|(a, b)| *a += b);
         tally
@@ -194,11 +229,12 @@ impl<'a> Judge<'a> {
     fn one(&self, tally: &mut Tally, arguments: Arguments, result: u32) {
         let args = arguments.map(|w| f64::from(f32::from_bits(w)));
         let exact = self.op.exact(&args[..self.op.arity().unwrap_or(0)]);
-        self.one_with(tally, arguments, result, exact, true);
+        self.one_with(tally, arguments, result, exact, Some(self.sieve));
     }
 
-    /// Tallies a sample whose exact value is known.
-    fn one_with(&self, tally: &mut Tally, arguments: Arguments, result: u32, exact: f64, promises: bool) {
+    /// Tallies a sample whose exact value is known. What passes the sieve is promised; without one,
+    /// nothing is.
+    fn one_with(&self, tally: &mut Tally, arguments: Arguments, result: u32, exact: f64, sieve: Option<Sieve>) {
         let args = arguments.map(|w| f64::from(f32::from_bits(w)));
         let args = &args[..self.op.arity().unwrap_or(0)];
         let found = f64::from(f32::from_bits(result));
@@ -233,10 +269,9 @@ impl<'a> Judge<'a> {
                 bin.wild += 1;
             }
         }
-        let inside = ulp <= self.sieve;
         let record = ulp > tally.promised_ulp.value() || error > tally.promised_abs.value();
-        // A NaN is not inside.
-        if promises && (!inside || record) {
+        // A NaN does not pass.
+        if sieve.is_some_and(|sieve| record || !sieve.passes(ulp, error)) {
             self.against_promise(tally, arguments, args, result, exact);
         }
     }

@@ -63,28 +63,62 @@ pub fn accept_near(profile: &Profile, op: Op, args: &[f64], exact: f64, stage: S
     Scope { profile, stage }.open(pieces, Interval::point(exact), points)
 }
 
-/// An error, in ULP at the exact value, that a profile accepts for every argument for which it
-/// promises anything; 0 when there is no such error. A quick sieve before [`accept`].
-pub fn least_ulp(profile: &Profile, op: Op) -> f64 {
-    let Entry::Promised(pieces) = profile.entry(op) else { return 0.0 };
-    let least = |rule: &Rule| match *rule {
-        Rule::Exact => 0.0,
-        // Less than one gap away and on the grid is one of the two neighbours.
-        Rule::Rounded => match profile.rounding {
-            Rounding::Either => 1.0 - 1e-6,
-            Rounding::NearestEven => 0.5 - 1e-6,
-        },
-        Rule::Ulp { constant, .. } => constant,
-        Rule::Absolute(_) => 0.0,
-        Rule::Inherited { definition, .. } => match definition {
-            Definition::SqrtByInverseSqrt | Definition::SinOverCos | Definition::SinhOverCosh => 2.5,
-            Definition::AsinByAtan2 | Definition::AcosByAtan2 => 4096.0,
-            Definition::PowByExp2 => 3.0,
-            _ => 0.0,
-        },
-        Rule::NoPromise => f64::INFINITY,
-    };
-    pieces.iter().map(|p| least(&p.rule)).fold(f64::INFINITY, f64::min)
+/// An error that a profile accepts wherever it promises anything: a quick sieve before [`accept`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sieve {
+    /// Errors up to this many ULP at the exact value are accepted.
+    pub ulp: f64,
+    /// Absolute errors up to this are accepted.
+    pub abs: f64,
+}
+
+impl Sieve {
+    /// A sieve that lets nothing pass.
+    pub const NONE: Self = Self { ulp: 0.0, abs: 0.0 };
+
+    /// For all arguments, or for the arguments of a function of one argument that lie in a range.
+    pub fn new(profile: &Profile, op: Op, range: Option<Interval>) -> Self {
+        let Entry::Promised(pieces) = profile.entry(op) else { return Self::NONE };
+        let mut sieve = Self { ulp: f64::INFINITY, abs: f64::INFINITY };
+        for piece in pieces.iter().filter(|piece| range.is_none_or(|range| piece.touches(&[range]))) {
+            let part = Self::of_rule(&piece.rule, profile.rounding);
+            sieve = Self { ulp: sieve.ulp.min(part.ulp), abs: sieve.abs.min(part.abs) };
+            // The first piece that covers a point counts.
+            if range.is_some_and(|range| piece.covers(&[range])) {
+                break;
+            }
+        }
+        sieve
+    }
+
+    fn of_rule(rule: &Rule, rounding: Rounding) -> Self {
+        let ulp = |ulp| Self { ulp, abs: 0.0 };
+        match *rule {
+            Rule::Exact => Self::NONE,
+            // Less than one gap away and on the grid is one of the two neighbours.
+            Rule::Rounded => match rounding {
+                Rounding::Either => ulp(1.0 - 1e-6),
+                Rounding::NearestEven => ulp(0.5 - 1e-6),
+            },
+            Rule::Ulp { constant, .. } => ulp(constant),
+            // The ends of the interval are rounded.
+            Rule::Absolute(error) => Self { ulp: 0.0, abs: error * (1.0 - 1e-6) },
+            Rule::Inherited { definition, .. } => match definition {
+                Definition::SqrtByInverseSqrt | Definition::SinOverCos | Definition::SinhOverCosh => ulp(2.5),
+                Definition::AsinByAtan2 | Definition::AcosByAtan2 => ulp(4096.0),
+                Definition::PowByExp2 => ulp(3.0),
+                _ => Self::NONE,
+            },
+            Rule::NoPromise => Self { ulp: f64::INFINITY, abs: f64::INFINITY },
+        }
+    }
+
+    /// True when an error is accepted for certain; never for NaN.
+    #[inline]
+    pub fn passes(self, ulp: f64, abs: f64) -> bool {
+        // Not a short circuit: loops with this are to vectorise.
+        (ulp <= self.ulp) | (abs <= self.abs)
+    }
 }
 
 /// False when a profile promises nothing for any argument in a range, for a function of one argument.

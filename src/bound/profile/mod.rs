@@ -17,7 +17,7 @@ use std::fmt;
 
 use crate::lane::Stage;
 
-pub use accept::{Free, accept, accept_near, least_ulp, may_promise};
+pub use accept::{Free, Sieve, accept, accept_near, may_promise};
 pub use device::{Identity, device_name};
 pub use grid::Interval;
 pub use measured::{BINS, CLASSES, Measured, Row, Table, bin_of, bounds_of_bin};

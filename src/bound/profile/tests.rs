@@ -180,13 +180,32 @@ fn definitions_open_at_least_the_interval_of_their_last_operation() {
         let exact = op.exact(&args);
         let accepted = accept(vulkan, op, &args, Stage::Compute).unwrap();
         assert!(accepted.contains(exact), "{op:?}");
-        let room = least_ulp(vulkan, op) * grid::ulp(exact);
+        let room = Sieve::new(vulkan, op, None).ulp * grid::ulp(exact);
         assert!(accepted.hi - exact >= room && exact - accepted.lo >= room, "{op:?}");
         assert!(accepted.hi - accepted.lo < 0.1, "{op:?} is not bounded usefully: {accepted:?}");
     }
     // tan at π/2 divides by what may be zero.
     assert_eq!(accept(vulkan, Op::Tan, &[1.5707964], Stage::Compute), Err(Free::OutsideDomain));
     assert_eq!(accept(profile("glsl-4.60"), Op::Tan, &[0.7], Stage::Compute), Err(Free::NoPromise));
+}
+
+#[test]
+fn what_passes_a_sieve_is_accepted_and_twice_an_absolute_promise_does_not_pass() {
+    let vulkan = profile("vulkan-1.4");
+    for (op, x, promise) in [(Op::Sin, 1.3, 2f64.powi(-11)), (Op::Log2, 1.3, 2f64.powi(-21)), (Op::Log2, 9.0, 0.0)] {
+        let sieve = Sieve::new(vulkan, op, Some(Interval { lo: x, hi: 1.1 * x }));
+        assert!(sieve.abs <= promise && sieve.abs >= 0.99 * promise, "{op:?} {sieve:?}");
+        let accepted = accept(vulkan, op, &[x], Stage::Compute).unwrap();
+        let exact = op.exact(&[x]);
+        for error in [sieve.abs, sieve.ulp * grid::ulp(exact)] {
+            assert!(sieve.passes(error / grid::ulp(exact), error) && !sieve.passes(f64::NAN, f64::NAN));
+            assert!(accepted.contains(exact + error) && accepted.contains(exact - error), "{op:?} {error}");
+        }
+        let error = 2.0 * promise.max(sieve.ulp * grid::ulp(exact));
+        assert!(!sieve.passes(error / grid::ulp(exact), error) && !accepted.contains(exact + error), "{op:?}");
+    }
+    // The absolute promise of log2 holds in a part of its domain, the relative one in the other.
+    assert_eq!(Sieve::new(vulkan, Op::Log2, None), Sieve::NONE);
 }
 
 #[test]

@@ -12,16 +12,17 @@ use super::{Fault, File, expect_none, file, messages, project};
 const MODULES: &[(&str, &[&str])] = &[
     ("text", &[]),
     ("value", &[]),
+    ("math", &[]),
     ("diagnostic", &["text"]),
     ("formula", &[]),
     ("glsl", &["text", "diagnostic", "value"]),
     ("lint", &["glsl", "text", "diagnostic", "value"]),
     ("lower", &["glsl", "text", "diagnostic", "value"]),
     ("program", &["lower", "glsl", "text", "diagnostic", "value"]),
-    ("interp", &["program", "text", "value"]),
+    ("interp", &["program", "math", "text", "value"]),
     ("lane", &["interp", "program", "value"]),
     ("property", &["text", "value"]),
-    ("bound", &["property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "value"]),
+    ("bound", &["property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "math", "value"]),
     ("verdict", &["bound", "property", "formula", "lane", "interp", "program", "text", "diagnostic", "value"]),
     (
         "suite",
@@ -69,6 +70,7 @@ const MODULES: &[(&str, &[&str])] = &[
 const CONFINED: &[(&str, &[&str])] = &[
     ("wgpu", &["src/lane/vulkan"]),
     ("pollster", &["src/lane/vulkan"]),
+    ("pulp", &["src/math"]),
     ("naga", &["src/lower", "src/program", "src/interp", "src/lane"]),
     ("tree_sitter", &["src/lint"]),
     ("tree_sitter_cpp", &["src/lint"]),
@@ -77,9 +79,10 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("std::process::exit", &[]),
 ];
 
-/// Modules that may name these crates and no other: what they judge must not reach them.
-/// approx is a dependency of tests, and cargo keeps it out of everything else.
-const CLOSED: &[(&str, &[&str])] = &[("formula", &["glam", "approx"])];
+/// Modules that may name these crates and no other: what they judge must not reach the formulas, and
+/// `math` is a leaf.
+/// approx and astro_float are dependencies of tests, and cargo keeps them out of everything else.
+const CLOSED: &[(&str, &[&str])] = &[("formula", &["glam", "approx"]), ("math", &["pulp", "astro_float"])];
 
 /// Files of the crate that are not inside a module.
 const ROOTS: [&str; 2] = ["src/lib.rs", "src/main.rs"];
