@@ -513,6 +513,11 @@ impl<D: Domain> Machine<'_, D> {
         self.executable.max_vertices.is_some()
     }
 
+    /// Output words of one vertex.
+    pub fn width(&self) -> usize {
+        self.executable.outputs.len()
+    }
+
     /// Vertices that are stored for each lane at most; 1 for a pointwise program.
     pub fn room(&self) -> usize {
         self.executable.max_vertices.unwrap_or(1) as usize

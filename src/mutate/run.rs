@@ -82,7 +82,7 @@ pub fn run(
     let lane_error = |source| MutateError::Lane { suite: name(), source };
     let rulings = Rulings::of_lane(lane.description());
     let mut trial = Trial::with_capacity(&prepared, lane, &kernel, &rulings, STEPS[2]).map_err(lane_error)?;
-    let probes = Probes::new(&trial, request.seed);
+    let probes = Probes::new(&prepared, request.seed);
     let steps = original(&mut trial, &probes, request)?;
     let (court, layout) = (trial.court(), &kernel.output);
     drop(trial);
@@ -207,7 +207,7 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
     if judged == 0 {
         return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
     }
-    if let Some(relation) = probes.first_broken(trial).map_err(lane)? {
+    if let Some(relation) = probes.first_broken(&trial.court()) {
         return Err(fails(format!("the relation `{relation}` does not hold")));
     }
     if !covers(trial, request.seed).map_err(lane)? {
@@ -266,7 +266,7 @@ fn outcome(
 
 /// What relations and coverage say of a mutant.
 fn related(trial: &mut Trial<'_>, bench: &Bench<'_>) -> Result<Option<Kill>, LaneError> {
-    if let Some(relation) = bench.probes.first_broken(trial)? {
+    if let Some(relation) = bench.probes.first_broken(&trial.court()) {
         return Ok(Some(Kill::Relation(relation)));
     }
     Ok((!covers(trial, bench.seed)?).then_some(Kill::Coverage))

@@ -56,7 +56,7 @@ pub struct BatchVerdict {
     /// The same by place.
     pub doubts: Vec<Doubts>,
     /// Largest distance between a lane and the meaning of the shader, of invocations that agree, in
-    /// ULP of the largest component of the variable.
+    /// ULP of the largest component of the variable and of the vectors among the inputs.
     pub max_ulp: f64,
     /// The first few failures, in the order of the batch.
     pub failures: Vec<Failure>,

@@ -16,6 +16,6 @@ pub use expectations::{Movement, movement, shader_deviation};
 pub use expected::{Expected, Reference, ReferenceError};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use literals::source_span;
-pub use observe::{Slack, observe, observed, slack};
+pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

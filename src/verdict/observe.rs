@@ -4,8 +4,10 @@ use rayon::prelude::*;
 
 use super::judge::real;
 use super::oracle::Court;
-use crate::interp::{LANES, OutputColumn};
-use crate::lane::Actual;
+use crate::bound::profile::Rulings;
+use crate::bound::tape::{Model, Tape};
+use crate::interp::{LANES, Machine, Number, OutputColumn};
+use crate::lane::{Actual, Api, Stage};
 use crate::property::Observed;
 use crate::value::Batch;
 
@@ -18,40 +20,83 @@ pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observe
 }
 
 /// How far each word may be off, for every invocation: by vertex, then by word of the record.
-pub type Slack = Vec<Vec<f64>>;
+type Slack = Vec<Vec<f64>>;
 
 /// The slack of the outputs of a batch; it depends on the program and its inputs alone.
-pub fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
+fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
     let count = batch.invocation_count();
     let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
         .into_par_iter()
+        .map_init(|| court.oracle.tape(court.lenient()), |machine, chunk| slack_of(machine, batch, chunk * LANES))
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first: usize) -> Slack {
+    let lanes = machine.run(batch, first);
+    let width = machine.width();
+    let mut slack = vec![vec![0.0; machine.room() * width]; lanes];
+    for vertex in 0..machine.room() {
+        for word in 0..width {
+            let at = vertex * width + word;
+            let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
+            let tape = machine.domain();
+            let bounds = tape.bounds(column, &mut |_| false);
+            for (lane, slack) in slack.iter_mut().enumerate() {
+                let open = tape.fork(lane).is_some() || !tape.values(column)[lane].is_finite();
+                slack[at] = if open { f64::INFINITY } else { bounds.bound[lane] };
+            }
+        }
+    }
+    slack
+}
+
+/// What the shader means for every invocation of a batch, with what a device that rounds every
+/// operation correctly would be off: related inputs are binary32 numbers, and related to each other no
+/// better than that. No lane and no promise has a say in it.
+pub fn meaning(court: &Court<'_>, batch: &Batch) -> Vec<Observed> {
+    let count = batch.invocation_count();
+    let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(LANES))
+        .into_par_iter()
         .map_init(
-            || court.oracle.tape(court.lenient()),
+            || court.oracle.tape(strict()),
             |machine, chunk| {
-                let lanes = machine.run(batch, chunk * LANES);
-                let width = court.oracle.executable.outputs().len();
-                let mut slack = vec![vec![0.0; machine.room() * width]; lanes];
-                for vertex in 0..machine.room() {
-                    for word in 0..width {
-                        let at = vertex * width + word;
-                        let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
-                        let tape = machine.domain();
-                        let bounds = tape.bounds(column, &mut |_| false);
-                        for (lane, slack) in slack.iter_mut().enumerate() {
-                            let open = tape.fork(lane).is_some() || !tape.values(column)[lane].is_finite();
-                            slack[at] = if open { f64::INFINITY } else { bounds.bound[lane] };
-                        }
-                    }
-                }
-                slack
+                let slack = slack_of(machine, batch, chunk * LANES);
+                let see = |(lane, slack): (usize, &Vec<f64>)| meant(court, machine, lane, slack);
+                slack.iter().enumerate().map(see).collect()
             },
         )
         .collect();
     chunks.into_iter().flatten().collect()
 }
 
+/// A device without an error of its own.
+fn strict() -> Model<'static> {
+    let profile = Rulings::of_api(Api::Binary32).text;
+    Model::Device { profile, stage: Stage::Compute, rearranged: false }
+}
+
+fn meant(court: &Court<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, slack: &[f64]) -> Observed {
+    let stored = if machine.is_emitting() { machine.emitted()[lane] as usize } else { 1 };
+    let vertices = stored.min(machine.room());
+    let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
+    for vertex in 0..vertices {
+        for output in &court.reference.outputs {
+            for word in output.actual.clone() {
+                let value = match machine.output(vertex, word) {
+                    OutputColumn::Real(&column) => machine.domain().values(column)[lane],
+                    OutputColumn::Word(words) => <f64 as Number>::exact(words[lane], output.scalar),
+                };
+                observed.words.push(value);
+                observed.slack.push(slack[vertex * machine.width() + word]);
+            }
+        }
+    }
+    observed
+}
+
 /// One invocation, with the slack of its words.
-pub fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
+fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
     let vertices = actual.stored(invocation);
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
     let width = court.oracle.executable.outputs().len();

@@ -207,9 +207,7 @@ impl<'a> Suspects<'a> {
                                 Verdict::Undetermined(Doubt { reason, ..underflow(machine, vertex, word, lane) })
                             }
                             Allowed::Within => {
-                                if error > 0.0 {
-                                    ulps[lane] = ulps[lane].max(error / ulp_at(scale));
-                                }
+                                ulps[lane] = ulps[lane].max(error / ulp_at(size));
                                 continue;
                             }
                             Allowed::Doubtful(doubt) => Verdict::Undetermined(doubt),

@@ -1,13 +1,14 @@
 use super::*;
-use crate::bound::profile::{Acceptance, Flush, Op, Profile, accept, by_name, grid, names, parse};
+use crate::bound::profile::{Acceptance, Flush, Op, Profile, accept, by_name, grid, parse};
 use crate::lane::Stage;
 use crate::property::Stream;
 use crate::text::SourceFile;
 
 const SAMPLES: usize = 10_000;
 
+/// Promises that leave room for errors of several gaps, which a half and a double of them tell apart.
 fn profiles() -> impl Iterator<Item = &'static Profile> {
-    names().filter_map(by_name)
+    ["vulkan-1.4", "vulkan-cts", "wgsl", "glsl-4.60"].into_iter().filter_map(by_name)
 }
 
 fn operations() -> impl Iterator<Item = (Op, usize)> {

@@ -1,11 +1,13 @@
-//! Relations: what must hold between outputs of related inputs, on the lane's own values.
+//! Relations: what must hold between outputs of related inputs. They are checked on what the shader
+//! means and on the lane's own values.
 
 use super::finding::{self, Finding, FindingKind};
-use super::trial::Trial;
+use super::trial::{Trial, batch_of};
 use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
-use crate::verdict::{Slack, observe, observed, slack};
+use crate::value::Batch;
+use crate::verdict::{Court, meaning, observe};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
 /// formula for each input, so there are fewer of them than of plain samples.
@@ -62,53 +64,50 @@ pub struct Probes {
 struct Probe {
     relation: &'static dyn Relation,
     inputs: Vec<Vec<Sample>>,
-    flat: Vec<Sample>,
-    /// For each of `flat`, how far the words of a lane may be off.
-    slack: Slack,
+    /// All of them, one after the other; `None` when there are none.
+    batch: Option<Batch>,
 }
 
 impl Probes {
     /// The inputs of all relations of a suite.
-    pub fn new(trial: &Trial<'_>, seed: u64) -> Self {
-        let prepared = trial.prepared;
+    pub fn new(prepared: &Prepared, seed: u64) -> Self {
         let samples = samples(prepared, seed, SAMPLES);
         let probe = |&relation: &&'static dyn Relation| {
-            let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
-            let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-            let slack =
-                if flat.is_empty() { Slack::new() } else { slack(&trial.court(), &super::trial::batch_of(&flat)) };
-            Probe { relation, inputs, flat, slack }
+            let (inputs, batch) = related(relation, &samples);
+            Probe { relation, inputs, batch }
         };
         Self { probes: prepared.relations.iter().map(probe).collect() }
     }
 
-    /// The first relation that does not hold on some sample, by name.
-    ///
-    /// # Errors
-    /// [`LaneError`] when the lane fails.
-    pub fn first_broken(&self, trial: &mut Trial<'_>) -> Result<Option<&'static str>, LaneError> {
-        use rayon::prelude::*;
-        let court = trial.court();
-        for Probe { relation, inputs, flat, slack } in &self.probes {
-            let mut observations: Vec<Observed> = Vec::with_capacity(flat.len());
-            if !flat.is_empty() {
-                trial.run_samples(flat, |first, batch, actual| {
-                    let see = |i: usize| observed(&court, actual, i, &slack[first + i]);
-                    let seen: Vec<Observed> = (0..batch.invocation_count()).into_par_iter().map(see).collect();
-                    observations.extend(seen);
-                })?;
-            }
-            let mut rest = observations.into_iter();
-            let fails = inputs.iter().any(|inputs| {
-                let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
-                matches!(judge(*relation, inputs, &outputs), Outcome::Fails(_))
-            });
-            if fails {
-                return Ok(Some(relation.name()));
-            }
-        }
-        Ok(None)
+    /// The first relation that the meaning of a shader does not keep on some sample, by name.
+    pub fn first_broken(&self, court: &Court<'_>) -> Option<&'static str> {
+        let broken = |probe: &&Probe| {
+            let observed = probe.batch.as_ref().map_or_else(Vec::new, |batch| meaning(court, batch));
+            verdicts(probe.relation, &probe.inputs, observed).any(|o| matches!(o, Outcome::Fails(_)))
+        };
+        self.probes.iter().find(broken).map(|probe| probe.relation.name())
     }
+}
+
+/// What a relation wants to see for each sample, and all of it as a batch.
+fn related(relation: &dyn Relation, samples: &[Sample]) -> (Vec<Vec<Sample>>, Option<Batch>) {
+    let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
+    let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
+    let batch = (!flat.is_empty()).then(|| batch_of(&flat));
+    (inputs, batch)
+}
+
+/// What a relation says of each sample, from the outputs of its inputs one after the other.
+fn verdicts<'i>(
+    relation: &'i dyn Relation,
+    inputs: &'i [Vec<Sample>],
+    observed: Vec<Observed>,
+) -> impl Iterator<Item = Outcome> + 'i {
+    let mut rest = observed.into_iter();
+    inputs.iter().map(move |inputs| {
+        let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
+        judge(relation, inputs, &outputs)
+    })
 }
 
 /// Samples of the suite's plan, whole strands where the suite has them.
@@ -126,20 +125,22 @@ enum Outcome {
     Fails(Claim),
 }
 
+/// What a relation says of samples: of what the shader means, and where that keeps it or says nothing,
+/// of the lane's values.
 fn outcomes(trial: &mut Trial<'_>, relation: &dyn Relation, samples: &[Sample]) -> Result<Vec<Outcome>, LaneError> {
-    let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
+    let (inputs, batch) = related(relation, samples);
+    let Some(batch) = batch else { return Ok(samples.iter().map(|_| Outcome::Silent).collect()) };
+    let court = trial.court();
+    let meant = verdicts(relation, &inputs, meaning(&court, &batch));
     let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let mut observed: Vec<Observed> = Vec::with_capacity(flat.len());
-    if !flat.is_empty() {
-        let court = trial.court();
-        trial.run_samples(&flat, |_, batch, actual| observed.extend(observe(&court, batch, actual)))?;
-    }
-    let mut rest = observed.into_iter();
-    Ok(inputs
-        .iter()
-        .map(|inputs| {
-            let outputs: Vec<Observed> = rest.by_ref().take(inputs.len()).collect();
-            judge(relation, inputs, &outputs)
+    let mut seen: Vec<Observed> = Vec::with_capacity(flat.len());
+    trial.run_samples(&flat, |_, batch, actual| seen.extend(observe(&court, batch, actual)))?;
+    let both = meant.zip(verdicts(relation, &inputs, seen));
+    Ok(both
+        .map(|both| match both {
+            (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
+            (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
+            (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
         })
         .collect())
 }

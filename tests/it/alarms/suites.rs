@@ -25,7 +25,7 @@ fn weight(name: &str, changes: &[(&str, &str)]) -> Ran {
 #[test]
 fn nothing_judged_fails() {
     let ran = run("check fixtures/alarms/nothing_judged.suite.toml").expect(1);
-    assert!(ran.out.contains("no sample was judged: of 1024, all are undetermined (1024 outside the domain"));
+    assert!(ran.out.contains("no sample was judged: of 1024, all are undetermined (1024 no value"));
     weight("nothing_judged", &[("[-2.0, -1.0]", "[0.0, 1.0]")]).expect(0);
 }
 
@@ -41,7 +41,11 @@ fn too_much_undetermined_fails() {
     let ran = run("check fixtures/alarms/undetermined.suite.toml").expect(1);
     assert!(ran.out.contains(" % of the samples are undetermined ("), "{}", ran.out);
     assert!(ran.out.contains("; the suite allows 5.0 %"), "{}", ran.out);
-    weight("undetermined", &[("undetermined = 0.05", "undetermined = 0.6")]).expect(0);
+    weight(
+        "undetermined",
+        &[("undetermined = 0.05", "undetermined = 0.6\nreason = \"Half of the inputs have no value.\"")],
+    )
+    .expect(0);
 }
 
 #[test]
