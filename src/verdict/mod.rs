@@ -2,6 +2,7 @@
 //! are compared.
 
 mod batch;
+pub mod diagnosis;
 mod expectations;
 mod expected;
 mod judge;

@@ -101,6 +101,36 @@ impl Tape<'_> {
         parts.into_iter().map(share).collect()
     }
 
+    /// The operation behind a column in a lane, selections left out.
+    fn operation(&self, column: Column, lane: usize) -> Id {
+        let mut id = self.id(&column);
+        while let Kind::Select { .. } = self.arena.nodes[id as usize].kind {
+            id = self.arguments(id, lane)[0];
+        }
+        id
+    }
+
+    /// The exact arguments of the operation that gives a column its value in a lane.
+    pub fn arguments_of(&self, column: Column, lane: usize) -> Vec<f64> {
+        self.argument_values(self.operation(column, lane), lane)
+    }
+
+    /// The relative condition number of that operation: Σ |∂y/∂a · a| / |y| over its arguments; NaN for
+    /// what is no operation.
+    pub fn condition(&self, column: Column, lane: usize) -> f64 {
+        let id = self.operation(column, lane);
+        let value = |id: Id| self.arena.value.get(id as usize)[lane];
+        let slope = |partial: u32| self.arena.partial_at(partial).0[lane];
+        let moved = match self.arena.nodes[id as usize].kind {
+            Kind::Leaf | Kind::Select { .. } => f64::NAN,
+            Kind::Sum { a, b, signs } => (signs.0 * value(a)).abs() + (signs.1 * value(b)).abs(),
+            Kind::Product { .. } => 2.0 * value(id).abs(),
+            Kind::One { a, partial } => (slope(partial) * value(a)).abs(),
+            Kind::Two { a, b, partials: [p, q] } => (slope(p) * value(a)).abs() + (slope(q) * value(b)).abs(),
+        };
+        moved / value(id).abs()
+    }
+
     fn arguments(&self, id: Id, lane: usize) -> Vec<Id> {
         match self.arena.nodes[id as usize].kind {
             Kind::Leaf => Vec::new(),

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::lane::Stage;
-use crate::suite::run::{Case, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
+use crate::suite::run::{Case, Doubtful, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
+use crate::verdict::diagnosis::{Diagnosis, Origin, Place};
 use crate::verdict::{Promise, Reason};
 
 /// The whole run as one JSON object, with a line break.
@@ -81,6 +82,7 @@ fn entry(entry: &Entry) -> Value {
             let promises = Promise::ALL.iter().zip(report.verdicts.agreed_by);
             value["agreed_by"] = promises.map(|(promise, n)| (promise.name().to_owned(), Value::from(n))).collect();
             value["shader_deviated"] = report.verdicts.shader_deviated.into();
+            value["doubts"] = report.doubts.iter().map(doubtful).collect();
             value["relations"] = report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
             if let Some(coverage) = &report.coverage {
                 value["coverage"] = json!({
@@ -134,6 +136,7 @@ fn case(case: &Case) -> Value {
         })
         .collect();
     let mut value = json!({"inputs": inputs, "rounds": case.rounds, "candidates": case.tried});
+    diagnosis(&mut value, &case.diagnosis);
     if let Some(deviation) = &case.deviation {
         value["blame"] = deviation.blame.name().into();
     }
@@ -149,4 +152,53 @@ fn case(case: &Case) -> Value {
         value["ulp"] = deviation.ulp().into();
     }
     value
+}
+
+fn doubtful(doubtful: &Doubtful) -> Value {
+    json!({
+        "reason": doubtful.reason.name(),
+        "operation": doubtful.op,
+        "at": doubtful.at,
+        "text": doubtful.text,
+        "args": doubtful.args,
+        "samples": doubtful.count,
+    })
+}
+
+/// Adds what is known about the origin of a deviation, where anything is.
+fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
+    let Diagnosis { literals, no_value, origin, divergence } = diagnosis;
+    let place = |place: &Place| json!({"at": place.at, "text": place.text});
+    if !literals.is_empty() {
+        let literal = |l: &crate::verdict::diagnosis::ShortLiteral| json!({"place": place(&l.place), "stands_for": l.stands_for, "off": l.off, "message": l.to_string()});
+        value["literals"] = literals.iter().map(literal).collect();
+    }
+    if let Some(no_value) = no_value {
+        value["no_value"] = json!({
+            "operation": no_value.op.map(|op| op.name()),
+            "place": no_value.place.as_ref().map(place),
+            "args": no_value.args,
+            "message": no_value.to_string(),
+        });
+    }
+    if let Some(origin) = origin {
+        let (kind, operation) = match origin {
+            Origin::BuiltIn { op, .. } => ("built-in", Some(op.name())),
+            Origin::Rearrangement => ("rearrangement", None),
+            Origin::Miscompilation => ("miscompilation", None),
+        };
+        value["origin"] = json!({"kind": kind, "operation": operation, "message": origin.to_string()});
+    }
+    if let Some(divergence) = divergence {
+        value["first_divergence"] = json!({
+            "place": place(&divergence.place),
+            "args": divergence.args,
+            "meaning": divergence.meaning,
+            "bound": divergence.bound,
+            "actual_bits": format!("0x{:08x}", divergence.actual),
+            "condition": divergence.condition,
+            "path": divergence.path,
+            "message": divergence.to_string(),
+        });
+    }
 }

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use crate::report::diagnostics;
 use crate::suite::run::{Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
 use crate::value::{F32Bits, Scalar};
+use crate::verdict::diagnosis::Diagnosis;
 use crate::verdict::{Blame, Deviation, Value};
 
 /// Colours of a terminal; empty strings elsewhere.
@@ -167,8 +168,26 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     {
         sides(text, deviation, value);
     }
+    origins(text, &case.diagnosis);
     if case.tried > 0 && !told {
         let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
+    }
+}
+
+/// Where a deviation comes from.
+fn origins(text: &mut String, diagnosis: &Diagnosis) {
+    let Diagnosis { literals, no_value, origin, divergence } = diagnosis;
+    for literal in literals {
+        let _ = writeln!(text, "  because    {literal}");
+    }
+    if let Some(no_value) = no_value {
+        let _ = writeln!(text, "  because    {no_value}");
+    }
+    if let Some(origin) = origin {
+        let _ = writeln!(text, "  because    {origin}");
+    }
+    if let Some(divergence) = divergence {
+        let _ = writeln!(text, "  first at   {divergence}");
     }
 }
 
@@ -199,6 +218,9 @@ fn sides(text: &mut String, deviation: &Deviation, value: &Value) {
     }
 }
 
+/// Kinds of doubt that are told for each suite.
+const DOUBTS: usize = 3;
+
 /// The last lines: what lanes were held against, lanes that are missing, facts about coverage, totals.
 pub fn totals(summary: &Summary, color: bool) -> String {
     let style = Style::new(color);
@@ -209,6 +231,12 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             && coverage.is_complete()
         {
             let _ = writeln!(text, "note: {} on {}/{}: {coverage}", report.suite, report.lane, report.stage);
+        }
+        if let Outcome::Ran(report) = &entry.outcome {
+            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            for doubtful in report.doubts.iter().take(DOUBTS) {
+                let _ = writeln!(text, "note: {on}: {doubtful}");
+            }
         }
         if let Outcome::Ran(report) = &entry.outcome
             && report.replayed > 0

@@ -2,11 +2,13 @@
 
 use super::trial::{Trial, batch_of};
 use super::{Report, Request};
-use crate::lane::LaneError;
+use crate::lane::{Lane, LaneError, Stage as LaneStage};
+use crate::program::{Port, Program};
 use crate::property::shrink::{self, Shrunk};
 use crate::property::{Sample, regressions};
 use crate::suite::Suite;
-use crate::verdict::{Deviation, Reason, Verdict, What, judge_each};
+use crate::verdict::diagnosis::{self, Diagnosis, Suspected};
+use crate::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
 
 /// What a finding is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,6 +63,8 @@ pub struct Case {
     pub inputs: Vec<InputValue>,
     /// How the sample deviates.
     pub deviation: Option<Deviation>,
+    /// Where that comes from, as far as it could be found out.
+    pub diagnosis: Diagnosis,
     /// Rounds of shrinking.
     pub rounds: usize,
     /// Candidates that were tried.
@@ -89,7 +93,8 @@ pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
             inputs.push(InputValue { name: format!("{} {}", field.shape, field.name), bits, decimal });
         }
     }
-    Case { inputs, deviation, rounds: shrunk.rounds, tried: shrunk.tried }
+    let diagnosis = Diagnosis::default();
+    Case { inputs, deviation, diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
 }
 
 /// The command that runs one sample again.
@@ -116,6 +121,7 @@ pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
 /// Shrinks the failing samples, all together, and reports each kind of deviation once.
 pub(super) fn deviations(
     trial: &mut Trial<'_>,
+    lane: &dyn Lane,
     failing: Vec<Sample>,
     request: &Request,
     report: &mut Report,
@@ -148,17 +154,46 @@ pub(super) fn deviations(
         if shown.iter().any(|(w, s)| *w == what || *s == shrunk.sample) {
             continue;
         }
+        let diagnosis = diagnose(trial, lane, &shrunk.sample, &deviation)?;
         report.findings.push(Finding {
             kind: FindingKind::Deviation,
             message: deviation.to_string(),
             count: report.verdicts.deviated,
             reproduce: Some(reproduce(request, report, &shrunk.sample)),
-            case: Some(case(shrunk, Some(deviation))),
+            case: Some(Case { diagnosis, ..case(shrunk, Some(deviation)) }),
         });
         shown.push((what, shrunk.sample.clone()));
     }
     report.failing.extend(shown.into_iter().map(|(_, s)| s));
     Ok(())
+}
+
+/// Where the deviation of a sample comes from.
+fn diagnose(
+    trial: &Trial<'_>,
+    lane: &dyn Lane,
+    sample: &Sample,
+    deviation: &Deviation,
+) -> Result<Diagnosis, LaneError> {
+    let (court, prepared) = (trial.court(), trial.prepared);
+    let batch = batch_of(std::slice::from_ref(sample));
+    match deviation.blame {
+        Blame::Shader => Ok(diagnosis::shader(&court, &prepared.program, &batch, deviation)),
+        Blame::Lane => {
+            let kernel = |program: &Program| match court.stage {
+                LaneStage::Compute => program.compute_kernel(),
+                LaneStage::Vertex => program.vertex_kernel(&components(&prepared.suite, program)),
+            };
+            let suspected = Suspected { lane, stage: court.stage, kernel: &kernel, batch: &batch, deviation };
+            diagnosis::lane(&court, &prepared.program, &suspected)
+        }
+    }
+}
+
+/// How many floats the host feeds for each attribute.
+pub(super) fn components(suite: &Suite, program: &Program) -> Vec<u8> {
+    let of = |port: &Port| suite.components(&port.field.name).unwrap_or(port.field.shape.rows);
+    program.inputs.iter().map(of).collect()
 }
 
 /// Deviations that are told once: the same component, or the same kind of shape.

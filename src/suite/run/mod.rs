@@ -1,6 +1,7 @@
 //! Running a suite on a lane: from a suite and a shader to counted verdicts and findings.
 
 mod coverage;
+mod doubts;
 mod finding;
 mod prepare;
 mod relate;
@@ -16,6 +17,7 @@ use crate::suite::Suite;
 use crate::verdict::BatchVerdict;
 
 pub use coverage::{Coverage, check as coverage};
+pub use doubts::Doubtful;
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare};
 pub use relate::Probes;
@@ -73,6 +75,8 @@ pub struct Report {
     pub unsupported: u64,
     /// Saved samples that were run before the generated ones.
     pub replayed: u64,
+    /// Undetermined samples by reason and place, the most frequent first.
+    pub doubts: Vec<Doubtful>,
     /// Relations: name, samples for which it was checked.
     pub relations: Vec<(String, u64)>,
     /// Which segments of strands are drawn, for a suite with strands.
@@ -112,6 +116,7 @@ pub fn run(
         verdicts: BatchVerdict::default(),
         unsupported: 0,
         replayed: request.replay.len() as u64,
+        doubts: Vec::new(),
         relations: Vec::new(),
         coverage: None,
         translations: Vec::new(),
@@ -145,7 +150,8 @@ pub fn run(
         }
     }
     relate::check(&mut trial, request, &mut report)?;
-    finding::deviations(&mut trial, failing, request, &mut report)?;
+    finding::deviations(&mut trial, lane, failing, request, &mut report)?;
+    report.doubts = doubts::told(prepared, &report.verdicts);
     finding::shortfalls(&prepared.suite, request, wanted, &mut report);
     report.findings.sort_by_key(|f| f.kind);
     Ok(report)

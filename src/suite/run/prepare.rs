@@ -98,11 +98,7 @@ pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError>
     let program = Program::from_source(shader, stage, |_| Ok(target)).map_err(captured)?;
     let compute = program.compute_kernel().map_err(captured)?;
     let vertex = match suite.stage {
-        Stage::Vertex => {
-            let components: Vec<u8> =
-                program.inputs.iter().map(|p| suite.components(&p.field.name).unwrap_or(p.field.shape.rows)).collect();
-            Some(program.vertex_kernel(&components).map_err(captured)?)
-        }
+        Stage::Vertex => Some(program.vertex_kernel(&super::finding::components(suite, &program)).map_err(captured)?),
         Stage::Geometry | Stage::Function => None,
     };
     let shader_name = || shader.name().to_owned();

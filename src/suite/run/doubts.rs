@@ -1,0 +1,64 @@
+//! Undetermined samples, with the places that bring them about.
+
+use std::fmt;
+
+use super::Prepared;
+use crate::interp::source_span;
+use crate::verdict::{BatchVerdict, Doubts, Reason};
+
+/// Undetermined samples with one reason and one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubtful {
+    /// Why.
+    pub reason: Reason,
+    /// Name of the operation, as profiles list it.
+    pub op: Option<&'static str>,
+    /// File, line and column of the operation.
+    pub at: Option<String>,
+    /// The author's text there.
+    pub text: String,
+    /// Arguments of the operation in one of the samples.
+    pub args: Vec<f64>,
+    /// Number of samples.
+    pub count: u64,
+}
+
+impl fmt::Display for Doubtful {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} undetermined, {}", self.count, self.reason)?;
+        if let Some(op) = self.op {
+            write!(f, ": {op}")?;
+            if !self.args.is_empty() {
+                let args: Vec<String> = self.args.iter().map(|x| format!("{x:?}")).collect();
+                write!(f, " of {} for one", args.join(", "))?;
+            }
+        }
+        match (&self.at, self.text.as_str()) {
+            (Some(at), "") => write!(f, ", at {at}"),
+            (Some(at), text) => write!(f, ", `{text}` at {at}"),
+            (None, _) => Ok(()),
+        }
+    }
+}
+
+/// The doubts of a run, in words.
+pub(super) fn told(prepared: &Prepared, verdicts: &BatchVerdict) -> Vec<Doubtful> {
+    let mut all: Vec<Doubtful> = verdicts.doubts.iter().map(|doubts| one(prepared, doubts)).collect();
+    all.sort_by_key(|doubtful| std::cmp::Reverse(doubtful.count));
+    all
+}
+
+fn one(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
+    let Doubts { reason, op, site, args, count } = doubts;
+    let (program, executable) = (&prepared.program, prepared.oracle.executable());
+    let span = site.and_then(|site| source_span(program, executable.place(site).span));
+    let file = &program.lowered.file;
+    Doubtful {
+        reason: *reason,
+        op: op.map(|op| op.name()),
+        at: span.map(|span| file.locate(span.start)),
+        text: span.map_or_else(String::new, |span| file.slice(span).to_owned()),
+        args: args.clone(),
+        count: *count,
+    }
+}

@@ -1,0 +1,193 @@
+//! Where a deviation comes from: the literal or the operation of a shader, the built-in of a device.
+//! What is found is put into words here; nothing here decides whether something is wrong.
+
+mod lane;
+mod shader;
+
+use std::fmt;
+
+use crate::bound::profile::Op;
+use crate::value::F32Bits;
+
+pub use lane::{Suspected, lane};
+pub use shader::shader;
+
+/// A place in the author's text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// File, line and column.
+    pub at: String,
+    /// The text that stands there; empty where nothing of the author's does.
+    pub text: String,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.text.is_empty() { f.write_str(&self.at) } else { write!(f, "`{}` at {}", self.text, self.at) }
+    }
+}
+
+/// A number that was written with too few digits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShortLiteral {
+    /// Where it stands.
+    pub place: Place,
+    /// What it stands for, such as `2π`.
+    pub stands_for: &'static str,
+    /// How far it is off.
+    pub off: f64,
+}
+
+/// An operation of the shader that has no value for its arguments.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoValue {
+    /// Where it stands.
+    pub place: Option<Place>,
+    /// The operation.
+    pub op: Option<Op>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+}
+
+/// Whose part of a device is to blame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// A single operation is outside of its promise.
+    BuiltIn {
+        /// The operation.
+        op: Op,
+        /// Bits of its operands.
+        operands: Vec<u32>,
+        /// Bits of the device's result, when the operation was run alone.
+        result: u32,
+        /// The exact value.
+        exact: f64,
+        /// The error over the error that is allowed.
+        factor: f64,
+        /// Name of the profile that allows it.
+        profile: String,
+        /// Where it stands.
+        place: Option<Place>,
+    },
+    /// Every operation is inside its promise, and the outputs are what another order of sums and
+    /// products may give; the device may not choose one.
+    Rearrangement,
+    /// Every operation is inside its promise, and no order of them explains the outputs.
+    Miscompilation,
+}
+
+/// The first operation at which a device and the meaning of the shader part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Divergence {
+    /// Where it stands.
+    pub place: Place,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// What it means.
+    pub meaning: f64,
+    /// How far a device may be off there.
+    pub bound: f64,
+    /// Bits of what the device has.
+    pub actual: u32,
+    /// Relative condition number of the operation: by how much it enlarges a relative error of its
+    /// arguments.
+    pub condition: f64,
+    /// True when the device goes another way there, and not only to another value.
+    pub path: bool,
+}
+
+/// What is known about the origin of a deviation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Diagnosis {
+    /// Literals whose missing digits explain all of it.
+    pub literals: Vec<ShortLiteral>,
+    /// The operation that has no value.
+    pub no_value: Option<NoValue>,
+    /// What of the device is to blame.
+    pub origin: Option<Origin>,
+    /// Where it first shows; `None` when it is gone as soon as intermediate values are looked at.
+    pub divergence: Option<Divergence>,
+}
+
+fn list(values: impl Iterator<Item = String>) -> String {
+    values.collect::<Vec<_>>().join(", ")
+}
+
+impl fmt::Display for ShortLiteral {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` ({}) stands for {}, off by {:.1e}", self.place.text, self.place.at, self.stands_for, self.off)
+    }
+}
+
+impl fmt::Display for NoValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let op = self.op.map_or("an operation", Op::name);
+        write!(f, "{op} of {} has no value", list(self.args.iter().map(|x| format!("{x:?}"))))?;
+        self.place.as_ref().map_or(Ok(()), |place| write!(f, ": {place}"))
+    }
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BuiltIn { op, operands, result, exact, factor, profile, place } => {
+                let operands = list(operands.iter().map(|&bits| format!("{:?}", F32Bits(bits))));
+                let result = F32Bits(*result);
+                write!(f, "built-in `{}`: of {operands} it gives {result:?} alone, exactly {exact:?}", op.name())?;
+                write!(f, "; {factor:.1} times what {profile} allows")?;
+                place.as_ref().map_or(Ok(()), |place| write!(f, ": {place}"))
+            }
+            Self::Rearrangement => {
+                f.write_str("rearrangement: every operation alone is right, and sums or products were regrouped")
+            }
+            Self::Miscompilation => f.write_str(
+                "miscompilation: every operation alone is right, and no order of sums and products explains the outputs",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { place, args, meaning, bound, actual, condition, path } = self;
+        if *path {
+            return write!(f, "{place}: the device goes another way here");
+        }
+        write!(f, "{place}")?;
+        if !args.is_empty() {
+            write!(f, " of {}", list(args.iter().map(|x| format!("{x:?}"))))?;
+        }
+        write!(f, ": device {:?}, meaning {meaning:?} ± {bound:.1e}", F32Bits(*actual))?;
+        if condition.is_finite() { write!(f, ", condition number {condition:.1}") } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_literal_is_told_with_its_place_and_what_it_stands_for() {
+        let place = Place { at: "sphere.vert:12:14".into(), text: "6.283185".into() };
+        let literal = ShortLiteral { place, stands_for: "2π", off: 3.07e-7 };
+        assert_eq!(literal.to_string(), "`6.283185` (sphere.vert:12:14) stands for 2π, off by 3.1e-7");
+    }
+
+    #[test]
+    fn a_built_in_is_told_with_its_operands_and_by_how_much_it_is_off() {
+        let origin = Origin::BuiltIn {
+            op: Op::Sin,
+            operands: vec![0.5_f32.to_bits()],
+            result: 0.25_f32.to_bits(),
+            exact: 0.479,
+            factor: 2.0,
+            profile: "vulkan-1.4".into(),
+            place: Some(Place { at: "a.vert:3:5".into(), text: "sin(x)".into() }),
+        };
+        assert_eq!(
+            origin.to_string(),
+            "built-in `sin`: of 0.5 (0x3f000000) it gives 0.25 (0x3e800000) alone, exactly 0.479; 2.0 times what \
+             vulkan-1.4 allows: `sin(x)` at a.vert:3:5"
+        );
+    }
+}

@@ -1,0 +1,119 @@
+//! Deviations of the shader: literals with too few digits, operations without a value.
+
+use std::f64::consts::{E, FRAC_1_SQRT_2, LN_2, LN_10, PI, SQRT_2};
+use std::sync::Arc;
+
+use super::{Diagnosis, NoValue, Place, ShortLiteral};
+use crate::interp::{Binary64, FUEL, Machine, OutputColumn, Site, source_span};
+use crate::program::Program;
+use crate::value::Batch;
+use crate::verdict::batch::shader_suspects;
+use crate::verdict::judge::{Deviation, Value};
+use crate::verdict::oracle::Court;
+
+/// Numbers that authors write in digits.
+const CONSTANTS: [(&str, f64); 24] = [
+    ("π", PI),
+    ("2π", 2.0 * PI),
+    ("4π", 4.0 * PI),
+    ("π/2", PI / 2.0),
+    ("π/3", PI / 3.0),
+    ("π/4", PI / 4.0),
+    ("π/6", PI / 6.0),
+    ("1/π", 1.0 / PI),
+    ("1/2π", 0.5 / PI),
+    ("2/π", 2.0 / PI),
+    ("π/180", PI / 180.0),
+    ("180/π", 180.0 / PI),
+    ("√π", 1.772_453_850_905_516),
+    ("e", E),
+    ("√2", SQRT_2),
+    ("1/√2", FRAC_1_SQRT_2),
+    ("√3", 1.732_050_807_568_877_2),
+    ("1/√3", 0.577_350_269_189_625_8),
+    ("ln 2", LN_2),
+    ("ln 10", LN_10),
+    ("1/3", 1.0 / 3.0),
+    ("2/3", 2.0 / 3.0),
+    ("1/6", 1.0 / 6.0),
+    ("(1 + √5)/2", 1.618_033_988_749_895),
+];
+
+/// How near a literal must be to a constant to stand for it: 3.1 is taken for π.
+const NEAR: f64 = 2e-2;
+
+/// What explains that the shader deviates from its formula on the one sample of a batch.
+pub fn shader(court: &Court<'_>, program: &Program, batch: &Batch, deviation: &Deviation) -> Diagnosis {
+    let no_value =
+        deviation.value().filter(|v| !v.meaning.is_finite()).and_then(|v| no_value(court, program, batch, v));
+    Diagnosis { literals: literals(court, program, batch), no_value, ..Diagnosis::default() }
+}
+
+/// The place of a site in the author's text.
+pub(super) fn place(court: &Court<'_>, program: &Program, site: Site) -> Option<Place> {
+    let span = source_span(program, court.oracle.executable.place(site).span)?;
+    let file = &program.lowered.file;
+    Some(Place { at: file.locate(span.start), text: file.slice(span).to_owned() })
+}
+
+fn no_value(court: &Court<'_>, program: &Program, batch: &Batch, value: &Value) -> Option<NoValue> {
+    let mut machine = court.oracle.ideal_tape();
+    machine.run_some(batch, &[0]);
+    let layout = program.output_layout();
+    let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component)?;
+    let OutputColumn::Real(&column) = machine.output(value.vertex.unwrap_or(0), word) else { return None };
+    let cause = machine.domain().cause(column, 0)?;
+    Some(NoValue { place: cause.site.and_then(|site| place(court, program, site)), op: cause.op, args: cause.args })
+}
+
+/// Literals that make the shader fit its formula once they have all their digits.
+fn literals(court: &Court<'_>, program: &Program, batch: &Batch) -> Vec<ShortLiteral> {
+    let oracle = court.oracle;
+    let written = |site: Site, value: f32| oracle.literals[site.index()].map_or(f64::from(value), |l| l.value);
+    let mut candidates = Vec::new();
+    for (site, value) in oracle.executable.literals() {
+        let value = written(site, value);
+        let nearest = CONSTANTS
+            .iter()
+            .map(|&(name, constant)| (name, constant.copysign(value)))
+            .filter(|(_, constant)| (value - constant).abs() <= NEAR * constant.abs())
+            .min_by(|a, b| (value - a.1).abs().total_cmp(&(value - b.1).abs()));
+        if let Some((name, constant)) = nearest.filter(|(_, constant)| (value - constant).abs() > 1e-15 * value.abs()) {
+            candidates.push((site, name, constant, value));
+        }
+    }
+    let fits = |chosen: &[usize]| {
+        let mut numbers = vec![f64::NAN; oracle.executable.site_count()];
+        for (site, value) in oracle.executable.literals() {
+            numbers[site.index()] = written(site, value);
+        }
+        for &k in chosen {
+            numbers[candidates[k].0.index()] = candidates[k].2;
+        }
+        let numbers: Arc<[f64]> = numbers.into();
+        let mut machine = Machine::new(&oracle.executable, Binary64::with_literals(numbers), FUEL);
+        shader_suspects(court, &mut machine, batch, 0).is_empty()
+    };
+    let single = (0..candidates.len()).find(|&k| fits(&[k])).map(|k| vec![k]);
+    let all: Vec<usize> = (0..candidates.len()).collect();
+    let chosen = single.or_else(|| (candidates.len() > 1 && fits(&all)).then(|| needed(all, &fits)));
+    let literal = |k: usize| {
+        let (site, stands_for, constant, value) = candidates[k];
+        Some(ShortLiteral { place: place(court, program, site)?, stands_for, off: (value - constant).abs() })
+    };
+    chosen.unwrap_or_default().into_iter().filter_map(literal).collect()
+}
+
+/// Leaves out of a set that fits what it fits without.
+fn needed(mut all: Vec<usize>, fits: &dyn Fn(&[usize]) -> bool) -> Vec<usize> {
+    let mut k = 0;
+    while k < all.len() {
+        let fewer: Vec<usize> = all.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, &c)| c).collect();
+        if fits(&fewer) {
+            all = fewer;
+        } else {
+            k += 1;
+        }
+    }
+    all
+}
