@@ -94,6 +94,16 @@ pub fn source_span(program: &Program, span: naga::Span) -> Option<crate::text::S
     Some(program.lowered.edited.map.span_to_original(crate::text::Span::new(range.start, range.end)))
 }
 
+/// The author's text of a place: the whole call for a built-in function.
+pub fn author_span(program: &Program, place: &Place) -> Option<crate::text::Span> {
+    let Some(expression) = place.expression else { return source_span(program, place.span) };
+    let function = match (place.function, program.entry) {
+        (Some(function), _) | (None, crate::program::Entry::Function(function)) => &program.module.functions[function],
+        (None, crate::program::Entry::Point(index)) => &program.module.entry_points.get(index)?.function,
+    };
+    crate::program::probe::expression_span(program, function, expression, place.span)
+}
+
 /// Compiles a program.
 ///
 /// # Errors

@@ -3,7 +3,6 @@
 use crate::bound::tape::Literal;
 use crate::interp::{Executable, Site};
 use crate::program::Program;
-use crate::text::Span;
 
 /// Literals that are other numbers than their binary32, by the number of their site.
 pub(super) fn written(program: &Program, executable: &Executable) -> Vec<Option<Literal>> {
@@ -25,11 +24,6 @@ pub(super) fn written(program: &Program, executable: &Executable) -> Vec<Option<
 /// The text of a site, as it was parsed.
 fn text<'p>(program: &'p Program, executable: &Executable, site: Site) -> Option<&'p str> {
     program.lowered.edited.text.get(executable.place(site).span.to_range()?)
-}
-
-/// The author's place of a site.
-pub fn source_span(program: &Program, executable: &Executable, site: Site) -> Option<Span> {
-    crate::interp::source_span(program, executable.place(site).span)
 }
 
 /// A number with few digits, such as 16 or 0.375, is meant as it stands.

@@ -16,7 +16,6 @@ pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
 pub use expectations::{Movement, movement, shader_deviation};
 pub use expected::{Expected, Reference, ReferenceError};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
-pub use literals::source_span;
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

@@ -59,7 +59,7 @@ pub fn meaning(court: &Court<'_>, batch: &Batch) -> Vec<Observed> {
     let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || court.oracle.tape(strict()),
+            || court.oracle.tape_as_written(strict()),
             |machine, chunk| {
                 let slack = slack_of(machine, batch, chunk * LANES);
                 let see = |(lane, slack): (usize, &Vec<f64>)| meant(court, machine, lane, slack);

@@ -68,6 +68,11 @@ impl Oracle {
         Machine::new(&self.executable, Tape::new(Model::Binary64).with_literals(&self.literals), self.fuel)
     }
 
+    /// A machine with bounds for devices, on which literals have all the digits that the author wrote.
+    pub(super) fn tape_as_written<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.literals), self.fuel)
+    }
+
     /// A machine with bounds for devices.
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model), self.fuel)

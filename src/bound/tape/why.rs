@@ -1,6 +1,7 @@
 //! Answers about single lanes, for reports: what a bound is made of, and why there is none.
 
 use super::arena::{Id, Kind};
+use super::functions::{image1, image2};
 use super::{Column, Model, Tape};
 use crate::bound::profile::grid::MAX_FINITE;
 use crate::bound::profile::{Allowed, Op};
@@ -144,6 +145,22 @@ impl Tape<'_> {
         self.arguments(id, lane).into_iter().map(|a| self.arena.value.get(a as usize)[lane]).collect()
     }
 
+    /// True when an operation has a value wherever its arguments may be, and nothing is promised for
+    /// some of these.
+    fn reaches_out(&self, id: Id, lane: usize) -> bool {
+        let meta = self.arena.nodes[id as usize];
+        let at = |a: Id| (self.arena.value.get(a as usize)[lane], self.arena.radius.get(a as usize)[lane]);
+        let moves = match (meta.kind, meta.op) {
+            (Kind::One { a, .. }, Some(op)) => {
+                let (x, e) = at(a);
+                image1(op, x, e, self.arena.nodes[a as usize].not_negative).moves
+            }
+            (Kind::Two { a, b, .. }, Some(op)) => image2(op, at(a), at(b)).moves,
+            _ => return false,
+        };
+        moves.is_finite()
+    }
+
     fn cause_at(&self, id: Id, lane: usize) -> Cause {
         let at = id as usize;
         let meta = self.arena.nodes[at];
@@ -155,7 +172,7 @@ impl Tape<'_> {
         };
         let why = if value.is_nan() && !value.is_poison() {
             Why::Domain
-        } else if matches!(promise, Some(Allowed::NoPromise | Allowed::OutsideDomain)) {
+        } else if matches!(promise, Some(Allowed::NoPromise | Allowed::OutsideDomain)) || self.reaches_out(id, lane) {
             Why::NoPromise
         } else if value.abs() > MAX_FINITE || (value.is_finite() && reach.is_finite() && reach > MAX_FINITE) {
             Why::Overflow

@@ -22,6 +22,7 @@ use naga::{Expression, Handle};
 use super::{Program, ProgramError};
 use crate::text::Span;
 
+pub use place::span as expression_span;
 pub use trace::{Applied, Step, Trace, TraceError, TraceWord};
 
 /// Most words of a trace: more places than the interpreter indexes in one variable.

@@ -6,12 +6,7 @@ use crate::program::Program;
 use crate::text::Span;
 
 /// The author's text of an expression, or of the statement that computes it.
-pub(super) fn span(
-    program: &Program,
-    function: &Function,
-    handle: Handle<Expression>,
-    statement: naga::Span,
-) -> Option<Span> {
+pub fn span(program: &Program, function: &Function, handle: Handle<Expression>, statement: naga::Span) -> Option<Span> {
     let mut found = function.expressions.get_span(handle).to_range();
     // naga's GLSL front end gives calls of built-in functions no place, but their arguments have one.
     if let (None, Expression::Math { fun, arg, .. }) = (&found, &function.expressions[handle]) {

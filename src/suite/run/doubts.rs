@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Prepared;
-use crate::interp::source_span;
+use crate::interp::author_span;
 use crate::verdict::{BatchVerdict, Doubts, Reason};
 
 /// Undetermined samples with one reason and one place.
@@ -51,7 +51,7 @@ pub(super) fn told(prepared: &Prepared, verdicts: &BatchVerdict) -> Vec<Doubtful
 fn one(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
     let Doubts { reason, op, site, args, count } = doubts;
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
-    let span = site.and_then(|site| source_span(program, executable.place(site).span));
+    let span = site.and_then(|site| author_span(program, &executable.place(site)));
     let file = &program.lowered.file;
     Doubtful {
         reason: *reason,

@@ -4,7 +4,7 @@ use std::f64::consts::{E, FRAC_1_SQRT_2, LN_2, LN_10, PI, SQRT_2};
 use std::sync::Arc;
 
 use super::{Diagnosis, NoValue, Place, ShortLiteral};
-use crate::interp::{Binary64, FUEL, Machine, OutputColumn, Site, source_span};
+use crate::interp::{Binary64, FUEL, Machine, OutputColumn, Site, author_span};
 use crate::program::Program;
 use crate::value::Batch;
 use crate::verdict::batch::shader_suspects;
@@ -51,7 +51,7 @@ pub fn shader(court: &Court<'_>, program: &Program, batch: &Batch, deviation: &D
 
 /// The place of a site in the author's text.
 pub(super) fn place(court: &Court<'_>, program: &Program, site: Site) -> Option<Place> {
-    let span = source_span(program, court.oracle.executable.place(site).span)?;
+    let span = author_span(program, &court.oracle.executable.place(site))?;
     let file = &program.lowered.file;
     Some(Place { at: file.locate(span.start), text: file.slice(span).to_owned() })
 }
