@@ -27,7 +27,10 @@ fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
     let count = batch.invocation_count();
     let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
         .into_par_iter()
-        .map_init(|| court.oracle.tape(court.lenient()), |machine, chunk| slack_of(machine, batch, chunk * LANES))
+        .map_init(
+            || court.oracle.tape_as_written(court.lenient()),
+            |machine, chunk| slack_of(machine, batch, chunk * LANES),
+        )
         .collect();
     chunks.into_iter().flatten().collect()
 }

@@ -18,6 +18,8 @@ pub struct Oracle {
     pub(super) executable: Executable,
     /// Literals as their author wrote them, by the number of their site.
     pub(super) literals: Vec<Option<Literal>>,
+    /// The same for a device, which has them in binary32: the difference counts as an error.
+    rounded: Vec<Option<Literal>>,
     /// Their values alone; `None` when all are binary32 numbers.
     ideal: Option<Arc<[f64]>>,
     fuel: u32,
@@ -33,7 +35,13 @@ impl Oracle {
         let literals = literals::written(program, &executable);
         let value = |literal: &Option<Literal>| literal.map_or(f64::NAN, |literal| literal.value);
         let ideal = literals.iter().any(Option::is_some).then(|| literals.iter().map(value).collect());
-        Ok(Self { executable, literals, ideal, fuel: FUEL })
+        let mut rounded = literals.clone();
+        for (site, value) in executable.literals() {
+            if let Some(literal) = &mut rounded[site.index()] {
+                literal.slack += (literal.value - f64::from(value)).abs();
+            }
+        }
+        Ok(Self { executable, literals, rounded, ideal, fuel: FUEL })
     }
 
     /// The same with another number of rounds that loops may take.
@@ -68,9 +76,10 @@ impl Oracle {
         Machine::new(&self.executable, Tape::new(Model::Binary64).with_literals(&self.literals), self.fuel)
     }
 
-    /// A machine with bounds for devices, on which literals have all the digits that the author wrote.
+    /// A machine with bounds for devices around what the author wrote: that a device has literals in
+    /// binary32 is an error like others.
     pub(super) fn tape_as_written<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
-        Machine::new(&self.executable, Tape::new(model).with_literals(&self.literals), self.fuel)
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.rounded), self.fuel)
     }
 
     /// A machine with bounds for devices.

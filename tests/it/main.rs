@@ -3,6 +3,7 @@
 mod adversary;
 mod alarms;
 mod binary;
+mod blame;
 mod calibrate;
 mod check_cli;
 mod geometry;

@@ -8,9 +8,16 @@ use crate::text::Span;
 /// The author's text of an expression, or of the statement that computes it.
 pub fn span(program: &Program, function: &Function, handle: Handle<Expression>, statement: naga::Span) -> Option<Span> {
     let mut found = function.expressions.get_span(handle).to_range();
-    // naga's GLSL front end gives calls of built-in functions no place, but their arguments have one.
-    if let (None, Expression::Math { fun, arg, .. }) = (&found, &function.expressions[handle]) {
-        found = function.expressions.get_span(*arg).to_range();
+    // naga's GLSL front end gives calls of built-in functions no place, or that of their arguments.
+    if let Expression::Math { fun, arg, .. } = &function.expressions[handle] {
+        // The first argument may be a call of that kind itself.
+        let mut argument = *arg;
+        while let (None, Expression::Math { arg, .. }) =
+            (function.expressions.get_span(argument).to_range(), &function.expressions[argument])
+        {
+            argument = *arg;
+        }
+        found = found.or_else(|| function.expressions.get_span(argument).to_range());
         if let Some(argument) = &found {
             let text = &program.lowered.edited.text;
             found = call(text, argument.start, fun).filter(|call| call.end >= argument.end).or(found);
@@ -20,20 +27,26 @@ pub fn span(program: &Program, function: &Function, handle: Handle<Expression>, 
     Some(program.lowered.edited.map.span_to_original(Span::new(range.start, range.end)))
 }
 
-/// The call of a built-in function whose first argument starts at a byte.
+/// The call of a built-in function around a byte of its first argument: the innermost one.
 fn call(text: &str, argument: usize, fun: &MathFunction) -> Option<std::ops::Range<usize>> {
-    // The argument may stand in parentheses of its own.
-    let mut head = text.get(..argument)?.trim_end();
-    loop {
-        let open = head.strip_suffix('(')?.trim_end();
-        let name = open.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
-        if name.is_empty() {
-            head = open;
-            continue;
+    let mut closed = 0_usize;
+    for (at, c) in text.get(..argument)?.char_indices().rev() {
+        match c {
+            ')' => closed += 1,
+            '(' if closed > 0 => closed -= 1,
+            '(' => {
+                let head = text[..at].trim_end();
+                let name = head.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
+                if is_name(name, fun) {
+                    return closing(text, at).map(|end| head.len() - name.len()..end);
+                }
+            }
+            // The argument stands in one expression with the call.
+            ';' | '{' | '}' => return None,
+            _ => {}
         }
-        let start = open.len() - name.len();
-        return is_name(name, fun).then(|| closing(text, head.len() - 1).map(|end| start..end)).flatten();
     }
+    None
 }
 
 /// GLSL's name of a function, or naga's own for it.
@@ -71,5 +84,10 @@ mod tests {
         assert_eq!(found(MathFunction::Cos), None);
         assert_eq!(call("atan(y, x", 5, &MathFunction::Atan2), None);
         assert_eq!(call("(y)", 1, &MathFunction::Sin), None);
+        let text = "f(normalize((p - q * r.w).xyz)); sin(y)";
+        let found = |fun| call(text, text.find(".xyz").unwrap(), &fun).map(|range| &text[range]);
+        assert_eq!(found(MathFunction::Normalize), Some("normalize((p - q * r.w).xyz)"));
+        assert_eq!(found(MathFunction::Sin), None);
+        assert_eq!(call("sin(x); y", 8, &MathFunction::Sin), None, "another statement");
     }
 }

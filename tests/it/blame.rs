@@ -1,0 +1,259 @@
+//! One fault of each kind, and who is blamed for it.
+
+use std::sync::Arc;
+
+use shadercheck::bound::adversary::{Adversary, Fault, Strategy};
+use shadercheck::bound::profile::{Op, Profile, Rulings, by_name};
+use shadercheck::formula::{Args, Formula, Kind, Param, Rule};
+use shadercheck::glsl;
+use shadercheck::interp::Laws;
+use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
+use shadercheck::lower::Target;
+use shadercheck::program::{Kernel, Program};
+use shadercheck::suite::run::{Case, DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
+use shadercheck::suite::{find, parse};
+use shadercheck::text::SourceFile;
+use shadercheck::value::{Batch, Field, Record, Shape};
+use shadercheck::verdict::diagnosis::{self, Origin};
+use shadercheck::verdict::{Blame, Court, Deviation, Oracle, Reason, Reference, Verdict, judge_each};
+
+/// A shipped suite with another text in the place of a part of its shader.
+fn prepared(suite: &str, from: &str, to: &str) -> Prepared {
+    let shipped = find(suite).unwrap();
+    assert!(shipped.shader_text.contains(from), "{from}");
+    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
+    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text.replacen(from, to, 1))).unwrap()
+}
+
+fn check(prepared: &Prepared, lane: &dyn Lane, rulings: Rulings) -> Report {
+    let request = Request {
+        samples: Some(2048),
+        seed: DEFAULT_SEED,
+        quick: true,
+        replay: Vec::new(),
+        replay_only: false,
+        arguments: prepared.suite.name.clone(),
+        rulings,
+    };
+    run(prepared, lane, Stage::Compute, &request, &mut |_| {}).unwrap()
+}
+
+/// A promise alone, without a conformance suite and without a measurement.
+fn text(profile: &'static Profile) -> Rulings {
+    Rulings { text: profile, conformance: None, measured: None }
+}
+
+fn vulkan() -> &'static Profile {
+    by_name("vulkan-1.4").unwrap()
+}
+
+/// The first deviation of a report, with what is known about it.
+#[track_caller]
+fn deviation(report: &Report) -> (&Deviation, &Case) {
+    let finding = report.findings.iter().find(|f| f.kind == FindingKind::Deviation);
+    let finding = finding.unwrap_or_else(|| panic!("nothing deviates: {:?}", report.findings));
+    let case = finding.case.as_ref().unwrap();
+    (case.deviation.as_ref().unwrap(), case)
+}
+
+#[test]
+fn a_typo_in_a_formula_is_the_shaders_fault() {
+    let lane = embedded::open().unwrap();
+    let wrong = prepared("sphere", "cos(ph)", "cos(th)");
+    let report = check(&wrong, &*lane, Rulings::of_api(Api::Binary32));
+    let (deviation, case) = deviation(&report);
+    assert_eq!(deviation.blame, Blame::Shader);
+    assert!(case.diagnosis.literals.is_empty() && case.diagnosis.origin.is_none());
+    assert_eq!(report.verdicts.shader_deviated, report.verdicts.deviated);
+}
+
+#[test]
+fn short_digits_are_named_with_what_they_stand_for() {
+    let lane = embedded::open().unwrap();
+    let short = prepared("sphere", "6.28318530717958648", "6.283185");
+    let report = check(&short, &*lane, Rulings::of_api(Api::Binary32));
+    let (deviation, case) = deviation(&report);
+    assert_eq!(deviation.blame, Blame::Shader);
+    let said: Vec<String> = case.diagnosis.literals.iter().map(ToString::to_string).collect();
+    assert_eq!(said, ["`6.283185` (sphere.vert:11:14) stands for 2π, off by 3.1e-7"]);
+    // Its binary32 alone, as near to 2π as binary32 comes, is no fault.
+    let rounded = prepared("sphere", "6.28318530717958648", "6.283185307179586476925");
+    let report = check(&rounded, &*lane, Rulings::of_api(Api::Binary32));
+    assert_eq!((report.verdicts.deviated, report.findings.len()), (0, 0), "{:?}", report.findings);
+}
+
+#[test]
+fn a_built_in_off_by_twice_its_promise_is_named() {
+    let right = prepared("sphere", "", "");
+    let device = Adversary::lane(vulkan(), Stage::Compute, Strategy::Extreme, 1, false);
+    let report = check(&right, &device, text(vulkan()));
+    assert_eq!(report.verdicts.deviated, 0, "{:?}", report.findings);
+    let faulty = device.with_fault(Fault { op: Op::Sin, factor: 2.0 });
+    let report = check(&right, &faulty, text(vulkan()));
+    let (deviation, case) = deviation(&report);
+    assert_eq!(deviation.blame, Blame::Lane);
+    let Some(Origin::BuiltIn { op, factor, place, .. }) = &case.diagnosis.origin else {
+        panic!("{:?}", case.diagnosis)
+    };
+    assert_eq!(*op, Op::Sin);
+    assert!((1.5..2.5).contains(factor), "{factor}");
+    assert!(place.as_ref().unwrap().text.starts_with("sin("), "{place:?}");
+    let divergence = case.diagnosis.divergence.as_ref().unwrap();
+    assert!(divergence.place.text.starts_with("sin(") && !divergence.path, "{divergence:?}");
+}
+
+/// A lane that sees one bone less than there is.
+struct Shortened(Box<dyn Lane>);
+
+struct ShortenedRunner(Box<dyn Runner>);
+
+impl Lane for Shortened {
+    fn description(&self) -> &Description {
+        self.0.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        Ok(Box::new(ShortenedRunner(self.0.prepare(kernel, capacity)?)))
+    }
+}
+
+impl Runner for ShortenedRunner {
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let mut batch = batch.clone();
+        if let Some(index) = batch.case_record.index_of("numberOfBones") {
+            let (at, words) = (batch.case_record.range(index).start, batch.case_record.words());
+            for case in batch.cases.chunks_exact_mut(words) {
+                case[at] = case[at].saturating_sub(1);
+            }
+        }
+        self.0.run(&batch)
+    }
+}
+
+#[test]
+fn a_lane_that_drops_the_last_bone_compiles_wrong() {
+    let right = prepared("skinning", "", "");
+    let report = check(&right, &Shortened(embedded::open().unwrap()), text(vulkan()));
+    let (deviation, case) = deviation(&report);
+    assert_eq!(deviation.blame, Blame::Lane);
+    assert_eq!(case.diagnosis.origin, Some(Origin::Miscompilation));
+    // The device leaves the loop a round early.
+    assert!(case.diagnosis.divergence.as_ref().unwrap().path, "{:?}", case.diagnosis);
+}
+
+#[test]
+fn sums_in_another_order_are_told_from_other_faults() {
+    let strict = by_name("binary32").unwrap();
+    let right = prepared("two_bones", "", "");
+    let device = Adversary::lane(strict, Stage::Compute, Strategy::Random, 1, false);
+    assert_eq!(check(&right, &device, text(strict)).verdicts.deviated, 0);
+    let regrouped = device.with_laws(Laws::Order);
+    let report = check(&right, &regrouped, text(strict));
+    let (deviation, case) = deviation(&report);
+    assert_eq!(deviation.blame, Blame::Lane);
+    assert_eq!(case.diagnosis.origin, Some(Origin::Rearrangement));
+    // The same device is right by a promise that allows it.
+    let allowing = check(&right, &regrouped, text(vulkan()));
+    assert_eq!(allowing.verdicts.deviated, 0, "{:?}", allowing.findings);
+}
+
+/// Verdicts on the embedded lane for single samples of a shipped suite.
+fn verdicts(prepared: &Prepared, invocations: &[u32]) -> Vec<Verdict> {
+    let batch = Batch {
+        invocation_record: prepared.compute.invocation.clone(),
+        case_record: prepared.compute.case.clone(),
+        per_case: 1,
+        invocations: invocations.to_vec(),
+        cases: Vec::new(),
+    };
+    let lane = embedded::open().unwrap();
+    let actual = lane.prepare(&prepared.compute, 64).unwrap().run(&batch).unwrap();
+    let rulings = text(vulkan());
+    let Prepared { oracle, reference, .. } = prepared;
+    judge_each(&Court { oracle, reference, rulings: &rulings, stage: Stage::Compute }, &batch, &actual)
+}
+
+#[test]
+fn weights_below_the_range_of_binary32_are_a_matter_of_range() {
+    let right = prepared("bone_weight", "", "");
+    let bits = |d: f32, c: f32| [d.to_bits(), c.to_bits()];
+    // (3 + 1)^-64 = 2^-128; (2.5 + 1)^-64 is a normal number.
+    let found = verdicts(&right, &[bits(3.0, 64.0), bits(2.5, 64.0)].concat());
+    let Verdict::Undetermined(doubt) = &found[0] else { panic!("{found:?}") };
+    assert!(doubt.reason == Reason::Underflow && doubt.reason.is_range());
+    let cause = doubt.cause.as_ref().unwrap();
+    assert_eq!(cause.op, Some(Op::Pow));
+    assert!(matches!(found[1], Verdict::Agree(_)), "{found:?}");
+}
+
+#[test]
+fn a_tangent_of_length_zero_has_no_direction_whoever_computes_it() {
+    let lane = embedded::open().unwrap();
+    let report = check(&prepared("hair", "", ""), &*lane, Rulings::of_api(Api::Binary32));
+    assert_eq!(report.verdicts.deviated, 0, "{:?}", report.findings);
+    let doubt = report.doubts.iter().find(|d| d.reason == Reason::Domain).unwrap();
+    assert_eq!(doubt.op, Some("inversesqrt"));
+    assert!(doubt.text.starts_with("normalize("), "{doubt}");
+}
+
+fn angle(args: &Args<'_>, out: &mut [f64]) {
+    out[0] = args.vec3(0).dot(args.vec3(1)).clamp(-1.0, 1.0).acos();
+}
+
+static ANGLE: Formula = Formula {
+    name: "angle",
+    source: "the angle between two unit vectors",
+    inputs: &[Param::new("a", Kind::Vec3), Param::new("b", Kind::Vec3)],
+    outputs: &[Param::new("return", Kind::Float)],
+    rule: Rule::Pointwise(angle),
+};
+
+/// Verdict and diagnosis for the angle of a vector with itself, by this expression.
+fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, diagnosis::Diagnosis) {
+    let source = format!("#version 150 core\nfloat angle(vec3 a, vec3 b) {{ return {expression}; }}\n");
+    let target = Target::Function("angle".into());
+    let program =
+        Program::from_source(&SourceFile::new("angle.glsl", source), glsl::Stage::Library, |_| Ok(target)).unwrap();
+    let (oracle, reference) = (Oracle::new(&program).unwrap(), Reference::new(&ANGLE, &program).unwrap());
+    let rulings = text(vulkan());
+    let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage: Stage::Compute };
+    let field = |name: &str| Field { name: name.into(), shape: Shape::VEC3 };
+    let batch = Batch {
+        invocation_record: Arc::new(Record::new(vec![field("a"), field("b")])),
+        case_record: Arc::default(),
+        per_case: 1,
+        invocations: v.iter().chain(&v).map(|x| x.to_bits()).collect(),
+        cases: Vec::new(),
+    };
+    let kernel = program.compute_kernel().unwrap();
+    let actual = embedded::open().unwrap().prepare(&kernel, 1).unwrap().run(&batch).unwrap();
+    let verdict = judge_each(&court, &batch, &actual).remove(0);
+    let diagnosis = match &verdict {
+        Verdict::Deviate(deviation) => diagnosis::shader(&court, &program, &batch, deviation),
+        _ => diagnosis::Diagnosis::default(),
+    };
+    (verdict, diagnosis)
+}
+
+#[test]
+fn an_arc_cosine_past_one_is_the_shaders_fault_and_named() {
+    // A vector of length 1 to within its rounding, whose product with itself is above 1.
+    let v = [0.600_000_1_f32, 0.8, 0.0];
+    let (verdict, diagnosis) = angle_of("acos(dot(a, b))", v);
+    let Verdict::Deviate(deviation) = &verdict else { panic!("{verdict:?}") };
+    assert_eq!(deviation.blame, Blame::Shader);
+    let no_value = diagnosis.no_value.unwrap();
+    assert_eq!(no_value.op, Some(Op::Acos));
+    assert!(no_value.args[0] > 1.0 && no_value.args[0] < 1.000_001, "{no_value}");
+    let place = no_value.place.unwrap();
+    assert_eq!((place.text.as_str(), place.at.as_str()), ("acos(dot(a, b))", "angle.glsl:2:38"));
+    // Held in the domain, nothing is wrong; so near to its end nothing is decided either.
+    let (held, _) = angle_of("acos(clamp(dot(a, b), -1.0, 1.0))", v);
+    assert!(!matches!(held, Verdict::Deviate(_)), "{held:?}");
+    let (within, _) = angle_of("acos(dot(a, b))", [0.6, 0.7, 0.0]);
+    assert!(matches!(within, Verdict::Agree(_)), "{within:?}");
+}
