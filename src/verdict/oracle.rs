@@ -20,6 +20,8 @@ pub struct Oracle {
     pub(super) literals: Vec<Option<Literal>>,
     /// Their values alone; `None` when all are binary32 numbers.
     ideal: Option<Arc<[f64]>>,
+    /// The module's binary32 in place of each of them, off by what its author wrote.
+    rounded: Vec<Option<Literal>>,
     fuel: u32,
 }
 
@@ -33,7 +35,8 @@ impl Oracle {
         let literals = literals::written(program, &executable);
         let value = |literal: &Option<Literal>| literal.map_or(f64::NAN, |literal| literal.value);
         let ideal = literals.iter().any(Option::is_some).then(|| literals.iter().map(value).collect());
-        Ok(Self { executable, literals, ideal, fuel: FUEL })
+        let rounded = literals.iter().map(|literal| literal.map(rounded)).collect();
+        Ok(Self { executable, literals, ideal, rounded, fuel: FUEL })
     }
 
     /// The same with another number of rounds that loops may take.
@@ -68,10 +71,27 @@ impl Oracle {
         Machine::new(&self.executable, Tape::new(Model::Binary64).with_literals(&self.literals), self.fuel)
     }
 
+    /// A machine for what the author wrote, with bounds for devices that had the literals exactly.
+    pub(super) fn ideal_device_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.literals), self.fuel)
+    }
+
+    /// A machine with bounds for devices, measured from what the author wrote: the rounding of a literal
+    /// counts as an error of its own.
+    pub(super) fn authored_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.rounded), self.fuel)
+    }
+
     /// A machine with bounds for devices.
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model), self.fuel)
     }
+}
+
+/// A literal as the module has it, with how far that may be from what was meant.
+fn rounded(written: Literal) -> Literal {
+    let value = f64::from(written.value as f32);
+    Literal { value, slack: (written.value - value).abs() + written.slack }
 }
 
 /// Everything that a verdict on a lane needs.
