@@ -1,5 +1,5 @@
 //! Mutation testing: small faults are put into a shader one at a time, and its suite is asked to
-//! notice them. A suite that lets faults through is weak there: in its domain, its tolerance or its
+//! notice them. A suite that lets faults through is weak there: in its domain, its formula or its
 //! relations.
 //!
 //! A mutant is a few edits on the author's text, made from the typed syntax tree, so that it can be

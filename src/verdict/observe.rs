@@ -11,8 +11,9 @@ use crate::lane::{Actual, Api, Stage};
 use crate::property::Observed;
 use crate::value::Batch;
 
-/// The outputs of every invocation of a batch as numbers, each with what the most lenient promise
-/// allows it: infinite where nothing is promised. The words are those of the formula's outputs, in
+/// The outputs of every invocation of a batch as numbers, each with how far it may be from what the
+/// author wrote: what the most lenient promise allows, and the rounding of literals; infinite where
+/// nothing is promised. The words are those of the formula's outputs, in
 /// their order; nothing else of the formula is used.
 pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
     let slack = slack(court, batch);
@@ -28,7 +29,7 @@ fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
     let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || court.oracle.tape_as_written(court.lenient()),
+            || court.oracle.authored_tape(court.lenient()),
             |machine, chunk| slack_of(machine, batch, chunk * LANES),
         )
         .collect();
@@ -54,15 +55,17 @@ fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first: usize) ->
     slack
 }
 
-/// What the shader means for every invocation of a batch, with what a device that rounds every
-/// operation correctly would be off: related inputs are binary32 numbers, and related to each other no
-/// better than that. No lane and no promise has a say in it.
+/// What the shader means for every invocation of a batch, with its literals as they were written: a
+/// relation such as "a whole turn leads back" is about 2π and not about the binary32 beside it. The
+/// slack is what a device that rounds every operation correctly would be off: related inputs are
+/// binary32 numbers, and related to each other no better than that. No lane and no promise has a say
+/// in it.
 pub fn meaning(court: &Court<'_>, batch: &Batch) -> Vec<Observed> {
     let count = batch.invocation_count();
     let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || court.oracle.tape_as_written(strict()),
+            || court.oracle.ideal_device_tape(strict()),
             |machine, chunk| {
                 let slack = slack_of(machine, batch, chunk * LANES);
                 let see = |(lane, slack): (usize, &Vec<f64>)| meant(court, machine, lane, slack);

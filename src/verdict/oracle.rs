@@ -18,10 +18,10 @@ pub struct Oracle {
     pub(super) executable: Executable,
     /// Literals as their author wrote them, by the number of their site.
     pub(super) literals: Vec<Option<Literal>>,
-    /// The same for a device, which has them in binary32: the difference counts as an error.
-    rounded: Vec<Option<Literal>>,
     /// Their values alone; `None` when all are binary32 numbers.
     ideal: Option<Arc<[f64]>>,
+    /// The module's binary32 in place of each of them, off by what its author wrote.
+    rounded: Vec<Option<Literal>>,
     fuel: u32,
 }
 
@@ -35,13 +35,8 @@ impl Oracle {
         let literals = literals::written(program, &executable);
         let value = |literal: &Option<Literal>| literal.map_or(f64::NAN, |literal| literal.value);
         let ideal = literals.iter().any(Option::is_some).then(|| literals.iter().map(value).collect());
-        let mut rounded = literals.clone();
-        for (site, value) in executable.literals() {
-            if let Some(literal) = &mut rounded[site.index()] {
-                literal.slack += (literal.value - f64::from(value)).abs();
-            }
-        }
-        Ok(Self { executable, literals, rounded, ideal, fuel: FUEL })
+        let rounded = literals.iter().map(|literal| literal.map(rounded)).collect();
+        Ok(Self { executable, literals, ideal, rounded, fuel: FUEL })
     }
 
     /// The same with another number of rounds that loops may take.
@@ -53,6 +48,11 @@ impl Oracle {
     /// The program as the interpreter runs it.
     pub fn executable(&self) -> &Executable {
         &self.executable
+    }
+
+    /// True when some literal is no binary32 number.
+    pub(super) fn has_rounded_literals(&self) -> bool {
+        self.ideal.is_some()
     }
 
     /// A machine for the meaning of the module, with literals in binary32.
@@ -76,9 +76,20 @@ impl Oracle {
         Machine::new(&self.executable, Tape::new(Model::Binary64).with_literals(&self.literals), self.fuel)
     }
 
-    /// A machine with bounds for devices around what the author wrote: that a device has literals in
-    /// binary32 is an error like others.
-    pub(super) fn tape_as_written<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+    /// A machine for the meaning of the module, on which the rounding of literals counts as an error and
+    /// nothing else but binary64 does.
+    pub(super) fn rounded_tape(&self) -> Machine<'_, Tape<'_>> {
+        Machine::new(&self.executable, Tape::new(Model::Binary64).with_literals(&self.rounded), self.fuel)
+    }
+
+    /// A machine for what the author wrote, with bounds for devices that had the literals exactly.
+    pub(super) fn ideal_device_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.literals), self.fuel)
+    }
+
+    /// A machine with bounds for devices, measured from what the author wrote: the rounding of a literal
+    /// counts as an error of its own.
+    pub(super) fn authored_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model).with_literals(&self.rounded), self.fuel)
     }
 
@@ -86,6 +97,12 @@ impl Oracle {
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model), self.fuel)
     }
+}
+
+/// A literal as the module has it, with how far that may be from what was meant.
+fn rounded(written: Literal) -> Literal {
+    let value = f64::from(written.value as f32);
+    Literal { value, slack: (written.value - value).abs() + written.slack }
 }
 
 /// Everything that a verdict on a lane needs.

@@ -1,5 +1,7 @@
 //! The second look at samples: every operation on the tape, with what each may be off by.
 
+use std::collections::HashSet;
+
 use super::batch::{NEAR, Suspect, same_shape};
 use super::expected::{Expected, Output};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
@@ -27,6 +29,8 @@ pub(super) struct Suspects<'a> {
     tiers: Vec<Tier<'a>>,
     inputs: Vec<f64>,
     max_ulp: f64,
+    /// Invocations in which a comparison could go either way in the order of the source.
+    forked: HashSet<usize>,
 }
 
 struct Tier<'a> {
@@ -44,6 +48,7 @@ impl<'a> Suspects<'a> {
             tiers: court.tiers().into_iter().map(tier).collect(),
             inputs: court.reference.scratch(),
             max_ulp: 0.0,
+            forked: HashSet::new(),
         }
     }
 
@@ -54,6 +59,7 @@ impl<'a> Suspects<'a> {
 
     /// Verdicts on suspects, in their order.
     pub(super) fn judge(&mut self, batch: &Batch, actual: &Actual, suspects: &[Suspect]) -> Vec<(usize, Verdict)> {
+        self.forked.clear();
         let mut verdicts: Vec<Option<Verdict>> = vec![None; suspects.len()];
         let shaders: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].shader).collect();
         for group in shaders.chunks(LANES) {
@@ -103,6 +109,7 @@ impl<'a> Suspects<'a> {
         actual: Option<&Actual>,
         invocations: &[usize],
     ) -> Vec<Option<Verdict>> {
+        let forked = self.decided_by_rounding(batch, invocations);
         let Self { court, ideal, inputs, .. } = self;
         let reference = court.reference;
         let machine = ideal.get_or_insert_with(|| court.oracle.ideal_tape());
@@ -155,12 +162,28 @@ impl<'a> Suspects<'a> {
                 }
             }
         }
+        for (verdict, forked) in verdicts.iter_mut().zip(forked) {
+            if let (None, Some(doubt)) = (&verdict, forked) {
+                *verdict = Some(Verdict::Undetermined(doubt));
+            }
+        }
         verdicts
+    }
+
+    /// For each invocation, whether the rounding of a literal to binary32 decides a comparison.
+    fn decided_by_rounding(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<Option<Doubt>> {
+        if !self.court.oracle.has_rounded_literals() {
+            return vec![None; invocations.len()];
+        }
+        let mut machine = self.court.oracle.rounded_tape();
+        let lanes = machine.run_some(batch, invocations);
+        let tape = machine.domain();
+        (0..lanes).map(|lane| tape.fork(lane).map(|_| fork(tape, lane))).collect()
     }
 
     /// Whether a lane is within what a tier allows.
     fn lane(&mut self, tier: usize, batch: &Batch, actual: &Actual, invocations: &[usize]) -> Vec<Verdict> {
-        let Self { court, tiers, inputs, max_ulp, .. } = self;
+        let Self { court, tiers, inputs, max_ulp, forked, .. } = self;
         let Tier { promise, model, machine } = &mut tiers[tier];
         let machine = machine.get_or_insert_with(|| court.oracle.tape(*model));
         let lanes = machine.run_some(batch, invocations);
@@ -179,6 +202,14 @@ impl<'a> Suspects<'a> {
                 verdicts[lane] = Verdict::Deviate(deviation);
             }
         }
+        // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
+        let regrouped = *promise == Promise::Rearranged;
+        for lane in (0..lanes).filter(|_| !regrouped) {
+            if machine.domain().fork(lane).is_some() {
+                forked.insert(invocations[lane]);
+            }
+        }
+        let decided: Vec<bool> = (0..lanes).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
         let record = actual.layout().vertex.clone();
         for vertex in 0..machine.room() {
             for (field, shape) in record.fields().iter().enumerate().map(|(k, f)| (k, f.shape)) {
@@ -194,7 +225,7 @@ impl<'a> Suspects<'a> {
                         .filter(|&lane| !matches!(verdicts[lane], Verdict::Deviate(_)))
                         .filter(|&lane| vertex < actual.stored(invocations[lane]))
                         .collect();
-                    for lane in open_words(machine, actual, invocations, &open, vertex, word) {
+                    for lane in open_words(machine, actual, invocations, (&open, &decided), (vertex, word)) {
                         let (lane, outcome, error) = lane;
                         let scale = scale[lane];
                         let size = scale.max(vectors[lane]);
@@ -277,14 +308,13 @@ enum Allowed {
     },
 }
 
-/// Judges one output word in some lanes. Gives the lane, what came of it, and its error.
+/// Judges one output word in some lanes; in those that are `decided` no comparison is in doubt. Gives the lane, what came of it, and its error.
 fn open_words(
     machine: &mut Machine<'_, Tape<'_>>,
     actual: &Actual,
     invocations: &[usize],
-    open: &[usize],
-    vertex: usize,
-    word: usize,
+    (open, decided): (&[usize], &[bool]),
+    (vertex, word): (usize, usize),
 ) -> Vec<(usize, Allowed, f64)> {
     let found = |lane: usize| actual.vertex(invocations[lane], vertex)[word];
     let column = match machine.output(vertex, word) {
@@ -295,7 +325,7 @@ fn open_words(
             let judge = |&lane: &usize| {
                 let outcome = if words[lane] == found(lane) {
                     Allowed::Within
-                } else if tape.fork(lane).is_some() {
+                } else if !decided[lane] && tape.fork(lane).is_some() {
                     Allowed::Doubtful(fork(tape, lane))
                 } else {
                     Allowed::Outside { meaning: real(words[lane], scalar), bound: 0.0 }
@@ -326,7 +356,7 @@ fn open_words(
             }
             let outcome = if !values[lane].is_finite() || !bound.is_finite() {
                 Allowed::Doubtful(Doubt::by(tape.cause(column, lane)))
-            } else if tape.fork(lane).is_some() {
+            } else if !decided[lane] && tape.fork(lane).is_some() {
                 Allowed::Doubtful(fork(tape, lane))
             } else {
                 Allowed::Outside { meaning: values[lane], bound }

@@ -257,3 +257,18 @@ fn an_arc_cosine_past_one_is_the_shaders_fault_and_named() {
     let (within, _) = angle_of("acos(dot(a, b))", [0.6, 0.7, 0.0]);
     assert!(matches!(within, Verdict::Agree(_)), "{within:?}");
 }
+
+#[test]
+fn what_the_rounding_of_a_literal_decides_is_undetermined() {
+    // 0.123456 is no binary32 number: the author's comparison never holds, the device's does.
+    let edited = prepared("bone_weight", "return", "if (d == 0.123456) return 2.0;\n  return");
+    let bits = |d: f32| [d.to_bits(), 16.0_f32.to_bits()];
+    let found = verdicts(&edited, &[bits(0.123456), bits(0.25)].concat());
+    let Verdict::Undetermined(doubt) = &found[0] else { panic!("{found:?}") };
+    assert_eq!(doubt.reason, Reason::Branch);
+    assert!(matches!(found[1], Verdict::Agree(_)), "{found:?}");
+    // A binary32 number is what it is on both sides: the shader deviates.
+    let edited = prepared("bone_weight", "return", "if (d == 0.125) return 2.0;\n  return");
+    let found = verdicts(&edited, &bits(0.125));
+    assert!(matches!(&found[0], Verdict::Deviate(d) if d.blame == Blame::Shader), "{found:?}");
+}

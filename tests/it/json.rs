@@ -28,6 +28,8 @@ const SUITE: [&str; 11] = [
     "max_ulp",
     "findings",
 ];
+const PROMISES: [&str; 4] = ["text", "conformance", "rearranged", "measured"];
+const REASONS: [&str; 6] = ["domain", "no_promise", "ill_conditioned", "branch", "underflow", "overflow"];
 
 #[test]
 fn a_run_that_passes_has_all_keys() {
@@ -49,7 +51,14 @@ fn a_run_that_passes_has_all_keys() {
         // Cases are never cut: 19 of 16 samples.
         assert_eq!(count("judged") + count("undetermined"), 304);
         assert_eq!(count("agreed") + count("deviated"), count("judged"));
-        assert_eq!((count("deviated"), count("unsupported")), (0, 0));
+        assert_eq!((count("deviated"), count("shader_deviated"), count("unsupported")), (0, 0, 0));
+        let sum = |key: &str, names: &[&str]| -> u64 {
+            has(&suite[key], names);
+            assert_eq!(suite[key].as_object().unwrap().len(), names.len(), "{suite:#}");
+            names.iter().map(|name| suite[key][name].as_u64().unwrap()).sum()
+        };
+        assert_eq!(sum("agreed_by", &PROMISES), count("agreed"));
+        assert_eq!(sum("undetermined_by", &REASONS), count("undetermined"));
         assert!(suite["max_ulp"].as_f64().is_some_and(|u| u > 0.0));
         assert_eq!(suite["findings"], Value::Array(Vec::new()));
         judged += count("judged");
@@ -69,7 +78,10 @@ fn a_deviation_has_its_case_with_bits_and_the_command() {
     has(finding, &["kind", "message", "samples", "case", "reproduce"]);
     assert_eq!(finding["samples"], suite["deviated"]);
     let case = &finding["case"];
-    has(case, &["inputs", "component", "expected", "actual", "actual_bits", "tolerance", "ulp"]);
+    has(case, &["inputs", "blame", "component", "expected", "meaning", "actual", "actual_bits", "bound", "ulp"]);
+    assert_eq!(case["blame"], "shader");
+    assert_eq!(suite["shader_deviated"], suite["deviated"]);
+    assert!(!case.as_object().unwrap().contains_key("tolerance"), "{case:#}");
     for input in case["inputs"].as_array().unwrap() {
         let (bits, decimal) = (input["bits"].as_array().unwrap(), input["decimal"].as_array().unwrap());
         assert_eq!(bits.len(), decimal.len());
@@ -78,8 +90,12 @@ fn a_deviation_has_its_case_with_bits_and_the_command() {
             assert_eq!(f32::from_bits(word), decimal.as_str().unwrap().parse::<f32>().unwrap());
         }
     }
-    let off = (case["expected"].as_f64().unwrap() - case["actual"].as_f64().unwrap()).abs();
-    assert!(off > case["tolerance"].as_f64().unwrap(), "{case:#}");
+    let number = |key: &str| case[key].as_f64().unwrap_or_else(|| panic!("{key}: {case:#}"));
+    assert!((number("expected") - number("meaning")).abs() > number("bound"), "{case:#}");
+    // Two evaluations in binary64 are compared, and no lane: next to nothing is allowed.
+    assert!(number("bound") < 1e-9, "{case:#}");
+    let bits = u32::from_str_radix(case["actual_bits"].as_str().unwrap().strip_prefix("0x").unwrap(), 16).unwrap();
+    assert_eq!(f64::from(f32::from_bits(bits)), number("actual"));
 }
 
 #[test]

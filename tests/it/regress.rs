@@ -57,12 +57,13 @@ fn failures_are_saved_and_run_again() {
     assert_eq!(saved(folder.path()), text);
 }
 
-/// A shader that is wrong for one parameter out of billions.
+/// A shader that is wrong for one parameter out of billions. The literal has all digits of its binary32:
+/// what the author wrote is what the input can be.
 fn rarely_wrong(folder: &Path) {
     let text = fs::read_to_string(root().join(RIGHT)).unwrap();
     let wrong = text.replace(
         "gl_Position = mc * p;",
-        "gl_Position = mc * p;\n  if (parameter.s == 0.123456) gl_Position.x += 1.0;",
+        "gl_Position = mc * p;\n  if (parameter.s == 0.12345600128173828125) gl_Position.x += 1.0;",
     );
     assert_ne!(wrong, text);
     fs::write(folder.join("sphere.vert"), wrong).unwrap();
@@ -80,8 +81,14 @@ fn a_saved_case_finds_what_no_generated_one_does() {
     );
     fs::write(folder.path().join("sphere.regressions"), &case).unwrap();
     let json = run_in(folder.path(), CHECK).expect(1).json();
-    assert_eq!(json["suites"][0]["deviated"], 1);
-    assert!(json["suites"][0]["findings"][0]["message"].as_str().unwrap().starts_with("`gl_Position.x` is "));
+    assert_eq!((&json["suites"][0]["deviated"], &json["suites"][0]["shader_deviated"]), (&1.into(), &1.into()));
+    assert!(
+        json["suites"][0]["findings"][0]["message"]
+            .as_str()
+            .unwrap()
+            .starts_with("the shader deviates from its formula: `gl_Position.x` is "),
+        "{json:#}"
+    );
     assert!(saved(folder.path()).starts_with(&case), "what the user wrote stays");
 }
 

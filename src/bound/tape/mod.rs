@@ -13,8 +13,10 @@
 
 mod arena;
 mod functions;
+mod inherited;
 mod model;
 mod operations;
+mod regroup;
 mod sweep;
 #[cfg(test)]
 mod tests;

@@ -3,6 +3,7 @@
 use super::Tape;
 use super::arena::{Id, Kind, Lanes, Meta};
 use super::functions::{Image1, Image2, image1, image2};
+use super::inherited::{power_by_exp2, root_by_inverse};
 use super::model::Arg;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::profile::{Definition, Op};
@@ -490,82 +491,6 @@ impl Tape<'_> {
         }
         self.group(id);
     }
-
-    /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
-    pub(super) fn group(&mut self, id: Id) {
-        if !self.model.is_rearranged() {
-            return;
-        }
-        let at = id as usize;
-        self.arena.size.more();
-        // Number of terms of a sum, and roundings of the worst of them.
-        let (terms, heights) = (self.arena.roundings.more(), self.arena.roundings.more());
-        debug_assert_eq!((terms, heights), (2 * at, 2 * at + 1));
-        let unit = self.model.unit();
-        let (earlier, size) = self.arena.size.split(at);
-        let (counts, height) = self.arena.roundings.split(heights);
-        // The column of heights is the last one; that of terms stands just before it.
-        let mut term = [1.0; LANES];
-        let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
-        let kind = self.arena.nodes[at].kind;
-        match kind {
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
-                let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
-                for lane in 0..LANES {
-                    size[lane] = v[lane].abs() + e[lane];
-                }
-                height.fill(0.0);
-            }
-            Kind::Sum { a, b, signs } => {
-                let ((ta, ha), (tb, hb)) = (of(a), of(b));
-                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
-                for lane in 0..LANES {
-                    if signs.1 == 0.0 {
-                        (size[lane], term[lane], height[lane]) = (sa[lane], ta[lane], ha[lane]);
-                    } else {
-                        size[lane] = sa[lane] + sb[lane];
-                        term[lane] = ta[lane] + tb[lane];
-                        height[lane] = ha[lane].max(hb[lane]);
-                    }
-                }
-            }
-            Kind::Product { a, b } => {
-                let ((ta, ha), (tb, hb)) = (of(a), of(b));
-                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
-                for lane in 0..LANES {
-                    size[lane] = sa[lane] * sb[lane];
-                    // Each factor is a sum with its own roundings; one more for the product.
-                    height[lane] = ha[lane] + ta[lane] - 1.0 + hb[lane] + tb[lane] - 1.0 + 1.0;
-                }
-            }
-            Kind::Select { mask, a, b } => {
-                let mask = self.arena.masks[mask as usize];
-                let ((ta, ha), (tb, hb)) = (of(a), of(b));
-                *size = *earlier[b as usize];
-                mask.merge(&earlier[a as usize], size);
-                term = **tb;
-                mask.merge(ta, &mut term);
-                *height = **hb;
-                mask.merge(ha, height);
-            }
-        }
-        *self.arena.roundings.get_mut(terms) = term;
-        if kind.is_polynomial() {
-            let height = self.arena.roundings.get(heights);
-            let (size, radius) = (self.arena.size.get(at), self.arena.radius.get_mut(at));
-            let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
-            let mut own = [0.0; LANES];
-            for lane in 0..LANES {
-                let count = height[lane] + term[lane] - 1.0;
-                let relative = count * unit;
-                // γ_n = n·u/(1 − n·u); flushed terms keep their size.
-                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
-                radius[lane] += own[lane];
-            }
-            *self.arena.local.get_mut(at) = own;
-            self.arena.nodes[at].exact = false;
-        }
-    }
 }
 
 /// How far the value may be that a function gets: a subnormal argument may be flushed to zero.
@@ -573,67 +498,4 @@ fn reach(x: f64, radius: f64, flushes: bool) -> f64 {
     let most = x.abs() + radius;
     let tiny = flushes && most > 0.0 && x.abs() - radius < MIN_NORMAL;
     if tiny { radius + most.min(MIN_NORMAL) } else { radius }
-}
-
-/// Local error of √x where it inherits from 1/inversesqrt(x): both steps of the definition.
-///
-/// At 0 the definition is taken in its limit, as every device does that has a root at all.
-fn root_by_inverse(model: &super::Model<'_>, x: Arg<'_>, value: &Lanes, carried: &Lanes, local: &mut Lanes) {
-    let (mut inverse, mut reach) = ([0.0; LANES], [0.0; LANES]);
-    let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        // A root below which nothing is normal has an inverse that is; the largest is taken.
-        inverse[lane] = 1.0 / (value[lane] + carried[lane]).max(MIN_NORMAL);
-        reach[lane] = inverse[lane] * 1e-6;
-    }
-    let exact = [0.0; LANES];
-    let ones = [1.0; LANES];
-    model.local(Op::InverseSqrt, &[Arg { value: x.value, radius: &exact }], &inverse, &reach, &mut first);
-    let args = [Arg { value: &ones, radius: &exact }, Arg { value: &inverse, radius: &reach }];
-    model.local(Op::Div, &args, value, carried, &mut second);
-    for lane in 0..LANES {
-        let root = value[lane] + carried[lane];
-        // d(1/q)/dq = q^-2 = root².
-        let by_inverse = first[lane] * root * root * (1.0 + 1e-4);
-        local[lane] = if root == 0.0 { 0.0 } else { by_inverse + second[lane] };
-    }
-}
-
-/// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition.
-fn power_by_exp2(model: &super::Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
-    let [x, y] = args;
-    let mut logarithm = [0.0; LANES];
-    let mut exponent = [0.0; LANES];
-    let (mut by_log, mut by_product, mut by_power) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    let mut log_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        let image = image1(Op::Log2, x.value[lane], x.radius[lane], false);
-        (logarithm[lane], log_moves[lane]) = (image.value, image.moves);
-        exponent[lane] = y.value[lane] * image.value;
-    }
-    model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
-    let mut product_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        let log = log_moves[lane] + by_log[lane];
-        product_moves[lane] = (y.value[lane].abs() + y.radius[lane]) * log + y.radius[lane] * logarithm[lane].abs();
-    }
-    let log = Arg { value: &logarithm, radius: &by_log };
-    model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
-    let mut exponent_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        exponent_moves[lane] = product_moves[lane] + by_product[lane];
-    }
-    let argument = Arg { value: &exponent, radius: &exponent_moves };
-    let mut power_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        power_moves[lane] = value[lane] * (std::f64::consts::LN_2 * exponent_moves[lane]).exp_m1();
-    }
-    model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);
-    for lane in 0..LANES {
-        // What the steps inside add to the exponent; what the arguments carry is the node's partials'.
-        let inside = (y.value[lane].abs() + y.radius[lane]) * by_log[lane] + by_product[lane];
-        let most = value[lane] + carried[lane];
-        let moved = most * (std::f64::consts::LN_2 * inside).exp_m1() + by_power[lane];
-        local[lane] = if moved.is_nan() { f64::INFINITY } else { moved };
-    }
 }

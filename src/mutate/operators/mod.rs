@@ -54,7 +54,8 @@ pub fn registry() -> &'static [Operator] {
     ]
 }
 
-/// The operator whose mutants a tolerance of more than one ULP is meant to let through.
+/// The operator whose mutants are no farther off than a literal that is rounded the other way. A score
+/// is given without them too.
 pub const CONSTANT_ULP: &str = "constant-ulp";
 
 /// The operator with this name.

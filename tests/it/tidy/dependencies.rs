@@ -41,7 +41,10 @@ const MODULES: &[(&str, &[&str])] = &[
             "value",
         ],
     ),
-    ("mutate", &["suite", "verdict", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"]),
+    (
+        "mutate",
+        &["suite", "verdict", "bound", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"],
+    ),
     ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
     (
         "cli",

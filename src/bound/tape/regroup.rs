@@ -1,0 +1,84 @@
+//! Sums and products that a device may regroup: what any order of their terms may round to.
+
+use super::Tape;
+use super::arena::{Id, Kind};
+use crate::bound::profile::grid::MIN_NORMAL;
+use crate::interp::LANES;
+
+impl Tape<'_> {
+    /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
+    pub(super) fn group(&mut self, id: Id) {
+        if !self.model.is_rearranged() {
+            return;
+        }
+        let at = id as usize;
+        self.arena.size.more();
+        // Number of terms of a sum, and roundings of the worst of them.
+        let (terms, heights) = (self.arena.roundings.more(), self.arena.roundings.more());
+        debug_assert_eq!((terms, heights), (2 * at, 2 * at + 1));
+        let unit = self.model.unit();
+        let (earlier, size) = self.arena.size.split(at);
+        let (counts, height) = self.arena.roundings.split(heights);
+        // The column of heights is the last one; that of terms stands just before it.
+        let mut term = [1.0; LANES];
+        let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
+        let kind = self.arena.nodes[at].kind;
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+                let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
+                for lane in 0..LANES {
+                    size[lane] = v[lane].abs() + e[lane];
+                }
+                height.fill(0.0);
+            }
+            Kind::Sum { a, b, signs } => {
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    if signs.1 == 0.0 {
+                        (size[lane], term[lane], height[lane]) = (sa[lane], ta[lane], ha[lane]);
+                    } else {
+                        size[lane] = sa[lane] + sb[lane];
+                        term[lane] = ta[lane] + tb[lane];
+                        height[lane] = ha[lane].max(hb[lane]);
+                    }
+                }
+            }
+            Kind::Product { a, b } => {
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    size[lane] = sa[lane] * sb[lane];
+                    // Each factor is a sum with its own roundings; one more for the product.
+                    height[lane] = ha[lane] + ta[lane] - 1.0 + hb[lane] + tb[lane] - 1.0 + 1.0;
+                }
+            }
+            Kind::Select { mask, a, b } => {
+                let mask = self.arena.masks[mask as usize];
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                *size = *earlier[b as usize];
+                mask.merge(&earlier[a as usize], size);
+                term = **tb;
+                mask.merge(ta, &mut term);
+                *height = **hb;
+                mask.merge(ha, height);
+            }
+        }
+        *self.arena.roundings.get_mut(terms) = term;
+        if kind.is_polynomial() {
+            let height = self.arena.roundings.get(heights);
+            let (size, radius) = (self.arena.size.get(at), self.arena.radius.get_mut(at));
+            let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
+            let mut own = [0.0; LANES];
+            for lane in 0..LANES {
+                let count = height[lane] + term[lane] - 1.0;
+                let relative = count * unit;
+                // γ_n = n·u/(1 − n·u); flushed terms keep their size.
+                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
+                radius[lane] += own[lane];
+            }
+            *self.arena.local.get_mut(at) = own;
+            self.arena.nodes[at].exact = false;
+        }
+    }
+}
