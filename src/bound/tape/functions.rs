@@ -398,7 +398,9 @@ mod tests {
                                 let kink =
                                     matches!(op, Op::Min | Op::Max | Op::Step) && (near_x - near_y).abs() <= 2.0 * STEP;
                                 let quotient = near_x / near_y;
-                                let kink = kink || op == Op::Rem && (quotient - quotient.round()).abs() < 1e-4;
+                                let kink = kink
+                                    || op == Op::Rem && (quotient - quotient.round()).abs() < 1e-4
+                                    || op == Op::Atan2 && near_x.abs() <= 2.0 * STEP && near_y < 0.0;
                                 let ok = kink || off <= image.bends[k] + noise;
                                 assert!(ok, "{op:?} slope {k} at ({near_x}, {near_y}): {off} > {}", image.bends[k]);
                             }
