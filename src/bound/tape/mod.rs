@@ -13,6 +13,8 @@
 
 mod arena;
 mod functions;
+#[cfg(test)]
+mod inside;
 mod model;
 mod operations;
 mod sweep;

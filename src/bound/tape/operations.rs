@@ -3,7 +3,7 @@
 use super::Tape;
 use super::arena::{Id, Kind, Lanes, Meta};
 use super::functions::{Image1, Image2, image1, image2};
-use super::model::Arg;
+use super::model::{Arg, gap};
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::profile::{Definition, Op};
 use crate::interp::{LANES, Mask, Site, Unary};
@@ -120,7 +120,7 @@ impl Tape<'_> {
             | Definition::FaceForwardByDot
             | Definition::MatrixBySums => self.one(site, op, active, a),
         };
-        self.allow(id, or)
+        self.inherited(site, op, id, or)
     }
 
     /// √(1 − x²).
@@ -150,7 +150,18 @@ impl Tape<'_> {
             }
             _ => self.two(site, op, active, a, b),
         };
-        self.allow(id, or)
+        self.inherited(site, op, id, or)
+    }
+
+    /// The result of an operation by its definition: what is allowed in any case, and the step outward
+    /// that a profile may take around the operation as a whole, after those of the definition.
+    fn inherited(&mut self, site: Site, op: Op, id: Id, or: f64) -> Id {
+        let id = self.allow(id, or);
+        let at = id as usize;
+        let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
+        let step: Lanes = std::array::from_fn(|lane| self.model.outward(value[lane].abs() + radius[lane]));
+        let none = step.iter().all(|step| *step == 0.0);
+        if none { id } else { self.identity(Some(site), Some(op), id, &step) }
     }
 
     /// 1/√x as the factor of `normalize`: 1/length where the profile defines it so.
@@ -265,6 +276,12 @@ impl Tape<'_> {
             }
             self.arena.local.get_mut(at).fill(0.0);
             self.arena.nodes[at].tiny = left.tiny;
+            if left.tiny && self.model.flushes() {
+                self.arena.nodes[at].exact = false;
+                self.flush(id, &[(a, None)]);
+                let (radius, local) = (self.arena.radius.get_mut(at), self.arena.local.get(at));
+                radius.iter_mut().zip(local).for_each(|(e, b)| *e += b);
+            }
             self.group(id);
             return id;
         }
@@ -589,13 +606,20 @@ fn root_by_inverse(model: &super::Model<'_>, x: Arg<'_>, value: &Lanes, carried:
     let exact = [0.0; LANES];
     let ones = [1.0; LANES];
     model.local(Op::InverseSqrt, &[Arg { value: x.value, radius: &exact }], &inverse, &reach, &mut first);
+    // d(1/q)/dq = q^-2 = root².
+    let root: Lanes = std::array::from_fn(|lane| value[lane] + carried[lane]);
+    // An inverse at the other end of the radius may have twice the error for its size, where numbers are
+    // farther apart.
+    let by_inverse: Lanes = std::array::from_fn(|lane| {
+        let farther = gap(1.0 / (value[lane] - carried[lane]).max(MIN_NORMAL)) > gap(inverse[lane]);
+        first[lane] * root[lane] * root[lane] * (1.0 + 1e-4) * if farther { 2.0 } else { 1.0 }
+    });
+    // What the first step moves may lead to where numbers are twice as far apart.
+    let moves: Lanes = std::array::from_fn(|lane| carried[lane] + by_inverse[lane]);
     let args = [Arg { value: &ones, radius: &exact }, Arg { value: &inverse, radius: &reach }];
-    model.local(Op::Div, &args, value, carried, &mut second);
+    model.local(Op::Div, &args, value, &moves, &mut second);
     for lane in 0..LANES {
-        let root = value[lane] + carried[lane];
-        // d(1/q)/dq = q^-2 = root².
-        let by_inverse = first[lane] * root * root * (1.0 + 1e-4);
-        local[lane] = if root == 0.0 { 0.0 } else { by_inverse + second[lane] };
+        local[lane] = if root[lane] == 0.0 { 0.0 } else { by_inverse[lane] + second[lane] };
     }
 }
 

@@ -173,11 +173,7 @@ impl Soundness {
 ///
 /// # Errors
 /// [`LaneError`] when a lane refuses a shader or fails.
-pub fn check(
-    suites: &[Prepared],
-    request: &Request,
-    progress: &mut dyn FnMut(u64),
-) -> Result<Soundness, LaneError> {
+pub fn check(suites: &[Prepared], request: &Request, progress: &mut dyn FnMut(u64)) -> Result<Soundness, LaneError> {
     let behaviours = Behaviour::all(&request.profiles, &request.strategies);
     let jobs: Vec<(usize, Behaviour)> =
         (0..suites.len()).flat_map(|suite| behaviours.iter().map(move |&behaviour| (suite, behaviour))).collect();
