@@ -11,6 +11,7 @@ mod observe;
 mod oracle;
 mod suspects;
 mod translation;
+mod used;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
 pub use expectations::{Movement, movement, shader_deviation};
@@ -19,3 +20,4 @@ pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, 
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};
+pub use used::{Used, used};

@@ -15,6 +15,7 @@ mod mutate;
 mod positions;
 mod probe;
 mod regress;
+mod soundness;
 mod tidy;
 mod translate;
 mod translate_flips;

@@ -25,6 +25,9 @@ usage: cargo xtask <task> [arguments]
   bench [ARGS]...   set the machine up, then print how fast the gate is; with --against-script
                     [--samples N] [--rounds N] [--program FILE], beside a test written by hand with
                     moderngl and numpy, in a Python environment that is thrown away
+  soundness [--samples N] [--seed N]
+                    judge devices that err as far as they may, 100 million samples unless told
+                    otherwise; status 1 when one of them is accused
 
 Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
 may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.
@@ -49,6 +52,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("test") => tasks::test(&rest, messages),
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),
         Some("bench") => tasks::bench(&rest, messages),
+        Some("soundness") => tasks::soundness(&rest),
         Some("help" | "--help" | "-h") => {
             io::stdout().write_all(USAGE.as_bytes())?;
             Ok(0)
@@ -91,7 +95,7 @@ mod tests {
 
     #[test]
     fn usage_names_every_task() {
-        for task in ["check", "test", "tidy", "bench"] {
+        for task in ["check", "test", "tidy", "bench", "soundness"] {
             assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
         }
     }

@@ -85,6 +85,12 @@ pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     status(cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--bench", "math", "--"]).args(arguments))
 }
 
+/// Judges devices that err as far as they may; needs no driver. Options that come later count.
+pub fn soundness(arguments: &[OsString]) -> Result<u8> {
+    let run = ["bench", "--quiet", "--package", "shadercheck", "--bench", "soundness", "--", "--samples", "100000000"];
+    status(cargo(run).args(arguments))
+}
+
 fn complain(lines: &[String], messages: &mut dyn Write) -> Result<u8> {
     for line in lines {
         writeln!(messages, "xtask: {line}")?;

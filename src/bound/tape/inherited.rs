@@ -3,7 +3,7 @@
 
 use super::arena::Lanes;
 use super::functions::image1;
-use super::model::{Arg, Model};
+use super::model::{Arg, Model, gap};
 use crate::bound::profile::Op;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::interp::LANES;
@@ -22,13 +22,20 @@ pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Lanes, carr
     let exact = [0.0; LANES];
     let ones = [1.0; LANES];
     model.local(Op::InverseSqrt, &[Arg { value: x.value, radius: &exact }], &inverse, &reach, &mut first);
+    // d(1/q)/dq = q^-2 = root².
+    let root: Lanes = std::array::from_fn(|lane| value[lane] + carried[lane]);
+    // An inverse at the other end of the radius may have twice the error for its size, where numbers are
+    // farther apart.
+    let by_inverse: Lanes = std::array::from_fn(|lane| {
+        let farther = gap(1.0 / (value[lane] - carried[lane]).max(MIN_NORMAL)) > gap(inverse[lane]);
+        first[lane] * root[lane] * root[lane] * (1.0 + 1e-4) * if farther { 2.0 } else { 1.0 }
+    });
+    // What the first step moves may lead to where numbers are twice as far apart.
+    let moves: Lanes = std::array::from_fn(|lane| carried[lane] + by_inverse[lane]);
     let args = [Arg { value: &ones, radius: &exact }, Arg { value: &inverse, radius: &reach }];
-    model.local(Op::Div, &args, value, carried, &mut second);
+    model.local(Op::Div, &args, value, &moves, &mut second);
     for lane in 0..LANES {
-        let root = value[lane] + carried[lane];
-        // d(1/q)/dq = q^-2 = root².
-        let by_inverse = first[lane] * root * root * (1.0 + 1e-4);
-        local[lane] = if root == 0.0 { 0.0 } else { by_inverse + second[lane] };
+        local[lane] = if root[lane] == 0.0 { 0.0 } else { by_inverse[lane] + second[lane] };
     }
 }
 

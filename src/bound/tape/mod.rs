@@ -14,6 +14,8 @@
 mod arena;
 mod functions;
 mod inherited;
+#[cfg(test)]
+mod inside;
 mod model;
 mod operations;
 mod regroup;

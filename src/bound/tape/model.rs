@@ -55,6 +55,15 @@ impl<'p> Model<'p> {
         }
     }
 
+    /// How far the ends of what is accepted are moved outward to binary32 numbers, for results up to
+    /// this size; 0 for a size that is not finite, where other nodes say why.
+    pub(super) fn outward(&self, size: f64) -> f64 {
+        match self {
+            Self::Device { profile, .. } if profile.acceptance == Acceptance::Outward && size.is_finite() => gap(size),
+            Self::Device { .. } | Self::Binary64 => 0.0,
+        }
+    }
+
     pub(super) fn is_rearranged(&self) -> bool {
         matches!(self, Self::Device { rearranged: true, .. })
     }
@@ -113,7 +122,8 @@ impl<'p> Model<'p> {
             let reach = v + e + b;
             let small = v - e - b < MIN_NORMAL && reach > 0.0;
             tiny |= small;
-            let b = if small && flushes { b.max(reach.min(MIN_NORMAL)) } else { b };
+            // What is flushed may lie above the subnormal numbers by the operation's own error.
+            let b = if small && flushes { b.max(reach.min(MIN_NORMAL + b)) } else { b };
             // Where an argument may be anything, nothing is to be said of this operation.
             local[lane] = if e == f64::INFINITY {
                 0.0
@@ -147,8 +157,11 @@ fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Lanes, carr
         Rule::Ulp { constant, slope } => {
             let x = args[0];
             for lane in 0..LANES {
-                let count = constant + slope * (x.value[lane].abs() + x.radius[lane]) + outward;
-                local[lane] = count * gap(value[lane].abs() + carried[lane]);
+                let count = constant + slope * (x.value[lane].abs() + x.radius[lane]);
+                let reach = value[lane].abs() + carried[lane];
+                let error = count * gap(reach);
+                // The end that is moved outward may lie where numbers are twice as far apart.
+                local[lane] = error + outward * gap(reach + error);
             }
         }
         Rule::Absolute(error) => {

@@ -121,7 +121,7 @@ impl Tape<'_> {
             | Definition::FaceForwardByDot
             | Definition::MatrixBySums => self.one(site, op, active, a),
         };
-        self.allow(id, or)
+        self.inherited(site, op, id, or)
     }
 
     /// √(1 − x²).
@@ -151,7 +151,18 @@ impl Tape<'_> {
             }
             _ => self.two(site, op, active, a, b),
         };
-        self.allow(id, or)
+        self.inherited(site, op, id, or)
+    }
+
+    /// The result of an operation by its definition: what is allowed in any case, and the step outward
+    /// that a profile may take around the operation as a whole, after those of the definition.
+    fn inherited(&mut self, site: Site, op: Op, id: Id, or: f64) -> Id {
+        let id = self.allow(id, or);
+        let at = id as usize;
+        let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
+        let step: Lanes = std::array::from_fn(|lane| self.model.outward(value[lane].abs() + radius[lane]));
+        let none = step.iter().all(|step| *step == 0.0);
+        if none { id } else { self.identity(Some(site), Some(op), id, &step) }
     }
 
     /// 1/√x as the factor of `normalize`: 1/length where the profile defines it so.
@@ -266,6 +277,12 @@ impl Tape<'_> {
             }
             self.arena.local.get_mut(at).fill(0.0);
             self.arena.nodes[at].tiny = left.tiny;
+            if left.tiny && self.model.flushes() {
+                self.arena.nodes[at].exact = false;
+                self.flush(id, &[(a, None)]);
+                let (radius, local) = (self.arena.radius.get_mut(at), self.arena.local.get(at));
+                radius.iter_mut().zip(local).for_each(|(e, b)| *e += b);
+            }
             self.group(id);
             return id;
         }

@@ -6,6 +6,7 @@ mod finding;
 mod prepare;
 mod relate;
 mod sampling;
+pub mod soundness;
 mod summary;
 mod translation;
 mod trial;

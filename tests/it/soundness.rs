@@ -1,0 +1,89 @@
+//! The judge never accuses a device that keeps its promise, and does accuse one that does not.
+
+use shadercheck::bound::adversary::{Fault, Strategy};
+use shadercheck::bound::profile::{Op, by_name};
+use shadercheck::suite::run::soundness::{Request, Soundness, check};
+use shadercheck::suite::run::{Prepared, prepare};
+use shadercheck::suite::{parse, shipped};
+use shadercheck::text::SourceFile;
+
+/// Samples in total: about 20 s on two cores in the profile of the tests. `cargo xtask soundness` runs more.
+const SAMPLES: u64 = 300_000;
+
+fn suites(names: &[&str]) -> Vec<Prepared> {
+    let wanted = shipped().iter().filter(|suite| names.is_empty() || names.contains(&suite.name));
+    let ready = wanted.map(|suite| {
+        let parsed = parse(&SourceFile::new(suite.path, suite.toml)).unwrap();
+        prepare(&parsed, &SourceFile::new(suite.shader_name, suite.shader_text)).unwrap()
+    });
+    ready.collect()
+}
+
+fn complaints(found: &Soundness) -> String {
+    let line = |v: &shadercheck::suite::run::soundness::Violation| {
+        let b = v.behaviour;
+        let order = if b.rearranges { "rearranged" } else { "in order" };
+        format!(
+            "{} by {} {} {:?} {order}: `{}`, {} times the bound: {}\n",
+            v.suite, b.profile.name, b.stage, b.strategy, v.component, v.ratio, v.deviation
+        )
+    };
+    found.violations.iter().map(line).collect()
+}
+
+#[test]
+fn no_conforming_device_is_accused() {
+    let suites = suites(&[]);
+    assert_eq!(suites.len(), 14);
+    let mut last = 0;
+    let found = check(&suites, &Request::new(SAMPLES, 1), &mut |done| last = done).unwrap();
+    assert_eq!(found.violations(), 0, "{}", complaints(&found));
+    let (judged, open) = (found.judged(), found.undetermined());
+    assert!(judged + open == last && last >= SAMPLES, "{judged} {open} {last}");
+    assert!(judged * 10 >= last * 9, "{open} of {last} decide nothing");
+    // Devices that stay far from every bound would show nothing.
+    for (k, suite) in suites.iter().enumerate() {
+        let used = found.rows.iter().filter(|row| row.suite == k).filter_map(|row| Some(row.used.as_ref()?.part));
+        let most = used.fold(0.0, f64::max);
+        assert!(most > 0.4, "{}: {most}", suite.suite.name);
+    }
+    for row in &found.rows {
+        // The text alone does not promise the regrouped sums, and they are measured as such.
+        let used = row.used.as_ref().map_or(0.0, |used| used.part);
+        assert!(used <= 1.0, "{} {:?} {used}", suites[row.suite].suite.name, row.behaviour.strategy);
+    }
+}
+
+#[test]
+fn a_fault_beyond_the_promise_is_found() {
+    let mut missed = Vec::new();
+    // The least part of the samples for which each is found, in the best of the strategies.
+    for (suite, profile, op, factor, least) in [
+        ("sphere", "vulkan-1.4", Op::Sin, 2.0, 0.1),
+        ("bone_weight", "vulkan-1.4", Op::Pow, 2.0, 0.1),
+        // Few samples: the bound adds up what every bone and the sums behind them may do.
+        ("skinning", "vulkan-1.4", Op::Pow, 4.0, 0.01),
+        ("bone_weight", "binary32", Op::Pow, 4.0, 0.2),
+        ("joints", "binary32", Op::Add, 4.0, 0.1),
+        // Where the nearest point lies is of second order in the distance.
+        ("segment_distance", "binary32", Op::Div, 4.0, 0.001),
+    ] {
+        let suites = suites(&[suite]);
+        let mut request = Request::new(20_000, 7);
+        request.profiles = vec![by_name(profile).unwrap()];
+        let sound = check(&suites, &request, &mut |_| {}).unwrap();
+        assert_eq!(sound.violations(), 0, "{}", complaints(&sound));
+        request.fault = Some(Fault { op, factor });
+        let found = check(&suites, &request, &mut |_| {}).unwrap();
+        let share = |strategy: Strategy| {
+            let rows = || found.rows.iter().filter(|row| row.behaviour.strategy == strategy);
+            rows().map(|row| row.violations).sum::<u64>() as f64 / rows().map(|row| row.judged).sum::<u64>() as f64
+        };
+        let shares = Strategy::ALL.map(share);
+        let best = shares.into_iter().fold(0.0, f64::max);
+        if best < least {
+            missed.push(format!("{suite} {profile} {op:?} times {factor}: {shares:?}"));
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
