@@ -8,7 +8,9 @@ mod judge;
 mod literals;
 mod observe;
 mod oracle;
+mod survey;
 mod suspects;
+mod tightness;
 mod translation;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
@@ -18,4 +20,6 @@ pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, 
 pub use literals::source_span;
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
+pub use survey::{Survey, survey};
+pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

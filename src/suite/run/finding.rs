@@ -23,6 +23,10 @@ pub enum FindingKind {
     Floor,
     /// Something that was asked for tested nothing.
     Vacuous,
+    /// The lane is worse than its device was measured to be, and keeps what is promised: a warning.
+    Quality,
+    /// The bounds are so wide that they test little: a warning.
+    VacuousBound,
 }
 
 impl FindingKind {
@@ -35,6 +39,18 @@ impl FindingKind {
             Self::Coverage => "coverage",
             Self::Floor => "floor",
             Self::Vacuous => "vacuous",
+            Self::Quality => "quality",
+            Self::VacuousBound => "vacuous_bound",
+        }
+    }
+
+    /// True for what does not make a run fail.
+    pub fn is_warning(self) -> bool {
+        match self {
+            Self::Quality | Self::VacuousBound => true,
+            Self::Deviation | Self::Relation | Self::Translation | Self::Coverage | Self::Floor | Self::Vacuous => {
+                false
+            }
         }
     }
 }

@@ -17,7 +17,7 @@ pub(super) struct Buffer {
     /// Number of this dispatch of the runner, from 0.
     dispatch: usize,
     /// Invocations.
-    count: usize,
+    pub(super) count: usize,
     /// Invocations that share uniforms.
     per_case: usize,
     layout: OutputLayout,
@@ -29,7 +29,7 @@ pub(super) struct Buffer {
 
 impl Buffer {
     /// Record of an invocation.
-    fn record(&mut self, invocation: usize) -> &mut [u32] {
+    pub(super) fn record(&mut self, invocation: usize) -> &mut [u32] {
         let size = self.layout.words();
         &mut self.words[invocation * size..][..size]
     }
@@ -125,10 +125,15 @@ fn reports(suite: &str, fault: Fault) -> Vec<Result<Report, LaneError>> {
     reports_of(&prepared(suite), fault)
 }
 
+/// The Vulkan lane with a fault, in dispatches of at most `capacity` invocations.
+pub(super) fn faulty(fault: Fault, capacity: usize) -> impl Lane {
+    let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
+    Faulty { lane, fault, capacity }
+}
+
 /// Runs a suite in the stages that apply, on dispatches of at most 128 invocations.
 pub(super) fn reports_of(prepared: &Prepared, fault: Fault) -> Vec<Result<Report, LaneError>> {
-    let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
-    let lane = Faulty { lane, fault, capacity: 128 };
+    let lane = faulty(fault, 128);
     let request = Request {
         samples: Some(512),
         seed: DEFAULT_SEED,
