@@ -9,7 +9,9 @@ mod judge;
 mod literals;
 mod observe;
 mod oracle;
+mod survey;
 mod suspects;
+mod tightness;
 mod translation;
 mod used;
 
@@ -19,5 +21,7 @@ pub use expected::{Expected, Reference, ReferenceError};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
+pub use survey::{Survey, survey};
+pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};
 pub use used::{Used, used};

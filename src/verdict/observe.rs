@@ -21,7 +21,7 @@ pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observe
 }
 
 /// How far each word may be off, for every invocation: by vertex, then by word of the record.
-type Slack = Vec<Vec<f64>>;
+pub(super) type Slack = Vec<Vec<f64>>;
 
 /// The slack of the outputs of a batch; it depends on the program and its inputs alone.
 fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
@@ -36,7 +36,9 @@ fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
     chunks.into_iter().flatten().collect()
 }
 
-fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first: usize) -> Slack {
+/// The slack of the invocations from `first` on, as many as the machine takes. It is infinite where
+/// nothing is promised, where the shader has no value, and where a decision could go either way.
+pub(super) fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first: usize) -> Slack {
     let lanes = machine.run(batch, first);
     let width = machine.width();
     let mut slack = vec![vec![0.0; machine.room() * width]; lanes];

@@ -121,7 +121,7 @@ pub struct Court<'a> {
 impl<'a> Court<'a> {
     /// What may be allowed to a lane, the strictest first.
     pub(super) fn tiers(&self) -> Vec<(Promise, Model<'a>)> {
-        let Rulings { text, conformance, measured } = self.rulings;
+        let Rulings { text, conformance, measured: _ } = self.rulings;
         let stage = self.stage;
         let device = |profile, rearranged| Model::Device { profile, stage, rearranged };
         let mut tiers = vec![(Promise::Text, device(*text, false))];
@@ -130,10 +130,14 @@ impl<'a> Court<'a> {
         if lenient.rearrangement {
             tiers.push((Promise::Rearranged, device(lenient, true)));
         }
-        if let Some(measured) = measured {
-            tiers.push((Promise::Measured, device(measured, measured.rearrangement)));
-        }
+        tiers.extend(self.measured().map(|model| (Promise::Measured, model)));
         tiers
+    }
+
+    /// What the device was measured to keep.
+    pub(super) fn measured(&self) -> Option<Model<'a>> {
+        let profile = self.rulings.measured.as_ref()?;
+        Some(Model::Device { profile, stage: self.stage, rearranged: profile.rearrangement })
     }
 
     /// The most that any promise allows.

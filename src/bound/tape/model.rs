@@ -48,10 +48,13 @@ impl<'p> Model<'p> {
     /// The definition that an operation inherits from, with the error that is allowed in any case.
     pub(super) fn definition(&self, op: Op) -> Option<(Definition, f64)> {
         let Self::Device { profile, .. } = self else { return None };
-        let Entry::Promised(pieces) = profile.entry(op) else { return None };
-        match pieces.first().map(|piece| piece.rule) {
-            Some(Rule::Inherited { definition, or }) => Some((definition, or)),
-            _ => None,
+        match profile.entry(op) {
+            Entry::Promised(pieces) => match pieces.first().map(|piece| piece.rule) {
+                Some(Rule::Inherited { definition, or }) => Some((definition, or)),
+                _ => None,
+            },
+            // The parts of the definition, as measured, bound what was seen.
+            Entry::Measured(table) => table.definition.map(|definition| (definition, 0.0)),
         }
     }
 

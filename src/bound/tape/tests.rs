@@ -120,7 +120,8 @@ fn a_comparison_nearer_than_its_errors_is_a_fork() {
 fn without_a_bound_the_operation_is_named() {
     let why = |function: &str, arguments: &[f32]| {
         with(device("vulkan-1.4", false), function, arguments, |tape, column, bounds| {
-            assert!(!bounds.bound[0].is_finite() || !tape.values(column)[0].is_finite());
+            let open = !bounds.bound[0].is_finite() || !tape.values(column)[0].is_finite();
+            assert!(open, "{function}: {:e} ± {:e}", tape.values(column)[0], bounds.bound[0]);
             let cause = tape.cause(column, 0).unwrap();
             (cause.why, cause.op, cause.args)
         })
@@ -129,7 +130,7 @@ fn without_a_bound_the_operation_is_named() {
     assert_eq!(sine, (Why::NoPromise, Some(Op::Cos), vec![6.0]));
     let (reason, op, _) = why("float f(float x) { return log2(x - 1.5) * 2.0; }", &[1.0]);
     assert_eq!((reason, op), (Why::Domain, Some(Op::Log2)));
-    let (reason, op, _) = why("float f(float x, float y) { return 1.0 / (x * y - 0.25); }", &[0.500_000_1, 0.5]);
+    let (reason, op, _) = why("float f(float x, float y) { return 1.0 / (x * y - 0.25); }", &[0.75, THIRD]);
     assert_eq!((reason, op), (Why::Singular, Some(Op::Div)));
     let (reason, op, _) = why("float f(float x) { return x * x - x; }", &[1e20]);
     assert_eq!((reason, op), (Why::Overflow, Some(Op::Mul)));

@@ -92,6 +92,7 @@ fn entry(entry: &Entry) -> Value {
                 });
             }
             value["translations"] = super::translations::json(&report.translations);
+            value["survey"] = report.survey.as_ref().map(super::survey::json).into();
             value["findings"] = report.findings.iter().map(finding).collect();
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
@@ -101,6 +102,7 @@ fn entry(entry: &Entry) -> Value {
                     let at = d.file.position(d.span.start);
                     json!({
                         "kind": "compile",
+                        "severity": "error",
                         "code": d.code.0,
                         "message": d.message,
                         "file": d.file.name(),
@@ -110,8 +112,12 @@ fn entry(entry: &Entry) -> Value {
                 })
                 .collect();
         }
-        Outcome::Refused(error) => value["findings"] = json!([{"kind": "configuration", "message": error.to_string()}]),
-        Outcome::LaneFailed(message) => value["findings"] = json!([{"kind": "lane", "message": message}]),
+        Outcome::Refused(error) => {
+            value["findings"] = json!([{"kind": "configuration", "severity": "error", "message": error.to_string()}]);
+        }
+        Outcome::LaneFailed(message) => {
+            value["findings"] = json!([{"kind": "lane", "severity": "error", "message": message}]);
+        }
     }
     value
 }
@@ -119,6 +125,7 @@ fn entry(entry: &Entry) -> Value {
 fn finding(finding: &Finding) -> Value {
     json!({
         "kind": finding.kind.name(),
+        "severity": if finding.kind.is_warning() { "warning" } else { "error" },
         "message": finding.message,
         "samples": finding.count,
         "case": finding.case.as_ref().map(case),

@@ -1,6 +1,7 @@
 //! Reports of `shadercheck check`.
 
 mod json;
+mod survey;
 mod text;
 mod translations;
 

@@ -40,7 +40,7 @@ pub fn line(entry: &Entry, color: bool) -> String {
             let worst = if verdicts.agreed > 0 { format!("{:.1}", verdicts.max_ulp) } else { "-".to_owned() };
             let checked: u64 = report.relations.iter().map(|(_, n)| n).sum();
             (
-                report.findings.is_empty(),
+                report.errors().is_empty(),
                 format!(
                     "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {worst:>5} ULP  {} relations ({checked})",
                     report.judged(),
@@ -68,22 +68,22 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
             let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
             if let Some(earlier) = entries[..at].iter().find_map(|e| same_findings(e, report)) {
                 let style = Style::new(color);
-                let many = if report.findings.len() == 1 { "finding" } else { "findings" };
+                let many = if report.errors().len() == 1 { "finding" } else { "findings" };
                 let _ = writeln!(
                     text,
                     "\n{}{on}: the same {} {many} as on {}/{}{}",
                     style.bold,
-                    report.findings.len(),
+                    report.errors().len(),
                     earlier.lane,
                     earlier.stage,
                     style.off
                 );
                 return text;
             }
-            for (k, finding) in report.findings.iter().enumerate() {
+            let errors = report.errors();
+            for (k, finding) in errors.iter().enumerate() {
                 let inputs = |f: &Finding| f.case.as_ref().map(|c| c.inputs.clone());
-                let told =
-                    inputs(finding).is_some() && report.findings[..k].iter().any(|f| inputs(f) == inputs(finding));
+                let told = inputs(finding).is_some() && errors[..k].iter().any(|f| inputs(f) == inputs(finding));
                 one(&mut text, &on, &report.shader, finding, told, color);
             }
         }
@@ -107,10 +107,10 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
 fn same_findings<'e>(entry: &'e Entry, report: &Report) -> Option<&'e Report> {
     let Outcome::Ran(earlier) = &entry.outcome else { return None };
     let told = |r: &Report| -> Vec<(String, Option<Vec<InputValue>>)> {
-        r.findings.iter().map(|f| (f.message.clone(), f.case.as_ref().map(|c| c.inputs.clone()))).collect()
+        r.errors().iter().map(|f| (f.message.clone(), f.case.as_ref().map(|c| c.inputs.clone()))).collect()
     };
     let same = earlier.suite == report.suite && earlier.shader == report.shader && told(earlier) == told(report);
-    (same && !report.findings.is_empty()).then_some(&**earlier)
+    (same && !report.errors().is_empty()).then_some(&**earlier)
 }
 
 /// True for the words of an identity matrix in binary32.
@@ -224,7 +224,7 @@ const DOUBTS: usize = 3;
 /// The last lines: what lanes were held against, lanes that are missing, facts about coverage, totals.
 pub fn totals(summary: &Summary, color: bool) -> String {
     let style = Style::new(color);
-    let mut text = String::new();
+    let mut text = super::survey::warnings(summary);
     for entry in &summary.entries {
         if let Outcome::Ran(report) = &entry.outcome
             && let Some(coverage) = &report.coverage

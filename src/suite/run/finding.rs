@@ -25,6 +25,12 @@ pub enum FindingKind {
     Floor,
     /// Something that was asked for tested nothing.
     Vacuous,
+    /// The lane is worse than its device was measured to be, and keeps what is promised: a warning.
+    Quality,
+    /// The bounds are so wide that they test little: a warning.
+    VacuousBound,
+    /// Real numbers are fine and binary32 is not: a weakness of the shader, and a warning.
+    Range,
 }
 
 impl FindingKind {
@@ -37,6 +43,19 @@ impl FindingKind {
             Self::Coverage => "coverage",
             Self::Floor => "floor",
             Self::Vacuous => "vacuous",
+            Self::Quality => "quality",
+            Self::VacuousBound => "vacuous_bound",
+            Self::Range => "range",
+        }
+    }
+
+    /// True for what does not make a run fail.
+    pub fn is_warning(self) -> bool {
+        match self {
+            Self::Quality | Self::VacuousBound | Self::Range => true,
+            Self::Deviation | Self::Relation | Self::Translation | Self::Coverage | Self::Floor | Self::Vacuous => {
+                false
+            }
         }
     }
 }
@@ -207,6 +226,26 @@ fn kind_of(deviation: &Deviation) -> String {
         What::Endless => "loop",
     };
     format!("{} {what}", deviation.blame.name())
+}
+
+/// Share of the samples that leave the range of binary32 before that is told as a finding: inputs that
+/// are subnormal themselves come by chance.
+const RANGE_SHARE: f64 = 1e-3;
+
+/// Where samples leave the range of binary32 although their values in real numbers are fine.
+pub(super) fn ranges(report: &mut Report) {
+    let seen = report.verdicts.seen();
+    for doubtful in report.doubts.iter().filter(|doubtful| doubtful.reason.is_range()) {
+        if doubtful.count as f64 > RANGE_SHARE * seen as f64 {
+            report.findings.push(Finding {
+                kind: FindingKind::Range,
+                message: format!("outside of the range of binary32: {doubtful}"),
+                case: None,
+                count: doubtful.count,
+                reproduce: None,
+            });
+        }
+    }
 }
 
 /// Findings about the run itself: too little judged, too much undetermined, segments not drawn.

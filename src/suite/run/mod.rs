@@ -8,6 +8,7 @@ mod relate;
 mod sampling;
 pub mod soundness;
 mod summary;
+mod survey;
 mod translation;
 mod trial;
 
@@ -15,7 +16,7 @@ use crate::bound::profile::Rulings;
 use crate::lane::{Lane, LaneError, Stage};
 use crate::property::Sample;
 use crate::suite::Suite;
-use crate::verdict::BatchVerdict;
+use crate::verdict::{BatchVerdict, Survey};
 
 pub use coverage::{Coverage, check as coverage};
 pub use doubts::Doubtful;
@@ -84,7 +85,9 @@ pub struct Report {
     pub coverage: Option<Coverage>,
     /// What the shader's translations mean, on the first report of a suite; empty on the others.
     pub translations: Vec<Translated>,
-    /// What is wrong, worst first.
+    /// How tight the bounds are, for a run on generated samples.
+    pub survey: Option<Survey>,
+    /// What is wrong, worst first; warnings last.
     pub findings: Vec<Finding>,
     /// Failing samples as shrunk, to be saved.
     pub failing: Vec<Sample>,
@@ -94,6 +97,16 @@ impl Report {
     /// Samples that got a verdict: they agree or deviate.
     pub fn judged(&self) -> u64 {
         self.verdicts.agreed + self.verdicts.deviated
+    }
+
+    /// The findings that make a run fail.
+    pub fn errors(&self) -> Vec<&Finding> {
+        self.findings.iter().filter(|finding| !finding.kind.is_warning()).collect()
+    }
+
+    /// The other findings.
+    pub fn warnings(&self) -> Vec<&Finding> {
+        self.findings.iter().filter(|finding| finding.kind.is_warning()).collect()
     }
 }
 
@@ -121,6 +134,7 @@ pub fn run(
         relations: Vec::new(),
         coverage: None,
         translations: Vec::new(),
+        survey: None,
         findings: Vec::new(),
         failing: Vec::new(),
     };
@@ -153,7 +167,9 @@ pub fn run(
     relate::check(&mut trial, request, &mut report)?;
     finding::deviations(&mut trial, lane, failing, request, &mut report)?;
     report.doubts = doubts::told(prepared, &report.verdicts);
+    finding::ranges(&mut report);
     finding::shortfalls(&prepared.suite, request, wanted, &mut report);
+    survey::warn(&mut report);
     report.findings.sort_by_key(|f| f.kind);
     Ok(report)
 }

@@ -1,11 +1,12 @@
 //! The main loop: batches of generated samples, streamed so that memory does not grow with them.
 
+use super::survey::MOST;
 use super::trial::{Trial, sample_of};
 use super::{Report, Request};
 use crate::lane::{Actual, LaneError};
 use crate::property::{Sample, Sampler};
 use crate::value::Batch;
-use crate::verdict::{BatchVerdict, judge_batch};
+use crate::verdict::{BatchVerdict, judge_batch, survey};
 
 /// Runs saved samples. Gives those that fail.
 pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], report: &mut Report) -> Result<Vec<Sample>, LaneError> {
@@ -49,11 +50,14 @@ pub fn sample(
     let mut finished: Option<(Batch, Actual)> = None;
     while running.is_some() || finished.is_some() {
         let after = first + cases_per_batch;
-        let (mut next, mut verdict, mut actual) = (None, None, None);
+        let (mut next, mut verdict, mut actual, mut surveyed) = (None, None, None, None);
         rayon::in_place_scope(|scope| {
             scope.spawn(|_| next = batch_at(after));
             if let Some((batch, actual)) = &finished {
                 scope.spawn(|_| verdict = Some(judge_batch(&court, batch, actual)));
+                if report.survey.is_none() {
+                    scope.spawn(|_| surveyed = Some(survey(&court, batch, actual, MOST)));
+                }
             }
             actual = running.as_ref().map(|batch| trial.run(batch));
         });
@@ -64,6 +68,7 @@ pub fn sample(
                 }
             }
             report.verdicts.merge(verdict);
+            report.survey = report.survey.take().or(surveyed);
             progress((first * per_case as u64).min(wanted));
         }
         if let (Some(batch), Some(actual)) = (running.take(), actual) {

@@ -97,7 +97,7 @@ impl Summary {
         let mut failed = false;
         for entry in &self.entries {
             match &entry.outcome {
-                Outcome::Ran(report) => failed |= !report.findings.is_empty(),
+                Outcome::Ran(report) => failed |= !report.errors().is_empty(),
                 Outcome::Refused(RunError::Shader { .. }) | Outcome::LaneFailed(_) => failed = true,
                 Outcome::Refused(RunError::Program { .. } | RunError::Reference { .. } | RunError::Plan { .. }) => {
                     return Status::Broken;

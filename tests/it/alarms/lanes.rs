@@ -18,7 +18,7 @@ pub(super) struct Buffer {
     /// Number of this dispatch of the runner, from 0.
     dispatch: usize,
     /// Invocations.
-    count: usize,
+    pub(super) count: usize,
     /// Invocations that share uniforms.
     per_case: usize,
     layout: OutputLayout,
@@ -30,7 +30,7 @@ pub(super) struct Buffer {
 
 impl Buffer {
     /// Record of an invocation.
-    fn record(&mut self, invocation: usize) -> &mut [u32] {
+    pub(super) fn record(&mut self, invocation: usize) -> &mut [u32] {
         let size = self.layout.words();
         &mut self.words[invocation * size..][..size]
     }
@@ -130,6 +130,12 @@ pub(crate) fn prepared(suite: &str) -> Prepared {
 /// Runs a shipped suite as [`reports_of`] does.
 fn reports(suite: &str, fault: Fault) -> Vec<Result<Report, LaneError>> {
     reports_of(&prepared(suite), fault)
+}
+
+/// The Vulkan lane with a fault, in dispatches of at most `capacity` invocations.
+pub(super) fn faulty(prepared: &Prepared, fault: Fault, capacity: usize) -> impl Lane + use<> {
+    let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
+    Faulty { lane, fault, capacity, layout: prepared.program.output_layout() }
 }
 
 /// Runs a suite in the stages that apply, on dispatches of at most 128 invocations.

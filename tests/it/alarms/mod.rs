@@ -5,5 +5,6 @@ mod formulas;
 mod lanes;
 mod shaders;
 mod suites;
+mod survey;
 
 pub(crate) use lanes::prepared;

@@ -93,3 +93,14 @@ fn segments_that_a_host_does_not_draw_are_told() {
     let ran = run_in(folder.path(), "check a.suite.toml --samples 300").expect(0);
     assert!(ran.out.contains("11 of 11 segments are drawn"), "{}", ran.out);
 }
+
+#[test]
+fn weights_that_all_underflow_are_a_finding_about_the_shader() {
+    // (3 + 1)^-64 is 2^-128, below what binary32 has in full.
+    let edits = [("range = [-1.0, 1.0]", "range = [3.0, 8.0]"), ("range = [1.0, 64.0]", "range = [64.0, 64.0]")];
+    let ran = weight("undetermined", &edits).expect(1);
+    let said = "warning: undetermined on vulkan/compute: outside of the range of binary32: ";
+    assert!(ran.out.contains(said) && ran.out.contains(" undetermined, underflow: pow of "), "{}", ran.out);
+    assert!(ran.out.contains(", `pow(d + 1.0, -c)` at "), "{}", ran.out);
+    assert!(ran.out.contains("no sample was judged: of 1024, all are undetermined (1024 underflow)"), "{}", ran.out);
+}
