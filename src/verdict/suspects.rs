@@ -194,11 +194,16 @@ impl<'a> Suspects<'a> {
                         .filter(|&lane| !matches!(verdicts[lane], Verdict::Deviate(_)))
                         .filter(|&lane| vertex < actual.stored(invocations[lane]))
                         .collect();
-                    for lane in open_words(machine, actual, invocations, &open, vertex, word) {
-                        let (lane, outcome, error) = lane;
+                    // Of two doubts on a sample the first is kept: no cause is looked for again.
+                    let mut doubted = [false; LANES];
+                    open.iter().for_each(|&lane| doubted[lane] = matches!(verdicts[lane], Verdict::Undetermined(_)));
+                    for (lane, outcome, error) in
+                        open_words(machine, actual, invocations, &open, &doubted, vertex, word)
+                    {
                         let scale = scale[lane];
                         let size = scale.max(vectors[lane]);
                         let verdict = match outcome {
+                            Allowed::Within if doubted[lane] => continue,
                             Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
                                 Verdict::Undetermined(underflow(machine, vertex, word, lane))
                             }
@@ -277,12 +282,14 @@ enum Allowed {
     },
 }
 
-/// Judges one output word in some lanes. Gives the lane, what came of it, and its error.
+/// Judges one output word in some lanes. Gives the lane, what came of it, and its error. Doubts come
+/// without a cause, and with any reason, in lanes that are `doubted` already.
 fn open_words(
     machine: &mut Machine<'_, Tape<'_>>,
     actual: &Actual,
     invocations: &[usize],
     open: &[usize],
+    doubted: &[bool; LANES],
     vertex: usize,
     word: usize,
 ) -> Vec<(usize, Allowed, f64)> {
@@ -311,8 +318,10 @@ fn open_words(
     let errors: Vec<(usize, f64)> =
         open.iter().map(|&lane| (lane, (f64::from(f32::from_bits(found(lane))) - values[lane]).abs())).collect();
     let equal = |lane: usize| f64::from(f32::from_bits(found(lane))) == values[lane];
-    let bounds =
-        tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| equal(lane) || agrees(e, 0.0, bound[lane])));
+    // What is infinite stays so.
+    let settled =
+        |lane: usize, error: f64, bound: f64| bound == f64::INFINITY || equal(lane) || agrees(error, 0.0, bound);
+    let bounds = tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| settled(lane, e, bound[lane])));
     errors
         .into_iter()
         .map(|(lane, error)| {
@@ -325,7 +334,8 @@ fn open_words(
                 return (lane, Allowed::Within, 0.0);
             }
             let outcome = if !values[lane].is_finite() || !bound.is_finite() {
-                Allowed::Doubtful(Doubt::by(tape.cause(column, lane)))
+                let cause = || Doubt::by(tape.cause(column, lane));
+                Allowed::Doubtful(if doubted[lane] { Doubt::of(Reason::Branch) } else { cause() })
             } else if tape.fork(lane).is_some() {
                 Allowed::Doubtful(fork(tape, lane))
             } else {

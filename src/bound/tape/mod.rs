@@ -12,7 +12,10 @@
 //! within its radius counts as an error of that operation, and nothing before it counts.
 
 mod arena;
+mod columns;
 mod functions;
+mod inherited;
+mod kernels;
 mod model;
 mod operations;
 mod sweep;

@@ -72,10 +72,10 @@ impl Tape<'_> {
         }
         // Arguments have smaller numbers: this ends. A lost value is followed first.
         loop {
-            let arguments = self.arguments(id, lane);
-            let before = arguments.iter().find(|a| lost(a)).or_else(|| arguments.iter().find(|a| loose(a)));
+            let arguments = || self.arguments(id, lane);
+            let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| loose(a)));
             match before {
-                Some(&before) => id = before,
+                Some(before) => id = before,
                 None => return Some(self.cause_at(id, lane)),
             }
         }
@@ -101,17 +101,18 @@ impl Tape<'_> {
         parts.into_iter().map(share).collect()
     }
 
-    fn arguments(&self, id: Id, lane: usize) -> Vec<Id> {
-        match self.arena.nodes[id as usize].kind {
-            Kind::Leaf => Vec::new(),
-            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => vec![a],
-            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => vec![a, b],
-            Kind::Select { mask, a, b } => vec![if self.arena.masks[mask as usize].has(lane) { a } else { b }],
-        }
+    fn arguments(&self, id: Id, lane: usize) -> impl Iterator<Item = Id> + use<> {
+        let both = match self.arena.nodes[id as usize].kind {
+            Kind::Leaf => [None, None],
+            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => [Some(a), None],
+            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => [Some(a), Some(b)],
+            Kind::Select { mask, a, b } => [Some(if self.arena.masks[mask as usize].has(lane) { a } else { b }), None],
+        };
+        both.into_iter().flatten()
     }
 
     fn argument_values(&self, id: Id, lane: usize) -> Vec<f64> {
-        self.arguments(id, lane).into_iter().map(|a| self.arena.value.get(a as usize)[lane]).collect()
+        self.arguments(id, lane).map(|a| self.arena.value.get(a as usize)[lane]).collect()
     }
 
     fn cause_at(&self, id: Id, lane: usize) -> Cause {
