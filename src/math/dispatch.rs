@@ -134,6 +134,13 @@ pub fn map_pairs<A: Copy, B: Copy, Y>(a: &[A], b: &[B], out: &mut [Y], f: impl F
     Arch::new().dispatch(MapPairs { a, b, out, f });
 }
 
+/// Runs `work` compiled for the widest vectors of the machine: loops over several columns at once. Only
+/// what is inlined into `work` gains; as with [`map`] the result does not depend on the machine.
+#[inline]
+pub fn wide<R>(work: impl FnOnce() -> R) -> R {
+    Arch::new().dispatch(work)
+}
+
 /// How many numbers of a column are greater than each of some limits.
 pub fn count_above<const N: usize>(x: &[f64], limits: &[f64; N]) -> [u64; N] {
     Arch::new().dispatch(CountAbove { x, limits })

@@ -34,7 +34,7 @@ mod reduction;
 mod series;
 mod trigonometric;
 
-pub use dispatch::{Binary, Unary, count_above, map, map_pairs};
+pub use dispatch::{Binary, Unary, count_above, map, map_pairs, wide};
 
 /// sin x, x in radians; NaN for infinities.
 pub const SIN: Unary = Unary::of::<trigonometric::Sine>();

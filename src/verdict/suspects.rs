@@ -71,6 +71,7 @@ impl<'a> Suspects<'a> {
         // A lane is judged by the shader as it is, where that is not what is wrong.
         let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
         let mut lanes: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].lane && !wrong(&verdicts[k])).collect();
+        let mut measurable: Vec<usize> = Vec::new();
         for tier in 0..self.tiers.len() {
             let mut open = Vec::new();
             for group in lanes.chunks(LANES) {
@@ -87,12 +88,20 @@ impl<'a> Suspects<'a> {
                     }
                 }
             }
+            // The conformance suite of a text, and another order, promise nothing beyond its domains.
+            if tier == 0 {
+                let (unpromised, rest): (Vec<usize>, Vec<usize>) = open.iter().partition(|&&k| {
+                    matches!(&verdicts[k], Some(Verdict::Undetermined(Doubt { reason: Reason::NoPromise, .. })))
+                });
+                (measurable, open) = (unpromised, rest);
+            }
             // Measurements decide where nothing is promised, and nowhere else.
             let next = self.tiers.get(tier + 1).map(|next| next.promise);
             if next == Some(Promise::Measured) {
                 open.retain(|&k| {
                     matches!(&verdicts[k], Some(Verdict::Undetermined(Doubt { reason: Reason::NoPromise, .. })))
                 });
+                open.append(&mut measurable);
             }
             lanes = open;
         }
@@ -225,11 +234,15 @@ impl<'a> Suspects<'a> {
                         .filter(|&lane| !matches!(verdicts[lane], Verdict::Deviate(_)))
                         .filter(|&lane| vertex < actual.stored(invocations[lane]))
                         .collect();
-                    for lane in open_words(machine, actual, invocations, (&open, &decided), (vertex, word)) {
-                        let (lane, outcome, error) = lane;
+                    // Of two doubts on a sample the first is kept: no cause is looked for again.
+                    let mut doubted = [false; LANES];
+                    open.iter().for_each(|&lane| doubted[lane] = matches!(verdicts[lane], Verdict::Undetermined(_)));
+                    let known = Known { open: &open, decided: &decided, doubted: &doubted };
+                    for (lane, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
                         let scale = scale[lane];
                         let size = scale.max(vectors[lane]);
                         let verdict = match outcome {
+                            Allowed::Within if doubted[lane] => continue,
                             Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
                                 Verdict::Undetermined(underflow(machine, vertex, word, lane))
                             }
@@ -308,12 +321,22 @@ enum Allowed {
     },
 }
 
-/// Judges one output word in some lanes; in those that are `decided` no comparison is in doubt. Gives the lane, what came of it, and its error.
+/// Lanes of a chunk about which something is known.
+struct Known<'k> {
+    /// Those to judge.
+    open: &'k [usize],
+    /// Those in which no comparison is in doubt.
+    decided: &'k [bool],
+    /// Those that are in doubt already: theirs come without a cause, and with any reason.
+    doubted: &'k [bool; LANES],
+}
+
+/// Judges one output word in some lanes. Gives the lane, what came of it, and its error.
 fn open_words(
     machine: &mut Machine<'_, Tape<'_>>,
     actual: &Actual,
     invocations: &[usize],
-    (open, decided): (&[usize], &[bool]),
+    &Known { open, decided, doubted }: &Known<'_>,
     (vertex, word): (usize, usize),
 ) -> Vec<(usize, Allowed, f64)> {
     let found = |lane: usize| actual.vertex(invocations[lane], vertex)[word];
@@ -341,8 +364,10 @@ fn open_words(
     let errors: Vec<(usize, f64)> =
         open.iter().map(|&lane| (lane, (f64::from(f32::from_bits(found(lane))) - values[lane]).abs())).collect();
     let equal = |lane: usize| f64::from(f32::from_bits(found(lane))) == values[lane];
-    let bounds =
-        tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| equal(lane) || agrees(e, 0.0, bound[lane])));
+    // What is infinite stays so.
+    let settled =
+        |lane: usize, error: f64, bound: f64| bound == f64::INFINITY || equal(lane) || agrees(error, 0.0, bound);
+    let bounds = tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| settled(lane, e, bound[lane])));
     errors
         .into_iter()
         .map(|(lane, error)| {
@@ -355,7 +380,8 @@ fn open_words(
                 return (lane, Allowed::Within, 0.0);
             }
             let outcome = if !values[lane].is_finite() || !bound.is_finite() {
-                Allowed::Doubtful(Doubt::by(tape.cause(column, lane)))
+                let cause = || Doubt::by(tape.cause(column, lane));
+                Allowed::Doubtful(if doubted[lane] { Doubt::of(Reason::Branch) } else { cause() })
             } else if !decided[lane] && tape.fork(lane).is_some() {
                 Allowed::Doubtful(fork(tape, lane))
             } else {

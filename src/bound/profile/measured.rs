@@ -89,11 +89,21 @@ impl Table {
     /// nothing was measured.
     pub(super) fn bound(&self, op: Op, args: &[f64], exact: f64) -> Option<f64> {
         let key = op.key(args);
-        let at = |key: f64| self.row(bin_of(key)?).map(|row| self.bound_of(row, exact));
-        let here = at(key)?;
+        let bin = bin_of(key)?;
+        let here = self.bound_of(self.row(bin)?, exact);
         // Next to the end of a binade, the arguments of the device may lie in the next one.
-        let near = [key * (1.0 - NEAR), key * (1.0 + NEAR)].into_iter().filter_map(at);
-        Some(near.fold(here, f64::max))
+        let near = [key * (1.0 - NEAR), key * (1.0 + NEAR)].into_iter().filter_map(bin_of);
+        let rows = near.filter(|near| *near != bin).filter_map(|near| self.row(near));
+        Some(rows.fold(here, |bound, row| bound.max(self.bound_of(row, exact))))
+    }
+
+    /// True when no result was off by more than one rounding to nearest, and every finite number was
+    /// reached: then [`Table::bound`] is half an ULP whatever the arguments.
+    pub(in crate::bound) fn rounds(&self) -> bool {
+        let rounded = self.rows.iter().all(|row| row.ulp <= 0.5) && self.max_ulp() > 0.0;
+        let bins = |sign: usize| (sign * BINS / 2, sign * BINS / 2 + BINS / 2 - 2);
+        let everywhere = matches!(&self.rows[..], [plus, minus] if plus.bins == bins(0) && minus.bins == bins(1));
+        self.definition.is_none() && rounded && everywhere
     }
 
     fn row(&self, bin: usize) -> Option<&Row> {
@@ -153,6 +163,21 @@ mod tests {
         assert_eq!(exact.bound(Op::Sqrt, &[1.5], 8.0), Some(0.0));
         let off = table(vec![row((127, 127), 0.51, 1.0)]);
         assert_eq!(off.bound(Op::Sqrt, &[1.5], 8.0), Some(1.5 * 0.51 * ulp_at(8.0)));
+    }
+
+    #[test]
+    fn a_table_rounds_when_it_does_so_for_every_number() {
+        let whole = [row((0, 254), 0.5, 1.0), row((256, 510), 0.4, 1.0)];
+        let sum = table(whole.to_vec());
+        assert!(sum.rounds());
+        for args in [[1.0, 2.0], [-1e38, 1e-40], [1e-45, -1e-45]] {
+            let exact = f64::abs(args[0] + args[1]);
+            assert_eq!(sum.bound(Op::Add, &args, exact), Some(ulp_at(exact) / 2.0));
+        }
+        assert!(!table(vec![row((0, 254), 0.51, 1.0), whole[1].clone()]).rounds());
+        assert!(!table(vec![row((0, 253), 0.5, 1.0), whole[1].clone()]).rounds());
+        assert!(!table(vec![whole[0].clone()]).rounds());
+        assert!(!table(vec![row((0, 254), 0.0, 0.0), row((256, 510), 0.0, 0.0)]).rounds(), "exact is less");
     }
 
     #[test]

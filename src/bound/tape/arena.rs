@@ -81,6 +81,18 @@ impl Pool {
         &mut self.columns[at]
     }
 
+    /// The column at `at` and the one after it.
+    pub(super) fn pair_mut(&mut self, at: usize) -> (&mut Lanes, &mut Lanes) {
+        let (first, second) = self.columns[at..].split_at_mut(1);
+        (&mut first[0], &mut second[0])
+    }
+
+    /// The columns of two partials with their distances; they stand one after the other.
+    pub(super) fn quad_mut(&mut self, at: usize) -> [&mut Lanes; 4] {
+        let [a, b, c, d] = self.columns[at..].first_chunk_mut().expect("two partials are made together");
+        [a, b, c, d]
+    }
+
     /// Columns before `at`, and the one at it.
     pub(super) fn split(&mut self, at: usize) -> (&[Box<Lanes>], &mut Lanes) {
         let (before, rest) = self.columns.split_at_mut(at);

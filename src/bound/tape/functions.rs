@@ -63,7 +63,7 @@ fn smooth(f: impl Fn(f64) -> f64, df: impl Fn(f64) -> f64, x: f64, e: f64) -> Im
 }
 
 /// The image of a function of one argument. `not_negative`: rounding leaves the argument's sign.
-#[inline]
+#[inline(always)]
 pub(super) fn image1(op: Op, x: f64, e: f64, not_negative: bool) -> Image1 {
     match op {
         Op::Abs => {
@@ -84,26 +84,7 @@ pub(super) fn image1(op: Op, x: f64, e: f64, not_negative: bool) -> Image1 {
             }
         }
         Op::Sqrt => root(x, e, not_negative),
-        Op::InverseSqrt => {
-            if x <= e || x <= 0.0 {
-                let value = if x > 0.0 {
-                    1.0 / x.sqrt()
-                } else if x == 0.0 {
-                    f64::INFINITY
-                } else {
-                    f64::NAN
-                };
-                return Image1 { value, moves: f64::INFINITY, slope: 0.0, bends: JUMP };
-            }
-            let value = 1.0 / x.sqrt();
-            let (slope, least) = (-0.5 * value / x, x - e);
-            let most = 1.0 / least.sqrt();
-            // f(x − e) − f(x), free of cancellation.
-            let moves = e * most * value / (x.sqrt() + least.sqrt());
-            // 1.5 e times the second derivative at its largest.
-            let bends = 0.75 * e * most / (least * least);
-            Image1 { value, moves, slope, bends }
-        }
+        Op::InverseSqrt => inverse_root(x, e),
         Op::Radians => linear(std::f64::consts::PI / 180.0, x, e),
         Op::Degrees => linear(180.0 / std::f64::consts::PI, x, e),
         Op::Sin => {
@@ -165,45 +146,66 @@ fn logarithm(value: f64, ln: f64, x: f64, e: f64) -> Image1 {
     Image1 { value, moves: e * most, slope, bends: e * most / x }
 }
 
+/// 1/√x.
+#[inline(always)]
+fn inverse_root(x: f64, e: f64) -> Image1 {
+    let (value, least) = (1.0 / x.sqrt(), x - e);
+    let slope = -0.5 * value / x;
+    let most = 1.0 / least.sqrt();
+    // f(x − e) − f(x), free of cancellation.
+    let moves = e * most * value / (x.sqrt() + least.sqrt());
+    // 1.5 e times the second derivative at its largest.
+    let bends = 0.75 * e * most / (least * least);
+    let nowhere = (x <= e) | (x <= 0.0);
+    let or = |other: f64, here: f64| if nowhere { other } else { here };
+    // At −0 the value is that at 0.
+    let value = if x == 0.0 { f64::INFINITY } else { value };
+    Image1 { value, moves: or(f64::INFINITY, moves), slope: or(0.0, slope), bends: or(JUMP, bends) }
+}
+
 /// √x. At 0 there is no derivative, but a value: the movement is bounded all the same.
+#[inline(always)]
 fn root(x: f64, e: f64, not_negative: bool) -> Image1 {
-    if x > e {
-        let (value, least) = (x.sqrt(), (x - e).sqrt());
-        // 1/(2√(x−e)) − 1/(2√x) = e / (2 √x √(x−e) (√x + √(x−e)))
-        let bends = e / (2.0 * value * least * (value + least));
-        return Image1 { value, moves: e / (value + least), slope: 0.5 / value, bends };
-    }
-    if x == 0.0 && e == 0.0 {
-        return Image1 { value: 0.0, moves: 0.0, slope: 0.0, bends: 0.0 };
-    }
-    let value = x.sqrt();
+    let (value, least) = (x.sqrt(), (x - e).sqrt());
+    // 1/(2√(x−e)) − 1/(2√x) = e / (2 √x √(x−e) (√x + √(x−e)))
+    let bends = e / (2.0 * value * least * (value + least));
+    let (moves, slope) = (e / (value + least), 0.5 / value);
+    let smooth = x > e;
     // A device whose argument is below 0 gives no number.
-    let moves = if not_negative && x >= 0.0 { value.max((x + e).sqrt() - value) } else { f64::INFINITY };
-    Image1 { value, moves, slope: 0.0, bends: JUMP }
+    let whole = value.max((x + e).sqrt() - value);
+    let whole = if not_negative & (x >= 0.0) { whole } else { f64::INFINITY };
+    let zero = (x == 0.0) & (e == 0.0);
+    let or = |zeros: f64, other: f64, here: f64| {
+        let other = if zero { zeros } else { other };
+        if smooth { here } else { other }
+    };
+    let value = if zero { 0.0 } else { value };
+    Image1 { value, moves: or(0.0, whole, moves), slope: or(0.0, 0.0, slope), bends: or(0.0, JUMP, bends) }
+}
+
+/// x/y.
+#[inline(always)]
+fn quotient((x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2 {
+    let (value, size) = (x / y, y.abs());
+    let least = size - ey;
+    let nowhere = (size <= ey) | (size == 0.0);
+    let or = |other: f64, here: f64| if nowhere { other } else { here };
+    // |x'/y'² − x/y²|, by the movement of x and then of y.
+    let bend = ex / (least * least) + x.abs() * ey * (size + least) / (size * size * least * least);
+    Image2 {
+        value,
+        moves: or(f64::INFINITY, (x.abs() / size * ey + ex) / least),
+        slopes: [or(0.0, 1.0 / y), or(0.0, -value / y)],
+        bends: [or(JUMP, ey / (size * least)), or(JUMP, bend)],
+    }
 }
 
 /// The image of a function of two arguments.
-#[inline]
+#[inline(always)]
 pub(super) fn image2(op: Op, (x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2 {
     let nowhere = |value: f64| Image2 { value, moves: f64::INFINITY, slopes: [0.0, 0.0], bends: [JUMP, JUMP] };
     match op {
-        Op::Div => {
-            let (value, size) = (x / y, y.abs());
-            if size <= ey || size == 0.0 {
-                return nowhere(value);
-            }
-            let least = size - ey;
-            Image2 {
-                value,
-                moves: (x.abs() / size * ey + ex) / least,
-                slopes: [1.0 / y, -value / y],
-                bends: [
-                    ey / (size * least),
-                    // |x'/y'² − x/y²|, by the movement of x and then of y.
-                    ex / (least * least) + x.abs() * ey * (size + least) / (size * size * least * least),
-                ],
-            }
-        }
+        Op::Div => quotient((x, ex), (y, ey)),
         Op::Min | Op::Max => {
             let takes_y = if op == Op::Min { y < x } else { x < y };
             let straddles = (x - y).abs() <= ex + ey && ex + ey > 0.0;

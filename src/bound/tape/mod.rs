@@ -12,10 +12,12 @@
 //! within its radius counts as an error of that operation, and nothing before it counts.
 
 mod arena;
+mod columns;
 mod functions;
 mod inherited;
 #[cfg(test)]
 mod inside;
+mod kernels;
 mod model;
 mod operations;
 mod regroup;

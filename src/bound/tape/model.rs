@@ -1,16 +1,18 @@
 //! What an operation may add to the error: by a profile, or by the rounding of binary64 itself.
 
 use super::arena::Lanes;
+use super::kernels::{self, Closing, rounding};
 use crate::bound::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use crate::bound::profile::{
-    Acceptance, Allowed, Definition, Entry, Flush, Interval, Op, Piece, Profile, Rounding, Rule,
+    Acceptance, Allowed, Condition, Definition, Entry, Flush, Interval, Op, Piece, Profile, Quantity, Rounding, Rule,
 };
 use crate::interp::LANES;
 use crate::lane::Stage;
+use crate::math;
 
 /// Error of an evaluation in binary64, relative to the value: a function of the mathematical library
 /// is off by less than 2^-51, and rounding errors of the few operations behind one node add to that.
-const BINARY64: f64 = 1.0 / (1_u64 << 48) as f64;
+pub(super) const BINARY64: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// What bounds the error of single operations.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +38,7 @@ pub(super) struct Arg<'a> {
 }
 
 /// Distance between neighbouring binary32 numbers at x ≥ 0; infinite beyond the range.
-#[inline]
+#[inline(always)]
 pub(super) fn gap(x: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     const ULP: f64 = 1.0 / (1 << 23) as f64;
@@ -115,28 +117,31 @@ impl<'p> Model<'p> {
     /// True when some result may be subnormal.
     pub(super) fn finish(&self, value: &Lanes, carried: &Lanes, local: &mut Lanes) -> bool {
         let Self::Device { .. } = self else { return false };
+        kernels::finish(value, carried, local, self.flushes())
+    }
+
+    /// How a sum or product ends that is rounded once whatever its arguments are, and whose flushed
+    /// arguments add nothing; `None` for others. `tiny`: which arguments may be subnormal.
+    pub(super) fn closing(&self, op: Op, tiny: [bool; 2]) -> Option<Closing> {
+        let Self::Device { profile, rearranged, .. } = self else { return None };
         let flushes = self.flushes();
-        let mut tiny = false;
-        for lane in 0..LANES {
-            let (v, e) = (value[lane].abs(), carried[lane]);
-            let b = local[lane];
-            // The reference itself is computed in binary64.
-            let b = if b > 0.0 { b + v * BINARY64 } else { b };
-            let reach = v + e + b;
-            let small = v - e - b < MIN_NORMAL && reach > 0.0;
-            tiny |= small;
-            // What is flushed may lie above the subnormal numbers by the operation's own error.
-            let b = if small && flushes { b.max(reach.min(MIN_NORMAL + b)) } else { b };
-            // Where an argument may be anything, nothing is to be said of this operation.
-            local[lane] = if e == f64::INFINITY {
-                0.0
-            } else if reach > MAX_FINITE {
-                f64::INFINITY
-            } else {
-                b
-            };
+        match profile.entry(op) {
+            Entry::Promised(pieces) => match &pieces[..] {
+                [Piece { rule: Rule::Rounded, domain }] if domain.is_empty() => {}
+                _ => return None,
+            },
+            Entry::Measured(_) => return None,
         }
-        tiny
+        let own = !rearranged;
+        (!flushes || tiny == [false; 2]).then(|| Closing { part: part(profile.rounding), flushes, own })
+    }
+}
+
+/// Part of a gap that a rounding is at most.
+fn part(rounding: Rounding) -> f64 {
+    match rounding {
+        Rounding::Either => 1.0,
+        Rounding::NearestEven => 0.5,
     }
 }
 
@@ -146,31 +151,31 @@ fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Lanes, carr
     match rule {
         Rule::Exact => local.fill(0.0),
         Rule::Rounded => {
-            let part = match profile.rounding {
-                Rounding::Either => 1.0,
-                Rounding::NearestEven => 0.5,
-            };
-            for lane in 0..LANES {
-                let (v, e) = (value[lane], carried[lane]);
-                // Exact arguments with a result that is a binary32 number: rounding leaves it.
-                let kept = e == 0.0 && f64::from(v as f32) == v;
-                local[lane] = if kept { 0.0 } else { part * gap(v.abs() + e) };
-            }
+            let part = part(profile.rounding);
+            math::wide(|| {
+                for lane in 0..LANES {
+                    local[lane] = rounding(part, value[lane], carried[lane]);
+                }
+            });
         }
         Rule::Ulp { constant, slope } => {
             let x = args[0];
-            for lane in 0..LANES {
-                let count = constant + slope * (x.value[lane].abs() + x.radius[lane]);
-                let reach = value[lane].abs() + carried[lane];
-                let error = count * gap(reach);
-                // The end that is moved outward may lie where numbers are twice as far apart.
-                local[lane] = error + outward * gap(reach + error);
-            }
+            math::wide(|| {
+                for lane in 0..LANES {
+                    let count = constant + slope * (x.value[lane].abs() + x.radius[lane]);
+                    let reach = value[lane].abs() + carried[lane];
+                    let error = count * gap(reach);
+                    // The end that is moved outward may lie where numbers are twice as far apart.
+                    local[lane] = error + outward * gap(reach + error);
+                }
+            });
         }
         Rule::Absolute(error) => {
-            for lane in 0..LANES {
-                local[lane] = error + outward * gap(value[lane].abs() + carried[lane] + error);
-            }
+            math::wide(|| {
+                for lane in 0..LANES {
+                    local[lane] = error + outward * gap(value[lane].abs() + carried[lane] + error);
+                }
+            });
         }
         Rule::NoPromise | Rule::Inherited { .. } => local.fill(f64::INFINITY),
     }
@@ -181,18 +186,17 @@ fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Lanes, 
     let mut part = [0.0; LANES];
     let mut open = [true; LANES];
     local.fill(0.0);
-    for piece in pieces {
+    for (k, piece) in pieces.iter().enumerate() {
         promised(profile, piece.rule, args, value, carried, &mut part);
+        let (touches, covers) = places(piece, args);
+        if k == 0 && covers.iter().all(|covers| *covers) {
+            *local = part;
+            return;
+        }
         for lane in 0..LANES {
-            if !open[lane] {
-                continue;
-            }
-            let ranges = boxed(args, lane);
-            let ranges = &ranges[..args.len()];
-            if piece.touches(ranges) {
-                local[lane] = local[lane].max(part[lane]);
-            }
-            open[lane] = !piece.covers(ranges);
+            let touched = open[lane] & touches[lane];
+            local[lane] = if touched { local[lane].max(part[lane]) } else { local[lane] };
+            open[lane] &= !covers[lane];
         }
     }
     // What no piece covers is promised nothing.
@@ -201,6 +205,32 @@ fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Lanes, 
             *b = f64::INFINITY;
         }
     }
+}
+
+/// In which lanes a piece may hold for some arguments within their radii, and in which it holds for
+/// all of them: [`Piece::touches`] and [`Piece::covers`].
+fn places(piece: &Piece, args: &[Arg<'_>]) -> ([bool; LANES], [bool; LANES]) {
+    let (mut touches, mut covers) = ([true; LANES], [true; LANES]);
+    for Condition { quantity, range } in &piece.domain {
+        let (k, size) = match quantity {
+            Quantity::X => (0, false),
+            Quantity::Y => (1, false),
+            Quantity::AbsX => (0, true),
+            Quantity::AbsY => (1, true),
+        };
+        let Some(Arg { value, radius }) = args.get(k) else { return ([false; LANES], [false; LANES]) };
+        math::wide(|| {
+            for lane in 0..LANES {
+                let (lo, hi) = (value[lane] - radius[lane], value[lane] + radius[lane]);
+                let (near, far) = (lo.abs().min(hi.abs()), lo.abs().max(hi.abs()));
+                let near = if (lo <= 0.0) & (0.0 <= hi) { 0.0 } else { near };
+                let (lo, hi) = if size { (near, far) } else { (lo, hi) };
+                touches[lane] &= (lo <= range.hi) & (range.lo <= hi);
+                covers[lane] &= (range.lo <= lo) & (lo <= range.hi) & (range.lo <= hi) & (hi <= range.hi);
+            }
+        });
+    }
+    (touches, covers)
 }
 
 fn boxed(args: &[Arg<'_>], lane: usize) -> [Interval; 2] {
@@ -223,6 +253,11 @@ fn measured(
     carried: &Lanes,
     local: &mut Lanes,
 ) {
+    if let (Op::Add | Op::Sub | Op::Mul, Entry::Measured(table)) = (op, profile.entry(op))
+        && table.rounds()
+    {
+        return halves(profile.flush(stage) != Flush::Never, args, value, carried, local);
+    }
     for lane in 0..LANES {
         let ranges = boxed(args, lane);
         let exact = value[lane].abs() + carried[lane];
@@ -244,10 +279,52 @@ fn measured(
     }
 }
 
+/// [`measured`] for sums and products that are rounded to nearest.
+fn halves(flushes: bool, args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    let mut sure = [0.0; LANES];
+    for arg in args {
+        math::wide(|| sure.iter_mut().zip(arg.radius).for_each(|(sum, e)| *sum += e));
+    }
+    math::wide(|| {
+        for lane in 0..LANES {
+            let (v, exact) = (value[lane], value[lane].abs() + carried[lane]);
+            let kept = (carried[lane] == 0.0) & (sure[lane] == 0.0) & (f64::from(v as f32) == v);
+            let half = 0.5 * gap(exact);
+            let flushed = half.max(exact);
+            let half = if flushes & (exact - half < MIN_NORMAL) { flushed } else { half };
+            let half = if exact + half <= MAX_FINITE { half } else { f64::INFINITY };
+            local[lane] = if kept { 0.0 } else { half };
+        }
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bound::profile::by_name;
     use crate::value::ulp_at;
+
+    #[test]
+    fn measured_sums_are_those_of_the_table() {
+        let profile = by_name("llvmpipe-22.3.6").expect("a shipped profile");
+        let x: Lanes = std::array::from_fn(|k| [0.0, 1.0, -3e38, 1e-40, 0.1, 1e300, f64::NAN][k % 7]);
+        let y: Lanes = std::array::from_fn(|k| [1.0, -2e38, 0.0, 1e-39, -0.1][k % 5]);
+        let radius: Lanes = std::array::from_fn(|k| [0.0, 1e-9, 1e36, f64::INFINITY][k / 35 % 4]);
+        let value: Lanes = std::array::from_fn(|lane| x[lane] + y[lane]);
+        let args = [Arg { value: &x, radius: &radius }, Arg { value: &y, radius: &[0.0; LANES] }];
+        let mut local = [0.0; LANES];
+        measured(profile, Op::Add, Stage::Vertex, &args, &value, &radius, &mut local);
+        for lane in 0..LANES {
+            let exact = value[lane].abs() + radius[lane];
+            let at = |x: f64| match profile.allowed(Op::Add, &[x, y[lane]], exact, Stage::Vertex) {
+                Allowed::Bound(bound) => bound,
+                _ => f64::INFINITY,
+            };
+            let kept = radius[lane] == 0.0 && f64::from(value[lane] as f32) == value[lane];
+            let slow = if kept { 0.0 } else { at(x[lane] - radius[lane]).max(at(x[lane] + radius[lane])) };
+            assert_eq!(local[lane], slow, "{} ± {} and {}", x[lane], radius[lane], y[lane]);
+        }
+    }
 
     #[test]
     fn the_gap_is_the_distance_of_neighbours() {

@@ -2,12 +2,15 @@
 
 use super::Tape;
 use super::arena::{Id, Kind, Lanes, Meta};
+use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{power_by_exp2, root_by_inverse};
+use super::kernels::{self, Node, Out1, Out2, reach};
 use super::model::Arg;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::profile::{Definition, Op};
 use crate::interp::{LANES, Mask, Site, Unary};
+use crate::math;
 
 impl Tape<'_> {
     /// An operation on one number.
@@ -286,6 +289,13 @@ impl Tape<'_> {
             self.group(id);
             return id;
         }
+        if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny]) {
+            let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
+            let tiny = math::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
+            self.arena.nodes[at].tiny = tiny;
+            self.group(id);
+            return id;
+        }
         for lane in 0..LANES {
             value[lane] = signs.0 * x[lane] + signs.1 * y[lane];
             carried[lane] = ex[lane] + ey[lane];
@@ -301,6 +311,7 @@ impl Tape<'_> {
     /// a·b.
     pub(super) fn product(&mut self, site: Site, op: Op, a: Id, b: Id) -> Id {
         let nodes = &self.arena.nodes;
+        let tiny = [nodes[a as usize].tiny, nodes[b as usize].tiny];
         let not_negative = a == b || (nodes[a as usize].not_negative && nodes[b as usize].not_negative);
         let kind = Kind::Product { a, b };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
@@ -310,9 +321,16 @@ impl Tape<'_> {
         let (radii, carried) = self.arena.radius.split(at);
         let (x, y) = (&before[a as usize], &before[b as usize]);
         let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        if let Some(closing) = self.model.closing(op, tiny) {
+            let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
+            let tiny = math::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
+            self.arena.nodes[at].tiny = tiny;
+            self.group(id);
+            return id;
+        }
         for lane in 0..LANES {
             value[lane] = x[lane] * y[lane];
-            carried[lane] = x[lane].abs() * ey[lane] + (y[lane].abs() + ey[lane]) * ex[lane];
+            carried[lane] = kernels::carried_by_product(x[lane], ex[lane], y[lane], ey[lane]);
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
@@ -361,17 +379,19 @@ impl Tape<'_> {
         let (radii, carried) = self.arena.radius.split(at);
         let (x, ex) = (&before[a as usize], &radii[a as usize]);
         let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
-        let mut slopes = [0.0; LANES];
-        let mut bends = [0.0; LANES];
-        value.fill(0.0);
-        carried.fill(0.0);
-        active.each(|lane| {
-            let Image1 { value: v, moves, slope, bends: bend } =
-                image1(op, x[lane], reach(x[lane], ex[lane], flushes), not_negative);
-            (value[lane], carried[lane], slopes[lane], bends[lane]) = (v, moves, slope, bend);
-        });
-        *self.arena.partials.get_mut(2 * partial as usize) = slopes;
-        *self.arena.partials.get_mut(2 * partial as usize + 1) = bends;
+        let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
+        let mut out = Out1 { value, moves: carried, slope, bend };
+        if active.count() < WORTH_A_COLUMN || !column1(op, (x, ex), flushes, not_negative, &mut out) {
+            let Out1 { value, moves, slope, bend } = out;
+            if !active.is_full() {
+                [&mut *value, moves, slope, bend].into_iter().for_each(|column| column.fill(0.0));
+            }
+            active.each(|lane| {
+                let found: Image1 = image1(op, x[lane], reach(x[lane], ex[lane], flushes), not_negative);
+                (value[lane], moves[lane], slope[lane], bend[lane]) =
+                    (found.value, found.moves, found.slope, found.bends);
+            });
+        }
         let args = [Arg { value: x, radius: ex }];
         let local = self.arena.local.get_mut(at);
         if op == Op::Sqrt && self.model.definition(op).is_some() {
@@ -403,22 +423,20 @@ impl Tape<'_> {
         let (x, y) = (&before[a as usize], &before[b as usize]);
         let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
         let flushes = [left.tiny, right.tiny].map(|tiny| tiny && self.model.flushes());
-        let mut slopes = [[0.0; LANES]; 2];
-        let mut bends = [[0.0; LANES]; 2];
-        value.fill(0.0);
-        carried.fill(0.0);
-        active.each(|lane| {
-            let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
-            let image = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
-            let Image2 { value: v, moves, slopes: s, bends: d } = image;
-            (value[lane], carried[lane]) = (v, moves);
-            for k in 0..2 {
-                (slopes[k][lane], bends[k][lane]) = (s[k], d[k]);
+        let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
+        let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
+        if active.count() < WORTH_A_COLUMN || !column2(op, (x, ex), (y, ey), flushes, &mut out) {
+            let Out2 { value, moves, slopes: [sx, sy], bends: [bx, by] } = out;
+            if !active.is_full() {
+                [&mut *value, moves, sx, sy, bx, by].into_iter().for_each(|column| column.fill(0.0));
             }
-        });
-        for k in 0..2 {
-            *self.arena.partials.get_mut(2 * partials[k] as usize) = slopes[k];
-            *self.arena.partials.get_mut(2 * partials[k] as usize + 1) = bends[k];
+            active.each(|lane| {
+                let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+                let found: Image2 = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
+                (value[lane], moves[lane]) = (found.value, found.moves);
+                (sx[lane], sy[lane]) = (found.slopes[0], found.slopes[1]);
+                (bx[lane], by[lane]) = (found.bends[0], found.bends[1]);
+            });
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let local = self.arena.local.get_mut(at);
@@ -479,20 +497,29 @@ impl Tape<'_> {
     /// Where a derivative is not finite, the node's movement becomes its own error.
     fn cut(&mut self, id: Id, partials: &[u32]) {
         let at = id as usize;
-        for lane in 0..LANES {
-            let finite = partials.iter().all(|&p| {
-                let (slope, bend) = self.arena.partial_at(p);
-                slope[lane].is_finite() && bend[lane].is_finite()
-            });
-            if !finite {
-                for &p in partials {
-                    self.arena.partials.get_mut(2 * p as usize)[lane] = 0.0;
-                    self.arena.partials.get_mut(2 * p as usize + 1)[lane] = 0.0;
-                }
-                let carried = self.arena.radius.get(at)[lane];
-                self.arena.local.get_mut(at)[lane] += carried;
-                self.arena.radius.get_mut(at)[lane] = 0.0;
+        let finite = |lane: usize| {
+            let of = |&p: &u32| self.arena.partial_at(p);
+            partials.iter().map(of).all(|(slope, bend)| slope[lane].is_finite() && bend[lane].is_finite())
+        };
+        let lost = partials.iter().any(|&p| {
+            let (slope, bend) = self.arena.partial_at(p);
+            // 0 times what is not finite is NaN.
+            math::wide(|| {
+                slope.iter().zip(bend).fold(0_u64, |lost, (s, b)| lost | u64::from((s * 0.0 + b * 0.0) != 0.0))
+            }) != 0
+        });
+        if !lost {
+            return;
+        }
+        let lanes: Vec<usize> = (0..LANES).filter(|&lane| !finite(lane)).collect();
+        for lane in lanes {
+            for &p in partials {
+                self.arena.partials.get_mut(2 * p as usize)[lane] = 0.0;
+                self.arena.partials.get_mut(2 * p as usize + 1)[lane] = 0.0;
             }
+            let carried = self.arena.radius.get(at)[lane];
+            self.arena.local.get_mut(at)[lane] += carried;
+            self.arena.radius.get_mut(at)[lane] = 0.0;
         }
     }
 
@@ -504,15 +531,8 @@ impl Tape<'_> {
         self.arena.nodes[at].tiny = self.model.finish(value, carried, local);
         let regrouped = self.model.is_rearranged() && self.arena.nodes[at].kind.is_polynomial();
         if !regrouped {
-            carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b);
+            math::wide(|| carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b));
         }
         self.group(id);
     }
-}
-
-/// How far the value may be that a function gets: a subnormal argument may be flushed to zero.
-fn reach(x: f64, radius: f64, flushes: bool) -> f64 {
-    let most = x.abs() + radius;
-    let tiny = flushes && most > 0.0 && x.abs() - radius < MIN_NORMAL;
-    if tiny { radius + most.min(MIN_NORMAL) } else { radius }
 }

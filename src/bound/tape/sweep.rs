@@ -3,6 +3,7 @@
 use super::arena::{Arena, Id, Kind, Lanes};
 use super::{Column, Tape};
 use crate::interp::LANES;
+use crate::math;
 
 const NONE: u32 = u32::MAX;
 
@@ -23,6 +24,8 @@ pub(super) struct Scratch {
     adjoints: Vec<Box<Adjoint>>,
     free: Vec<u32>,
     spare: Option<Box<Adjoint>>,
+    /// What one node adds to a bound or to an adjoint, where somebody looks at it.
+    part: Box<Adjoint>,
 }
 
 impl Scratch {
@@ -38,22 +41,17 @@ impl Scratch {
         (slot != NONE).then_some(slot)
     }
 
-    /// The adjoint of a node; zeros when there was none.
-    fn of(&mut self, node: Id) -> &mut Adjoint {
+    /// The adjoint of a node. True when it is new: what it holds is left from before.
+    fn of(&mut self, node: Id) -> (&mut Adjoint, bool) {
         let slot = &mut self.slots[node as usize];
-        if *slot == NONE {
-            *slot = match self.free.pop() {
-                Some(free) => {
-                    *self.adjoints[free as usize] = Adjoint::default();
-                    free
-                }
-                None => {
-                    self.adjoints.push(Box::default());
-                    (self.adjoints.len() - 1) as u32
-                }
-            };
+        let new = *slot == NONE;
+        if new {
+            *slot = self.free.pop().unwrap_or_else(|| {
+                self.adjoints.push(Box::default());
+                (self.adjoints.len() - 1) as u32
+            });
         }
-        &mut self.adjoints[*slot as usize]
+        (&mut self.adjoints[*slot as usize], new)
     }
 }
 
@@ -87,7 +85,7 @@ impl Tape<'_> {
         let Self { arena, sweep, .. } = self;
         let mut bounds = Bounds { bound: Box::new([0.0; LANES]) };
         sweep.begin(root as usize + 1);
-        sweep.of(root).0.fill(1.0);
+        *sweep.of(root).0 = Adjoint([1.0; LANES], [0.0; LANES]);
         for id in (0..=root).rev() {
             let Some(slot) = sweep.take(id) else { continue };
             // The box goes out of its place for as long as others are written.
@@ -96,13 +94,18 @@ impl Tape<'_> {
             // Regrouped sums and products err as a whole, where something else takes their value.
             let counts = !meta.exact && (!rearranged || id == root || !meta.kind.is_polynomial());
             if counts {
-                add(arena, id, &adjoint, &mut bounds, see);
+                let share = &mut sweep.part.0;
+                add(arena.local.get(id as usize), &adjoint, &mut bounds.bound, share);
+                see(id, share);
             }
-            propagate(arena, sweep, id, &adjoint, |arena, a, part| {
-                if rearranged && arena.nodes[a as usize].kind.is_polynomial() && !meta.kind.is_polynomial() {
-                    add(arena, a, part, &mut bounds, see);
-                }
-            });
+            if rearranged && !meta.kind.is_polynomial() {
+                // Each polynomial argument errs as a whole, as far as this node hands it on.
+                regrouped(arena, sweep, id, &adjoint, &mut |a, worth, share| {
+                    add(arena.local.get(a as usize), worth, &mut bounds.bound, share);
+                    see(a, share);
+                });
+            }
+            propagate(arena, sweep, id, &adjoint);
             sweep.spare = Some(std::mem::replace(&mut sweep.adjoints[slot as usize], adjoint));
             sweep.free.push(slot);
             if id % STRIDE == 0 && enough(&bounds.bound) {
@@ -113,90 +116,135 @@ impl Tape<'_> {
     }
 }
 
-/// Adds a node's own error, times what it is worth.
-fn add(arena: &Arena, id: Id, Adjoint(m, r): &Adjoint, bounds: &mut Bounds, see: &mut dyn FnMut(Id, &Lanes)) {
-    let local = arena.local.get(id as usize);
-    let mut part = [0.0; LANES];
-    let mut finite = true;
-    for lane in 0..LANES {
-        let worth = m[lane].abs() + r[lane];
-        // What does not reach the output is not looked at, whatever it is.
-        let share = if worth == 0.0 || local[lane] == 0.0 { 0.0 } else { worth * local[lane] };
-        part[lane] = share;
-        bounds.bound[lane] += share;
-        finite &= share < f64::INFINITY;
-    }
+/// Adds a node's own error, times what it is worth. `share` becomes what was added.
+fn add(local: &Lanes, adjoint: &Adjoint, bound: &mut Lanes, share: &mut Lanes) {
+    let finite = math::wide(|| add_finite(local, adjoint, bound, share));
     if !finite {
-        for (bound, share) in bounds.bound.iter_mut().zip(part) {
+        for (bound, share) in bound.iter_mut().zip(share) {
             // Infinite or NaN.
-            if !(share < f64::INFINITY) {
+            if !(*share < f64::INFINITY) {
                 *bound = f64::INFINITY;
             }
         }
     }
-    see(id, &part);
 }
 
-/// Hands an adjoint on to the arguments. `used` sees what each argument gets from this node.
-fn propagate(
+/// The loop of [`add`]. True when every share is finite.
+#[inline(always)]
+fn add_finite(local: &Lanes, Adjoint(m, r): &Adjoint, bound: &mut Lanes, share: &mut Lanes) -> bool {
+    let mut lost = 0_u64;
+    for lane in 0..LANES {
+        let worth = m[lane].abs() + r[lane];
+        // What does not reach the output is not looked at, whatever it is.
+        let part = worth * local[lane];
+        let part = if worth == 0.0 || local[lane] == 0.0 { 0.0 } else { part };
+        share[lane] = part;
+        bound[lane] += part;
+        lost |= u64::from(!(part < f64::INFINITY));
+    }
+    lost == 0
+}
+
+/// What an argument gets from a node: the node's adjoint times the partial.
+#[inline(always)]
+fn handed(m: f64, r: f64, slope: f64, bend: f64) -> (f64, f64) {
+    let reaches = m != 0.0 || r != 0.0;
+    let (more, moved) = (m * slope, m.abs() * bend + r * (slope.abs() + bend));
+    if reaches { (more, moved) } else { (0.0, 0.0) }
+}
+
+/// Adds to an adjoint what a node hands on, or writes it where the adjoint is new.
+#[inline(always)]
+fn pass((Adjoint(am, ar), new): (&mut Adjoint, bool), Adjoint(m, r): &Adjoint, slope: &Lanes, bend: &Lanes) {
+    math::wide(|| {
+        if new {
+            for lane in 0..LANES {
+                (am[lane], ar[lane]) = handed(m[lane], r[lane], slope[lane], bend[lane]);
+            }
+        } else {
+            for lane in 0..LANES {
+                let (more, moved) = handed(m[lane], r[lane], slope[lane], bend[lane]);
+                am[lane] += more;
+                ar[lane] += moved;
+            }
+        }
+    });
+}
+
+/// The arguments of a function with their partials.
+fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Lanes, &Lanes))> {
+    let both = match arena.nodes[id as usize].kind {
+        Kind::One { a, partial } => [Some((a, partial)), None],
+        Kind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
+        Kind::Leaf | Kind::Sum { .. } | Kind::Product { .. } | Kind::Select { .. } => [None, None],
+    };
+    both.into_iter().flatten().map(|(to, partial)| (to, arena.partial_at(partial)))
+}
+
+/// Hands each polynomial argument of a function to `used`, with what it gets and room for its share.
+fn regrouped(
     arena: &Arena,
     sweep: &mut Scratch,
     id: Id,
-    Adjoint(m, r): &Adjoint,
-    mut used: impl FnMut(&Arena, Id, &Adjoint),
+    adjoint: &Adjoint,
+    used: &mut dyn FnMut(Id, &Adjoint, &mut Lanes),
 ) {
-    let mut pass = |sweep: &mut Scratch, to: Id, slope: &Lanes, bend: &Lanes| {
-        let mut part = Adjoint::default();
-        for lane in 0..LANES {
-            let reaches = m[lane] != 0.0 || r[lane] != 0.0;
-            let (p, d) = (slope[lane], bend[lane]);
-            part.0[lane] = if reaches { m[lane] * p } else { 0.0 };
-            part.1[lane] = if reaches { m[lane].abs() * d + r[lane] * (p.abs() + d) } else { 0.0 };
+    for (to, (slope, bend)) in partials(arena, id) {
+        if arena.nodes[to as usize].kind.is_polynomial() {
+            let mut share = [0.0; LANES];
+            pass((&mut sweep.part, true), adjoint, slope, bend);
+            used(to, &sweep.part, &mut share);
         }
-        let Adjoint(am, ar) = sweep.of(to);
-        for lane in 0..LANES {
-            am[lane] += part.0[lane];
-            ar[lane] += part.1[lane];
-        }
-        used(arena, to, &part);
-    };
+    }
+}
+
+/// Hands an adjoint on to the arguments.
+fn propagate(arena: &Arena, sweep: &mut Scratch, id: Id, adjoint: &Adjoint) {
+    let Adjoint(m, r) = adjoint;
     match arena.nodes[id as usize].kind {
         Kind::Leaf => {}
         Kind::Sum { a, b, signs } => {
             for (to, sign) in [(a, signs.0), (b, signs.1)] {
                 if sign != 0.0 {
-                    let Adjoint(am, ar) = sweep.of(to);
-                    for lane in 0..LANES {
-                        am[lane] += sign * m[lane];
-                        ar[lane] += r[lane];
-                    }
+                    let (Adjoint(am, ar), new) = sweep.of(to);
+                    math::wide(|| {
+                        if new {
+                            for lane in 0..LANES {
+                                am[lane] = sign * m[lane];
+                                ar[lane] = r[lane];
+                            }
+                        } else {
+                            for lane in 0..LANES {
+                                am[lane] += sign * m[lane];
+                                ar[lane] += r[lane];
+                            }
+                        }
+                    });
                 }
             }
         }
         Kind::Product { a, b } => {
             for (to, other) in [(a, b), (b, a)] {
                 let other = other as usize;
-                pass(sweep, to, arena.value.get(other), arena.radius.get(other));
+                pass(sweep.of(to), adjoint, arena.value.get(other), arena.radius.get(other));
             }
         }
-        Kind::One { a, partial } => {
-            let (slope, bend) = arena.partial_at(partial);
-            pass(sweep, a, slope, bend);
-        }
-        Kind::Two { a, b, partials } => {
-            for (to, partial) in [(a, partials[0]), (b, partials[1])] {
-                let (slope, bend) = arena.partial_at(partial);
-                pass(sweep, to, slope, bend);
+        Kind::One { .. } | Kind::Two { .. } => {
+            for (to, (slope, bend)) in partials(arena, id) {
+                pass(sweep.of(to), adjoint, slope, bend);
             }
         }
         Kind::Select { mask, a, b } => {
             let mask = arena.masks[mask as usize];
             for (to, wanted) in [(a, true), (b, false)] {
-                let Adjoint(am, ar) = sweep.of(to);
+                let (Adjoint(am, ar), new) = sweep.of(to);
+                if new {
+                    am.fill(0.0);
+                    ar.fill(0.0);
+                }
                 for lane in 0..LANES {
-                    let here = if mask.has(lane) == wanted { 1.0 } else { 0.0 };
                     // A lane that is not handed on must not hand on a NaN either.
-                    if here != 0.0 {
+                    if mask.has(lane) == wanted {
                         am[lane] += m[lane];
                         ar[lane] += r[lane];
                     }

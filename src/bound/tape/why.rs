@@ -73,10 +73,10 @@ impl Tape<'_> {
         }
         // Arguments have smaller numbers: this ends. A lost value is followed first.
         loop {
-            let arguments = self.arguments(id, lane);
-            let before = arguments.iter().find(|a| lost(a)).or_else(|| arguments.iter().find(|a| loose(a)));
+            let arguments = || self.arguments(id, lane);
+            let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| loose(a)));
             match before {
-                Some(&before) => id = before,
+                Some(before) => id = before,
                 None => return Some(self.cause_at(id, lane)),
             }
         }
@@ -106,7 +106,8 @@ impl Tape<'_> {
     fn operation(&self, column: Column, lane: usize) -> Id {
         let mut id = self.id(&column);
         while let Kind::Select { .. } = self.arena.nodes[id as usize].kind {
-            id = self.arguments(id, lane)[0];
+            let Some(before) = self.arguments(id, lane).next() else { break };
+            id = before;
         }
         id
     }
@@ -132,17 +133,18 @@ impl Tape<'_> {
         moved / value(id).abs()
     }
 
-    fn arguments(&self, id: Id, lane: usize) -> Vec<Id> {
-        match self.arena.nodes[id as usize].kind {
-            Kind::Leaf => Vec::new(),
-            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => vec![a],
-            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => vec![a, b],
-            Kind::Select { mask, a, b } => vec![if self.arena.masks[mask as usize].has(lane) { a } else { b }],
-        }
+    fn arguments(&self, id: Id, lane: usize) -> impl Iterator<Item = Id> + use<> {
+        let both = match self.arena.nodes[id as usize].kind {
+            Kind::Leaf => [None, None],
+            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => [Some(a), None],
+            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => [Some(a), Some(b)],
+            Kind::Select { mask, a, b } => [Some(if self.arena.masks[mask as usize].has(lane) { a } else { b }), None],
+        };
+        both.into_iter().flatten()
     }
 
     fn argument_values(&self, id: Id, lane: usize) -> Vec<f64> {
-        self.arguments(id, lane).into_iter().map(|a| self.arena.value.get(a as usize)[lane]).collect()
+        self.arguments(id, lane).map(|a| self.arena.value.get(a as usize)[lane]).collect()
     }
 
     /// True when an operation has a value wherever its arguments may be, and nothing is promised for
