@@ -140,7 +140,7 @@ pub(super) fn large(x: f64, window: &Window) -> Reduced {
     // The first word has two bits of quarters; a half is added to round them.
     let half = 0x2000_0000;
     let quarters = (words[0] + half) >> 30;
-    let first = from_integer(words[0] + half & 0x3fff_ffff) - half as f64;
+    let first = from_integer((words[0] + half) & 0x3fff_ffff) - half as f64;
     let power = |exponent: u64| f64::from_bits((1023 - exponent) << 52);
     let (high, e) = sum(first * power(30), from_integer(words[1]) * power(62));
     let behind = e + from_integer(words[2]) * power(94) + from_integer(words[3]) * power(126);

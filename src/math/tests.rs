@@ -202,7 +202,9 @@ fn an_error_of_one_number_in_the_last_place_shows() {
     assert_eq!(error(5e-324, &Wide::of(15e-324)), 2.0);
 }
 
-const ALL: [(Unary, fn(f64) -> f64); 10] = [
+type Scalar = fn(f64) -> f64;
+
+const ALL: [(Unary, Scalar); 10] = [
     (SIN, f64::sin),
     (COS, f64::cos),
     (TAN, f64::tan),

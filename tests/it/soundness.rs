@@ -8,7 +8,7 @@ use shadercheck::suite::{parse, shipped};
 use shadercheck::text::SourceFile;
 
 /// Samples in total: about 20 s on two cores in the profile of the tests. `cargo xtask soundness` runs more.
-const SAMPLES: u64 = 300_000;
+const SAMPLES: u64 = 1_000_000;
 
 fn suites(names: &[&str]) -> Vec<Prepared> {
     let wanted = shipped().iter().filter(|suite| names.is_empty() || names.contains(&suite.name));

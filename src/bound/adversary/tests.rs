@@ -173,7 +173,8 @@ fn a_fault_of_twice_the_promise_is_outside_and_one_of_half_is_not() {
             let same = |(k, args): (usize, Vec<f64>)| {
                 other.apply(op, &args, place(k)).to_bits() == base.apply(op, &args, place(k)).to_bits()
             };
-            assert!(first.map(same).all(|same| same), "{what}: a fault of another operation shows");
+            let mut first = first;
+            assert!(first.all(same), "{what}: a fault of another operation shows");
         }
     }
     assert_eq!(missed, Vec::<String>::new());

@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_upward_by_less_than_a_unit_of_the_last_digit() {
-        for x in [0.5, 0.499_983, 0.499_999_9, 0.1, 1.0 / 3.0, 9.999_96, 1.000_01, 6.789_123e31, 2.5e-45, 3829.938_7] {
+        for x in [0.5, 0.499_983, 0.499_999_9, 0.1, 1.0 / 3.0, 9.999_96, 1.000_01, 6.789_123e31, 2.5e-45, 3_829.938_7] {
             let written: f64 = upward(x).parse().unwrap();
             assert!(written >= x && written <= x * 1.0001, "{x}: {written}");
             assert!(x > 0.5 || written <= 0.5, "{x}: {written}");

@@ -70,6 +70,9 @@ pub enum Op {
 
 use Op::*;
 
+/// A function of one number on columns: arguments, and where the values go.
+pub type ColumnFunction = fn(&[f64], &mut [f64]);
+
 impl Op {
     /// All operations, in the order of the tables.
     pub const ALL: [Self; 56] = [
@@ -277,7 +280,7 @@ impl Op {
     }
 
     /// [`Op::exact`] of a function of one argument, for a column of arguments: the same bits.
-    pub fn column(self) -> Option<fn(&[f64], &mut [f64])> {
+    pub fn column(self) -> Option<ColumnFunction> {
         fn logarithm(function: math::Unary, x: &[f64], out: &mut [f64]) {
             function.column(x, out);
             // The logarithm of zero is undefined.

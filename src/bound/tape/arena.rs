@@ -55,6 +55,7 @@ pub(super) struct Meta {
 /// A pool of columns that are used again for each chunk.
 #[derive(Default)]
 pub(super) struct Pool {
+    #[expect(clippy::vec_box, reason = "one more column must not move the others, of 2 KiB each")]
     columns: Vec<Box<Lanes>>,
     used: usize,
 }
