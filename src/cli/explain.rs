@@ -4,7 +4,9 @@ use std::io::Write;
 
 use clap::Args;
 
+use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
+use crate::diagnostic::Lang;
 use crate::glsl::errors;
 use crate::lint::{Example, RULES, Rule, by_code, nearest_codes};
 
@@ -14,6 +16,9 @@ pub struct ExplainArgs {
     /// Code (T001) or name (constructor-too-many-args) of a rule
     #[arg(value_name = "CODE")]
     pub code: Option<String>,
+    /// Language of the page; LANG decides when it is left out
+    #[arg(long, value_enum)]
+    pub lang: Option<LangName>,
 }
 
 /// Runs the command: pages go to `out`, complaints to `err`. `color` makes headings bold.
@@ -21,10 +26,18 @@ pub struct ExplainArgs {
 /// # Errors
 /// When `out` or `err` cannot be written to.
 pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let lang = super::lang(args.lang);
     let Some(given) = &args.code else {
         let width = RULES.iter().map(|r| r.name.len()).max().unwrap_or(0);
         for rule in RULES {
-            writeln!(out, "{}  {:width$}  {:7}  {}", rule.code, rule.name, rule.severity.name(), rule.summary)?;
+            writeln!(
+                out,
+                "{}  {:width$}  {:7}  {}",
+                rule.code,
+                rule.name,
+                rule.severity.name(),
+                words(rule, lang).summary
+            )?;
         }
         for (code, line) in errors::ALL {
             writeln!(out, "{code}  {:width$}  {:7}  {line}", "", "error")?;
@@ -42,25 +55,43 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         writeln!(err, "`shadercheck explain` lists all rules")?;
         return Ok(ExitStatus::Error);
     };
-    page(rule, out, color)?;
+    page(rule, lang, out, color)?;
     Ok(ExitStatus::Clean)
 }
 
 /// Writes a rule's page as Markdown.
-fn page(rule: &Rule, out: &mut dyn Write, color: bool) -> std::io::Result<()> {
+fn page(rule: &Rule, lang: Lang, out: &mut dyn Write, color: bool) -> std::io::Result<()> {
     let (on, off) = if color { ("\u{1b}[1m", "\u{1b}[0m") } else { ("", "") };
     let page = &rule.page;
+    let words = words(rule, lang);
+    let heading = |en: &'static str, ja: &'static str| if lang == Lang::Ja { ja } else { en };
     writeln!(out, "{on}# {} {} ({}){off}\n", rule.code, rule.name, rule.severity.name())?;
-    writeln!(out, "{}.\n", rule.summary)?;
-    writeln!(out, "{on}## What{off}\n\n{}\n", page.what)?;
-    writeln!(out, "{on}## Why{off}\n\n{}\n", page.why)?;
-    writeln!(out, "{on}## Bad{off}\n")?;
+    writeln!(out, "{}{}\n", words.summary, heading(".", "。"))?;
+    writeln!(out, "{on}## {}{off}\n\n{}\n", heading("What", "内容"), words.what)?;
+    writeln!(out, "{on}## {}{off}\n\n{}\n", heading("Why", "理由"), words.why)?;
+    writeln!(out, "{on}## {}{off}\n", heading("Bad", "悪い例"))?;
     page.bad.iter().try_for_each(|e| example(e, out))?;
-    writeln!(out, "{on}## Good{off}\n")?;
+    writeln!(out, "{on}## {}{off}\n", heading("Good", "良い例"))?;
     page.good.iter().try_for_each(|e| example(e, out))?;
-    writeln!(out, "{on}## Fix{off}\n\n{}\n", page.fix)?;
-    writeln!(out, "{on}## References{off}\n")?;
+    writeln!(out, "{on}## {}{off}\n\n{}\n", heading("Fix", "修正"), words.fix)?;
+    writeln!(out, "{on}## {}{off}\n", heading("References", "参考"))?;
     page.references.iter().try_for_each(|r| writeln!(out, "- {r}"))
+}
+
+/// The words of a page in one language.
+struct Words {
+    summary: &'static str,
+    what: &'static str,
+    why: &'static str,
+    fix: &'static str,
+}
+
+fn words(rule: &Rule, lang: Lang) -> Words {
+    let (page, ja) = (&rule.page, &rule.page.ja);
+    match lang {
+        Lang::En => Words { summary: rule.summary, what: page.what, why: page.why, fix: page.fix },
+        Lang::Ja => Words { summary: ja.summary, what: ja.what, why: ja.why, fix: ja.fix },
+    }
 }
 
 fn example(example: &Example, out: &mut dyn Write) -> std::io::Result<()> {
@@ -74,7 +105,7 @@ mod tests {
 
     fn explain(code: Option<&str>) -> (ExitStatus, String, String) {
         let (mut out, mut err) = (Vec::new(), Vec::new());
-        let args = ExplainArgs { code: code.map(str::to_owned) };
+        let args = ExplainArgs { code: code.map(str::to_owned), lang: Some(LangName::En) };
         let status = run(&args, &mut out, &mut err, false).unwrap();
         (status, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
     }

@@ -10,10 +10,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::{Diagnostic, Safety, Severity};
+use crate::diagnostic::{Diagnostic, Lang, Safety, Severity};
 use crate::lint::fix::Outcome;
-use crate::lint::{Selection, by_code, fix, run_selected};
+use crate::lint::{Config, Level, Selection, Settings, by_code, fix, run_with};
 use crate::report::diagnostics;
 
 use files::Loaded;
@@ -39,9 +40,15 @@ pub struct LintArgs {
     /// Without these rules
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
     pub ignore: Vec<String>,
+    /// Also rules that report what may be meant (strict), or that guess by names (heuristic)
+    #[arg(long, value_enum, default_value_t)]
+    pub level: LevelName,
     /// How findings are printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+    /// Language of messages; LANG decides when it is left out
+    #[arg(long, value_enum)]
+    pub lang: Option<LangName>,
 }
 
 /// How findings are printed.
@@ -54,6 +61,28 @@ pub enum Format {
     Concise,
     /// An array for programs
     Json,
+}
+
+/// Names of the levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum LevelName {
+    /// What is wrong or wasteful for certain
+    #[default]
+    Default,
+    /// Also what is often a mistake, and sometimes meant
+    Strict,
+    /// Also guesses by names and habits
+    Heuristic,
+}
+
+impl LevelName {
+    fn level(self) -> Level {
+        match self {
+            Self::Default => Level::Default,
+            Self::Strict => Level::Strict,
+            Self::Heuristic => Level::Heuristic,
+        }
+    }
 }
 
 /// Runs the command: findings go to `out`, complaints about the input and totals to `err`.
@@ -70,33 +99,35 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         return Ok(ExitStatus::Error);
     }
     let selection = match Selection::new(&args.select, &args.ignore) {
-        Ok(selection) => selection,
+        Ok(selection) => selection.at(args.level.level()),
         Err(error) => {
             writeln!(err, "error: {error}")?;
             return Ok(ExitStatus::Error);
         }
     };
+    let settings = Settings { selection, config: Config::default() };
+    let lang = super::lang(args.lang);
     let loaded = files::load(&args.paths);
     for problem in &loaded.problems {
         writeln!(err, "error: {problem}")?;
     }
     let mut status = if loaded.problems.is_empty() { ExitStatus::Clean } else { ExitStatus::Error };
     if args.diff {
-        let found = run_selected(&loaded.inputs, &selection);
-        let outcome = fix::fix(&loaded.inputs, &selection, safety(args));
+        let found = run_with(&loaded.inputs, &settings);
+        let outcome = fix::fix(&loaded.inputs, &settings, safety(args));
         outcome.files.iter().try_for_each(|f| out.write_all(diff::unified(f).as_bytes()))?;
         report_refusals(&outcome, err)?;
         writeln!(err, "{} in {} would be fixed", findings(outcome.applied), files_count(outcome.files.len()))?;
         return Ok(status.max(status_of(&found)));
     }
     if !args.fix {
-        let found = run_selected(&loaded.inputs, &selection);
-        print(&found, args.format, out, color)?;
+        let found = run_with(&loaded.inputs, &settings);
+        print(&found, args.format, lang, out, color)?;
         status = status.max(status_of(&found));
         write!(err, "{}", summary(&found, &loaded))?;
         return Ok(status);
     }
-    let outcome = fix::fix(&loaded.inputs, &selection, safety(args));
+    let outcome = fix::fix(&loaded.inputs, &settings, safety(args));
     report_refusals(&outcome, err)?;
     let mut written = true;
     for file in &outcome.files {
@@ -108,7 +139,7 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if !written {
         status = ExitStatus::Error;
     }
-    print(&outcome.remaining, args.format, out, color)?;
+    print(&outcome.remaining, args.format, lang, out, color)?;
     let verb = if written { "fixed" } else { "found a fix for" };
     writeln!(err, "{verb} {} in {}", findings(outcome.applied), files_count(outcome.files.len()))?;
     write!(err, "{}", summary(&outcome.remaining, &loaded))?;
@@ -127,20 +158,20 @@ fn report_refusals(outcome: &Outcome, err: &mut dyn Write) -> std::io::Result<()
     outcome.refused.iter().try_for_each(|refusal| writeln!(err, "warning: {refusal}"))
 }
 
-fn print(found: &[Diagnostic], format: Format, out: &mut dyn Write, color: bool) -> anyhow::Result<()> {
+fn print(found: &[Diagnostic], format: Format, lang: Lang, out: &mut dyn Write, color: bool) -> anyhow::Result<()> {
     match format {
         Format::Text => {
             for diagnostic in found {
-                writeln!(out, "{}", diagnostics::text(diagnostic, color))?;
+                writeln!(out, "{}", diagnostics::text(diagnostic, lang, color))?;
             }
         }
         Format::Concise => {
             for diagnostic in found {
-                writeln!(out, "{}", diagnostics::concise(diagnostic))?;
+                writeln!(out, "{}", diagnostics::concise(diagnostic, lang))?;
             }
         }
         Format::Json => {
-            let text = diagnostics::json(found, |code| by_code(code).map(|r| r.name))?;
+            let text = diagnostics::json(found, lang, |code| by_code(code).map(|r| r.name))?;
             out.write_all(text.as_bytes())?;
         }
     }

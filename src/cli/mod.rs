@@ -12,9 +12,33 @@ pub mod translate;
 
 use std::io::{IsTerminal, Write};
 
-use clap::{Parser, Subcommand};
+use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::diagnostic::Lang;
 use status::ExitStatus;
+
+/// Languages by the names that options have for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LangName {
+    /// English
+    En,
+    /// Japanese
+    Ja,
+}
+
+/// The language that is asked for, or else the one of the environment: `LC_ALL`, `LC_MESSAGES` and
+/// `LANG`, of which the first that is set and not empty decides.
+fn lang(given: Option<LangName>) -> Lang {
+    match given {
+        Some(LangName::En) => Lang::En,
+        Some(LangName::Ja) => Lang::Ja,
+        None => {
+            let set = |name| std::env::var(name).ok().filter(|v| !v.is_empty());
+            let locale = ["LC_ALL", "LC_MESSAGES", "LANG"].into_iter().find_map(set);
+            if locale.is_some_and(|l| l.starts_with("ja")) { Lang::Ja } else { Lang::En }
+        }
+    }
+}
 
 /// Test shaders like other code, on a machine without a GPU
 ///

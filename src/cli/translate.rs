@@ -7,6 +7,7 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
+use crate::diagnostic::Lang;
 use crate::glsl::Stage;
 use crate::lower::Target;
 use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
@@ -46,7 +47,7 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
         Ok(program) => program,
         Err(ProgramError::Source(found)) => {
             for diagnostic in found {
-                write!(err, "{}", diagnostics::text(&diagnostic, false))?;
+                write!(err, "{}", diagnostics::text(&diagnostic, Lang::En, false))?;
             }
             return Ok(ExitStatus::Findings);
         }

@@ -1,9 +1,13 @@
 //! Diagnostics as data: code, severity, place, explanation, fix. A leaf of the dependency graph;
 //! drawing them is the work of `report`.
 
+mod told;
+
 use std::fmt;
 
 use crate::text::{Edit, SourceFile, Span};
+pub(crate) use told::told;
+pub use told::{Lang, Told};
 
 /// A stable rule code such as `T001`: a family letter and three digits. Codes are never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -50,7 +54,7 @@ pub enum Safety {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
     /// What the fix does, as an imperative sentence without a full stop.
-    pub title: String,
+    pub title: Told,
     /// The edits; they do not overlap.
     pub edits: Vec<Edit>,
     /// Whether it may be applied without asking.
@@ -65,7 +69,7 @@ pub struct Label {
     /// The place.
     pub span: Span,
     /// What is to be seen there.
-    pub message: String,
+    pub message: Told,
 }
 
 /// One thing to tell about a text: what is wrong, why, and what to do.
@@ -76,33 +80,33 @@ pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
     /// What is wrong: one sentence in words about the source, without a full stop.
-    pub message: String,
+    pub message: Told,
     /// The file.
     pub file: SourceFile,
     /// The place in the file.
     pub span: Span,
     /// What stands at the place, in a few words; shown beside the underlined text.
-    pub label: String,
+    pub label: Told,
     /// Further places.
     pub related: Vec<Label>,
     /// Why it is wrong or what happens.
-    pub why: Option<String>,
+    pub why: Option<Told>,
     /// What to do when there is no fix, or besides it.
-    pub help: Option<String>,
+    pub help: Option<Told>,
     /// The repair, when there is one.
     pub fix: Option<Fix>,
 }
 
 impl Diagnostic {
     /// A diagnostic with the required parts only.
-    pub fn new(code: Code, severity: Severity, file: &SourceFile, span: Span, message: impl Into<String>) -> Self {
+    pub fn new(code: Code, severity: Severity, file: &SourceFile, span: Span, message: impl Into<Told>) -> Self {
         Self {
             code,
             severity,
             message: message.into(),
             file: file.clone(),
             span,
-            label: String::new(),
+            label: Told::default(),
             related: Vec::new(),
             why: None,
             help: None,
@@ -112,35 +116,35 @@ impl Diagnostic {
 
     /// Sets the words beside the underlined text.
     #[must_use]
-    pub fn with_label(mut self, label: impl Into<String>) -> Self {
+    pub fn with_label(mut self, label: impl Into<Told>) -> Self {
         self.label = label.into();
         self
     }
 
     /// Adds a further place.
     #[must_use]
-    pub fn with_related(mut self, file: &SourceFile, span: Span, message: impl Into<String>) -> Self {
+    pub fn with_related(mut self, file: &SourceFile, span: Span, message: impl Into<Told>) -> Self {
         self.related.push(Label { file: file.clone(), span, message: message.into() });
         self
     }
 
     /// Sets the reason.
     #[must_use]
-    pub fn with_why(mut self, why: impl Into<String>) -> Self {
+    pub fn with_why(mut self, why: impl Into<Told>) -> Self {
         self.why = Some(why.into());
         self
     }
 
     /// Sets the advice.
     #[must_use]
-    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+    pub fn with_help(mut self, help: impl Into<Told>) -> Self {
         self.help = Some(help.into());
         self
     }
 
     /// Sets the fix.
     #[must_use]
-    pub fn with_fix(mut self, title: impl Into<String>, safety: Safety, edits: Vec<Edit>) -> Self {
+    pub fn with_fix(mut self, title: impl Into<Told>, safety: Safety, edits: Vec<Edit>) -> Self {
         self.fix = Some(Fix { title: title.into(), edits, safety });
         self
     }

@@ -1,6 +1,6 @@
 //! Where the parts of the front end put their diagnostics.
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity, Told};
 use crate::text::{SourceFile, Span};
 
 /// Collects errors about one file.
@@ -19,7 +19,7 @@ impl Sink {
     }
 
     /// Adds an error with words for the place.
-    pub(crate) fn error(&mut self, code: Code, span: Span, message: impl Into<String>, label: impl Into<String>) {
+    pub(crate) fn error(&mut self, code: Code, span: Span, message: impl Into<Told>, label: impl Into<Told>) {
         let file = self.file.clone();
         self.push(Diagnostic::new(code, Severity::Error, &file, span, message).with_label(label));
     }
@@ -32,7 +32,7 @@ impl Sink {
     }
 
     /// A diagnostic to be completed and pushed.
-    pub(crate) fn start(&self, code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+    pub(crate) fn start(&self, code: Code, span: Span, message: impl Into<Told>) -> Diagnostic {
         Diagnostic::new(code, Severity::Error, &self.file, span, message)
     }
 

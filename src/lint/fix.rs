@@ -9,8 +9,7 @@ use super::host::HostFile;
 use super::project::{Input, Language, language_of};
 use super::registry::RULES;
 use super::rule::Rule;
-use super::run_rules;
-use super::select::Selection;
+use super::{Settings, run_rules};
 
 /// Rounds after which the engine gives up: fixes that undo each other would go on for ever.
 pub const MOST_ROUNDS: usize = 20;
@@ -63,19 +62,19 @@ impl Outcome {
     }
 }
 
-/// Applies the fixes of all diagnostics that `selection` keeps, up to the given safety.
+/// Applies the fixes of all diagnostics that `settings` keep, up to the given safety.
 ///
 /// Each round applies fixes that do not overlap; what they uncover comes in the next round. A fix
 /// after which its file parses worse than before is refused.
-pub fn fix(files: &[Input], selection: &Selection, up_to: Safety) -> Outcome {
-    fix_with(files, selection, up_to, RULES)
+pub fn fix(files: &[Input], settings: &Settings, up_to: Safety) -> Outcome {
+    fix_with(files, settings, up_to, RULES)
 }
 
-pub(super) fn fix_with(files: &[Input], selection: &Selection, up_to: Safety, rules: &[&'static Rule]) -> Outcome {
+pub(super) fn fix_with(files: &[Input], settings: &Settings, up_to: Safety, rules: &[&'static Rule]) -> Outcome {
     let mut now: Vec<Input> = files.to_vec();
     let mut refused = Refused::default();
     let mut applied = 0;
-    let mut remaining = run_rules(&now, selection, rules);
+    let mut remaining = run_rules(&now, settings, rules);
     for round in 1.. {
         let mut changed = 0;
         for input in now.iter_mut().filter(|i| i.reported) {
@@ -101,7 +100,7 @@ pub(super) fn fix_with(files: &[Input], selection: &Selection, up_to: Safety, ru
             break;
         }
         applied += changed;
-        remaining = run_rules(&now, selection, rules);
+        remaining = run_rules(&now, settings, rules);
     }
     let files = files
         .iter()
@@ -193,7 +192,7 @@ impl Refused {
     fn key(diagnostic: &Diagnostic) -> (&'static str, String, String, String) {
         let file = &diagnostic.file;
         let line = file.line_text(file.position(diagnostic.span.start).line).to_owned();
-        (diagnostic.code.0, file.name().to_owned(), line, diagnostic.message.clone())
+        (diagnostic.code.0, file.name().to_owned(), line, diagnostic.message.to_string())
     }
 
     fn knows(&self, diagnostic: &Diagnostic) -> bool {
@@ -205,7 +204,7 @@ impl Refused {
             self.list.push(Refusal {
                 code: diagnostic.code.0,
                 place: diagnostic.file.locate(diagnostic.span.start),
-                title: diagnostic.fix.as_ref().map_or_else(String::new, |f| f.title.clone()),
+                title: diagnostic.fix.as_ref().map_or_else(String::new, |f| f.title.to_string()),
                 reason,
             });
         }

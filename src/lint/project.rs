@@ -6,6 +6,7 @@ use crate::diagnostic::Diagnostic;
 use crate::glsl::{Shader, Stage};
 use crate::text::SourceFile;
 
+use super::config::Config;
 use super::host::{HostFile, named_shaders};
 
 /// Endings of shader files that a folder is searched for.
@@ -114,12 +115,13 @@ fn is_conditional(text: &str) -> bool {
 pub struct Project {
     shaders: BTreeMap<String, ShaderFile>,
     hosts: BTreeMap<String, HostFile>,
+    config: Config,
 }
 
 impl Project {
     /// Reads all inputs. Of two with the same path, the reported one counts.
-    pub fn new(files: &[Input]) -> Self {
-        let mut project = Self { shaders: BTreeMap::new(), hosts: BTreeMap::new() };
+    pub fn new(files: &[Input], config: &Config) -> Self {
+        let mut project = Self { shaders: BTreeMap::new(), hosts: BTreeMap::new(), config: config.clone() };
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
         for input in context.into_iter().chain(reported) {
             let path = normalise(input.file.name());
@@ -134,6 +136,11 @@ impl Project {
             }
         }
         project
+    }
+
+    /// What the project says about itself.
+    pub fn config(&self) -> &Config {
+        &self.config
     }
 
     /// All shaders, by path.
@@ -254,7 +261,7 @@ mod tests {
     #[test]
     fn a_shader_elsewhere_is_found_only_when_there_is_one() {
         let files = [input("x/a.vert", ""), input("y/a.vert", ""), input("y/b.vert", "")];
-        let project = Project::new(&files);
+        let project = Project::new(&files, &Config::default());
         let name = |from: &str, shader: &str| project.shader_named(from, shader).map(|s| s.file.name().to_owned());
         assert_eq!(name("x/m.cpp", "a.vert").as_deref(), Some("x/a.vert"));
         assert_eq!(name("m.cpp", "a.vert"), None, "two of them");

@@ -65,6 +65,11 @@ mod tests {
             assert!(!rule.summary.ends_with('.') && !rule.summary.contains('\n'), "{code}: summary is one line");
             let fix = rule.page.fix.to_lowercase();
             assert!(["safe", "unsafe", "no fix"].iter().any(|w| fix.contains(w)), "{code}: the fix states its safety");
+            let japanese = |text: &str| text.chars().any(|c| ('\u{3040}'..='\u{30ff}').contains(&c));
+            let ja = &rule.page.ja;
+            for (part, text) in [("summary", ja.summary), ("what", ja.what), ("why", ja.why), ("fix", ja.fix)] {
+                assert!(japanese(text), "{code}: {part} in Japanese");
+            }
             assert!(!rule.page.references.is_empty(), "{code}: no reference");
             assert!(!rule.page.bad.is_empty() && !rule.page.good.is_empty(), "{code}: no example");
         }

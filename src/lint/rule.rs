@@ -1,6 +1,6 @@
 //! What a rule is: its names, its page of the manual, and its check.
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity, Told};
 use crate::text::{SourceFile, Span};
 
 use super::host::HostFile;
@@ -14,12 +14,38 @@ pub struct Rule {
     pub name: &'static str,
     /// Severity of what it reports.
     pub severity: Severity,
+    /// From which level on it runs.
+    pub level: Level,
     /// What it finds, in one line without a full stop.
     pub summary: &'static str,
     /// Its page of the manual.
     pub page: Page,
     /// How it looks.
     pub(super) check: Check,
+}
+
+/// How much is asked of a text. Each level has the rules of those before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Level {
+    /// What is wrong or wasteful for certain: silent on code that compiles and works.
+    #[default]
+    Default,
+    /// What is often a mistake, and sometimes meant.
+    Strict,
+    /// Guesses by names and habits.
+    Heuristic,
+}
+
+/// The parts of a page in Japanese.
+pub struct Japanese {
+    /// As [`Rule::summary`].
+    pub summary: &'static str,
+    /// As [`Page::what`].
+    pub what: &'static str,
+    /// As [`Page::why`].
+    pub why: &'static str,
+    /// As [`Page::fix`].
+    pub fix: &'static str,
 }
 
 /// A rule's page of the manual.
@@ -36,6 +62,8 @@ pub struct Page {
     pub fix: &'static str,
     /// Where the facts come from.
     pub references: &'static [&'static str],
+    /// The page in Japanese.
+    pub ja: Japanese,
 }
 
 /// A file of an example.
@@ -51,6 +79,9 @@ pub struct Example {
 pub(super) enum Check {
     /// One shader at a time, as far as the front end could read it.
     Shader(fn(&ShaderFile, &mut Findings<'_>)),
+    /// Errors that the front end finds and tells with the code of this rule: each is handed over to be
+    /// completed with a fix, or dropped when nothing comes back.
+    FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
     /// One host file at a time, with the shaders that belong to it.
     Host(fn(&HostFile, &Project, &mut Findings<'_>)),
     /// One text at a time, whatever its language: planted rules in tests.
@@ -69,6 +100,12 @@ impl Rule {
             Check::Host(check) => {
                 project.hosts().filter(|h| h.reported).for_each(|h| check(h, project, &mut findings));
             }
+            Check::FrontEnd(complete) => {
+                for shader in project.shaders().filter(|s| s.reported) {
+                    let told = shader.front_end.iter().filter(|d| d.code == self.code);
+                    findings.into.extend(told.filter_map(|d| complete(shader, d.clone())));
+                }
+            }
             #[cfg(test)]
             Check::Text(check) => {
                 project.shaders().filter(|s| s.reported).for_each(|s| check(&s.file, &mut findings));
@@ -86,7 +123,7 @@ pub(super) struct Findings<'a> {
 
 impl Findings<'_> {
     /// A diagnostic of this rule, to be completed and given to [`Findings::push`].
-    pub fn at(&self, file: &SourceFile, span: Span, message: impl Into<String>) -> Diagnostic {
+    pub fn at(&self, file: &SourceFile, span: Span, message: impl Into<Told>) -> Diagnostic {
         Diagnostic::new(self.rule.code, self.rule.severity, file, span, message)
     }
 

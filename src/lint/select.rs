@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::registry::{RULES, nearest_codes};
+use super::rule::Level;
 
 /// Why a selection is refused.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -27,6 +28,7 @@ fn hint(nearest: &[&'static str]) -> String {
 pub struct Selection {
     select: Vec<String>,
     ignore: Vec<String>,
+    level: Level,
 }
 
 impl Selection {
@@ -35,11 +37,22 @@ impl Selection {
     /// # Errors
     /// [`SelectError::Unknown`] for an entry that matches no rule and no code of the front end (`E…`).
     pub fn new(select: &[String], ignore: &[String]) -> Result<Self, SelectError> {
-        Ok(Self { select: codes(select)?, ignore: codes(ignore)? })
+        Ok(Self { select: codes(select)?, ignore: codes(ignore)?, level: Level::Default })
     }
 
-    /// True when diagnostics with `code` are wanted.
-    pub fn keeps(&self, code: &str) -> bool {
+    /// The same choice with the rules of a level. A rule that is selected by its whole code or by name
+    /// runs at any level.
+    #[must_use]
+    pub fn at(mut self, level: Level) -> Self {
+        self.level = level;
+        self
+    }
+
+    /// True when diagnostics with `code`, of a rule of this level, are wanted.
+    pub fn keeps(&self, code: &str, level: Level) -> bool {
+        if level > self.level && !self.select.iter().any(|s| s == code) {
+            return false;
+        }
         let longest = |list: &[String]| list.iter().filter(|p| code.starts_with(p.as_str())).map(String::len).max();
         match (longest(&self.select), longest(&self.ignore)) {
             (None, Some(_)) => false,
@@ -77,22 +90,32 @@ mod tests {
 
     #[test]
     fn an_empty_selection_keeps_everything() {
-        assert!(selection(&[], &[]).keeps("T001"));
-        assert!(selection(&[], &["T"]).keeps("E001"));
+        assert!(selection(&[], &[]).keeps("T001", Level::Default));
+        assert!(selection(&[], &["T"]).keeps("E001", Level::Default));
     }
 
     #[test]
     fn the_longer_entry_decides() {
         let s = selection(&["H"], &["H001"]);
-        assert!(s.keeps("H002") && !s.keeps("H001") && !s.keeps("T001"));
+        assert!(
+            s.keeps("H002", Level::Default) && !s.keeps("H001", Level::Default) && !s.keeps("T001", Level::Default)
+        );
         let s = selection(&["H001"], &["h"]);
-        assert!(s.keeps("H001") && !s.keeps("H002"));
-        assert!(!selection(&["H001"], &["H001"]).keeps("H001"));
+        assert!(s.keeps("H001", Level::Default) && !s.keeps("H002", Level::Default));
+        assert!(!selection(&["H001"], &["H001"]).keeps("H001", Level::Default));
+    }
+
+    #[test]
+    fn a_level_has_the_rules_of_those_before_it() {
+        let own = |l: &[&str]| l.iter().map(|&s| s.to_owned()).collect::<Vec<_>>();
+        let s = selection(&["T"], &[]);
+        assert!(!s.keeps("T001", Level::Strict) && s.clone().at(Level::Heuristic).keeps("T001", Level::Strict));
+        assert!(Selection::new(&own(&["T001"]), &[]).unwrap().keeps("T001", Level::Heuristic), "selected by its code");
     }
 
     #[test]
     fn a_name_stands_for_its_code() {
-        assert!(selection(&["low-precision-pi"], &[]).keeps("N014"));
+        assert!(selection(&["low-precision-pi"], &[]).keeps("N014", Level::Default));
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The listings as printed, and the laws that hold for every fix.
 
 use super::fix::{Outcome, fix, fix_with};
-use super::rule::{Check, Findings, Page, Rule};
-use super::{Input, RULES, Selection, run, run_rules};
+use super::rule::{Check, Findings, Japanese, Level, Page, Rule};
+use super::{Input, RULES, Selection, Settings, run, run_rules};
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::text::{Edit, SourceFile, Span};
 
@@ -97,7 +97,7 @@ fn files_that_are_context_are_not_reported() {
 
 #[test]
 fn safe_fixes_repair_d1_and_d4() {
-    let outcome = fix(&inputs(PRINTED), &Selection::default(), Safety::Safe);
+    let outcome = fix(&inputs(PRINTED), &Settings::default(), Safety::Safe);
     assert_eq!(outcome.applied, 2);
     assert!(outcome.refused.is_empty());
     assert_eq!(fixed(&outcome, "morph.cpp"), text(REPAIRED, "morph.cpp"));
@@ -108,7 +108,7 @@ fn safe_fixes_repair_d1_and_d4() {
 
 #[test]
 fn unsafe_fixes_give_the_repaired_shaders() {
-    let outcome = fix(&inputs(PRINTED), &Selection::default(), Safety::Unsafe);
+    let outcome = fix(&inputs(PRINTED), &Settings::default(), Safety::Unsafe);
     for name in ["cylinder.vert", "sphere.vert", "morph.cpp", "hair.geom"] {
         assert_eq!(fixed(&outcome, name), text(REPAIRED, name), "{name}");
     }
@@ -145,7 +145,7 @@ fn right_code_is_left_alone() {
 fn line_ends_are_kept() {
     let crlf = text(PRINTED, "cylinder.vert").replace('\n', "\r\n");
     let files = [Input::new(SourceFile::new("cylinder.vert", crlf))];
-    let outcome = fix(&files, &Selection::default(), Safety::Unsafe);
+    let outcome = fix(&files, &Settings::default(), Safety::Unsafe);
     assert_eq!(fixed(&outcome, "cylinder.vert"), text(REPAIRED, "cylinder.vert").replace('\n', "\r\n"));
 }
 
@@ -154,7 +154,7 @@ fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
     for rule in RULES {
         let files: Vec<Input> = rule.page.bad.iter().map(|e| Input::new(SourceFile::new(e.name, e.text))).collect();
         let has_fix = run(&files).iter().any(|d| d.fix.is_some());
-        let outcome = fix(&files, &Selection::default(), Safety::Unsafe);
+        let outcome = fix(&files, &Settings::default(), Safety::Unsafe);
         assert_eq!(outcome.applied > 0, has_fix, "{}", rule.code);
         assert!(outcome.refused.is_empty(), "{}: {:?}", rule.code, outcome.refused);
         if has_fix {
@@ -177,15 +177,17 @@ fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
                     .map_or(i.clone(), |f| Input::new(f.after.clone()))
             })
             .collect();
-        let again = fix(&after, &Selection::default(), Safety::Unsafe);
+        let again = fix(&after, &Settings::default(), Safety::Unsafe);
         assert_eq!((again.applied, again.files.len()), (0, 0), "{}", rule.code);
     }
 }
 
 #[test]
 fn what_is_ignored_is_neither_told_nor_fixed() {
-    let ignore =
-        |codes: &[&str]| Selection::new(&[], &codes.iter().map(|&c| c.to_owned()).collect::<Vec<_>>()).unwrap();
+    let ignore = |codes: &[&str]| Settings {
+        selection: Selection::new(&[], &codes.iter().map(|&c| c.to_owned()).collect::<Vec<_>>()).unwrap(),
+        ..Settings::default()
+    };
     let outcome = fix(&inputs(PRINTED), &ignore(&["T", "H", "N", "G"]), Safety::Unsafe);
     assert!(outcome.files.is_empty());
     let outcome = fix(&inputs(PRINTED), &ignore(&["N014"]), Safety::Unsafe);
@@ -226,13 +228,15 @@ fn errors_of_the_front_end_stand_in_the_same_list() {
 
 // Planted rules: the engine's own alarms.
 
-const PAGE: Page = Page { what: "", why: "", bad: &[], good: &[], fix: "", references: &[] };
+const PAGE: Page = Page { what: "", why: "", bad: &[], good: &[], fix: "", references: &[], ja: JAPANESE };
+const JAPANESE: Japanese = Japanese { summary: "", what: "", why: "", fix: "" };
 
 const fn planted(code: &'static str, check: fn(&SourceFile, &mut Findings<'_>)) -> Rule {
     Rule {
         code: Code(code),
         name: "planted-rule",
         severity: Severity::Warning,
+        level: Level::Default,
         summary: "",
         page: PAGE,
         check: Check::Text(check),
@@ -264,7 +268,7 @@ static OUTSIDE: Rule = planted("X005", |file, findings| {
 });
 
 fn plant(text: &str, rules: &[&'static Rule]) -> Outcome {
-    fix_with(&[Input::new(SourceFile::new("a.cpp", text))], &Selection::default(), Safety::Safe, rules)
+    fix_with(&[Input::new(SourceFile::new("a.cpp", text))], &Settings::default(), Safety::Safe, rules)
 }
 
 #[test]
@@ -301,6 +305,6 @@ fn an_edit_outside_the_text_is_refused() {
 #[test]
 fn diagnostics_are_sorted_by_place_and_told_once() {
     let files = [Input::new(SourceFile::new("a.cpp", "int xx; int aaa;"))];
-    let found = run_rules(&files, &Selection::default(), &[&TO_B, &PAIRS, &PAIRS]);
+    let found = run_rules(&files, &Settings::default(), &[&TO_B, &PAIRS, &PAIRS]);
     assert_eq!(found.iter().map(|d| (d.code.0, d.span.start)).collect::<Vec<_>>(), [("X004", 4), ("X001", 12)]);
 }

@@ -131,7 +131,7 @@ mod tests {
         let shader = Shader::parse(&SourceFile::new("t.vert", text), Stage::Vertex).shader;
         let found = lower(&shader, &Target::Stage).err().unwrap_or_default();
         assert!(found.iter().all(|d| d.code == UNSUPPORTED));
-        found.into_iter().map(|d| (d.file.position(d.span.start).column, d.message)).collect()
+        found.into_iter().map(|d| (d.file.position(d.span.start).column, d.message.to_string())).collect()
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod lowered;
 mod stage;
 mod uniforms;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity, Told};
 use crate::glsl::{Shader, Stage};
 use crate::text::{EditList, Span};
 
@@ -83,13 +83,13 @@ struct Work<'s> {
 }
 
 impl Work<'_> {
-    fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
+    fn unsupported(&mut self, span: Span, message: impl Into<Told>, help: &str) {
         let diagnostic =
             Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message).with_help(help);
         self.diagnostics.push(diagnostic);
     }
 
-    fn incomplete(&mut self, span: Span, message: impl Into<String>, help: &str) {
+    fn incomplete(&mut self, span: Span, message: impl Into<Told>, help: &str) {
         let diagnostic =
             Diagnostic::new(INCOMPLETE, Severity::Error, self.shader.file(), span, message).with_help(help);
         self.diagnostics.push(diagnostic);

@@ -3,11 +3,11 @@
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use serde::Serialize;
 
-use crate::diagnostic::{Diagnostic, Fix, Label, Safety, Severity};
+use crate::diagnostic::{Diagnostic, Fix, Label, Lang, Safety, Severity};
 use crate::text::{SourceFile, Span};
 
 /// One diagnostic with an excerpt of the text, why it is wrong, and what to do. Ends with a line break.
-pub fn text(diagnostic: &Diagnostic, color: bool) -> String {
+pub fn text(diagnostic: &Diagnostic, lang: Lang, color: bool) -> String {
     let d = diagnostic;
     let level = match d.severity {
         Severity::Error => Level::ERROR,
@@ -18,27 +18,30 @@ pub fn text(diagnostic: &Diagnostic, color: bool) -> String {
     let first = here.iter().map(|l| l.span).fold(d.span, Span::to);
     let excerpt = Excerpt::of(&d.file, first);
     let primary = AnnotationKind::Primary.span(excerpt.range(d.span));
-    let mut snippet =
-        excerpt.snippet(&d.file).annotation(if d.label.is_empty() { primary } else { primary.label(d.label.as_str()) });
+    let mut snippet = excerpt.snippet(&d.file).annotation(if d.label.is_empty() {
+        primary
+    } else {
+        primary.label(d.label.in_lang(lang))
+    });
     for label in here {
         let context = AnnotationKind::Context.span(excerpt.range(label.span));
-        snippet = snippet.annotation(context.label(label.message.as_str()));
+        snippet = snippet.annotation(context.label(label.message.in_lang(lang)));
     }
-    let mut group = Group::with_title(level.primary_title(d.message.as_str()).id(d.code.0)).element(snippet);
+    let mut group = Group::with_title(level.primary_title(d.message.in_lang(lang)).id(d.code.0)).element(snippet);
     for label in d.related.iter().filter(|l| l.file != d.file) {
         let excerpt = Excerpt::of(&label.file, label.span);
-        let context = AnnotationKind::Context.span(excerpt.range(label.span)).label(label.message.as_str());
+        let context = AnnotationKind::Context.span(excerpt.range(label.span)).label(label.message.in_lang(lang));
         group = group.element(excerpt.snippet(&label.file).annotation(context));
     }
     if let Some(why) = &d.why {
-        group = group.element(Level::NOTE.message(why.as_str()));
+        group = group.element(Level::NOTE.message(why.in_lang(lang)));
     }
     if let Some(help) = &d.help {
-        group = group.element(Level::HELP.message(help.as_str()));
+        group = group.element(Level::HELP.message(help.in_lang(lang)));
     }
     let mut report = vec![group];
     if let Some(fix) = &d.fix {
-        report.push(patch(&d.file, fix));
+        report.push(patch(&d.file, fix, lang));
     }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
     let mut out = renderer.render(&report);
@@ -46,10 +49,15 @@ pub fn text(diagnostic: &Diagnostic, color: bool) -> String {
     out
 }
 
-fn patch<'a>(file: &'a SourceFile, fix: &'a Fix) -> Group<'a> {
-    let title = match fix.safety {
-        Safety::Safe => format!("{} (`--fix` does it)", fix.title),
-        Safety::Unsafe => format!("{} (`--fix --unsafe-fixes` does it)", fix.title),
+fn patch<'a>(file: &'a SourceFile, fix: &'a Fix, lang: Lang) -> Group<'a> {
+    let title = fix.title.in_lang(lang);
+    let option = match fix.safety {
+        Safety::Safe => "--fix",
+        Safety::Unsafe => "--fix --unsafe-fixes",
+    };
+    let title = match lang {
+        Lang::En => format!("{title} (`{option}` does it)"),
+        Lang::Ja => format!("{title}（`{option}` で直せます）"),
     };
     let whole = fix.edits.iter().map(|e| e.span).reduce(Span::to).unwrap_or_default();
     let excerpt = Excerpt::of(file, whole);
@@ -98,9 +106,9 @@ fn floor(text: &str, offset: usize) -> usize {
 }
 
 /// `file:line:column: error[T001]: message`, without a line break.
-pub fn concise(diagnostic: &Diagnostic) -> String {
+pub fn concise(diagnostic: &Diagnostic, lang: Lang) -> String {
     let d = diagnostic;
-    format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message)
+    format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message.in_lang(lang))
 }
 
 /// A diagnostic as JSON has it. Lines and columns count from 1, columns in characters; ends are
@@ -164,6 +172,7 @@ impl<'a> JsonPlace<'a> {
 /// Never for diagnostics whose texts are UTF-8, as all are; serde's signature says so.
 pub fn json(
     diagnostics: &[Diagnostic],
+    lang: Lang,
     name_of: impl Fn(&str) -> Option<&'static str>,
 ) -> Result<String, serde_json::Error> {
     let all: Vec<JsonDiagnostic<'_>> = diagnostics
@@ -173,17 +182,17 @@ pub fn json(
             name: name_of(d.code.0),
             severity: d.severity.name(),
             place: JsonPlace::new(&d.file, d.span),
-            message: &d.message,
-            label: &d.label,
+            message: d.message.in_lang(lang),
+            label: d.label.in_lang(lang),
             related: d
                 .related
                 .iter()
-                .map(|l| JsonLabel { place: JsonPlace::new(&l.file, l.span), message: &l.message })
+                .map(|l| JsonLabel { place: JsonPlace::new(&l.file, l.span), message: l.message.in_lang(lang) })
                 .collect(),
-            why: d.why.as_deref(),
-            help: d.help.as_deref(),
+            why: d.why.as_ref().map(|w| w.in_lang(lang)),
+            help: d.help.as_ref().map(|h| h.in_lang(lang)),
             fix: d.fix.as_ref().map(|f| JsonFix {
-                title: &f.title,
+                title: f.title.in_lang(lang),
                 safety: match f.safety {
                     Safety::Safe => "safe",
                     Safety::Unsafe => "unsafe",
@@ -222,7 +231,7 @@ mod tests {
 
     #[test]
     fn text_says_what_where_why_and_what_to_do() {
-        let text = text(&sample(), false);
+        let text = text(&sample(), Lang::En, false);
         for part in [
             "error[T001]: too few",
             "側/円柱.vert:2:21",
@@ -237,12 +246,12 @@ mod tests {
             assert!(text.contains(part), "{part}\n{text}");
         }
         assert!(!text.contains('\u{1b}'), "colour only when asked for");
-        assert!(super::text(&sample(), true).contains('\u{1b}'));
+        assert!(super::text(&sample(), Lang::En, true).contains('\u{1b}'));
     }
 
     #[test]
     fn the_underline_stands_below_its_text_after_wide_characters() {
-        let text = text(&sample(), false);
+        let text = text(&sample(), Lang::En, false);
         let lines: Vec<&str> = text.lines().collect();
         let source = lines.iter().position(|l| l.contains("頂点")).unwrap();
         let columns = |s: &str| s.chars().map(|c| if c > '\u{2e80}' { 2 } else { 1 }).sum::<usize>();
@@ -254,19 +263,19 @@ mod tests {
 
     #[test]
     fn concise_is_one_line() {
-        assert_eq!(concise(&sample()), "側/円柱.vert:2:21: error[T001]: too few");
+        assert_eq!(concise(&sample(), Lang::En), "側/円柱.vert:2:21: error[T001]: too few");
     }
 
     #[test]
     fn json_reads_back() {
-        let text = json(&[sample()], |_| Some("constructor-too-many-args")).unwrap();
+        let text = json(&[sample()], Lang::En, |_| Some("constructor-too-many-args")).unwrap();
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         let d = &value[0];
         assert_eq!((&d["code"], &d["name"]), (&"T001".into(), &"constructor-too-many-args".into()));
         assert_eq!((&d["line"], &d["column"], &d["end_column"]), (&2.into(), &21.into(), &25.into()));
         assert_eq!((&d["fix"]["safety"], &d["fix"]["edits"][0]["replacement"]), (&"unsafe".into(), &"vec4".into()));
         assert_eq!(d["related"][0]["file"], "b.frag");
-        assert_eq!(json(&[], |_| None).unwrap(), "[]\n");
+        assert_eq!(json(&[], Lang::En, |_| None).unwrap(), "[]\n");
     }
 
     #[test]
@@ -277,7 +286,7 @@ mod tests {
             let file = SourceFile::new("a", source);
             let d =
                 Diagnostic::new(Code("E001"), Severity::Warning, &file, span, "m").with_fix("f", Safety::Safe, vec![]);
-            assert!(text(&d, false).contains("warning[E001]"), "{source:?}");
+            assert!(text(&d, Lang::En, false).contains("warning[E001]"), "{source:?}");
         }
     }
 }

@@ -174,12 +174,12 @@ impl Preprocessor<'_> {
             // Input methods for Chinese and Japanese type it; it looks like two blanks.
             let edits = vec![Edit::replace(span, " ")];
             let mut d = start.with_fix("Replace it by an ordinary blank", Safety::Safe, edits);
-            d.message = "a blank that is not ASCII stands here".to_owned();
-            d.label = "looks like a blank, but is none to a compiler".to_owned();
+            d.message = "a blank that is not ASCII stands here".into();
+            d.label = "looks like a blank, but is none to a compiler".into();
             d
         } else {
             let mut d = start.with_help("only comments may hold characters outside ASCII, or `@`, `$`, quotes");
-            d.message = format!("`{}` is not part of GLSL", shown.escape_debug());
+            d.message = format!("`{}` is not part of GLSL", shown.escape_debug()).into();
             d
         };
         self.sink.push(diagnostic);
@@ -267,7 +267,7 @@ impl Preprocessor<'_> {
             ];
             let mut d = start(format!("`#{word}` is no directive of GLSL"));
             d.span = name.span;
-            d.label = "unknown directive".to_owned();
+            d.label = "unknown directive".into();
             match super::names::nearest(word, all) {
                 Some(near) => d.with_help(format!("did you mean `#{near}`?")),
                 None => d,

@@ -7,7 +7,7 @@ use crate::glsl::ast::{BinaryOp, Callee, Condition, ExprId, ExprKind, Stmt, Stmt
 use crate::glsl::symbols::{CallTarget, SymbolId};
 use crate::glsl::{Shader, Stage};
 use crate::lint::project::ShaderFile;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 use super::walk::expressions;
@@ -17,6 +17,7 @@ pub const RULE: Rule = Rule {
     code: Code("G002"),
     name: "max-vertices-too-large",
     severity: Severity::Info,
+    level: Level::Default,
     summary: "a geometry stage declares more vertices than it can emit",
     page: Page {
         what: "Reports a `max_vertices` above the largest number of vertices that `main` can emit. It speaks only \
@@ -39,6 +40,12 @@ pub const RULE: Rule = Rule {
             "OpenGL 3.2 core specification, section 2.12.4 \"Geometry Shader Execution Environment\"",
             "GLSL 1.50 specification, section 4.3.8.2 \"Output Layout Qualifiers\"",
         ],
+        ja: Japanese {
+            summary: "ジオメトリシェーダが、出力しうる数より多い頂点数を宣言しています",
+            what: "`main` が出力しうる頂点の最大数より大きい `max_vertices` を報告します。`EmitVertex` を囲むループの回数がすべて定数で決まり、その数が分かるときだけ報告します。",
+            why: "プリミティブの出力領域は、実際の出力数にかかわらず宣言した数だけ確保されます。同時に処理できるプリミティブが減り、成分の総数の上限にも早く達します。",
+            fix: "出力しうる数を宣言します。unsafe: 後で定数を変えるときは、この宣言も合わせて変える必要があります。",
+        },
     },
     check: Check::Shader(check),
 };
@@ -241,7 +248,7 @@ mod tests {
         );
         let found = run(&[Input::new(SourceFile::new("a.geom", text))]);
         assert!(found.iter().all(|d| d.code.0 == "G002"), "{found:#?}");
-        found.first().map(|d| d.message.clone())
+        found.first().map(|d| d.message.to_string())
     }
 
     fn told(n: u32) -> Option<String> {

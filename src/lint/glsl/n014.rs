@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::{TokenKind, TokenPlace};
 use crate::lint::project::ShaderFile;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 /// The rule.
@@ -13,6 +13,7 @@ pub const RULE: Rule = Rule {
     code: Code("N014"),
     name: "low-precision-pi",
     severity: Severity::Info,
+    level: Level::Default,
     summary: "a literal stands for a multiple of π, but is not its nearest binary32 value",
     page: Page {
         what: "Reports float literals that are π, 2π, π/2, π/4, 1/π, 180/π or π/180 rounded or cut to few digits, so \
@@ -36,6 +37,12 @@ pub const RULE: Rule = Rule {
             "Abramowitz and Stegun, Handbook of Mathematical Functions, table 1.1: π to 25 decimals",
             "IEEE 754-2019, section 5.12: 9 decimal digits identify a binary32 number",
         ],
+        ja: Japanese {
+            summary: "π の倍数を表すリテラルが、最も近い binary32 の値になっていません",
+            what: "π, 2π, π/2, π/4, 1/π, 180/π, π/180 を少ない桁数に丸めた、または切り捨てた浮動小数点リテラルのうち、binary32 の値が真の値に最も近くないものを報告します。π と 2π は 3 桁、それ以外は 5 桁あれば定数とみなします。",
+            why: "そこから計算した角度がずれます。継ぎ目が閉じない、極が一点にならない、0 になるはずの正弦が負になる、といったことが起きます。例えば 3.141593 は π より大きい値です。",
+            fix: "定数を 18 桁で書きます。binary64 にも十分な桁数です。unsafe: 結果の末尾の桁が変わります。",
+        },
     },
     check: Check::Shader(check),
 };
@@ -69,13 +76,24 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let suffix = &text[number.len()..];
         let off = (number.parse::<f64>().unwrap_or(constant.value) - constant.value).abs();
         let name = constant.name;
+        let nearest = nearest(constant, suffix);
         findings.push(
             findings
-                .at(&file.file, token.span, format!("`{text}` stands for {name}, off by {off:.1e}"))
-                .with_label(format!("meant to be {name}"))
-                .with_why(format!("the nearest binary32 value to {name} is {}", nearest(constant, suffix)))
+                .at(
+                    &file.file,
+                    token.span,
+                    told!(
+                        "`{text}` stands for {name}, off by {off:.1e}",
+                        "`{text}` は {name} のつもりですが、{off:.1e} ずれています"
+                    ),
+                )
+                .with_label(told!("meant to be {name}", "{name} のつもり"))
+                .with_why(told!(
+                    "the nearest binary32 value to {name} is {nearest}",
+                    "{name} に最も近い binary32 の値は {nearest} です"
+                ))
                 .with_fix(
-                    format!("write {name} with 18 digits"),
+                    told!("write {name} with 18 digits", "{name} を 18 桁で書く"),
                     Safety::Unsafe,
                     vec![Edit::replace(token.span, format!("{}{suffix}", constant.digits))],
                 ),
@@ -200,7 +218,7 @@ mod tests {
     fn the_message_names_the_constant_and_the_error() {
         let text = "#version 150 core\n#define PI 3.141593\n/* 円周 */ const float a = 6.283185;\nvoid main() { gl_Position = vec4(a * PI); }\n";
         let found = run(&[Input::new(SourceFile::new("a.vert", text))]);
-        let told: Vec<_> = found.iter().map(|d| (d.file.locate(d.span.start), d.message.clone())).collect();
+        let told: Vec<_> = found.iter().map(|d| (d.file.locate(d.span.start), d.message.to_string())).collect();
         assert_eq!(
             told,
             [

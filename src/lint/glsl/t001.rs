@@ -6,7 +6,7 @@ use crate::glsl::ast::{Callee, ExprId, ExprKind};
 use crate::glsl::symbols::CallTarget;
 use crate::glsl::types::Type;
 use crate::lint::project::ShaderFile;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::{Edit, Span};
 
 use super::walk::declarators;
@@ -16,6 +16,7 @@ pub const RULE: Rule = Rule {
     code: Code("T001"),
     name: "constructor-too-many-args",
     severity: Severity::Error,
+    level: Level::Default,
     summary: "a constructor gets arguments beyond the components of its type",
     page: Page {
         what: "Reports constructors of scalars, vectors and matrices with an argument that stands behind the last \
@@ -37,6 +38,12 @@ pub const RULE: Rule = Rule {
               constructor takes that type. Safe: the text did not compile, and has one sensible reading. \
               Otherwise the arguments that are too many are removed, which is unsafe.",
         references: &["GLSL 1.50 specification, section 5.4.2 \"Vector and Matrix Constructors\""],
+        ja: Japanese {
+            summary: "コンストラクタに、型の成分数を超える引数があります",
+            what: "スカラ、ベクトル、行列のコンストラクタで、必要な最後の引数より後ろにある引数を報告します（`vec3(a, b, c, 1.0)`、`vec3(v4, 1.0)` など）。`vec3(v4)` のように引数の一部だけが使われるものは正しい書き方なので報告しません。",
+            why: "GLSL では禁じられており、ドライバはシェーダを受け付けません。naga など一部の変換器は、黙って余分な引数を捨てます。",
+            fix: "値が、与えた数と同じ成分数のベクトルの初期化や代入に使われる場合は、コンストラクタの型をそれに合わせます。元の文はコンパイルできず、妥当な読み方が一つなので safe です。それ以外では余分な引数を削除します。こちらは unsafe です。",
+        },
     },
     check: Check::Shader(check),
 };

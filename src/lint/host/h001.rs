@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 use super::HostFile;
@@ -14,6 +14,7 @@ pub const RULE: Rule = Rule {
     code: Code("H001"),
     name: "uniform-lookup-of-attribute",
     severity: Severity::Error,
+    level: Level::Default,
     summary: "glGetUniformLocation is asked for a vertex attribute",
     page: Page {
         what: "Reports `glGetUniformLocation` with the name of a vertex attribute (`in` of the vertex stage). \
@@ -44,6 +45,12 @@ pub const RULE: Rule = Rule {
         references: &[
             "OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation) and 2.11.4 (glGetUniformLocation)",
         ],
+        ja: Japanese {
+            summary: "glGetUniformLocation に頂点属性の名前を渡しています",
+            what: "頂点属性（頂点シェーダの `in`）の名前を渡した `glGetUniformLocation` を報告します。同じ名前の uniform を宣言しているかもしれない不明なステージがあるときは、得た位置が属性として使われる場合を除いて報告しません。",
+            why: "属性と uniform の位置は別々のものです。この呼び出しは GL エラーなしに -1 を返します。-1 を渡した `glVertexAttribPointer` は GL_INVALID_VALUE で失敗し、属性は定数 (0, 0, 0, 1) のままとなり、全頂点が一点に集まります。",
+            fix: "`glGetAttribLocation` を呼ぶように直します。位置が `glVertexAttribPointer` や `glEnableVertexAttribArray` などで使われ、`glUniform` 系の関数で使われていなければ safe です。元の呼び出しは -1 を返すだけで、妥当な読み方は一つです。それ以外は unsafe です。",
+        },
     },
     check: Check::Host(check),
 };

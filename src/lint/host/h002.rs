@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 use super::HostFile;
@@ -14,6 +14,7 @@ pub const RULE: Rule = Rule {
     code: Code("H002"),
     name: "attribute-lookup-of-uniform",
     severity: Severity::Error,
+    level: Level::Default,
     summary: "glGetAttribLocation or glBindAttribLocation is given the name of a uniform",
     page: Page {
         what: "Reports `glGetAttribLocation` and `glBindAttribLocation` with the name of a uniform that is not a \
@@ -42,6 +43,12 @@ pub const RULE: Rule = Rule {
         references: &[
             "OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation) and 2.11.4 (glGetUniformLocation)",
         ],
+        ja: Japanese {
+            summary: "glGetAttribLocation または glBindAttribLocation に uniform の名前を渡しています",
+            what: "頂点属性ではない uniform の名前を渡した `glGetAttribLocation` と `glBindAttribLocation` を報告します。頂点シェーダが分からないときは報告しません。",
+            why: "属性と uniform の位置は別々のものです。問い合わせは GL エラーなしに -1 を返し、`glUniform` 系の関数は位置 -1 を無視するので、uniform は 0 のままになります。",
+            fix: "`glGetUniformLocation` を呼ぶように直します。位置が `glUniform` 系の関数で使われ、属性用の関数で使われていなければ safe です。それ以外は unsafe です。`glBindAttribLocation` には no fix（修正なし）です。",
+        },
     },
     check: Check::Host(check),
 };

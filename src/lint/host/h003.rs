@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::{Edit, Span};
 
 use super::HostFile;
@@ -15,6 +15,7 @@ pub const RULE: Rule = Rule {
     code: Code("H003"),
     name: "unknown-uniform-name",
     severity: Severity::Warning,
+    level: Level::Default,
     summary: "glGetUniformLocation is given a name that no stage of the program declares",
     page: Page {
         what: "Reports `glGetUniformLocation` with a name that no stage declares as a uniform. It speaks only when \
@@ -42,6 +43,12 @@ pub const RULE: Rule = Rule {
         fix: "Writes the one declared name that is nearest to the given one. Unsafe: the nearest name need not be \
               the one that was meant.",
         references: &["OpenGL 3.2 core specification, section 2.11.4 (glGetUniformLocation)"],
+        ja: Japanese {
+            summary: "glGetUniformLocation に、プログラムのどのステージも宣言していない名前を渡しています",
+            what: "どのステージも uniform として宣言していない名前を渡した `glGetUniformLocation` を報告します。プログラムの全ステージが分かり、エラーなく読め、`#if` も `#include` も含まないときだけ報告します。",
+            why: "この呼び出しは GL エラーなしに -1 を返し、`glUniform` 系の関数は位置 -1 を無視します。本来の uniform は 0 のままです。空白や大文字・小文字も区別されます。",
+            fix: "宣言された名前のうち、最も近いものが一つに決まるときはそれに書き換えます。unsafe: 意図した名前とは限りません。",
+        },
     },
     check: Check::Host(check),
 };

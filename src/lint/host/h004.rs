@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 use super::HostFile;
@@ -15,6 +15,7 @@ pub const RULE: Rule = Rule {
     code: Code("H004"),
     name: "unknown-attribute-name",
     severity: Severity::Error,
+    level: Level::Default,
     summary: "glGetAttribLocation is given a name that the vertex stage does not declare",
     page: Page {
         what: "Reports `glGetAttribLocation` with a name that is neither an attribute of the vertex stage nor a \
@@ -42,6 +43,12 @@ pub const RULE: Rule = Rule {
         fix: "Writes the one attribute that is nearest to the given name, or else the only attribute there is, \
               unless the file looks that up as well. Unsafe: it need not be the one that was meant.",
         references: &["OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation, glBindAttribLocation)"],
+        ja: Japanese {
+            summary: "glGetAttribLocation に、頂点シェーダが宣言していない名前を渡しています",
+            what: "頂点属性でも uniform でもない名前（uniform は H002）を渡した `glGetAttribLocation` を報告します。頂点シェーダが分かり、エラーなく読め、`#if` も `#include` も含まないときだけ報告します。`glBindAttribLocation` は複数のシェーダ用の名前で呼ばれることが多いので、よく似た属性名が一つあるときだけ報告します。",
+            why: "この呼び出しは GL エラーなしに -1 を返します。-1 を渡した `glVertexAttribPointer` は GL_INVALID_VALUE で失敗し、本来の属性は定数 (0, 0, 0, 1) のままです。",
+            fix: "最も近い属性名が一つに決まるとき、または属性が一つしかないときは、その名前に書き換えます（その属性が別に問い合わせられている場合を除く）。unsafe: 意図した名前とは限りません。",
+        },
     },
     check: Check::Host(check),
 };

@@ -6,7 +6,7 @@ use tree_sitter::Node;
 
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 use super::HostFile;
@@ -17,6 +17,7 @@ pub const RULE: Rule = Rule {
     code: Code("H029"),
     name: "filled-array-undeclared",
     severity: Severity::Error,
+    level: Level::Default,
     summary: "an array is filled under a name that is declared nowhere, and the declared array stays empty",
     page: Page {
         what: "Reports assignments to the elements of a name that is declared nowhere, in a function that declares \
@@ -40,6 +41,12 @@ pub const RULE: Rule = Rule {
         fix: "Writes the name of the declared array in all places of the function. Unsafe: a declaration of the \
               other name may be what is missing.",
         references: &["ISO C++, [basic.lookup.unqual]: a name is declared before it is used"],
+        ja: Japanese {
+            summary: "どこにも宣言のない名前の配列に値を入れ、宣言した配列は空のままです",
+            what: "関数の中で、どこにも宣言されていない名前の要素に代入し、同じ次元数の配列を宣言しながら一度も書き込まずに OpenGL に渡しているものを報告します。メンバ関数の中、取り込むファイルが見つからないとき、候補の配列が複数あるときは報告しません。",
+            why: "このままではコンパイルできません。その名前がたまたま別の場所にあれば、そちらの配列に書き込まれ、バッファには局所配列の不定な内容が入ります。",
+            fix: "関数内のすべての箇所を、宣言した配列の名前に書き換えます。unsafe: 足りないのは別の名前の宣言かもしれません。",
+        },
     },
     check: Check::Host(check),
 };

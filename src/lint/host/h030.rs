@@ -4,7 +4,7 @@ use tree_sitter::Node;
 
 use crate::diagnostic::{Code, Severity};
 use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Page, Rule};
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 use super::HostFile;
 use super::syntax::{arguments, bare, callee, descendants, root_object, span, write};
@@ -14,6 +14,7 @@ pub const RULE: Rule = Rule {
     code: Code("H030"),
     name: "strip-adjacency-drops-ends",
     severity: Severity::Info,
+    level: Level::Default,
     summary: "a line strip with adjacency draws m - 3 of the m - 1 segments between its m nodes",
     page: Page {
         what: "Reports `glDrawArrays`, `glMultiDrawArrays` and their instanced forms with \
@@ -37,6 +38,12 @@ pub const RULE: Rule = Rule {
         fix: "There is no fix: the nodes are data. Store the first and the last node of every strip twice and \
               add 2 to its count, or store a further node at each end that continues the curve.",
         references: &["OpenGL 3.2 core specification, section 2.6.1, \"Line strips with adjacency\""],
+        ja: Japanese {
+            summary: "隣接情報付きの線分列は、m 個の節点の間の m - 1 本のうち m - 3 本だけを描きます",
+            what: "GL_LINE_STRIP_ADJACENCY を渡した `glDrawArrays`、`glMultiDrawArrays` とそのインスタンス版を報告します。両端の節点を繰り返すために個数に 2 を足しているとき（`m + 2`）は報告しません。",
+            why: "隣接情報付きの線分列では、最初と最後の節点は隣を示すだけです。m 個の節点から m - 3 本の線分ができ、各列の最初と最後の線分は描かれません。例えば毛髪は根元と毛先を失います。",
+            fix: "no fix（修正なし）: 節点はデータです。各列の最初と最後の節点を二重に格納して個数に 2 を足すか、曲線を延長する節点を両端に一つずつ加えてください。",
+        },
     },
     check: Check::Host(check),
 };

@@ -280,7 +280,7 @@ mod tests {
     fn resolve(host: &str, shaders: &[(&str, &str)]) -> Option<(String, bool)> {
         let mut inputs = vec![Input::new(SourceFile::new("m.cpp", host))];
         inputs.extend(shaders.iter().map(|(n, t)| Input::new(SourceFile::new(*n, *t))));
-        let project = Project::new(&inputs);
+        let project = Project::new(&inputs, &crate::lint::Config::default());
         let host = project.hosts().next().unwrap();
         program(host, &project, &host.lookups()[0]).map(|p| (p.names(), p.is_complete()))
     }

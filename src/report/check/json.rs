@@ -104,7 +104,7 @@ fn entry(entry: &Entry) -> Value {
                         "kind": "compile",
                         "severity": "error",
                         "code": d.code.0,
-                        "message": d.message,
+                        "message": &*d.message,
                         "file": d.file.name(),
                         "line": at.line,
                         "column": at.column,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::diagnostic::Lang;
 use crate::report::diagnostics;
 use crate::suite::run::{Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
 use crate::value::{F32Bits, Scalar};
@@ -90,7 +91,7 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
             for diagnostic in diagnostics {
                 text.push('\n');
-                text.push_str(&diagnostics::text(diagnostic, color));
+                text.push_str(&diagnostics::text(diagnostic, Lang::En, color));
             }
             let _ = writeln!(
                 text,

@@ -1,0 +1,67 @@
+//! What a project says about itself, as far as rules need it. Data; reading `shadercheck.toml` is the
+//! work of `cli`.
+
+/// What a project says about itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Config {
+    /// Ranges of uniforms and inputs.
+    pub ranges: Vec<Range>,
+    /// Programs whose stages cannot be found out from host code.
+    pub programs: Vec<ProgramEntry>,
+    /// Functions of the project that wrap those of OpenGL.
+    pub wrappers: Vec<Wrapper>,
+}
+
+impl Config {
+    /// The stated range of a variable, the first that matches.
+    pub fn range_of(&self, name: &str) -> Option<(f64, f64)> {
+        self.ranges.iter().find(|r| r.name == name).map(|r| (r.min, r.max))
+    }
+}
+
+/// Values that a uniform, attribute or other input takes, in every component.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// Name of the variable, members behind a point (`material.shininess`).
+    pub name: String,
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+}
+
+/// Shaders that are linked together.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ProgramEntry {
+    /// Paths of the shaders, from the folder of the configuration.
+    pub shaders: Vec<String>,
+    /// Paths of the host files that use the program.
+    pub hosts: Vec<String>,
+}
+
+/// What a wrapped function does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrapped {
+    /// Asks for the location of a uniform by name.
+    UniformLocation,
+    /// Asks for the location of an attribute by name.
+    AttributeLocation,
+    /// Sets a uniform by name.
+    SetUniform,
+    /// Makes a program from shader files or texts.
+    LoadProgram,
+}
+
+/// A function of the project that wraps one of OpenGL.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wrapper {
+    /// Name of the function or method, without its class.
+    pub function: String,
+    /// What it does.
+    pub kind: Wrapped,
+    /// Index of the argument that holds the name; 0 is the first. For [`Wrapped::LoadProgram`] of the
+    /// first shader file.
+    pub argument: usize,
+    /// GLSL type that it sets (`mat4`), for [`Wrapped::SetUniform`].
+    pub sets: Option<String>,
+}
