@@ -6,9 +6,9 @@ use clap::Args;
 
 use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::Lang;
 use crate::glsl::errors;
-use crate::lint::{Example, RULES, Rule, by_code, nearest_codes};
+use crate::lint::{RULES, by_code, nearest_codes};
+use crate::report::page;
 
 /// Show what a rule of the lint tool means; without a code, list all rules
 #[derive(Args, Clone, Debug, Default)]
@@ -36,7 +36,7 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
                 rule.code,
                 rule.name,
                 rule.severity.name(),
-                words(rule, lang).summary
+                page::words(rule, lang).summary
             )?;
         }
         for (code, line) in errors::ALL {
@@ -55,48 +55,8 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         writeln!(err, "`shadercheck explain` lists all rules")?;
         return Ok(ExitStatus::Error);
     };
-    page(rule, lang, out, color)?;
+    out.write_all(page::markdown(rule, lang, color).as_bytes())?;
     Ok(ExitStatus::Clean)
-}
-
-/// Writes a rule's page as Markdown.
-fn page(rule: &Rule, lang: Lang, out: &mut dyn Write, color: bool) -> std::io::Result<()> {
-    let (on, off) = if color { ("\u{1b}[1m", "\u{1b}[0m") } else { ("", "") };
-    let page = &rule.page;
-    let words = words(rule, lang);
-    let heading = |en: &'static str, ja: &'static str| if lang == Lang::Ja { ja } else { en };
-    writeln!(out, "{on}# {} {} ({}){off}\n", rule.code, rule.name, rule.severity.name())?;
-    writeln!(out, "{}{}\n", words.summary, heading(".", "。"))?;
-    writeln!(out, "{on}## {}{off}\n\n{}\n", heading("What", "内容"), words.what)?;
-    writeln!(out, "{on}## {}{off}\n\n{}\n", heading("Why", "理由"), words.why)?;
-    writeln!(out, "{on}## {}{off}\n", heading("Bad", "悪い例"))?;
-    page.bad.iter().try_for_each(|e| example(e, out))?;
-    writeln!(out, "{on}## {}{off}\n", heading("Good", "良い例"))?;
-    page.good.iter().try_for_each(|e| example(e, out))?;
-    writeln!(out, "{on}## {}{off}\n\n{}\n", heading("Fix", "修正"), words.fix)?;
-    writeln!(out, "{on}## {}{off}\n", heading("References", "参考"))?;
-    page.references.iter().try_for_each(|r| writeln!(out, "- {r}"))
-}
-
-/// The words of a page in one language.
-struct Words {
-    summary: &'static str,
-    what: &'static str,
-    why: &'static str,
-    fix: &'static str,
-}
-
-fn words(rule: &Rule, lang: Lang) -> Words {
-    let (page, ja) = (&rule.page, &rule.page.ja);
-    match lang {
-        Lang::En => Words { summary: rule.summary, what: page.what, why: page.why, fix: page.fix },
-        Lang::Ja => Words { summary: ja.summary, what: ja.what, why: ja.why, fix: ja.fix },
-    }
-}
-
-fn example(example: &Example, out: &mut dyn Write) -> std::io::Result<()> {
-    let language = if example.name.ends_with(".cpp") { "cpp" } else { "glsl" };
-    writeln!(out, "`{}`\n\n```{language}\n{}\n```\n", example.name, example.text.trim_end())
 }
 
 #[cfg(test)]

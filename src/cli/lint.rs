@@ -1,25 +1,36 @@
 //! `shadercheck lint`: finds faults in shaders and in the C and C++ code around them, and repairs them.
 
+mod config;
 mod diff;
 mod files;
+mod groups;
+mod known;
+mod summary;
 mod write;
 
-use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
 use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
 use crate::diagnostic::{Diagnostic, Lang, Safety, Severity};
-use crate::lint::fix::Outcome;
-use crate::lint::{Config, Level, Selection, Settings, by_code, fix, run_with};
-use crate::report::diagnostics;
+use crate::lint::fix::{FixedFile, Outcome};
+use crate::lint::{Input, Level};
+use crate::report::lint::{Context, FORMATS, Format, by_name};
+use crate::text::Encoding;
 
 use files::Loaded;
+use groups::Groups;
+use known::Known;
 
 /// Find faults in shaders, and in C and C++ code that feeds them
+///
+/// Folders are searched; what .gitignore names and hidden files are left out. The nearest
+/// shadercheck.toml above a file says how it is linted; options go before it.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LintArgs {
     /// Files, and folders that are searched for shaders and C and C++ files
@@ -41,26 +52,39 @@ pub struct LintArgs {
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
     pub ignore: Vec<String>,
     /// Also rules that report what may be meant (strict), or that guess by names (heuristic)
-    #[arg(long, value_enum, default_value_t)]
-    pub level: LevelName,
-    /// How findings are printed
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    #[arg(long, value_enum)]
+    pub level: Option<LevelName>,
+    /// How findings are printed; text when it is left out
+    #[arg(long, value_parser = formats())]
+    pub format: Option<String>,
+    /// Write the report to a file, and findings as text to standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Read this configuration instead of the nearest shadercheck.toml
+    #[arg(long, value_name = "FILE", conflicts_with = "no_config")]
+    pub config: Option<PathBuf>,
+    /// Read no configuration
+    #[arg(long)]
+    pub no_config: bool,
+    /// Do not tell findings that this file knows
+    #[arg(long, value_name = "FILE")]
+    pub baseline: Option<PathBuf>,
+    /// Record all findings in a file for --baseline
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "fix", "diff"])]
+    pub write_baseline: Option<PathBuf>,
+    /// With --baseline: remove from the file what is not found any more
+    #[arg(long, requires = "baseline", conflicts_with = "diff")]
+    pub prune_baseline: bool,
+    /// Exit status 0 also when there are findings
+    #[arg(long)]
+    pub exit_zero: bool,
     /// Language of messages; LANG decides when it is left out
     #[arg(long, value_enum)]
     pub lang: Option<LangName>,
 }
 
-/// How findings are printed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// With excerpts of the text
-    #[default]
-    Text,
-    /// One line each
-    Concise,
-    /// An array for programs
-    Json,
+fn formats() -> PossibleValuesParser {
+    PossibleValuesParser::new(FORMATS.iter().map(|f| PossibleValue::new(f.name).help(f.summary)))
 }
 
 /// Names of the levels.
@@ -92,58 +116,151 @@ impl LevelName {
 /// information does not count. With `--diff` the files as they are decide.
 ///
 /// # Errors
-/// When `out` or `err` cannot be written to.
+/// When `out`, `err`, the report or the baseline cannot be written to, and when the configuration or
+/// the baseline is wrong.
 pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     if args.unsafe_fixes && !args.fix && !args.diff {
-        writeln!(err, "error: --unsafe-fixes only widens --fix or --diff; add one of them")?;
-        return Ok(ExitStatus::Error);
+        anyhow::bail!("--unsafe-fixes only widens --fix or --diff; add one of them");
     }
-    let selection = match Selection::new(&args.select, &args.ignore) {
-        Ok(selection) => selection.at(args.level.level()),
-        Err(error) => {
-            writeln!(err, "error: {error}")?;
-            return Ok(ExitStatus::Error);
-        }
-    };
-    let settings = Settings { selection, config: Config::default() };
-    let lang = super::lang(args.lang);
-    let loaded = files::load(&args.paths);
+    let mut loaded = files::load(&args.paths);
+    let groups = Groups::new(args, &mut loaded)?;
+    let lang = super::lang(args.lang.or(groups.lang));
     for problem in &loaded.problems {
         writeln!(err, "error: {problem}")?;
     }
-    let mut status = if loaded.problems.is_empty() { ExitStatus::Clean } else { ExitStatus::Error };
-    if args.diff {
-        let found = run_with(&loaded.inputs, &settings);
-        let outcome = fix::fix(&loaded.inputs, &settings, safety(args));
-        outcome.files.iter().try_for_each(|f| out.write_all(diff::unified(f).as_bytes()))?;
-        report_refusals(&outcome, err)?;
-        writeln!(err, "{} in {} would be fixed", findings(outcome.applied), files_count(outcome.files.len()))?;
-        return Ok(status.max(status_of(&found)));
+    for missing in &groups.missing {
+        writeln!(err, "warning: {missing}")?;
     }
-    if !args.fix {
-        let found = run_with(&loaded.inputs, &settings);
-        print(&found, args.format, lang, out, color)?;
-        status = status.max(status_of(&found));
-        write!(err, "{}", summary(&found, &loaded))?;
-        return Ok(status);
+    let read = if loaded.problems.is_empty() { ExitStatus::Clean } else { ExitStatus::Error };
+    let mut session = Session { args, loaded, groups, lang, color, out, err };
+    let status = if let Some(path) = &args.write_baseline {
+        session.record(path)?
+    } else if args.diff {
+        session.diff()?
+    } else if args.fix {
+        session.fix()?
+    } else {
+        let found = session.groups.run(&session.loaded.inputs);
+        session.report(found)?
+    };
+    let found = status == ExitStatus::Findings && args.exit_zero;
+    Ok(read.max(if found { ExitStatus::Clean } else { status }))
+}
+
+/// A run: what was read, and where it is told.
+struct Session<'a> {
+    args: &'a LintArgs,
+    loaded: Loaded,
+    groups: Groups,
+    lang: Lang,
+    color: bool,
+    out: &'a mut dyn Write,
+    err: &'a mut dyn Write,
+}
+
+impl Session<'_> {
+    /// Writes a baseline.
+    fn record(&mut self, path: &std::path::Path) -> anyhow::Result<ExitStatus> {
+        let found = self.groups.run(&self.loaded.inputs);
+        let count = Known::new(path, &self.loaded).write(&found)?;
+        writeln!(self.err, "{}", summary::recorded(count, &path.display().to_string(), self.lang))?;
+        Ok(ExitStatus::Clean)
     }
-    let outcome = fix::fix(&loaded.inputs, &settings, safety(args));
-    report_refusals(&outcome, err)?;
-    let mut written = true;
-    for file in &outcome.files {
-        if let Err(error) = loaded.write(file) {
-            writeln!(err, "error: {error}")?;
-            written = false;
+
+    /// Prints a patch.
+    fn diff(&mut self) -> anyhow::Result<ExitStatus> {
+        let found = self.groups.run(&self.loaded.inputs);
+        let found = self.unknown(found)?;
+        let outcome = self.groups.fix(&self.loaded.inputs, safety(self.args));
+        for file in &outcome.files {
+            self.out.write_all(diff::unified(file).as_bytes())?;
+            let name = file.before.name();
+            if let Some(form) = self.loaded.form(name).filter(|f| f.encoding != Encoding::Utf8) {
+                let encoding = form.encoding;
+                writeln!(self.err, "note: {name} is {encoding} and the patch is UTF-8; --fix writes {encoding}")?;
+            }
         }
+        self.refusals(&outcome)?;
+        writeln!(self.err, "{}", summary::would_fix(outcome.applied, outcome.files.len(), self.lang))?;
+        Ok(status_of(&found))
     }
-    if !written {
-        status = ExitStatus::Error;
+
+    /// Writes repairs, and reports what is left.
+    fn fix(&mut self) -> anyhow::Result<ExitStatus> {
+        let outcome = self.groups.fix(&self.loaded.inputs, safety(self.args));
+        self.refusals(&outcome)?;
+        let mut written: Vec<&FixedFile> = Vec::new();
+        for file in &outcome.files {
+            match self.loaded.write(file) {
+                Ok(()) => written.push(file),
+                Err(error) => writeln!(self.err, "error: {error}")?,
+            }
+        }
+        let all = written.len() == outcome.files.len();
+        let remaining = if all {
+            outcome.remaining
+        } else {
+            // What could not be written is as it was, and so are its findings.
+            let now: Vec<Input> = self.loaded.inputs.iter().map(|i| after(i, &written)).collect();
+            self.groups.run(&now)
+        };
+        let line = summary::fixed(outcome.applied, outcome.files.len(), written.len(), self.lang);
+        let status = self.report_after(remaining, Some(line))?;
+        Ok(if all { status } else { ExitStatus::Error })
     }
-    print(&outcome.remaining, args.format, lang, out, color)?;
-    let verb = if written { "fixed" } else { "found a fix for" };
-    writeln!(err, "{verb} {} in {}", findings(outcome.applied), files_count(outcome.files.len()))?;
-    write!(err, "{}", summary(&outcome.remaining, &loaded))?;
-    Ok(status.max(status_of(&outcome.remaining)))
+
+    fn refusals(&mut self, outcome: &Outcome) -> std::io::Result<()> {
+        outcome.refused.iter().try_for_each(|refusal| writeln!(self.err, "warning: {refusal}"))
+    }
+
+    /// The findings that the baseline does not know. What it knows and is gone is told.
+    fn unknown(&mut self, found: Vec<Diagnostic>) -> anyhow::Result<Vec<Diagnostic>> {
+        let Some(path) = &self.args.baseline else { return Ok(found) };
+        let prune = self.args.prune_baseline;
+        let covered = Known::new(path, &self.loaded).cover(found, &self.groups, prune)?;
+        for known in &covered.stale {
+            let line = summary::stale(&known.rule, &known.file, &known.line, known.count, self.lang);
+            writeln!(self.err, "{line}")?;
+        }
+        if !covered.stale.is_empty() && !prune {
+            writeln!(self.err, "{}", summary::prune_hint(self.lang))?;
+        }
+        if covered.covered > 0 {
+            writeln!(self.err, "{}", summary::known(covered.covered, self.lang))?;
+        }
+        Ok(covered.left)
+    }
+
+    fn report(&mut self, found: Vec<Diagnostic>) -> anyhow::Result<ExitStatus> {
+        self.report_after(found, None)
+    }
+
+    /// Prints findings, then a line on what was done, then totals.
+    fn report_after(&mut self, found: Vec<Diagnostic>, done: Option<String>) -> anyhow::Result<ExitStatus> {
+        let found = self.unknown(found)?;
+        let root = std::env::current_dir().ok().map(|folder| files::name(&folder));
+        let context = Context { lang: self.lang, color: self.color, root };
+        let format = self.args.format.as_deref().and_then(by_name).unwrap_or(FORMATS[0]);
+        let write = |format: &Format, context: &Context| (format.write)(&found, context);
+        match &self.args.output {
+            None => self.out.write_all(write(format, &context).as_bytes())?,
+            Some(path) => {
+                let report = write(format, &Context { color: false, ..context.clone() });
+                std::fs::write(path, report).with_context(|| format!("{}: cannot be written", path.display()))?;
+                self.out.write_all(write(FORMATS[0], &context).as_bytes())?;
+            }
+        }
+        for line in done.into_iter().chain(summary::totals(&found, &self.loaded.inputs, self.lang)) {
+            writeln!(self.err, "{line}")?;
+        }
+        Ok(status_of(&found))
+    }
+}
+
+/// An input with the text that was written.
+fn after(input: &Input, written: &[&FixedFile]) -> Input {
+    let file = written.iter().find(|f| f.before.name() == input.file.name()).map_or(&input.file, |f| &f.after);
+    Input { file: file.clone(), reported: input.reported }
 }
 
 fn safety(args: &LintArgs) -> Safety {
@@ -152,64 +269,6 @@ fn safety(args: &LintArgs) -> Safety {
 
 fn status_of(found: &[Diagnostic]) -> ExitStatus {
     if found.iter().any(|d| d.severity > Severity::Info) { ExitStatus::Findings } else { ExitStatus::Clean }
-}
-
-fn report_refusals(outcome: &Outcome, err: &mut dyn Write) -> std::io::Result<()> {
-    outcome.refused.iter().try_for_each(|refusal| writeln!(err, "warning: {refusal}"))
-}
-
-fn print(found: &[Diagnostic], format: Format, lang: Lang, out: &mut dyn Write, color: bool) -> anyhow::Result<()> {
-    match format {
-        Format::Text => {
-            for diagnostic in found {
-                writeln!(out, "{}", diagnostics::text(diagnostic, lang, color))?;
-            }
-        }
-        Format::Concise => {
-            for diagnostic in found {
-                writeln!(out, "{}", diagnostics::concise(diagnostic, lang))?;
-            }
-        }
-        Format::Json => {
-            let text = diagnostics::json(found, lang, |code| by_code(code).map(|r| r.name))?;
-            out.write_all(text.as_bytes())?;
-        }
-    }
-    Ok(())
-}
-
-/// Totals: how much was looked at, what was found, what could be fixed.
-fn summary(found: &[Diagnostic], loaded: &Loaded) -> String {
-    let count = |severity| found.iter().filter(|d| d.severity == severity).count();
-    let looked_at = files_count(loaded.inputs.iter().filter(|i| i.reported).count());
-    let mut text = String::new();
-    let plural = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
-    // Writing into a String does not fail.
-    let _ = writeln!(
-        text,
-        "{looked_at}: {}, {}, {} info",
-        plural(count(Severity::Error), "error"),
-        plural(count(Severity::Warning), "warning"),
-        count(Severity::Info)
-    );
-    let fixable = |s| found.iter().filter(|d| d.fix.as_ref().is_some_and(|f| f.safety == s)).count();
-    let (safe, risky) = (fixable(Safety::Safe), fixable(Safety::Unsafe));
-    if safe > 0 {
-        let _ = writeln!(text, "{} can be fixed with --fix", findings(safe));
-    }
-    if risky > 0 {
-        let need = if risky == 1 { "needs" } else { "need" };
-        let _ = writeln!(text, "{risky} more {need} --fix --unsafe-fixes");
-    }
-    text
-}
-
-fn findings(n: usize) -> String {
-    format!("{n} finding{}", if n == 1 { "" } else { "s" })
-}
-
-fn files_count(n: usize) -> String {
-    format!("{n} file{}", if n == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::glsl::Stage;
 use crate::lower::Target;
 use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
 use crate::report::diagnostics;
-use crate::text::SourceFile;
+use crate::text::{SourceFile, decode};
 
 /// Arguments of `shadercheck translate`.
 #[derive(Args, Clone, Debug)]
@@ -104,7 +104,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         anyhow::bail!("`{name}` is empty");
     }
-    Ok(SourceFile::from_bytes(&name, &bytes)?)
+    Ok(decode(&name, &bytes)?.file)
 }
 
 fn write_file(path: &Path, translation: Translation) -> anyhow::Result<()> {

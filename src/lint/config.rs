@@ -10,9 +10,14 @@ pub struct Config {
     pub programs: Vec<ProgramEntry>,
     /// Functions of the project that wrap those of OpenGL.
     pub wrappers: Vec<Wrapper>,
+    /// Libraries whose wrappers are known, by their names in [`Config::PRESETS`].
+    pub presets: Vec<String>,
 }
 
 impl Config {
+    /// Names of libraries whose wrappers of OpenGL are known.
+    pub const PRESETS: [&'static str; 3] = ["learnopengl", "qt", "gg"];
+
     /// The stated range of a variable, the first that matches.
     pub fn range_of(&self, name: &str) -> Option<(f64, f64)> {
         self.ranges.iter().find(|r| r.name == name).map(|r| (r.min, r.max))
@@ -50,6 +55,16 @@ pub enum Wrapped {
     SetUniform,
     /// Makes a program from shader files or texts.
     LoadProgram,
+}
+
+impl Wrapped {
+    /// All kinds, with the names that a configuration has for them.
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("uniform-location", Self::UniformLocation),
+        ("attribute-location", Self::AttributeLocation),
+        ("set-uniform", Self::SetUniform),
+        ("load-program", Self::LoadProgram),
+    ];
 }
 
 /// A function of the project that wraps one of OpenGL.

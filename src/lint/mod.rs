@@ -3,6 +3,7 @@
 //! [`run`] is pure: it takes texts and gives diagnostics. Reading files, writing repaired ones and
 //! drawing messages is the work of `cli` and `report`.
 
+pub mod baseline;
 mod config;
 pub mod fix;
 mod glsl;
@@ -11,6 +12,7 @@ mod project;
 mod registry;
 mod rule;
 mod select;
+mod suppress;
 #[cfg(test)]
 mod tests;
 
@@ -18,10 +20,11 @@ pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
 pub use registry::{RULES, by_code, nearest_codes};
 pub use rule::{Example, Japanese, Level, Page, Rule};
-pub use select::{SelectError, Selection};
+pub use select::{PerFile, SelectError, Selection};
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use project::Project;
+use suppress::Suppressions;
 
 /// Lints `files` with every rule. The diagnostics of inputs that are only context are left out.
 ///
@@ -35,8 +38,17 @@ pub fn run(files: &[Input]) -> Vec<Diagnostic> {
 pub struct Settings {
     /// Which rules run.
     pub selection: Selection,
+    /// Rules that are left out for single files.
+    pub per_file: PerFile,
     /// What the project says about itself.
     pub config: Config,
+}
+
+impl Settings {
+    /// True when diagnostics with `code`, of a rule of this level, are wanted for the file of this name.
+    pub fn keeps(&self, file: &str, code: &str, level: Level) -> bool {
+        self.selection.keeps(code, level) && !self.per_file.ignores(file, code)
+    }
 }
 
 /// Lints `files` with the rules that the settings keep. Errors of the front end (`E` codes) obey the
@@ -55,15 +67,35 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     for rule in rules {
         rule.check(&project, &mut found);
     }
-    found.retain(|d| settings.selection.keeps(d.code.0, level_of(rules, d)));
-    found.sort_by(|a, b| {
-        let key = |d: &Diagnostic| (d.file.name().to_owned(), d.span, d.code);
-        key(a).cmp(&key(b)).then_with(|| a.message.cmp(&b.message))
-    });
+    let wanted = |d: &Diagnostic| settings.keeps(d.file.name(), d.code.0, level_of(rules, d.code.0));
+    found.retain(wanted);
+    let mut suppressions = Suppressions::of(&project, rules);
+    found.retain(|d| !suppressions.silences(d));
+    suppressions.judge(|file, code| settings.keeps(file, code, level_of(rules, code)));
+    let before = found.len();
+    for rule in rules {
+        rule.check_after(&suppressions, &mut found);
+    }
+    let after = found.split_off(before);
+    found.extend(after.into_iter().filter(wanted));
+    sort(&mut found);
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
     found
 }
 
-fn level_of(rules: &[&'static Rule], diagnostic: &Diagnostic) -> Level {
-    rules.iter().find(|r| r.code == diagnostic.code).map_or(Level::Default, |r| r.level)
+/// Codes of the errors that the front end gives by itself, with what they are about.
+pub fn front_end_errors() -> &'static [(Code, &'static str)] {
+    crate::glsl::errors::ALL
+}
+
+/// Brings diagnostics into the order of their files' names, places and codes.
+pub fn sort(found: &mut [Diagnostic]) {
+    found.sort_by(|a, b| {
+        let key = |d: &Diagnostic| (d.span, d.code);
+        a.file.name().cmp(b.file.name()).then_with(|| key(a).cmp(&key(b))).then_with(|| a.message.cmp(&b.message))
+    });
+}
+
+fn level_of(rules: &[&'static Rule], code: &str) -> Level {
+    rules.iter().find(|r| r.code.0 == code).map_or(Level::Default, |r| r.level)
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use crate::diagnostic::Diagnostic;
 use crate::glsl::{Shader, Stage};
 use crate::text::SourceFile;
@@ -118,19 +120,38 @@ pub struct Project {
     config: Config,
 }
 
+/// An input, read by what its name says it is.
+enum Read {
+    Shader(Box<ShaderFile>),
+    Host(Box<HostFile>),
+}
+
+impl Read {
+    fn new(input: &Input) -> (String, Option<Self>) {
+        let path = normalise(input.file.name());
+        let read = match language_of(&path) {
+            Some(Language::Shader(stage)) => Some(Self::Shader(Box::new(ShaderFile::new(input, stage)))),
+            Some(Language::Host) => Some(Self::Host(Box::new(HostFile::new(&input.file, input.reported)))),
+            None => None,
+        };
+        (path, read)
+    }
+}
+
 impl Project {
     /// Reads all inputs. Of two with the same path, the reported one counts.
     pub fn new(files: &[Input], config: &Config) -> Self {
         let mut project = Self { shaders: BTreeMap::new(), hosts: BTreeMap::new(), config: config.clone() };
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
-        for input in context.into_iter().chain(reported) {
-            let path = normalise(input.file.name());
-            match language_of(&path) {
-                Some(Language::Shader(stage)) => {
-                    project.shaders.insert(path, ShaderFile::new(input, stage));
+        let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
+        let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(Read::new).collect();
+        for (path, read) in read {
+            match read {
+                Some(Read::Shader(shader)) => {
+                    project.shaders.insert(path, *shader);
                 }
-                Some(Language::Host) => {
-                    project.hosts.insert(path, HostFile::new(&input.file, input.reported));
+                Some(Read::Host(host)) => {
+                    project.hosts.insert(path, *host);
                 }
                 None => {}
             }

@@ -1,7 +1,7 @@
 //! All rules. A rule is one file and one line here.
 
 use super::rule::Rule;
-use super::{glsl, host};
+use super::{glsl, host, suppress};
 
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[
@@ -14,6 +14,8 @@ pub const RULES: &[&Rule] = &[
     &host::h030::RULE,
     &glsl::n014::RULE,
     &glsl::t001::RULE,
+    &suppress::x001::RULE,
+    &suppress::x002::RULE,
 ];
 
 /// The rule with this code or name; letters may be small or capital.

@@ -1,10 +1,13 @@
 //! What a rule is: its names, its page of the manual, and its check.
 
+use rayon::prelude::*;
+
 use crate::diagnostic::{Code, Diagnostic, Severity, Told};
 use crate::text::{SourceFile, Span};
 
 use super::host::HostFile;
 use super::project::{Project, ShaderFile};
+use super::suppress::Suppressions;
 
 /// One rule of the lint tool.
 pub struct Rule {
@@ -84,33 +87,62 @@ pub(super) enum Check {
     FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
     /// One host file at a time, with the shaders that belong to it.
     Host(fn(&HostFile, &Project, &mut Findings<'_>)),
+    /// What is left to say when all other rules have run and comments have silenced some of it.
+    After(fn(&Suppressions, &mut Findings<'_>)),
     /// One text at a time, whatever its language: planted rules in tests.
     #[cfg(test)]
     Text(fn(&SourceFile, &mut Findings<'_>)),
 }
 
 impl Rule {
-    /// Runs the rule over the reported files of a project.
+    /// Runs the rule over the reported files of a project, on all cores.
     pub(super) fn check(&'static self, project: &Project, into: &mut Vec<Diagnostic>) {
-        let mut findings = Findings { rule: self, into };
         match self.check {
             Check::Shader(check) => {
-                project.shaders().filter(|s| s.reported).for_each(|s| check(s, &mut findings));
+                let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
+                self.gather(&shaders, into, |shader, findings| check(shader, findings));
             }
             Check::Host(check) => {
-                project.hosts().filter(|h| h.reported).for_each(|h| check(h, project, &mut findings));
+                let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported).collect();
+                self.gather(&hosts, into, |host, findings| check(host, project, findings));
             }
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {
                     let told = shader.front_end.iter().filter(|d| d.code == self.code);
-                    findings.into.extend(told.filter_map(|d| complete(shader, d.clone())));
+                    into.extend(told.filter_map(|d| complete(shader, d.clone())));
                 }
             }
+            Check::After(_) => {}
             #[cfg(test)]
             Check::Text(check) => {
+                let mut findings = Findings { rule: self, into };
                 project.shaders().filter(|s| s.reported).for_each(|s| check(&s.file, &mut findings));
                 project.hosts().filter(|h| h.reported).for_each(|h| check(&h.file, &mut findings));
             }
+        }
+    }
+}
+
+impl Rule {
+    /// Checks files side by side; what they give stands in the order of the files.
+    fn gather<T: Sync>(
+        &'static self,
+        files: &[&T],
+        into: &mut Vec<Diagnostic>,
+        check: impl Fn(&T, &mut Findings<'_>) + Sync,
+    ) {
+        let found = files.par_iter().flat_map_iter(|file| {
+            let mut found = Vec::new();
+            check(file, &mut Findings { rule: self, into: &mut found });
+            found
+        });
+        into.par_extend(found);
+    }
+
+    /// Runs a rule that speaks of comments which silence others.
+    pub(super) fn check_after(&'static self, suppressions: &Suppressions, into: &mut Vec<Diagnostic>) {
+        if let Check::After(check) = self.check {
+            check(suppressions, &mut Findings { rule: self, into });
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Which rules run: `--select` and `--ignore`.
 
+use std::collections::BTreeMap;
+
 use thiserror::Error;
 
 use super::registry::{RULES, nearest_codes};
@@ -63,6 +65,30 @@ impl Selection {
     }
 }
 
+/// Rules left out for single files, by the names of the files.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PerFile {
+    ignored: BTreeMap<String, Vec<String>>,
+}
+
+impl PerFile {
+    /// Leaves out rules for the file of this name, besides those left out already.
+    ///
+    /// # Errors
+    /// [`SelectError::Unknown`] as for [`Selection::new`].
+    pub fn ignore(&mut self, file: &str, rules: &[String]) -> Result<(), SelectError> {
+        let rules = codes(rules)?;
+        self.ignored.entry(file.to_owned()).or_default().extend(rules);
+        Ok(())
+    }
+
+    /// True when findings with this code are not wanted for the file of this name.
+    pub fn ignores(&self, file: &str, code: &str) -> bool {
+        self.ignored.get(file).is_some_and(|rules| rules.iter().any(|r| code.starts_with(r.as_str())))
+    }
+
+}
+
 fn codes(given: &[String]) -> Result<Vec<String>, SelectError> {
     given.iter().map(|entry| code(entry)).collect()
 }
@@ -111,6 +137,16 @@ mod tests {
         let s = selection(&["T"], &[]);
         assert!(!s.keeps("T001", Level::Strict) && s.clone().at(Level::Heuristic).keeps("T001", Level::Strict));
         assert!(Selection::new(&own(&["T001"]), &[]).unwrap().keeps("T001", Level::Heuristic), "selected by its code");
+    }
+
+    #[test]
+    fn single_files_leave_rules_out() {
+        let mut per_file = PerFile::default();
+        per_file.ignore("a.vert", &["N".to_owned()]).unwrap();
+        per_file.ignore("a.vert", &["T001".to_owned()]).unwrap();
+        assert!(per_file.ignores("a.vert", "N014") && per_file.ignores("a.vert", "T001"));
+        assert!(!per_file.ignores("b.vert", "N014") && !per_file.ignores("a.vert", "H001"));
+        assert!(per_file.ignore("a.vert", &["Q".to_owned()]).is_err());
     }
 
     #[test]

@@ -251,10 +251,10 @@ fn swap(file: &SourceFile, findings: &mut Findings<'_>, from: &str, to: &str) {
     }
 }
 
-static TO_B: Rule = planted("X001", |file, findings| swap(file, findings, "aaa", "bbb"));
-static TO_A: Rule = planted("X002", |file, findings| swap(file, findings, "bbb", "aaa"));
-static BREAK: Rule = planted("X003", |file, findings| swap(file, findings, "good", "{{{"));
-static PAIRS: Rule = planted("X004", |file, findings| {
+static TO_B: Rule = planted("Z001", |file, findings| swap(file, findings, "aaa", "bbb"));
+static TO_A: Rule = planted("Z002", |file, findings| swap(file, findings, "bbb", "aaa"));
+static BREAK: Rule = planted("Z003", |file, findings| swap(file, findings, "good", "{{{"));
+static PAIRS: Rule = planted("Z004", |file, findings| {
     let text = file.text();
     for at in (0..text.len()).filter(|&at| text[at..].starts_with("xx")) {
         let span = Span::new(at, at + 2);
@@ -262,7 +262,7 @@ static PAIRS: Rule = planted("X004", |file, findings| {
         findings.push(found.with_fix("halve", Safety::Safe, vec![Edit::replace(span, "x")]));
     }
 });
-static OUTSIDE: Rule = planted("X005", |file, findings| {
+static OUTSIDE: Rule = planted("Z005", |file, findings| {
     let found = findings.at(file, Span::at(0), "outside");
     findings.push(found.with_fix("cut", Safety::Safe, vec![Edit::delete(Span::new(0, file.text().len() + 9))]));
 });
@@ -276,7 +276,7 @@ fn fixes_that_undo_each_other_come_to_an_end() {
     let outcome = plant("int aaa;", &[&TO_B, &TO_A]);
     assert_eq!(outcome.refused.len(), 1, "{:?}", outcome.refused);
     assert!(outcome.refused[0].reason.contains("did not come to an end"));
-    assert!(outcome.refused[0].to_string().starts_with("a.cpp:1:5: fix of X00"));
+    assert!(outcome.refused[0].to_string().starts_with("a.cpp:1:5: fix of Z00"));
 }
 
 #[test]
@@ -284,7 +284,7 @@ fn a_fix_that_breaks_the_text_is_refused_and_others_are_applied() {
     let outcome = plant("int good;\nint aaa;\n", &[&TO_B, &BREAK]);
     assert_eq!(fixed(&outcome, "a.cpp"), "int good;\nint bbb;\n");
     assert_eq!(outcome.applied, 1);
-    assert_eq!(outcome.refused.iter().map(|r| r.code).collect::<Vec<_>>(), ["X003"]);
+    assert_eq!(outcome.refused.iter().map(|r| r.code).collect::<Vec<_>>(), ["Z003"]);
     assert!(outcome.refused[0].reason.contains("parse"));
     assert_eq!(outcome.remaining.len(), 1, "it is still told");
 }
@@ -306,5 +306,5 @@ fn an_edit_outside_the_text_is_refused() {
 fn diagnostics_are_sorted_by_place_and_told_once() {
     let files = [Input::new(SourceFile::new("a.cpp", "int xx; int aaa;"))];
     let found = run_rules(&files, &Settings::default(), &[&TO_B, &PAIRS, &PAIRS]);
-    assert_eq!(found.iter().map(|d| (d.code.0, d.span.start)).collect::<Vec<_>>(), [("X004", 4), ("X001", 12)]);
+    assert_eq!(found.iter().map(|d| (d.code.0, d.span.start)).collect::<Vec<_>>(), [("Z004", 4), ("Z001", 12)]);
 }

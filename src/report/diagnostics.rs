@@ -1,7 +1,6 @@
-//! Draws diagnostics: with excerpts for people, one a line for editors, JSON for programs.
+//! Draws diagnostics with excerpts of the text, for people.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
-use serde::Serialize;
 
 use crate::diagnostic::{Diagnostic, Fix, Label, Lang, Safety, Severity};
 use crate::text::{SourceFile, Span};
@@ -105,111 +104,6 @@ fn floor(text: &str, offset: usize) -> usize {
     offset
 }
 
-/// `file:line:column: error[T001]: message`, without a line break.
-pub fn concise(diagnostic: &Diagnostic, lang: Lang) -> String {
-    let d = diagnostic;
-    format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message.in_lang(lang))
-}
-
-/// A diagnostic as JSON has it. Lines and columns count from 1, columns in characters; ends are
-/// exclusive. Keys may be added later, and are not renamed.
-#[derive(Serialize)]
-struct JsonDiagnostic<'a> {
-    code: &'a str,
-    name: Option<&'a str>,
-    severity: &'a str,
-    #[serde(flatten)]
-    place: JsonPlace<'a>,
-    message: &'a str,
-    label: &'a str,
-    related: Vec<JsonLabel<'a>>,
-    why: Option<&'a str>,
-    help: Option<&'a str>,
-    fix: Option<JsonFix<'a>>,
-}
-
-#[derive(Serialize)]
-struct JsonPlace<'a> {
-    file: &'a str,
-    line: usize,
-    column: usize,
-    end_line: usize,
-    end_column: usize,
-}
-
-#[derive(Serialize)]
-struct JsonLabel<'a> {
-    #[serde(flatten)]
-    place: JsonPlace<'a>,
-    message: &'a str,
-}
-
-#[derive(Serialize)]
-struct JsonFix<'a> {
-    title: &'a str,
-    safety: &'a str,
-    edits: Vec<JsonEdit<'a>>,
-}
-
-#[derive(Serialize)]
-struct JsonEdit<'a> {
-    #[serde(flatten)]
-    place: JsonPlace<'a>,
-    replacement: &'a str,
-}
-
-impl<'a> JsonPlace<'a> {
-    fn new(file: &'a SourceFile, span: Span) -> Self {
-        let (from, to) = (file.position(span.start), file.position(span.end));
-        Self { file: file.name(), line: from.line, column: from.column, end_line: to.line, end_column: to.column }
-    }
-}
-
-/// All diagnostics as one JSON array, with a line break at the end. `name_of` gives the name of a
-/// rule by its code; codes of the front end have none.
-///
-/// # Errors
-/// Never for diagnostics whose texts are UTF-8, as all are; serde's signature says so.
-pub fn json(
-    diagnostics: &[Diagnostic],
-    lang: Lang,
-    name_of: impl Fn(&str) -> Option<&'static str>,
-) -> Result<String, serde_json::Error> {
-    let all: Vec<JsonDiagnostic<'_>> = diagnostics
-        .iter()
-        .map(|d| JsonDiagnostic {
-            code: d.code.0,
-            name: name_of(d.code.0),
-            severity: d.severity.name(),
-            place: JsonPlace::new(&d.file, d.span),
-            message: d.message.in_lang(lang),
-            label: d.label.in_lang(lang),
-            related: d
-                .related
-                .iter()
-                .map(|l| JsonLabel { place: JsonPlace::new(&l.file, l.span), message: l.message.in_lang(lang) })
-                .collect(),
-            why: d.why.as_ref().map(|w| w.in_lang(lang)),
-            help: d.help.as_ref().map(|h| h.in_lang(lang)),
-            fix: d.fix.as_ref().map(|f| JsonFix {
-                title: f.title.in_lang(lang),
-                safety: match f.safety {
-                    Safety::Safe => "safe",
-                    Safety::Unsafe => "unsafe",
-                },
-                edits: f
-                    .edits
-                    .iter()
-                    .map(|e| JsonEdit { place: JsonPlace::new(&d.file, e.span), replacement: &e.replacement })
-                    .collect(),
-            }),
-        })
-        .collect();
-    let mut text = serde_json::to_string_pretty(&all)?;
-    text.push('\n');
-    Ok(text)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -259,23 +153,6 @@ mod tests {
         let underline = lines[source + 1];
         assert_eq!(columns(&underline[..underline.find('^').unwrap()]), wanted, "{text}");
         assert_eq!(underline.matches('^').count(), 4, "{text}");
-    }
-
-    #[test]
-    fn concise_is_one_line() {
-        assert_eq!(concise(&sample(), Lang::En), "側/円柱.vert:2:21: error[T001]: too few");
-    }
-
-    #[test]
-    fn json_reads_back() {
-        let text = json(&[sample()], Lang::En, |_| Some("constructor-too-many-args")).unwrap();
-        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let d = &value[0];
-        assert_eq!((&d["code"], &d["name"]), (&"T001".into(), &"constructor-too-many-args".into()));
-        assert_eq!((&d["line"], &d["column"], &d["end_column"]), (&2.into(), &21.into(), &25.into()));
-        assert_eq!((&d["fix"]["safety"], &d["fix"]["edits"][0]["replacement"]), (&"unsafe".into(), &"vec4".into()));
-        assert_eq!(d["related"][0]["file"], "b.frag");
-        assert_eq!(json(&[], Lang::En, |_| None).unwrap(), "[]\n");
     }
 
     #[test]

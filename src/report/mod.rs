@@ -2,4 +2,6 @@
 
 pub mod check;
 pub mod diagnostics;
+pub mod lint;
 pub mod mutate;
+pub mod page;

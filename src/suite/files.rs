@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::property::Sample;
 use crate::property::regressions::{self, Regression};
-use crate::text::SourceFile;
+use crate::text::{SourceFile, decode};
 
 use super::error::LoadError;
 use super::{Suite, parse};
@@ -25,14 +25,20 @@ fn read(path: &Path) -> Result<SourceFile, LoadError> {
     Ok(SourceFile::from_bytes(&path.display().to_string(), &bytes)?)
 }
 
+/// Reads a shader, in any encoding that is known.
+fn read_shader(path: &Path) -> Result<SourceFile, LoadError> {
+    let bytes = fs::read(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
+    Ok(decode(&path.display().to_string(), &bytes)?.file)
+}
+
 /// Reads a suite file and the shader that it names, which lies beside it.
 ///
 /// # Errors
-/// A file that cannot be read or is not UTF-8, and everything that is wrong in the suite file.
+/// A file that cannot be read or is no text, and everything that is wrong in the suite file.
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let suite = parse(&read(path)?)?;
     let shader = path.parent().unwrap_or(Path::new("")).join(&suite.shader);
-    let shader = read(&shader).map_err(|error| match error {
+    let shader = read_shader(&shader).map_err(|error| match error {
         LoadError::Read { path, source } => {
             let text = suite.file.text();
             let at = suite.file.locate(text.find(&suite.shader).unwrap_or_default());

@@ -6,7 +6,7 @@ mod files;
 mod parse;
 pub mod run;
 mod shipped;
-mod table;
+pub(crate) mod table;
 
 use std::sync::Arc;
 

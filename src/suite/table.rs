@@ -33,17 +33,22 @@ impl<'a> Reader<'a> {
 
     /// `value` when nothing was wrong.
     pub fn finish<T>(self, value: Option<T>) -> Result<T, SuiteError> {
+        self.finish_or(value, "the suite cannot be read").map_err(|problems| SuiteError { problems })
+    }
+
+    /// The same with the problems as they are; `defect` tells of a part that could not be read and did
+    /// not say why, which is a defect here.
+    pub fn finish_or<T>(self, value: Option<T>, defect: &str) -> Result<T, Vec<Problem>> {
         let mut problems = self.problems.into_inner();
         match value {
             Some(value) if problems.is_empty() => Ok(value),
             _ => {
                 if problems.is_empty() {
-                    // A part that could not be read has always said why; this is for a defect here.
-                    problems.push((0, "the suite cannot be read".to_owned()));
+                    problems.push((0, defect.to_owned()));
                 }
                 problems.sort_by_key(|(offset, _)| *offset);
                 let problem = |(offset, message): (usize, String)| Problem { at: self.file.locate(offset), message };
-                Err(SuiteError { problems: problems.into_iter().map(problem).collect() })
+                Err(problems.into_iter().map(problem).collect())
             }
         }
     }
@@ -85,6 +90,11 @@ impl<'a> Table<'a> {
             }
         }
         self
+    }
+
+    /// All keys, for tables whose keys are free.
+    pub fn keys(&self) -> impl Iterator<Item = At<&'a str>> {
+        self.table.keys().map(|key| At { value: &**key.get_ref(), offset: key.span().start })
     }
 
     fn inside(&self) -> String {

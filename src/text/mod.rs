@@ -1,8 +1,12 @@
-//! Source text: files with line and column positions, byte spans, and edits that map positions
-//! both ways. A leaf of the dependency graph.
+//! Source text: files with line and column positions, byte spans, encodings, and edits that map
+//! positions both ways. A leaf of the dependency graph.
 
 mod edit;
+mod encoding;
+mod fingerprint;
 mod source;
 
 pub use edit::{Edit, EditConflict, EditList, Edited, PositionMap};
+pub use encoding::{Decoded, EncodeError, Encoding, Form, decode};
+pub use fingerprint::fingerprint;
 pub use source::{Position, SourceFile, Span, TextError};

@@ -81,6 +81,18 @@ pub enum TextError {
         /// That byte.
         byte: u8,
     },
+    /// The bytes fit no encoding that is read.
+    #[error(
+        "{name}:{position}: neither UTF-8 nor Shift_JIS, EUC-JP or UTF-16 with a byte-order mark (byte 0x{byte:02x}); convert the file to UTF-8 first, for example with `iconv -f LATIN1 -t UTF-8`"
+    )]
+    NoEncoding {
+        /// Name of the file.
+        name: String,
+        /// Place of the first byte that is not UTF-8, or not UTF-16.
+        position: Position,
+        /// That byte.
+        byte: u8,
+    },
 }
 
 /// A text with a name and its line starts. Cheap to clone.
@@ -209,7 +221,7 @@ mod tests {
     #[test]
     fn bytes_that_are_not_utf8_are_refused_with_their_place() {
         let error = SourceFile::from_bytes("s.vert", b"in vec4 p; // \x8b\x85\n").unwrap_err();
-        let TextError::NotUtf8 { position, byte, .. } = &error;
+        let TextError::NotUtf8 { position, byte, .. } = &error else { panic!("{error}") };
         assert_eq!((*position, *byte), (Position { line: 1, column: 15 }, 0x8b));
         assert!(error.to_string().starts_with("s.vert:1:15: not UTF-8"));
     }

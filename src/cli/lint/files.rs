@@ -4,12 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
+use ignore::{WalkBuilder, WalkState};
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::lint::fix::FixedFile;
 use crate::lint::{HOST_EXTENSIONS, Input, SHADER_EXTENSIONS, companions, language_of};
-use crate::text::{SourceFile, TextError};
+use crate::text::{Decoded, Form, TextError, decode};
 
 use super::write::{WriteError, replace};
 
@@ -18,8 +21,6 @@ const MOST_BYTES: u64 = 16 << 20;
 
 /// Headers include headers: how far they are followed.
 const MOST_COMPANION_ROUNDS: usize = 8;
-
-const BOM: &str = "\u{feff}";
 
 /// Why a path is not linted.
 #[derive(Debug, Error)]
@@ -32,7 +33,15 @@ pub enum InputError {
         /// What the system says.
         source: io::Error,
     },
-    /// It is not UTF-8.
+    /// A folder cannot be searched.
+    #[error("{}: cannot be searched ({message}); check its permissions", path.display())]
+    Unsearchable {
+        /// The folder that was to be searched.
+        path: PathBuf,
+        /// What the system says.
+        message: String,
+    },
+    /// Its bytes are no text.
     #[error(transparent)]
     NotText(#[from] TextError),
     /// It has no text.
@@ -46,7 +55,11 @@ pub enum InputError {
     )]
     UnknownKind(PathBuf),
     /// A folder without a file to lint.
-    #[error("{}: no shader and no C or C++ file in this folder; known endings are {}", .0.display(), endings())]
+    #[error(
+        "{}: no shader and no C or C++ file in this folder; known endings are {}; hidden files and what .gitignore names are left out",
+        .0.display(),
+        endings()
+    )]
     NothingInFolder(PathBuf),
     /// It is too large.
     #[error("{}: the file has {size} bytes, more than a source text of {MOST_BYTES}; leave it out", path.display())]
@@ -67,87 +80,123 @@ fn endings() -> String {
 }
 
 /// What was read.
+#[derive(Default)]
 pub struct Loaded {
     /// The texts, without byte-order marks.
     pub inputs: Vec<Input>,
     /// What could not be read.
     pub problems: Vec<InputError>,
-    /// Path and byte-order mark of each reported text, by its name.
+    /// Where each reported text came from, by its name.
     sources: BTreeMap<String, Source>,
+    /// Names of all texts by their real paths.
+    names: BTreeMap<PathBuf, String>,
 }
 
 struct Source {
     path: PathBuf,
-    bom: bool,
+    form: Form,
+    exact: bool,
 }
 
 impl Loaded {
-    /// Replaces a file by its fixed text, with the byte-order mark that it had.
+    /// Replaces a file by its fixed text, in the encoding that it had.
     pub fn write(&self, file: &FixedFile) -> Result<(), WriteError> {
         let Some(source) = self.sources.get(file.before.name()) else {
             return Err(WriteError::Unknown(file.before.name().to_owned()));
         };
-        let bytes = |text: &str| [if source.bom { BOM } else { "" }, text].concat().into_bytes();
-        replace(&source.path, &bytes(file.before.text()), &bytes(file.after.text()))
+        let (path, encoding) = (source.path.clone(), source.form.encoding);
+        if !source.exact {
+            return Err(WriteError::Inexact { path, encoding });
+        }
+        let before = source.form.encode(&file.before)?;
+        replace(&path, &before, &source.form.encode(&file.after)?)
+    }
+
+    /// How a reported file is written.
+    pub fn form(&self, name: &str) -> Option<Form> {
+        self.sources.get(name).map(|s| s.form)
+    }
+
+    /// Path of a reported file.
+    pub fn path(&self, name: &str) -> Option<&Path> {
+        self.sources.get(name).map(|s| s.path.as_path())
+    }
+
+    /// The name under which a file is among the inputs; it is read as context when it is not yet.
+    /// The path itself when it cannot be read.
+    pub fn name_of(&mut self, path: &Path) -> String {
+        let identity = identity(path);
+        if let Some(name) = self.names.get(&identity) {
+            return name.clone();
+        }
+        let name = name(path);
+        if let Ok(decoded) = read(path) {
+            self.names.insert(identity, name.clone());
+            self.inputs.push(Input::context(decoded.file));
+        }
+        name
     }
 }
 
 /// Reads all files that `paths` name, searches folders, and adds the files that these refer to as
 /// context, as far as they can be read.
 pub fn load(paths: &[PathBuf]) -> Loaded {
-    let mut loaded = Loaded { inputs: Vec::new(), problems: Vec::new(), sources: BTreeMap::new() };
-    let mut seen = BTreeSet::new();
+    let mut loaded = Loaded::default();
+    let mut wanted: Vec<(PathBuf, bool)> = Vec::new();
     for path in paths {
         match fs::metadata(path) {
             Err(source) => loaded.problems.push(InputError::Unreadable { path: path.clone(), source }),
             Ok(meta) if meta.is_dir() => {
-                let mut found = Vec::new();
-                search(path, &mut found, &mut loaded.problems);
+                let found = search(path, &mut loaded.problems);
                 if found.is_empty() {
                     loaded.problems.push(InputError::NothingInFolder(path.clone()));
                 }
-                for file in found {
-                    take(&file, false, &mut seen, &mut loaded);
-                }
+                wanted.extend(found.into_iter().map(|file| (file, false)));
             }
             Ok(meta) if !meta.is_file() => loaded.problems.push(InputError::NotAFile(path.clone())),
             Ok(_) if language_of(&name(path)).is_none() => {
                 loaded.problems.push(InputError::UnknownKind(path.clone()));
             }
-            Ok(_) => take(path, true, &mut seen, &mut loaded),
+            Ok(_) => wanted.push((path.clone(), true)),
         }
     }
-    add_companions(&mut loaded.inputs, &mut seen);
+    take(wanted, &mut loaded);
+    add_companions(&mut loaded);
     loaded
 }
 
-/// Reads a file into `loaded` unless it was read before. An empty file found in a folder is passed
-/// over; one that was named is an error.
-fn take(path: &Path, named: bool, seen: &mut BTreeSet<PathBuf>, loaded: &mut Loaded) {
-    if !seen.insert(identity(path)) {
-        return;
-    }
-    match read(path) {
-        Ok((file, bom)) => {
-            loaded.sources.insert(file.name().to_owned(), Source { path: path.to_owned(), bom });
-            loaded.inputs.push(Input::new(file));
+/// Reads files into `loaded`, each once. An empty file found in a folder is passed over; one that was
+/// named is an error.
+fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
+    let identities: Vec<PathBuf> = wanted.par_iter().map(|(path, _)| identity(path)).collect();
+    let mut fresh = Vec::new();
+    for ((path, named), identity) in wanted.into_iter().zip(identities) {
+        if let std::collections::btree_map::Entry::Vacant(entry) = loaded.names.entry(identity) {
+            entry.insert(name(&path));
+            fresh.push((path, named));
         }
-        Err(InputError::Empty(_)) if !named => {}
-        Err(error) => loaded.problems.push(error),
+    }
+    let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
+    for ((path, named), text) in fresh.into_iter().zip(texts) {
+        match text {
+            Ok(Decoded { file, form, exact }) => {
+                loaded.sources.insert(file.name().to_owned(), Source { path, form, exact });
+                loaded.inputs.push(Input::new(file));
+            }
+            Err(InputError::Empty(_)) if !named => {}
+            Err(error) => loaded.problems.push(error),
+        }
     }
 }
 
-fn add_companions(inputs: &mut Vec<Input>, seen: &mut BTreeSet<PathBuf>) {
+fn add_companions(loaded: &mut Loaded) {
     let mut next = 0;
     for _ in 0..MOST_COMPANION_ROUNDS {
-        let wanted: BTreeSet<String> = inputs[next..].iter().flat_map(companions).collect();
-        next = inputs.len();
-        for path in wanted.iter().map(PathBuf::from) {
-            let is_new = path.is_file() && seen.insert(identity(&path));
+        let wanted: BTreeSet<String> = loaded.inputs[next..].par_iter().flat_map_iter(companions).collect();
+        next = loaded.inputs.len();
+        for path in wanted.iter().map(PathBuf::from).filter(|p| p.is_file()) {
             // Context that cannot be read only means that less is known.
-            if let Some(Ok((file, _))) = is_new.then(|| read(&path)) {
-                inputs.push(Input::context(file));
-            }
+            loaded.name_of(&path);
         }
     }
 }
@@ -157,49 +206,49 @@ fn identity(path: &Path) -> PathBuf {
 }
 
 /// A path as messages show it, and as rules compare it.
-fn name(path: &Path) -> String {
+pub fn name(path: &Path) -> String {
     let name = path.to_string_lossy();
     if std::path::MAIN_SEPARATOR == '\\' { name.replace('\\', "/") } else { name.into_owned() }
 }
 
-fn read(path: &Path) -> Result<(SourceFile, bool), InputError> {
+fn read(path: &Path) -> Result<Decoded, InputError> {
     let unreadable = |source| InputError::Unreadable { path: path.to_owned(), source };
     let size = fs::metadata(path).map_err(unreadable)?.len();
     if size > MOST_BYTES {
         return Err(InputError::TooLarge { path: path.to_owned(), size });
     }
     let bytes = fs::read(path).map_err(unreadable)?;
-    let bom = bytes.starts_with(BOM.as_bytes());
-    let text = if bom { &bytes[BOM.len()..] } else { &bytes };
-    let file = SourceFile::from_bytes(&name(path), text)?;
-    if file.text().trim().is_empty() {
+    let decoded = decode(&name(path), &bytes)?;
+    if decoded.file.text().trim().is_empty() {
         return Err(InputError::Empty(path.to_owned()));
     }
-    Ok((file, bom))
+    Ok(decoded)
 }
 
-/// Files below a folder with a known ending, sorted. Hidden folders are passed over, and links to
-/// folders are not followed: they could lead round in a circle.
-fn search(folder: &Path, found: &mut Vec<PathBuf>, problems: &mut Vec<InputError>) {
-    let entries = match fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>) {
-        Ok(entries) => entries,
-        Err(source) => {
-            problems.push(InputError::Unreadable { path: folder.to_owned(), source });
-            return;
-        }
-    };
-    let mut paths: Vec<PathBuf> = entries.iter().map(fs::DirEntry::path).collect();
-    paths.sort();
-    for path in paths {
-        let hidden = path.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.'));
-        if path.is_dir() {
-            if !hidden && !path.is_symlink() {
-                search(&path, found, problems);
+/// Files below a folder with a known ending, sorted. Hidden files and those that `.gitignore` and
+/// `.ignore` name are left out, and links to folders are not followed: they could lead round in a
+/// circle.
+fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
+    let found: Mutex<(Vec<PathBuf>, Vec<String>)> = Mutex::default();
+    let walk = WalkBuilder::new(folder).require_git(false).git_global(false).build_parallel();
+    walk.run(|| {
+        Box::new(|entry| {
+            let mut found = found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            match entry {
+                Ok(entry) if has_known_ending(entry.path()) && entry.path().is_file() => {
+                    found.0.push(entry.into_path());
+                }
+                Ok(_) => {}
+                Err(error) => found.1.push(error.to_string()),
             }
-        } else if path.is_file() && has_known_ending(&path) {
-            found.push(path);
-        }
-    }
+            WalkState::Continue
+        })
+    });
+    let (mut files, mut errors) = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    files.sort();
+    errors.sort();
+    problems.extend(errors.into_iter().map(|message| InputError::Unsearchable { path: folder.to_owned(), message }));
+    files
 }
 
 fn has_known_ending(path: &Path) -> bool {

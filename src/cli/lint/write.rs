@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::text::{EncodeError, Encoding};
+
 /// Why a file was left as it was.
 #[derive(Debug, Error)]
 pub enum WriteError {
@@ -23,6 +25,20 @@ pub enum WriteError {
     /// Someone else has written it meanwhile.
     #[error("{}: has changed since it was read and was left as it is; run again", .0.display())]
     Changed(PathBuf),
+    /// A character of the repaired text has no place in the encoding of the file.
+    #[error("{0}; the file is as it was; convert it to UTF-8 to repair it")]
+    Encode(#[from] EncodeError),
+    /// The file would not even be written back as it was.
+    #[error(
+        "{}: holds bytes that {encoding} has another way to write, so that more than the repair would change; the file is as it was; convert it to UTF-8 to repair it",
+        path.display()
+    )]
+    Inexact {
+        /// The file.
+        path: PathBuf,
+        /// Its encoding.
+        encoding: Encoding,
+    },
     /// No file was read under this name.
     #[error("{0}: no file of this name was read")]
     Unknown(String),

@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 
 use tree_sitter::{Node, Parser, Tree};
 
-use crate::text::SourceFile;
+use crate::text::{SourceFile, Span};
 
 use lookup::Lookup;
 
@@ -61,6 +61,12 @@ impl HostFile {
         self.root()
             .map_or(usize::MAX, |root| syntax::descendants(root).filter(|n| n.is_error() || n.is_missing()).count())
     }
+}
+
+/// Places of all comments, in the order of the text.
+pub(super) fn comments(host: &HostFile) -> Vec<Span> {
+    let nodes = host.root().into_iter().flat_map(syntax::descendants);
+    nodes.filter(|n| n.kind() == "comment").map(syntax::span).collect()
 }
 
 fn parse(text: &str) -> Option<Tree> {
