@@ -4,9 +4,11 @@
 //! drawing messages is the work of `cli` and `report`.
 
 mod config;
+mod embedded;
 pub mod fix;
 mod glsl;
 mod host;
+mod program;
 mod project;
 mod registry;
 mod rule;
@@ -55,6 +57,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     for rule in rules {
         rule.check(&project, &mut found);
     }
+    embedded::relocate(&project, &mut found);
     found.retain(|d| settings.selection.keeps(d.code.0, level_of(rules, d)));
     found.sort_by(|a, b| {
         let key = |d: &Diagnostic| (d.file.name().to_owned(), d.span, d.code);

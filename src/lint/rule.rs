@@ -4,6 +4,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity, Told};
 use crate::text::{SourceFile, Span};
 
 use super::host::HostFile;
+use super::program::Program;
 use super::project::{Project, ShaderFile};
 
 /// One rule of the lint tool.
@@ -84,6 +85,8 @@ pub(super) enum Check {
     FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
     /// One host file at a time, with the shaders that belong to it.
     Host(fn(&HostFile, &Project, &mut Findings<'_>)),
+    /// One program at a time: shaders that are linked together, of which at least one is reported.
+    Program(fn(&Program<'_>, &Project, &mut Findings<'_>)),
     /// One text at a time, whatever its language: planted rules in tests.
     #[cfg(test)]
     Text(fn(&SourceFile, &mut Findings<'_>)),
@@ -99,6 +102,16 @@ impl Rule {
             }
             Check::Host(check) => {
                 project.hosts().filter(|h| h.reported).for_each(|h| check(h, project, &mut findings));
+            }
+            Check::Program(check) => {
+                let start = findings.into.len();
+                let programs = project.programs();
+                let wanted = |p: &&Program<'_>| p.shaders().iter().any(|s| s.reported);
+                programs.iter().filter(wanted).for_each(|p| check(p, project, &mut findings));
+                let silent: Vec<&str> =
+                    project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
+                let new = findings.into.split_off(start);
+                findings.into.extend(new.into_iter().filter(|d| !silent.contains(&d.file.name())));
             }
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {
