@@ -32,6 +32,7 @@ use lookup::Lookup;
 use programs::HostPrograms;
 
 pub(super) use literal::Literal;
+pub(super) use suggest::{list, nearest};
 pub(super) use program::{ShaderRef, named_shaders};
 pub(super) use syntax::quoted_includes;
 

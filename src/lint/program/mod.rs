@@ -131,3 +131,16 @@ impl<'p> Program<'p> {
         self.shaders.iter().map(|s| s.file.name()).collect::<Vec<_>>().join(", ")
     }
 }
+
+/// The stage in Japanese, as a noun.
+fn stage_in_japanese(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Vertex => "頂点シェーダ",
+        Stage::TessControl => "テッセレーション制御シェーダ",
+        Stage::TessEvaluation => "テッセレーション評価シェーダ",
+        Stage::Geometry => "ジオメトリシェーダ",
+        Stage::Fragment => "フラグメントシェーダ",
+        Stage::Compute => "コンピュートシェーダ",
+        Stage::Library => "ライブラリ",
+    }
+}
