@@ -5,9 +5,11 @@
 
 pub mod baseline;
 mod config;
+mod embedded;
 pub mod fix;
 mod glsl;
 mod host;
+mod program;
 mod project;
 mod registry;
 mod rule;
@@ -67,6 +69,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     for rule in rules {
         rule.check(&project, &mut found);
     }
+    embedded::relocate(&project, &mut found);
     let wanted = |d: &Diagnostic| settings.keeps(d.file.name(), d.code.0, level_of(rules, d.code.0));
     found.retain(wanted);
     let mut suppressions = Suppressions::of(&project, rules);

@@ -9,11 +9,16 @@ use crate::glsl::{Shader, Stage};
 use crate::text::SourceFile;
 
 use super::config::Config;
-use super::host::{HostFile, named_shaders};
+use super::embedded::Origin;
+use super::host::{HostFile, ShaderRef, named_shaders};
+use super::program::{self, Program};
 
 /// Endings of shader files that a folder is searched for.
 pub const SHADER_EXTENSIONS: &[&str] =
-    &["vert", "frag", "geom", "glsl", "vs", "fs", "gs", "comp", "tesc", "tese", "vsh", "fsh"];
+    &[
+        "vert", "frag", "geom", "glsl", "vs", "fs", "gs", "comp", "tesc", "tese", "tcs", "tes", "vsh", "fsh",
+        "vertexshader", "fragmentshader", "geometryshader",
+    ];
 
 /// Endings of host files that a folder is searched for.
 pub const HOST_EXTENSIONS: &[&str] = &["cpp", "cc", "cxx", "c", "h", "hpp", "hxx", "hh"];
@@ -44,12 +49,14 @@ fn file_name(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
 
-fn stem(name: &str) -> &str {
+/// The file's name up to the first point.
+pub fn stem(name: &str) -> &str {
     let file = file_name(name);
     file.split_once('.').map_or(file, |(stem, _)| stem)
 }
 
-fn folder(name: &str) -> &str {
+/// The path before the file's name; empty when there is none.
+pub fn folder(name: &str) -> &str {
     name.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
@@ -86,6 +93,8 @@ pub struct ShaderFile {
     pub front_end: Vec<Diagnostic>,
     /// True when an `#if` or `#include` makes the interface depend on more than this text.
     pub conditional: bool,
+    /// Where the text stands when it is a literal of a host file.
+    pub origin: Option<Origin>,
 }
 
 impl ShaderFile {
@@ -97,7 +106,14 @@ impl ShaderFile {
             shader: parsed.shader,
             front_end: parsed.diagnostics,
             conditional: is_conditional(input.file.text()),
+            origin: None,
         }
+    }
+
+    /// True when the interface is known from this text alone: the front end read it without error, and
+    /// it does not depend on an `#if` or `#include`.
+    pub fn is_plain(&self) -> bool {
+        self.is_sound() && !self.conditional
     }
 
     /// True when the front end read the whole text without error.
@@ -116,6 +132,8 @@ fn is_conditional(text: &str) -> bool {
 /// All files of a run, by normalised path.
 pub struct Project {
     shaders: BTreeMap<String, ShaderFile>,
+    /// Shaders in literals, by the path of the host file and their index there.
+    embedded: BTreeMap<(String, usize), ShaderFile>,
     hosts: BTreeMap<String, HostFile>,
     config: Config,
 }
@@ -141,7 +159,12 @@ impl Read {
 impl Project {
     /// Reads all inputs. Of two with the same path, the reported one counts.
     pub fn new(files: &[Input], config: &Config) -> Self {
-        let mut project = Self { shaders: BTreeMap::new(), hosts: BTreeMap::new(), config: config.clone() };
+        let mut project = Self {
+            shaders: BTreeMap::new(),
+            embedded: BTreeMap::new(),
+            hosts: BTreeMap::new(),
+            config: config.clone(),
+        };
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
         let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
         let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(Read::new).collect();
@@ -156,6 +179,14 @@ impl Project {
                 None => {}
             }
         }
+        for (path, host) in &project.hosts {
+            for (index, embedded) in host.embedded().iter().enumerate() {
+                let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
+                let mut shader = ShaderFile::new(&Input { file, reported: host.reported }, embedded.stage);
+                shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
+                project.embedded.insert((path.clone(), index), shader);
+            }
+        }
         project
     }
 
@@ -164,9 +195,45 @@ impl Project {
         &self.config
     }
 
-    /// All shaders, by path.
+    /// All shaders: files by path, then those in literals of host files.
     pub fn shaders(&self) -> impl Iterator<Item = &ShaderFile> {
-        self.shaders.values()
+        self.shaders.values().chain(self.embedded.values())
+    }
+
+    /// The shader files, without those in literals, by path.
+    pub fn shader_files(&self) -> impl Iterator<Item = (&str, &ShaderFile)> {
+        self.shaders.iter().map(|(path, shader)| (path.as_str(), shader))
+    }
+
+    /// The shader that a host file means.
+    pub fn shader_of(&self, host: &HostFile, shader: &ShaderRef) -> Option<&ShaderFile> {
+        match shader {
+            ShaderRef::File(name) => self.shader_named(host.file.name(), name),
+            ShaderRef::Embedded(index) => self.embedded.get(&(normalise(host.file.name()), *index)),
+        }
+    }
+
+    /// All programs whose stages are known for certain.
+    pub fn programs(&self) -> Vec<Program<'_>> {
+        program::find(self)
+    }
+
+    /// The program that the configuration states for a host file, when it states one.
+    pub fn configured_for(&self, host: &str) -> Option<Program<'_>> {
+        let host = normalise(host);
+        let has = |path: &String| host == normalise(path) || host.ends_with(&format!("/{}", normalise(path)));
+        let mut entries = self.config.programs.iter().filter(|p| p.hosts.iter().any(has));
+        match (entries.next(), entries.next()) {
+            (Some(entry), None) => self.configured(&entry.shaders),
+            _ => None,
+        }
+    }
+
+    /// The program of shaders that the configuration names.
+    pub fn configured(&self, paths: &[String]) -> Option<Program<'_>> {
+        let found: Vec<Option<&ShaderFile>> = paths.iter().map(|p| lookup(&self.shaders, "", p)).collect();
+        let all = found.iter().all(Option::is_some);
+        Program::new(found.into_iter().flatten().collect(), all)
     }
 
     /// All host files, by path.

@@ -1,7 +1,7 @@
 //! All rules. A rule is one file and one line here.
 
 use super::rule::Rule;
-use super::{glsl, host, suppress};
+use super::{glsl, host, program, suppress};
 
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[
@@ -12,6 +12,15 @@ pub const RULES: &[&Rule] = &[
     &host::h004::RULE,
     &host::h029::RULE,
     &host::h030::RULE,
+    &program::i001::RULE,
+    &program::i002::RULE,
+    &program::i003::RULE,
+    &program::i004::RULE,
+    &glsl::i005::RULE,
+    &program::i006::RULE,
+    &program::i007::RULE,
+    &program::i008::RULE,
+    &program::i009::RULE,
     &glsl::n014::RULE,
     &glsl::t001::RULE,
     &suppress::x001::RULE,

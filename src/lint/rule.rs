@@ -1,11 +1,14 @@
 //! What a rule is: its names, its page of the manual, and its check.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use crate::diagnostic::{Code, Diagnostic, Severity, Told};
 use crate::text::{SourceFile, Span};
 
 use super::host::HostFile;
+use super::program::Program;
 use super::project::{Project, ShaderFile};
 use super::suppress::Suppressions;
 
@@ -89,6 +92,8 @@ pub(super) enum Check {
     Host(fn(&HostFile, &Project, &mut Findings<'_>)),
     /// What is left to say when all other rules have run and comments have silenced some of it.
     After(fn(&Suppressions, &mut Findings<'_>)),
+    /// One program at a time: shaders that are linked together, of which at least one is reported.
+    Program(fn(&Program<'_>, &Project, &mut Findings<'_>)),
     /// One text at a time, whatever its language: planted rules in tests.
     #[cfg(test)]
     Text(fn(&SourceFile, &mut Findings<'_>)),
@@ -105,6 +110,16 @@ impl Rule {
             Check::Host(check) => {
                 let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported).collect();
                 self.gather(&hosts, into, |host, findings| check(host, project, findings));
+            }
+            Check::Program(check) => {
+                let programs = project.programs();
+                let wanted: Vec<&Program<'_>> =
+                    programs.iter().filter(|p| p.shaders().iter().any(|s| s.reported)).collect();
+                let silent: BTreeSet<&str> =
+                    project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
+                let mut found = Vec::new();
+                self.gather(&wanted, &mut found, |program, findings| check(program, project, findings));
+                into.extend(found.into_iter().filter(|d| !silent.contains(d.file.name())));
             }
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {

@@ -7,7 +7,7 @@ use crate::text::Edit;
 
 use super::HostFile;
 use super::lookup::LookupKind;
-use super::program::program;
+use super::program::resolve;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -63,7 +63,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
             continue;
         }
-        let Some(program) = program(host, project, lookup) else { continue };
+        let Some(program) = resolve(host, project, &lookup.source) else { continue };
         let name = lookup.base_name();
         let Some((shader, variable)) = program.attribute(name) else { continue };
         let elsewhere = program.uniform(name).is_some() || program.in_block(name);

@@ -7,7 +7,7 @@ use crate::text::{Edit, Span};
 
 use super::HostFile;
 use super::lookup::LookupKind;
-use super::program::program;
+use super::program::resolve;
 use super::suggest::nearest;
 
 /// The rule.
@@ -62,7 +62,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
             continue;
         }
-        let Some(program) = program(host, project, lookup) else { continue };
+        let Some(program) = resolve(host, project, &lookup.source) else { continue };
         let name = lookup.base_name();
         // A block's member has no location either, but its name is known.
         let declared = program.uniform(name).is_some() || program.in_block(name);

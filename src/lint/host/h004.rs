@@ -7,7 +7,7 @@ use crate::text::Edit;
 
 use super::HostFile;
 use super::lookup::LookupKind;
-use super::program::program;
+use super::program::resolve;
 use super::suggest::{list, nearest};
 
 /// The rule.
@@ -62,7 +62,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         if lookup.kind == LookupKind::Uniform || lookup.is_reserved() {
             continue;
         }
-        let Some(program) = program(host, project, lookup) else { continue };
+        let Some(program) = resolve(host, project, &lookup.source) else { continue };
         let Some(vertex) = program.vertex() else { continue };
         let interface = vertex.shader.interface();
         let name = lookup.base_name();

@@ -3,7 +3,8 @@
 use tree_sitter::Node;
 
 use super::HostFile;
-use super::program::{Group, groups, has_unknown_sources};
+use super::group::{Group, groups};
+use super::program::has_unknown_sources;
 use super::syntax::{Write, callee, declared_name, descendants, enclosing_function, span, write};
 
 /// Writes, calls, declarations and shader names of a file, in the order of the text.
@@ -32,6 +33,8 @@ impl<'t> Index<'t> {
         let root = host.root()?;
         let (mut writes, mut calls, mut declared) = (Vec::new(), Vec::new(), Vec::new());
         let (mut takers, mut strings, mut macros) = (Vec::new(), Vec::new(), Vec::new());
+        let mut names = Vec::new();
+        let texts: Vec<&str> = host.embedded().iter().filter_map(|e| Some(e.variable.as_ref()?.0.as_str())).collect();
         for node in descendants(root) {
             writes.extend(write(node));
             match node.kind() {
@@ -41,12 +44,13 @@ impl<'t> Index<'t> {
                     declared.extend(node.children_by_field_name("declarator", &mut cursor).filter_map(declared_name));
                 }
                 "argument_list" | "parameter_list" => takers.extend(taker(host, node)),
+                "identifier" if texts.contains(&host.text(node)) => names.push(node),
                 "preproc_arg" => macros.push(host.text(node)),
                 "string_literal" | "raw_string_literal" | "concatenated_string" => strings.push(node),
                 _ => {}
             }
         }
-        let groups = groups(host, &strings);
+        let groups = groups(host, &strings, &names);
         let unknown_sources = has_unknown_sources(host, &strings, &macros);
         Some(Self { host, root, writes, calls, declared, takers, groups, unknown_sources })
     }

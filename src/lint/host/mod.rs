@@ -1,6 +1,10 @@
 //! C and C++ host code: its syntax tree and the rules on it.
 
+mod attach;
+mod creation;
+mod embedded;
 mod feeds;
+mod group;
 pub(super) mod h001;
 pub(super) mod h002;
 pub(super) mod h003;
@@ -8,8 +12,12 @@ pub(super) mod h004;
 pub(super) mod h029;
 pub(super) mod h030;
 mod index;
+mod literal;
 mod lookup;
+mod marks;
 mod program;
+mod programs;
+mod stringized;
 mod suggest;
 pub(super) mod syntax;
 
@@ -19,9 +27,13 @@ use tree_sitter::{Node, Parser, Tree};
 
 use crate::text::{SourceFile, Span};
 
+use embedded::Embedded;
 use lookup::Lookup;
+use programs::HostPrograms;
 
-pub(super) use program::named_shaders;
+pub(super) use literal::Literal;
+pub(super) use suggest::{list, nearest};
+pub(super) use program::{ShaderRef, named_shaders};
 pub(super) use syntax::quoted_includes;
 
 /// A host file with its syntax tree.
@@ -32,13 +44,22 @@ pub struct HostFile {
     pub reported: bool,
     tree: Option<Tree>,
     lookups: OnceLock<Vec<Lookup>>,
+    embedded: OnceLock<Vec<Embedded>>,
+    programs: OnceLock<HostPrograms>,
 }
 
 impl HostFile {
     /// Parses `file` as C++, of which the C that feeds shaders is a part. Text that cannot be read
     /// becomes error nodes, on which rules stay silent.
     pub fn new(file: &SourceFile, reported: bool) -> Self {
-        Self { tree: parse(file.text()), file: file.clone(), reported, lookups: OnceLock::new() }
+        Self {
+            tree: parse(file.text()),
+            file: file.clone(),
+            reported,
+            lookups: OnceLock::new(),
+            embedded: OnceLock::new(),
+            programs: OnceLock::new(),
+        }
     }
 
     /// The root of the tree; none when the parser gave up.
@@ -54,6 +75,16 @@ impl HostFile {
     /// All look-ups with a literal name, in the order of the text.
     fn lookups(&self) -> &[Lookup] {
         self.lookups.get_or_init(|| lookup::find(self))
+    }
+
+    /// The shaders in literals, in the order of the text.
+    pub fn embedded(&self) -> &[Embedded] {
+        self.embedded.get_or_init(|| embedded::find(self))
+    }
+
+    /// The programs that the file makes, and the shaders that it names.
+    pub fn programs(&self) -> &HostPrograms {
+        self.programs.get_or_init(|| programs::find(self))
     }
 
     /// Number of places that the parser could not read.

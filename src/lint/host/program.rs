@@ -1,80 +1,46 @@
 //! Which shaders a look-up speaks of.
 //!
-//! A program is known in one of three ways: its variable is written once, by a call that names
-//! shader files; or the file names at most one shader of each stage altogether; or it names none and
-//! shaders of its own name lie beside it. In all other cases nothing is known, and rules are silent.
+//! A program is known in one of these ways: its variable is written once, by a call that names shader
+//! files or holds shader texts; its shaders are attached to it here; methods of its object are given
+//! them; or the file names at most one shader of each stage altogether; or it names none and shaders of
+//! its own name lie beside it. In all other cases nothing is known, and rules are silent.
 
 use tree_sitter::Node;
 
 use crate::glsl::Stage;
-use crate::glsl::interface::Variable;
+use crate::lint::program::Program;
 use crate::lint::project::{Project, ShaderFile};
 
 use super::HostFile;
-use super::index::{Index, taker};
-use super::lookup::Lookup;
-use super::syntax::{ancestors, declared_name, descendants, enclosing_function, plain_string, root_object, span};
+use super::attach::attached;
+use super::group::{Group, is_shader_name};
+use super::index::Index;
+use super::syntax::{callee, declared_name, descendants, enclosing_function, root_object, span};
 
-/// The stages of one program.
-pub struct Program<'p> {
-    shaders: Vec<&'p ShaderFile>,
-    /// True when every stage is there, and nothing but its text decides its interface.
-    complete: bool,
+/// A shader as a host file names it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ShaderRef {
+    /// A file, by its path as written.
+    File(String),
+    /// A text in the host file: its index among [`HostFile::embedded`].
+    Embedded(usize),
 }
 
-impl<'p> Program<'p> {
-    /// The vertex stage, when its interface is known.
-    pub fn vertex(&self) -> Option<&'p ShaderFile> {
-        self.shaders.iter().copied().find(|s| s.shader.stage() == Stage::Vertex && is_plain(s))
+impl ShaderRef {
+    /// The stage, as the name or the text says.
+    pub fn stage(&self, host: &HostFile) -> Option<Stage> {
+        match self {
+            Self::File(name) => Stage::from_path(name).filter(|s| *s != Stage::Library),
+            Self::Embedded(index) => host.embedded().get(*index).map(|e| e.stage),
+        }
     }
-
-    /// The declaration of an attribute.
-    pub fn attribute(&self, name: &str) -> Option<(&'p ShaderFile, &'p Variable)> {
-        let vertex = self.vertex()?;
-        vertex.shader.interface().input(name).map(|v| (vertex, v))
-    }
-
-    /// The first declaration of a uniform outside blocks.
-    pub fn uniform(&self, name: &str) -> Option<(&'p ShaderFile, &'p Variable)> {
-        self.shaders.iter().copied().find_map(|s| s.shader.interface().uniform(name).map(|v| (s, v)))
-    }
-
-    /// Names of all uniforms outside blocks.
-    pub fn uniforms(&self) -> impl Iterator<Item = &'p str> + '_ {
-        self.shaders.iter().copied().flat_map(|s| s.shader.interface().uniforms.iter().map(|v| v.name.as_str()))
-    }
-
-    /// True when a block, its instance or a member has this name, in any stage.
-    pub fn in_block(&self, name: &str) -> bool {
-        self.shaders.iter().flat_map(|s| &s.shader.interface().blocks).any(|block| {
-            block.name.name == name
-                || block.instance.as_ref().is_some_and(|i| i.name == name)
-                || block.members.iter().any(|m| m.name.name == name)
-        })
-    }
-
-    /// True when the interface of all stages is known, a vertex and a fragment stage (or a compute
-    /// stage) among them: only then can a uniform be missing.
-    pub fn is_complete(&self) -> bool {
-        let has = |stage| self.shaders.iter().any(|s| s.shader.stage() == stage);
-        self.complete && (has(Stage::Compute) || (has(Stage::Vertex) && has(Stage::Fragment)))
-    }
-
-    /// The files, for messages.
-    pub fn names(&self) -> String {
-        self.shaders.iter().map(|s| s.file.name()).collect::<Vec<_>>().join(", ")
-    }
-}
-
-fn is_plain(shader: &ShaderFile) -> bool {
-    shader.is_sound() && !shader.conditional
 }
 
 /// Where the shaders of a program are named.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProgramSource {
-    /// In the host file: the stages, one file each.
-    Named(Vec<String>),
+    /// In the host file: the stages, one each.
+    Named(Vec<ShaderRef>),
     /// Nowhere; the shaders beside the host file may be meant.
     Beside,
     /// Not to be known from this file.
@@ -82,47 +48,35 @@ pub enum ProgramSource {
 }
 
 /// The program of a look-up, when it is known.
-pub fn program<'p>(host: &HostFile, project: &'p Project, lookup: &Lookup) -> Option<Program<'p>> {
-    let from = host.file.name();
-    let found: Vec<Option<&ShaderFile>> = match &lookup.source {
-        ProgramSource::Named(names) => names.iter().map(|n| project.shader_named(from, n)).collect(),
+pub fn resolve<'p>(host: &HostFile, project: &'p Project, source: &ProgramSource) -> Option<Program<'p>> {
+    let found: Vec<Option<&ShaderFile>> = match source {
+        ProgramSource::Named(names) => names.iter().map(|n| project.shader_of(host, n)).collect(),
         ProgramSource::Beside => {
-            let beside = project.shaders_beside(from);
-            let names: Vec<&str> = beside.iter().map(|s| s.file.name()).collect();
-            if !one_each(&names) {
+            if let Some(configured) = project.configured_for(host.file.name()) {
+                return Some(configured);
+            }
+            let beside = project.shaders_beside(host.file.name());
+            let stages: Vec<Stage> = beside.iter().map(|s| s.shader.stage()).collect();
+            if !distinct(&stages) {
                 return None;
             }
             beside.into_iter().map(Some).collect()
         }
-        ProgramSource::Unknown => return None,
+        ProgramSource::Unknown => return project.configured_for(host.file.name()),
     };
-    let complete = found.iter().all(|s| s.is_some_and(is_plain));
-    let shaders: Vec<&ShaderFile> = found.into_iter().flatten().collect();
-    (!shaders.is_empty()).then_some(Program { shaders, complete })
+    let all = found.iter().all(Option::is_some);
+    Program::new(found.into_iter().flatten().collect(), all)
 }
 
-/// Where the shaders of the program in a look-up are named.
+/// Where the shaders of the program in a look-up are named: `call` is the look-up and `program` the
+/// expression for its program.
 pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> ProgramSource {
-    let named = |mut names: Vec<&str>| {
-        names.sort_unstable();
-        names.dedup();
-        if one_each(&names) {
-            ProgramSource::Named(names.into_iter().map(str::to_owned).collect())
-        } else {
-            ProgramSource::Unknown
-        }
-    };
     match loader(index, call, program) {
         Loader::Value(value) => {
             let inside = span(value);
-            let names: Vec<&str> = index
-                .groups
-                .iter()
-                .filter(|g| inside.contains(g.start))
-                .flat_map(|g| g.names.iter().copied())
-                .collect();
-            if !names.is_empty() {
-                return named(names);
+            let mut all = index.groups.iter().filter(|g| inside.contains(g.start)).peekable();
+            if all.peek().is_some() {
+                return named(index.host, all.flat_map(|g| g.names.iter().cloned()).collect());
             }
             // Made from something with a name that is no file: load("phong").
             if descendants(value).any(|n| n.kind().ends_with("string_literal")) {
@@ -132,7 +86,14 @@ pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Progr
         Loader::Several => return ProgramSource::Unknown,
         Loader::Unknown => {}
     }
-    // From here on the file as a whole has to be about one program, and name all that it loads.
+    if let Some(shaders) = attached(index, call, program).or_else(|| given(index, call, program)) {
+        return named(index.host, shaders);
+    }
+    whole(index)
+}
+
+/// The program of a file that is about one program as a whole, and names all that it loads.
+pub fn whole(index: &Index<'_>) -> ProgramSource {
     if loads_unnamed(index)
         || index.unknown_sources
         || index.call_count("glCreateProgram") > 1
@@ -140,8 +101,35 @@ pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Progr
     {
         return ProgramSource::Unknown;
     }
-    let names: Vec<&str> = index.groups.iter().flat_map(|g| g.names.iter().copied()).collect();
-    if names.is_empty() { ProgramSource::Beside } else { named(names) }
+    let embedded = (0..index.host.embedded().len()).map(ShaderRef::Embedded);
+    let names: Vec<ShaderRef> = index.groups.iter().flat_map(|g| g.names.iter().cloned()).chain(embedded).collect();
+    if names.is_empty() { ProgramSource::Beside } else { named(index.host, names) }
+}
+
+fn named(host: &HostFile, mut names: Vec<ShaderRef>) -> ProgramSource {
+    names.sort_unstable();
+    names.dedup();
+    if one_each(host, &names) { ProgramSource::Named(names) } else { ProgramSource::Unknown }
+}
+
+/// True when no stage is named twice and each name says its stage.
+pub fn one_each(host: &HostFile, names: &[ShaderRef]) -> bool {
+    let stages: Option<Vec<Stage>> = names.iter().map(|n| n.stage(host)).collect();
+    stages.is_some_and(|s| distinct(&s))
+}
+
+fn distinct(stages: &[Stage]) -> bool {
+    stages.iter().enumerate().all(|(i, s)| *s != Stage::Library && !stages[..i].contains(s))
+}
+
+/// The shaders that methods of the program's object are given: `prog.compileShader("a.vert")`.
+fn given(index: &Index<'_>, call: Node<'_>, program: Node<'_>) -> Option<Vec<ShaderRef>> {
+    let object = index.host.text(root_object(program));
+    let own = enclosing_function(call).map(|f| f.id());
+    let local = enclosing_function(call).is_some_and(|f| index.declarations(f, object) > 0);
+    let of = |g: &&Group<'_>| g.receiver == Some(object) && (!local || g.function == own);
+    let names: Vec<ShaderRef> = index.groups.iter().filter(of).flat_map(|g| g.names.iter().cloned()).collect();
+    (!names.is_empty()).then_some(names)
 }
 
 /// True when a function that is given names of shaders is called without them elsewhere.
@@ -151,12 +139,6 @@ fn loads_unnamed(index: &Index<'_>) -> bool {
         let named = index.groups.iter().filter(|g| g.taker == Some(taker)).count();
         calls > named
     })
-}
-
-/// True when no stage is named twice and each name says its stage.
-fn one_each(names: &[&str]) -> bool {
-    let stages: Vec<Option<Stage>> = names.iter().map(|n| Stage::from_path(n)).collect();
-    stages.iter().enumerate().all(|(i, s)| s.is_some_and(|s| s != Stage::Library) && !stages[..i].contains(s))
 }
 
 /// Where the program of a look-up comes from.
@@ -195,7 +177,8 @@ fn loader<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Loader<'t
     }
 }
 
-fn has_parameter(host: &HostFile, function: Node<'_>, name: &str) -> bool {
+/// True when a function has a parameter of that name.
+pub fn has_parameter(host: &HostFile, function: Node<'_>, name: &str) -> bool {
     let Some(head) = function.child_by_field_name("declarator") else { return false };
     descendants(head)
         .filter(|n| n.kind() == "parameter_declaration")
@@ -204,57 +187,14 @@ fn has_parameter(host: &HostFile, function: Node<'_>, name: &str) -> bool {
         .any(|n| host.text(n) == name)
 }
 
-/// Shader files named together: the arguments of one call, or one literal elsewhere.
-pub struct Group<'t> {
-    /// Offset of the first name.
-    pub start: usize,
-    /// The names.
-    pub names: Vec<&'t str>,
-    /// What takes the list of arguments that they stand in.
-    taker: Option<&'t str>,
-    /// The list, or the literal.
-    node: usize,
-}
-
-/// The shader files that string literals name.
-pub fn groups<'t>(host: &'t HostFile, strings: &[Node<'t>]) -> Vec<Group<'t>> {
-    let mut groups: Vec<Group<'t>> = Vec::new();
-    for &literal in strings {
-        let Some((name, place)) = plain_string(literal, &host.file).filter(|(n, _)| is_shader_name(n)) else {
-            continue;
-        };
-        if ancestors(literal).any(|a| a.kind() == "preproc_include") {
-            continue;
-        }
-        let list = ancestors(literal).find(|a| matches!(a.kind(), "argument_list" | "initializer_list"));
-        let node = list.map_or_else(|| literal.id(), |l| l.id());
-        match groups.iter_mut().find(|g| g.node == node) {
-            Some(group) => group.names.push(name),
-            None => {
-                let taker = list.and_then(|l| taker(host, l));
-                groups.push(Group { start: place.start, names: vec![name], taker, node });
-            }
-        }
-    }
-    groups
-}
-
-/// True for a file name with a shader's ending, in one piece.
-fn is_shader_name(text: &str) -> bool {
-    let file = text.rsplit(['/', '\\']).next().unwrap_or(text);
-    let stem = file.split('.').next().unwrap_or("");
-    !stem.is_empty()
-        && !text.contains(['%', '{', '*', '\n', ' '])
-        && Stage::from_path(text).is_some_and(|s| s != Stage::Library)
-        && !file.ends_with(".cs")
-}
-
-/// True when string literals hold shader text or parts of shaders' names, or macros hold names.
+/// True when string literals hold shader text that is no known shader, or parts of shaders' names, or
+/// macros hold names.
 pub fn has_unknown_sources(host: &HostFile, strings: &[Node<'_>], macros: &[&str]) -> bool {
     if macros.iter().flat_map(|m| m.split(['"', ' '])).any(is_shader_name) {
         return true;
     }
-    strings.iter().map(|n| host.text(*n)).any(|text| {
+    let known = |n: &Node<'_>| host.embedded().iter().any(|e| e.place.contains(n.start_byte()));
+    strings.iter().filter(|n| !known(n)).map(|n| host.text(*n)).any(|text| {
         let inner = text.trim_matches('"');
         let is_part = || [".vert", ".frag", ".geom", ".glsl"].iter().any(|e| inner.ends_with(e));
         text.contains("#version")
@@ -264,10 +204,19 @@ pub fn has_unknown_sources(host: &HostFile, strings: &[Node<'_>], macros: &[&str
     })
 }
 
+/// True when the call is one of this OpenGL function.
+pub fn is_call(host: &HostFile, call: Node<'_>, function: &str) -> bool {
+    callee(call, &host.file).is_some_and(|(name, _)| name == function)
+}
+
 /// The shader files that a host file names in string literals.
 pub fn named_shaders(host: &HostFile) -> Vec<String> {
     let groups = Index::new(host).map(|i| i.groups).unwrap_or_default();
-    groups.into_iter().flat_map(|g| g.names).map(str::to_owned).collect()
+    let file = |r: ShaderRef| match r {
+        ShaderRef::File(name) => Some(name),
+        ShaderRef::Embedded(_) => None,
+    };
+    groups.into_iter().flat_map(|g| g.names).filter_map(file).collect()
 }
 
 #[cfg(test)]
@@ -282,7 +231,7 @@ mod tests {
         inputs.extend(shaders.iter().map(|(n, t)| Input::new(SourceFile::new(*n, *t))));
         let project = Project::new(&inputs, &crate::lint::Config::default());
         let host = project.hosts().next().unwrap();
-        program(host, &project, &host.lookups()[0]).map(|p| (p.names(), p.is_complete()))
+        super::resolve(host, &project, &host.lookups()[0].source).map(|p| (p.names(), p.is_complete()))
     }
 
     const V: &str = "#version 150 core\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
@@ -295,7 +244,7 @@ mod tests {
             "void f() {{ GLuint q = load(\"b.vert\"); GLuint program = load(\"a.vert\", \"a.frag\"); {LOOK} }}"
         );
         let all = [("a.vert", V), ("a.frag", F), ("b.vert", V)];
-        assert_eq!(resolve(&host, &all), Some(("a.frag, a.vert".to_owned(), true)));
+        assert_eq!(resolve(&host, &all), Some(("a.vert, a.frag".to_owned(), true)));
         assert_eq!(resolve(&host, &[("a.vert", V)]), Some(("a.vert".to_owned(), false)), "a stage is not there");
         assert_eq!(resolve(&host, &[("b.vert", V)]), None, "no stage of it is there");
     }
@@ -330,7 +279,7 @@ mod tests {
             )
         };
         let all = [("a.vert", V), ("a.frag", F), ("b.vert", V)];
-        assert_eq!(resolve(&host(""), &all), Some(("a.frag, a.vert".to_owned(), true)));
+        assert_eq!(resolve(&host(""), &all), Some(("a.vert, a.frag".to_owned(), true)));
         assert_eq!(resolve(&host("attach(other, \"b.vert\");"), &all), None, "two vertex stages");
         assert_eq!(resolve(&host("GLuint o = glCreateProgram();"), &all), None, "two programs");
         assert_eq!(resolve(&host("load(dir + \".vert\");"), &all), None, "a name put together at run time");
@@ -357,7 +306,7 @@ mod tests {
         let object = format!("void f() {{ Shader x(name); Shader y(\"a.vert\", \"a.frag\"); {LOOK} }}");
         assert_eq!(resolve(&object, &all), None);
         let one = format!("void f(GLuint program) {{ Shader y(\"a.vert\", \"a.frag\"); {LOOK} }}");
-        assert_eq!(resolve(&one, &all), Some(("a.frag, a.vert".to_owned(), true)));
+        assert_eq!(resolve(&one, &all), Some(("a.vert, a.frag".to_owned(), true)));
         let in_macro =
             format!("#define VERT \"b.vert\"\nvoid f(GLuint program) {{ other(VERT); {LOOK} load(\"a.vert\"); }}");
         assert_eq!(resolve(&in_macro, &all), None);
@@ -366,7 +315,7 @@ mod tests {
     #[test]
     fn without_names_the_shaders_beside_count() {
         let host = format!("void f() {{ {LOOK} }}");
-        assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), Some(("m.frag, m.vert".to_owned(), true)));
+        assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), Some(("m.vert, m.frag".to_owned(), true)));
         assert_eq!(resolve(&host, &[("sub/m.vert", V), ("n.vert", V)]), None);
     }
 

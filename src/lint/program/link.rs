@@ -1,0 +1,137 @@
+//! How the outputs of a stage meet the inputs of the next one.
+
+use crate::glsl::Stage;
+use crate::glsl::ast::{AuxiliaryQualifier, Interpolation, QualifierKind, Qualifiers};
+use crate::glsl::interface::{Block, Storage, Variable};
+use crate::glsl::types::{ArraySize, Type};
+use crate::lint::project::ShaderFile;
+
+/// The `layout(location = n)` of a variable, when it is a plain number.
+pub fn location(shader: &ShaderFile, qualifiers: &Qualifiers) -> Option<i64> {
+    shader.shader.fold(qualifiers.layout_entry("location")?.value?)?.as_integer()
+}
+
+fn has_location(variable: &Variable) -> bool {
+    variable.qualifiers.layout_entry("location").is_some()
+}
+
+/// The variable of `others` that meets `variable`: the one at the same location when both have one,
+/// or the one of the same name.
+fn partner<'o>(
+    shader: &ShaderFile,
+    variable: &Variable,
+    other: &ShaderFile,
+    others: &'o [Variable],
+) -> Option<&'o Variable> {
+    let named = || others.iter().find(|o| o.name == variable.name);
+    if !has_location(variable) {
+        return named();
+    }
+    let Some(at) = location(shader, &variable.qualifiers) else { return named() };
+    let component = |v: &Variable| v.qualifiers.layout_entry("component").is_some();
+    if component(variable) || others.iter().any(component) {
+        return named();
+    }
+    others.iter().find(|o| location(other, &o.qualifiers) == Some(at)).or_else(|| named().filter(|o| !has_location(o)))
+}
+
+/// The output that an input gets its value from.
+pub fn producer<'p>(from: &'p ShaderFile, to: &ShaderFile, input: &Variable) -> Option<&'p Variable> {
+    partner(to, input, from, &from.shader.interface().outputs)
+}
+
+/// The input that an output goes to.
+pub fn consumer<'p>(from: &ShaderFile, to: &'p ShaderFile, output: &Variable) -> Option<&'p Variable> {
+    partner(from, output, to, &to.shader.interface().inputs)
+}
+
+/// The output block that an input block gets its members from: the one of the same name.
+pub fn block<'p>(shader: &'p ShaderFile, storage: Storage, name: &str) -> Option<&'p Block> {
+    shader.shader.interface().blocks.iter().find(|b| b.storage == storage && b.name.name == name)
+}
+
+/// True when a block of `storage` has a member of that name, or is called so.
+pub fn in_block(shader: &ShaderFile, storage: Storage, name: &str) -> bool {
+    let blocks = shader.shader.interface().blocks.iter();
+    blocks.filter(|b| b.storage == storage).any(|b| {
+        b.members.iter().any(|m| m.name.name == name) || b.instance.as_ref().is_some_and(|i| i.name == name)
+    })
+}
+
+/// True for names of the language, which no stage declares.
+pub fn is_built_in(name: &str) -> bool {
+    name.starts_with("gl_")
+}
+
+/// True when the stage has one value per vertex of each input: an array that the type of the stage
+/// before does not have.
+fn is_arrayed_input(stage: Stage, qualifiers: &Qualifiers) -> bool {
+    matches!(stage, Stage::Geometry | Stage::TessControl | Stage::TessEvaluation) && !is_patch(qualifiers)
+}
+
+/// True for `patch in` and `patch out`.
+pub fn is_patch(qualifiers: &Qualifiers) -> bool {
+    qualifiers.list.iter().any(|q| q.kind == QualifierKind::Auxiliary(AuxiliaryQualifier::Patch))
+}
+
+/// Type of an input of one vertex; none when the array that the stage needs is not there.
+pub fn input_type<'v>(shader: &ShaderFile, ty: &'v Type, qualifiers: &Qualifiers) -> Option<&'v Type> {
+    if is_arrayed_input(shader.shader.stage(), qualifiers) { element(ty) } else { Some(ty) }
+}
+
+/// Type of an output of one vertex.
+pub fn output_type<'v>(shader: &ShaderFile, ty: &'v Type, qualifiers: &Qualifiers) -> Option<&'v Type> {
+    let arrayed = shader.shader.stage() == Stage::TessControl && !is_patch(qualifiers);
+    if arrayed { element(ty) } else { Some(ty) }
+}
+
+fn element(ty: &Type) -> Option<&Type> {
+    match ty {
+        Type::Array(element, _) => Some(element),
+        Type::Error
+        | Type::Void
+        | Type::Scalar(_)
+        | Type::Vector(..)
+        | Type::Matrix(..)
+        | Type::Opaque(_)
+        | Type::Struct(_) => None,
+    }
+}
+
+/// True unless the types differ for certain. Structures are compared by their members.
+pub fn agree(a: &Type, b: &Type) -> bool {
+    match (a, b) {
+        (Type::Error, _) | (_, Type::Error) => true,
+        (Type::Array(x, m), Type::Array(y, n)) => {
+            let sizes = match (m, n) {
+                (ArraySize::Known(m), ArraySize::Known(n)) => m == n,
+                (ArraySize::Known(_) | ArraySize::Unsized | ArraySize::Unknown, _) => true,
+            };
+            sizes && agree(x, y)
+        }
+        (Type::Struct(x), Type::Struct(y)) => {
+            x.fields.len() == y.fields.len()
+                && x.fields.iter().zip(&y.fields).all(|(f, g)| f.name == g.name && agree(&f.ty, &g.ty))
+        }
+        (a, b) => a == b,
+    }
+}
+
+/// Interpolation of a variable; smooth when nothing is written.
+pub fn interpolation(qualifiers: &Qualifiers) -> Interpolation {
+    qualifiers.interpolation().map_or(Interpolation::Smooth, |(i, _)| i)
+}
+
+/// The keyword.
+pub fn keyword(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Smooth => "smooth",
+        Interpolation::Flat => "flat",
+        Interpolation::NoPerspective => "noperspective",
+    }
+}
+
+/// True when a variable is used in an expression.
+pub fn is_used(shader: &ShaderFile, variable: &Variable) -> bool {
+    shader.shader.uses_of(variable.symbol).next().is_some()
+}
