@@ -8,6 +8,7 @@ pub mod fix;
 mod glsl;
 mod host;
 mod project;
+mod range;
 mod registry;
 mod rule;
 mod select;

@@ -1,6 +1,7 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use crate::diagnostic::Diagnostic;
 use crate::glsl::{Shader, Stage};
@@ -8,6 +9,7 @@ use crate::text::SourceFile;
 
 use super::config::Config;
 use super::host::{HostFile, named_shaders};
+use super::range::Observed;
 
 /// Endings of shader files that a folder is searched for.
 pub const SHADER_EXTENSIONS: &[&str] =
@@ -84,6 +86,8 @@ pub struct ShaderFile {
     pub front_end: Vec<Diagnostic>,
     /// True when an `#if` or `#include` makes the interface depend on more than this text.
     pub conditional: bool,
+    /// Ranges of its expressions, found out when the first rule asks.
+    observed: OnceLock<Observed>,
 }
 
 impl ShaderFile {
@@ -95,7 +99,13 @@ impl ShaderFile {
             shader: parsed.shader,
             front_end: parsed.diagnostics,
             conditional: is_conditional(input.file.text()),
+            observed: OnceLock::new(),
         }
+    }
+
+    /// Which values the operands of its calls and operators take, under the ranges that `project` states.
+    pub fn observed(&self, project: &Project) -> &Observed {
+        self.observed.get_or_init(|| Observed::new(&self.shader, project.config()))
     }
 
     /// True when the front end read the whole text without error.

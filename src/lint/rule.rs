@@ -79,6 +79,8 @@ pub struct Example {
 pub(super) enum Check {
     /// One shader at a time, as far as the front end could read it.
     Shader(fn(&ShaderFile, &mut Findings<'_>)),
+    /// One shader at a time, with what the project says about itself.
+    ShaderWith(fn(&ShaderFile, &Project, &mut Findings<'_>)),
     /// Errors that the front end finds and tells with the code of this rule: each is handed over to be
     /// completed with a fix, or dropped when nothing comes back.
     FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
@@ -96,6 +98,9 @@ impl Rule {
         match self.check {
             Check::Shader(check) => {
                 project.shaders().filter(|s| s.reported).for_each(|s| check(s, &mut findings));
+            }
+            Check::ShaderWith(check) => {
+                project.shaders().filter(|s| s.reported).for_each(|s| check(s, project, &mut findings));
             }
             Check::Host(check) => {
                 project.hosts().filter(|h| h.reported).for_each(|h| check(h, project, &mut findings));
