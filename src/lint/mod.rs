@@ -51,20 +51,20 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     let project = Project::new(files, &settings.config);
     // What the front end tells with the code of a rule goes through that rule.
     let plain = |d: &&Diagnostic| !rules.iter().any(|r| r.code == d.code);
-    let mut found: Vec<Diagnostic> =
-        project.shaders().filter(|s| s.reported).flat_map(|s| s.front_end.iter().filter(plain).cloned()).collect();
+    let mut told: Vec<(Level, Diagnostic)> = project
+        .shaders()
+        .filter(|s| s.reported)
+        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (Level::Default, d.clone())))
+        .collect();
     for rule in rules {
-        rule.check(&project, &mut found);
+        rule.check(&project, &mut told);
     }
-    found.retain(|d| settings.selection.keeps(d.code.0, level_of(rules, d)));
+    told.retain(|(level, d)| settings.selection.keeps(d.code.0, *level));
+    let mut found: Vec<Diagnostic> = told.into_iter().map(|(_, d)| d).collect();
     found.sort_by(|a, b| {
         let key = |d: &Diagnostic| (d.file.name().to_owned(), d.span, d.code);
         key(a).cmp(&key(b)).then_with(|| a.message.cmp(&b.message))
     });
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
     found
-}
-
-fn level_of(rules: &[&'static Rule], diagnostic: &Diagnostic) -> Level {
-    rules.iter().find(|r| r.code == diagnostic.code).map_or(Level::Default, |r| r.level)
 }

@@ -93,7 +93,7 @@ pub(super) enum Check {
 
 impl Rule {
     /// Runs the rule over the reported files of a project.
-    pub(super) fn check(&'static self, project: &Project, into: &mut Vec<Diagnostic>) {
+    pub(super) fn check(&'static self, project: &Project, into: &mut Vec<(Level, Diagnostic)>) {
         let mut findings = Findings { rule: self, into };
         match self.check {
             Check::Shader(check) => {
@@ -108,7 +108,7 @@ impl Rule {
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {
                     let told = shader.front_end.iter().filter(|d| d.code == self.code);
-                    findings.into.extend(told.filter_map(|d| complete(shader, d.clone())));
+                    told.filter_map(|d| complete(shader, d.clone())).for_each(|d| findings.push(d));
                 }
             }
             #[cfg(test)]
@@ -123,7 +123,7 @@ impl Rule {
 /// Where a check puts what it finds.
 pub(super) struct Findings<'a> {
     rule: &'static Rule,
-    into: &'a mut Vec<Diagnostic>,
+    into: &'a mut Vec<(Level, Diagnostic)>,
 }
 
 impl Findings<'_> {
@@ -132,8 +132,13 @@ impl Findings<'_> {
         Diagnostic::new(self.rule.code, self.rule.severity, file, span, message)
     }
 
-    /// Reports.
+    /// Reports at the level of the rule.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        self.into.push(diagnostic);
+        self.push_at(self.rule.level, diagnostic);
+    }
+
+    /// Reports from this level on: the same rule may know some cases for certain and guess at others.
+    pub fn push_at(&mut self, level: Level, diagnostic: Diagnostic) {
+        self.into.push((level, diagnostic));
     }
 }

@@ -169,6 +169,7 @@ impl<'s> Machine<'s> {
         let recording = std::mem::replace(&mut self.recording, false);
         let mut head = self.state.clone();
         head.facts.clear();
+        let start = head.vars.clone();
         for round in 0..=MOST_ROUNDS {
             let (after, _) = self.round(&head, condition, declared, step, body);
             if after.dead {
@@ -182,8 +183,14 @@ impl<'s> Machine<'s> {
         }
         self.recording = recording;
         let (_, breaks) = self.round(&head, condition, declared, step, body);
-        // The loop ends where the condition is false, or at a `break`.
+        // The loop ends where the condition is false, or at a `break`. What changes in it is then mostly
+        // not what it was at first.
         self.state = head;
+        for (symbol, value) in &mut self.state.vars {
+            if start.get(symbol) != Some(value) {
+                *value = std::mem::replace(value, Value::opaque(Sources::NONE)).vague();
+            }
+        }
         match condition {
             Some(c) => {
                 let value = self.look(c);
