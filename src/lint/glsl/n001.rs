@@ -7,7 +7,7 @@ use crate::lint::range::{Evidence, Observed, Range};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{around, bare, calls, constant, ends, is_plain, is_simple};
+use super::numeric::{around, bare, calls, constant, ends, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -35,7 +35,7 @@ pub const RULE: Rule = Rule {
             name: "rim.frag",
             text: "#version 330 core\nin vec3 normal;\nin vec3 toEye;\nout vec4 color;\nvoid main()\n{\n  \
                    float facing = dot(normalize(normal), normalize(toEye));\n  \
-                   color = vec4(pow(clamp(1.0 - facing, 0.0, 1.0), 3.5));\n}\n",
+                   color = vec4(pow(max(1.0 - facing, 0.0), 3.5));\n}\n",
         }],
         fix: "Writes `max(x, 0.0)` for the base, or products for an exponent of 2, 3 or 4. Unsafe: where the base is \
               negative the result changes.",
@@ -81,7 +81,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let whole = constant(shader, *exponent).and_then(factors).filter(|_| is_simple(shader, factor));
         if let (Some(n), true) = (whole, is_plain(shader, &[call.id, *exponent])) {
             let product = vec![shader.text_of(factor); n].join(" * ");
-            let edit = Edit::replace(shader.expr(call.id).span, format!("({product})"));
+            let edit = Edit::replace(shader.expr(call.id).span, in_place(shader, call.id, product));
             found = found.with_fix(told!("write a product", "積で書く"), Safety::Unsafe, vec![edit]);
         } else if let Some(edits) = around(shader, call.id, *base, "max(", ", 0.0)") {
             found = found.with_fix(told!("keep the base from being negative", "底が負にならないようにする"), Safety::Unsafe, edits);
@@ -146,6 +146,8 @@ mod tests {
                 "r = pow(1.0 - clamp(s, 0.0, 1.0), 5.0);",
                 "r = pow(0.5 + 0.5 * sin(s), 2.5);",
                 "r = pow(declared, 0.5);",
+                "float a = sin(s); if (a < 0.0) a = 0.0; r = pow(a, 2.5);",
+                "vec3 a = normalize(p); if (a.y < 0.0) a.y = -a.y; r = pow(a.y, 2.5);",
                 "r = pow(length(p), 0.5); r += pow(exp(s), 2.0); r += pow(fract(s), 2.0);",
                 "float a = 0.0; for (int i = 0; i < 4; ++i) a += 0.25; r = pow(a, 2.5);",
                 "float a = 2.0; while (a > 1.0) a *= 0.5; r = pow(a + 1.0, 0.5);",
@@ -165,7 +167,7 @@ mod tests {
     #[test]
     fn the_fix_is_a_maximum_or_a_product() {
         assert_eq!(fixed("N001", "r = pow(sin(s), t);"), "r = pow(max(sin(s), 0.0), t);");
-        assert_eq!(fixed("N001", "v.x = sin(s); r = pow(v.x, 3.0);"), "v.x = sin(s); r = (v.x * v.x * v.x);");
+        assert_eq!(fixed("N001", "v.x = sin(s); r = pow(v.x, 3.0);"), "v.x = sin(s); r = v.x * v.x * v.x;");
         macro_has_no_fix("N001", "pow(sin(a), 2.5)");
     }
 }

@@ -5,7 +5,7 @@ use crate::lint::project::{Project, ShaderFile};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{bare, calls, constant, is_plain, is_simple};
+use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 use super::n001::{factors, hazard};
 
 /// The rule.
@@ -71,7 +71,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             .with_help(told!("multiply the base by itself", "底どうしを掛けてください"));
         if is_simple(shader, factor) && is_plain(shader, &[call.id, *base, *exponent]) {
             let product = vec![shader.text_of(factor); n].join(" * ");
-            let edit = Edit::replace(shader.expr(call.id).span, format!("({product})"));
+            let edit = Edit::replace(shader.expr(call.id).span, in_place(shader, call.id, product));
             found = found.with_fix(told!("write a product", "積で書く"), Safety::Unsafe, vec![edit]);
         }
         findings.push(found);

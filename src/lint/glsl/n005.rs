@@ -8,7 +8,7 @@ use crate::lint::range::Visit;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{bare, calls, constant, is_plain, is_simple};
+use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -92,7 +92,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let vector = bare(shader, *arg);
         if is_simple(shader, vector) && is_plain(shader, &[call.id, *arg]) {
             let v = shader.text_of(vector);
-            let edit = Edit::replace(shader.expr(call.id).span, format!("(length({v}) > 0.0 ? normalize({v}) : {v})"));
+            let edit = Edit::replace(shader.expr(call.id).span, in_place(shader, call.id, format!("length({v}) > 0.0 ? normalize({v}) : {v}")));
             found = found.with_fix(told!("keep the zero vector", "零ベクトルはそのまま残す"), Safety::Unsafe, vec![edit]);
         }
         findings.push_at(level, found);
@@ -133,7 +133,7 @@ mod tests {
     fn the_fix_keeps_zero() {
         assert_eq!(
             fixed("N005", "v = max(p, 0.0); v = normalize(v);"),
-            "v = max(p, 0.0); v = (length(v) > 0.0 ? normalize(v) : v);"
+            "v = max(p, 0.0); v = length(v) > 0.0 ? normalize(v) : v;"
         );
         macro_has_no_fix("N005", "normalize(vec3(a, 0.0, 0.0) * 0.0).x");
     }

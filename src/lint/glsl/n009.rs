@@ -15,7 +15,7 @@ pub const RULE: Rule = Rule {
     name: "division-by-zero",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a divisor can be 0",
+    summary: "a number is divided by what can be 0",
     page: Page {
         what: "Reports `a / b`, `a % b` and `mod(a, b)` when the text shows that `b` can be 0: a constant, what \
                `max(…, 0.0)` or `clamp` cut off at 0, a declared range with 0, a count such as `gl_InstanceID`. With \

@@ -7,7 +7,7 @@ use crate::lint::range::{Observed, Range};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{calls, is_plain};
+use super::numeric::{calls, in_place, is_plain};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -90,7 +90,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             let (a, b, c) = (shader.text_of(*first), shader.text_of(*second), shader.text_of(*third));
             let whole = shader.expr(call.id).span;
             let (title, text) = if smooth {
-                (told!("subtract from 1", "1 から引く"), format!("(1.0 - smoothstep({b}, {a}, {c}))"))
+                (told!("subtract from 1", "1 から引く"), in_place(shader, call.id, format!("1.0 - smoothstep({b}, {a}, {c})")))
             } else {
                 (told!("swap the limits", "下限と上限を入れ替える"), format!("clamp({a}, {c}, {b})"))
             };

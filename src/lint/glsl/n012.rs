@@ -28,7 +28,7 @@ pub const RULE: Rule = Rule {
         good: &[Example {
             name: "pulse.frag",
             text: "#version 330 core\nuniform float time;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = mix(vec4(0.2), vec4(0.8), 0.5 + 0.5 * sin(time));\n}\n",
+                   color = mix(vec4(0.2), vec4(0.8), clamp(sin(time), 0.0, 1.0));\n}\n",
         }],
         fix: "Writes `clamp(t, 0.0, 1.0)`. Unsafe: results beyond the ends change.",
         references: &["GLSL 4.60 specification, section 8.3 \"Common Functions\": mix(x, y, a) = x * (1 - a) + y * a"],

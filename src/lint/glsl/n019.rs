@@ -57,11 +57,12 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 /// The words of a name: `lightProjection` and `light_projection` have two.
 fn words(name: &str) -> Vec<String> {
     let mut all = vec![String::new()];
+    let mut before = '_';
     for c in name.chars() {
-        let before = all.last().and_then(|w| w.chars().last());
-        if c == '_' || (c.is_uppercase() && before.is_some_and(|b| b.is_lowercase())) {
+        if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
             all.push(String::new());
         }
+        before = c;
         if let (Some(word), true) = (all.last_mut(), c != '_') {
             word.extend(c.to_lowercase());
         }

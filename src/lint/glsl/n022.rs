@@ -8,7 +8,7 @@ use crate::lint::range::{Observed, key};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{bare, calls, constant, is_plain, is_simple};
+use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -30,7 +30,7 @@ pub const RULE: Rule = Rule {
         good: &[Example {
             name: "bend.vert",
             text: "#version 330 core\nin vec2 p;\nuniform float angle;\nvoid main()\n{\n  \
-                   float h = sin(0.5 * angle);\n  gl_Position = vec4(p.x, p.y * 2.0 * h * h, 0.0, 1.0);\n}\n",
+                   gl_Position = vec4(p.x, p.y * (2.0 * sin(0.5 * angle) * sin(0.5 * angle)), 0.0, 1.0);\n}\n",
         }],
         fix: "Where the operands are variables, writes `2.0 * sin(0.5 * x) * sin(0.5 * x)`, \
               `sqrt((1.0 - x) * (1.0 + x))` or `(a - b) * (a + b)`. Unsafe: results change in their last digits.",
@@ -82,7 +82,7 @@ fn look(shader: &Shader, observed: &Observed, id: ExprId, roots: &[ExprId]) -> O
     let (left, right) = difference(shader, id)?;
     let simple = |e: ExprId| is_simple(shader, e).then(|| shader.text_of(e));
     if let (Some(a), Some(b)) = (squared(shader, left), squared(shader, right)) {
-        let text = simple(a).zip(simple(b)).map(|(a, b)| format!("(({a} - {b}) * ({a} + {b}))"));
+        let text = simple(a).zip(simple(b)).map(|(a, b)| in_place(shader, id, format!("({a} - {b}) * ({a} + {b})")));
         return Some(Found { place: id, form: told!("`(a - b) * (a + b)`", "`(a - b) * (a + b)`"), text });
     }
     if constant(shader, left) != Some(1.0) || apart(observed, id) {
@@ -97,7 +97,7 @@ fn look(shader: &Shader, observed: &Observed, id: ExprId, roots: &[ExprId]) -> O
     }
     match &shader.expr(bare(shader, right)).kind {
         ExprKind::Call { callee: Callee::Name(name), args } if name.name == "cos" && args.len() == 1 => {
-            let text = simple(bare(shader, args[0])).map(|x| format!("(2.0 * sin(0.5 * {x}) * sin(0.5 * {x}))"));
+            let text = simple(bare(shader, args[0])).map(|x| in_place(shader, id, format!("2.0 * sin(0.5 * {x}) * sin(0.5 * {x})")));
             let form = told!("`2.0 * sin(0.5 * x) * sin(0.5 * x)`", "`2.0 * sin(0.5 * x) * sin(0.5 * x)`");
             Some(Found { place: id, form, text })
         }
@@ -174,9 +174,9 @@ mod tests {
 
     #[test]
     fn the_fix_is_the_stable_form() {
-        assert_eq!(fixed("N022", "r = t * (1.0 - cos(s));"), "r = t * ((2.0 * sin(0.5 * s) * sin(0.5 * s)));");
+        assert_eq!(fixed("N022", "r = t * (1.0 - cos(s));"), "r = t * (2.0 * sin(0.5 * s) * sin(0.5 * s));");
         assert_eq!(fixed("N022", "r = sqrt(1.0 - s * s);"), "r = sqrt((1.0 - s) * (1.0 + s));");
-        assert_eq!(fixed("N022", "r = p.x * p.x - p.y * p.y;"), "r = ((p.x - p.y) * (p.x + p.y));");
+        assert_eq!(fixed("N022", "r = p.x * p.x - p.y * p.y;"), "r = (p.x - p.y) * (p.x + p.y);");
         macro_has_no_fix("N022", "(1.0 - cos(a))");
     }
 }

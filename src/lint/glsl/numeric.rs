@@ -55,6 +55,27 @@ pub fn around(shader: &Shader, call: ExprId, arg: ExprId, before: &str, after: &
     })
 }
 
+/// `text`, which stands for an expression, in parentheses where its place needs them.
+pub fn in_place(shader: &Shader, id: ExprId, text: String) -> String {
+    let operand = shader.arena().iter().any(|(_, user)| {
+        let binds = match &user.kind {
+            ExprKind::Index { base, index: _ } | ExprKind::Field { base, field: _ } => *base == id,
+            ExprKind::Method { base, method: _, args: _ } => *base == id,
+            ExprKind::Unary { .. } | ExprKind::Postfix { .. } | ExprKind::Binary { .. } | ExprKind::Ternary { .. } => true,
+            ExprKind::Literal(_)
+            | ExprKind::Name(_)
+            | ExprKind::Paren(_)
+            | ExprKind::Call { .. }
+            | ExprKind::Assign { .. }
+            | ExprKind::Comma { .. }
+            | ExprKind::List(_)
+            | ExprKind::Error => false,
+        };
+        binds && user.children().contains(&id)
+    });
+    if operand { format!("({text})") } else { text }
+}
+
 /// The constant number that an expression is, with a sign in front or without.
 pub fn constant(shader: &Shader, id: ExprId) -> Option<f64> {
     shader.fold(id).and_then(crate::glsl::Const::as_f64)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::glsl::Shader;
+use crate::glsl::{Const, Shader};
 use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind, ItemKind, UnaryOp};
 use crate::glsl::interface::Storage;
 use crate::glsl::symbols::{CallTarget, Direction, FunctionId, Symbol, SymbolId, SymbolKind};
@@ -148,13 +148,15 @@ impl<'s> Machine<'s> {
             return self.anything(id);
         }
         let value = self.eval_kind(id);
+        let written = matches!(self.shader.expr(id).kind, ExprKind::Literal(_) | ExprKind::Name(_));
         let mut value = match self.shader.fold(id) {
-            Some(c) => match (c.as_f64(), c) {
-                (Some(v), _) => Value::scalar(Range::exactly(v)),
-                (None, crate::glsl::Const::Bool(b)) => Value::scalar(Range::exactly(f64::from(u8::from(b)))),
-                (None, _) => value,
-            },
-            None => value,
+            Some(Const::Bool(b)) => Value::scalar(Range::exactly(f64::from(u8::from(b)))),
+            Some(Const::Int(v)) => Value::scalar(Range::exactly(f64::from(v))),
+            Some(Const::Uint(v)) => Value::scalar(Range::exactly(f64::from(v))),
+            // A device may compute a constant otherwise than the front end: its range holds both.
+            Some(Const::Float(v)) if written => Value::scalar(Range::exactly(f64::from(v))),
+            Some(Const::Double(v)) if written => Value::scalar(Range::exactly(v)),
+            Some(Const::Float(_) | Const::Double(_)) | None => value,
         };
         if let [only] = value.parts.as_mut_slice()
             && !self.state.facts.is_empty()
@@ -295,8 +297,7 @@ impl<'s> Machine<'s> {
         if let Some((path, true)) = path(self.shader, id)
             && let Some((lo, hi)) = self.config.range_of(&path)
         {
-            let mark = path.bytes().fold(7usize, |h, b| h.wrapping_mul(31).wrapping_add(usize::from(b)));
-            return within(ty, lo, hi, Evidence::Stated, Sources::of(mark));
+            return within(ty, lo, hi, Evidence::Stated, Sources::of(hash(&path)));
         }
         unknown_of(ty, base.sources())
     }
@@ -377,7 +378,9 @@ impl<'s> Machine<'s> {
                     return a.join(b).depending(c.sources());
                 }
                 let components = if matches!(ty, Type::Scalar(_) | Type::Vector(..)) { ty.components() } else { None };
-                let mark = 1 << (id.index() % 128);
+                // Equal calls make the same direction.
+                let spelling = key::of(shader, id).unwrap_or_else(|| id.index().to_string());
+                let mark = 1 << (hash(&spelling) % 128);
                 let call = Call { name: &name.name, args: &values, components: components.unwrap_or(0), same, mark };
                 let value = call.value();
                 let carries = matches!(name.name.as_str(), "normalize" | "reflect" | "faceforward" | "dot");
@@ -557,7 +560,7 @@ impl<'s> Machine<'s> {
 pub fn beginning(shader: &Shader, config: &Config, id: SymbolId) -> Value {
     let symbol: &Symbol = shader.symbol(id);
     let sources = Sources::of(id.index());
-    if let Some(v) = symbol.value.and_then(crate::glsl::Const::as_f64) {
+    if let Some(v) = symbol.value.and_then(Const::as_f64) {
         return Value::scalar(Range::exactly(v));
     }
     let from_outside = match symbol.kind {
@@ -615,8 +618,13 @@ pub fn unknown_of(ty: &Type, sources: Sources) -> Value {
     }
 }
 
+/// A number that mostly differs for different texts.
+fn hash(text: &str) -> usize {
+    text.bytes().fold(7, |h: usize, b| h.wrapping_mul(31).wrapping_add(usize::from(b)))
+}
+
 /// Indices of the components that a swizzle names.
-fn swizzle(field: &str) -> impl Iterator<Item = Option<usize>> {
+pub fn swizzle(field: &str) -> impl Iterator<Item = Option<usize>> {
     field.chars().map(|c| ["xrs", "ygt", "zbp", "waq"].iter().position(|set| set.contains(c)))
 }
 

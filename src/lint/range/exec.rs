@@ -11,7 +11,7 @@ use super::value::{Evidence, Sources, Value};
 const ROUNDS: usize = 2;
 
 /// Rounds after which everything that still changes is unknown.
-const MOST_ROUNDS: usize = 6;
+const MOST_ROUNDS: usize = 10;
 
 impl<'s> Machine<'s> {
     /// Runs statements in order.
@@ -170,7 +170,8 @@ impl<'s> Machine<'s> {
         let mut head = self.state.clone();
         head.facts.clear();
         let start = head.vars.clone();
-        for round in 0..=MOST_ROUNDS {
+        let first = head.clone();
+        for round in 0.. {
             let (after, _) = self.round(&head, condition, declared, step, body);
             if after.dead {
                 break;
@@ -180,6 +181,11 @@ impl<'s> Machine<'s> {
                 break;
             }
             head = next;
+        }
+        // What was given up too early comes back in a round from there.
+        let (after, _) = self.round(&head, condition, declared, step, body);
+        if !after.dead {
+            head = self.widen(&first, &after, 0);
         }
         self.recording = recording;
         let (_, breaks) = self.round(&head, condition, declared, step, body);
@@ -253,15 +259,17 @@ impl<'s> Machine<'s> {
                 continue;
             }
             let joined = self.widened(*symbol, &before, value, round);
+            if joined == before {
+                continue;
+            }
+            let given_up = round + 1 >= MOST_ROUNDS;
+            let joined = if given_up { unknown_of(&self.shader.symbol(*symbol).ty, Sources::ALL) } else { joined };
             next.vars.insert(*symbol, joined);
         }
         next
     }
 
     fn widened(&self, symbol: SymbolId, before: &Value, value: &Value, round: usize) -> Value {
-        if round >= MOST_ROUNDS - 1 {
-            return unknown_of(&self.shader.symbol(symbol).ty, Sources::ALL);
-        }
         // What changes from round to round moves with the round.
         let mut joined = before.join(value).depending(Sources::of(symbol.index()));
         if round >= ROUNDS {

@@ -26,7 +26,18 @@ impl Sources {
 
     /// The input with this number.
     pub fn of(number: usize) -> Self {
-        Self(1 << (number % 128))
+        Self(1 << (number % 120))
+    }
+
+    /// What a condition made of the expression with this number: a value of its own.
+    pub fn narrowed(number: usize) -> Self {
+        Self(1 << (120 + number % 8))
+    }
+
+    /// The inputs of `self` that are not in `other`.
+    #[must_use]
+    pub fn less(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
     }
 
     /// The inputs of both.
