@@ -19,7 +19,7 @@ pub struct Origin {
 
 /// Moves what was found in embedded shaders to their host files. A fix stays where all its edits lie
 /// in the plain text of literals; otherwise its title becomes advice.
-pub fn relocate(project: &Project, found: &mut [Diagnostic]) {
+pub fn relocate<'d>(project: &Project, found: impl Iterator<Item = &'d mut Diagnostic>) {
     let origins: BTreeMap<&str, &Origin> =
         project.shaders().filter_map(|s| Some((s.file.name(), s.origin.as_ref()?))).collect();
     if origins.is_empty() {

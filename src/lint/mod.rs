@@ -11,6 +11,7 @@ mod glsl;
 mod host;
 mod program;
 mod project;
+mod range;
 mod registry;
 mod rule;
 mod select;
@@ -64,23 +65,26 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     let project = Project::new(files, &settings.config);
     // What the front end tells with the code of a rule goes through that rule.
     let plain = |d: &&Diagnostic| !rules.iter().any(|r| r.code == d.code);
-    let mut found: Vec<Diagnostic> =
-        project.shaders().filter(|s| s.reported).flat_map(|s| s.front_end.iter().filter(plain).cloned()).collect();
+    let mut told: Vec<(Level, Diagnostic)> = project
+        .shaders()
+        .filter(|s| s.reported)
+        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (Level::Default, d.clone())))
+        .collect();
     for rule in rules {
-        rule.check(&project, &mut found);
+        rule.check(&project, &mut told);
     }
-    embedded::relocate(&project, &mut found);
-    let wanted = |d: &Diagnostic| settings.keeps(d.file.name(), d.code.0, level_of(rules, d.code.0));
-    found.retain(wanted);
+    embedded::relocate(&project, told.iter_mut().map(|(_, d)| d));
+    told.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
+    let mut found: Vec<Diagnostic> = told.into_iter().map(|(_, d)| d).collect();
     let mut suppressions = Suppressions::of(&project, rules);
     found.retain(|d| !suppressions.silences(d));
     suppressions.judge(|file, code| settings.keeps(file, code, level_of(rules, code)));
-    let before = found.len();
+    let mut after = Vec::new();
     for rule in rules {
-        rule.check_after(&suppressions, &mut found);
+        rule.check_after(&suppressions, &mut after);
     }
-    let after = found.split_off(before);
-    found.extend(after.into_iter().filter(wanted));
+    after.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
+    found.extend(after.into_iter().map(|(_, d)| d));
     sort(&mut found);
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
     found

@@ -1,6 +1,7 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -12,6 +13,7 @@ use super::config::Config;
 use super::embedded::Origin;
 use super::host::{HostFile, ShaderRef, named_shaders};
 use super::program::{self, Program};
+use super::range::Observed;
 
 /// Endings of shader files that a folder is searched for.
 pub const SHADER_EXTENSIONS: &[&str] =
@@ -95,6 +97,8 @@ pub struct ShaderFile {
     pub conditional: bool,
     /// Where the text stands when it is a literal of a host file.
     pub origin: Option<Origin>,
+    /// Ranges of its expressions, found out when the first rule asks.
+    observed: OnceLock<Observed>,
 }
 
 impl ShaderFile {
@@ -107,6 +111,7 @@ impl ShaderFile {
             front_end: parsed.diagnostics,
             conditional: is_conditional(input.file.text()),
             origin: None,
+            observed: OnceLock::new(),
         }
     }
 
@@ -114,6 +119,11 @@ impl ShaderFile {
     /// it does not depend on an `#if` or `#include`.
     pub fn is_plain(&self) -> bool {
         self.is_sound() && !self.conditional
+    }
+
+    /// Which values the operands of its calls and operators take, under the ranges that `project` states.
+    pub fn observed(&self, project: &Project) -> &Observed {
+        self.observed.get_or_init(|| Observed::new(&self.shader, project.config()))
     }
 
     /// True when the front end read the whole text without error.

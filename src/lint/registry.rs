@@ -21,7 +21,24 @@ pub const RULES: &[&Rule] = &[
     &program::i007::RULE,
     &program::i008::RULE,
     &program::i009::RULE,
+    &glsl::n001::RULE,
+    &glsl::n002::RULE,
+    &glsl::n003::RULE,
+    &glsl::n004::RULE,
+    &glsl::n005::RULE,
+    &glsl::n006::RULE,
+    &glsl::n007::RULE,
+    &glsl::n008::RULE,
+    &glsl::n009::RULE,
+    &glsl::n010::RULE,
+    &glsl::n011::RULE,
+    &glsl::n012::RULE,
+    &glsl::n013::RULE,
     &glsl::n014::RULE,
+    &glsl::n015::RULE,
+    &glsl::n018::RULE,
+    &glsl::n019::RULE,
+    &glsl::n022::RULE,
     &glsl::t001::RULE,
     &suppress::x001::RULE,
     &suppress::x002::RULE,
@@ -52,7 +69,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::lint::{Input, run};
+    use crate::lint::{Input, Selection, Settings, run, run_with};
     use crate::text::SourceFile;
 
     #[test]
@@ -91,7 +108,13 @@ mod tests {
         for rule in RULES {
             let lint = |files: &[crate::lint::Example]| {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
-                run(&inputs)
+                // The rule at its level, and the others as they run by default.
+                let mut found = run(&inputs);
+                found.retain(|d| d.code != rule.code);
+                let selection = Selection::default().at(rule.level);
+                let own = run_with(&inputs, &Settings { selection, ..Settings::default() });
+                found.extend(own.into_iter().filter(|d| d.code == rule.code));
+                found
             };
             let bad = lint(rule.page.bad);
             let codes: Vec<&str> = bad.iter().map(|d| d.code.0).collect();

@@ -85,6 +85,8 @@ pub struct Example {
 pub(super) enum Check {
     /// One shader at a time, as far as the front end could read it.
     Shader(fn(&ShaderFile, &mut Findings<'_>)),
+    /// One shader at a time, with what the project says about itself.
+    ShaderWith(fn(&ShaderFile, &Project, &mut Findings<'_>)),
     /// Errors that the front end finds and tells with the code of this rule: each is handed over to be
     /// completed with a fix, or dropped when nothing comes back.
     FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
@@ -101,11 +103,15 @@ pub(super) enum Check {
 
 impl Rule {
     /// Runs the rule over the reported files of a project, on all cores.
-    pub(super) fn check(&'static self, project: &Project, into: &mut Vec<Diagnostic>) {
+    pub(super) fn check(&'static self, project: &Project, into: &mut Vec<(Level, Diagnostic)>) {
         match self.check {
             Check::Shader(check) => {
                 let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
                 self.gather(&shaders, into, |shader, findings| check(shader, findings));
+            }
+            Check::ShaderWith(check) => {
+                let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
+                self.gather(&shaders, into, |shader, findings| check(shader, project, findings));
             }
             Check::Host(check) => {
                 let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported).collect();
@@ -119,12 +125,12 @@ impl Rule {
                     project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
                 let mut found = Vec::new();
                 self.gather(&wanted, &mut found, |program, findings| check(program, project, findings));
-                into.extend(found.into_iter().filter(|d| !silent.contains(d.file.name())));
+                into.extend(found.into_iter().filter(|(_, d): &(Level, Diagnostic)| !silent.contains(d.file.name())));
             }
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {
                     let told = shader.front_end.iter().filter(|d| d.code == self.code);
-                    into.extend(told.filter_map(|d| complete(shader, d.clone())));
+                    into.extend(told.filter_map(|d| complete(shader, d.clone())).map(|d| (self.level, d)));
                 }
             }
             Check::After(_) => {}
@@ -143,7 +149,7 @@ impl Rule {
     fn gather<T: Sync>(
         &'static self,
         files: &[&T],
-        into: &mut Vec<Diagnostic>,
+        into: &mut Vec<(Level, Diagnostic)>,
         check: impl Fn(&T, &mut Findings<'_>) + Sync,
     ) {
         let found = files.par_iter().flat_map_iter(|file| {
@@ -155,7 +161,7 @@ impl Rule {
     }
 
     /// Runs a rule that speaks of comments which silence others.
-    pub(super) fn check_after(&'static self, suppressions: &Suppressions, into: &mut Vec<Diagnostic>) {
+    pub(super) fn check_after(&'static self, suppressions: &Suppressions, into: &mut Vec<(Level, Diagnostic)>) {
         if let Check::After(check) = self.check {
             check(suppressions, &mut Findings { rule: self, into });
         }
@@ -165,7 +171,7 @@ impl Rule {
 /// Where a check puts what it finds.
 pub(super) struct Findings<'a> {
     rule: &'static Rule,
-    into: &'a mut Vec<Diagnostic>,
+    into: &'a mut Vec<(Level, Diagnostic)>,
 }
 
 impl Findings<'_> {
@@ -174,8 +180,13 @@ impl Findings<'_> {
         Diagnostic::new(self.rule.code, self.rule.severity, file, span, message)
     }
 
-    /// Reports.
+    /// Reports at the level of the rule.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        self.into.push(diagnostic);
+        self.push_at(self.rule.level, diagnostic);
+    }
+
+    /// Reports from this level on: the same rule may know some cases for certain and guess at others.
+    pub fn push_at(&mut self, level: Level, diagnostic: Diagnostic) {
+        self.into.push((level, diagnostic));
     }
 }

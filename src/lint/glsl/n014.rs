@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use crate::diagnostic::{Code, Safety, Severity, told};
+use crate::diagnostic::{Code, Safety, Severity, Told, told};
 use crate::glsl::{TokenKind, TokenPlace};
 use crate::lint::project::ShaderFile;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
@@ -76,7 +76,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let suffix = &text[number.len()..];
         let off = (number.parse::<f64>().unwrap_or(constant.value) - constant.value).abs();
         let name = constant.name;
-        let nearest = nearest(constant, suffix);
+        let why = why(constant, suffix);
         findings.push(
             findings
                 .at(
@@ -88,10 +88,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                     ),
                 )
                 .with_label(told!("meant to be {name}", "{name} のつもり"))
-                .with_why(told!(
-                    "the nearest binary32 value to {name} is {nearest}",
-                    "{name} に最も近い binary32 の値は {nearest} です"
-                ))
+                .with_why(why)
                 .with_fix(
                     told!("write {name} with 18 digits", "{name} を 18 桁で書く"),
                     Safety::Unsafe,
@@ -101,13 +98,14 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
 }
 
-fn nearest(constant: &Constant, suffix: &str) -> String {
+fn why(constant: &Constant, suffix: &str) -> Told {
+    let (name, digits) = (constant.name, constant.digits);
     if is_double(suffix) {
-        return format!("{}, and this literal is a double", constant.digits);
+        return told!("{name} is {digits} to the precision of a double", "double の精度では {name} は {digits} です");
     }
     #[expect(clippy::cast_possible_truncation, reason = "rounding to binary32 is what is asked for")]
     let single = constant.value as f32;
-    single.to_string()
+    told!("the nearest binary32 value to {name} is {single}", "{name} に最も近い binary32 の値は {single} です")
 }
 
 fn is_double(suffix: &str) -> bool {
