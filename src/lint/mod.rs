@@ -5,6 +5,7 @@
 
 mod config;
 pub mod fix;
+mod flow;
 mod glsl;
 mod host;
 mod project;

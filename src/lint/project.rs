@@ -1,12 +1,14 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use crate::diagnostic::Diagnostic;
 use crate::glsl::{Shader, Stage};
 use crate::text::SourceFile;
 
 use super::config::Config;
+use super::flow::Flow;
 use super::host::{HostFile, named_shaders};
 
 /// Endings of shader files that a folder is searched for.
@@ -84,6 +86,7 @@ pub struct ShaderFile {
     pub front_end: Vec<Diagnostic>,
     /// True when an `#if` or `#include` makes the interface depend on more than this text.
     pub conditional: bool,
+    flow: OnceLock<Flow>,
 }
 
 impl ShaderFile {
@@ -95,12 +98,18 @@ impl ShaderFile {
             shader: parsed.shader,
             front_end: parsed.diagnostics,
             conditional: is_conditional(input.file.text()),
+            flow: OnceLock::new(),
         }
     }
 
     /// True when the front end read the whole text without error.
     pub fn is_sound(&self) -> bool {
         self.front_end.is_empty()
+    }
+
+    /// What happens to variables along the paths; nothing when the front end found errors.
+    pub fn flow(&self) -> &Flow {
+        self.flow.get_or_init(|| if self.is_sound() { Flow::new(&self.shader, &self.file) } else { Flow::default() })
     }
 }
 

@@ -5,6 +5,14 @@ use super::{glsl, host};
 
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[
+    &glsl::d001::RULE,
+    &glsl::d002::RULE,
+    &glsl::d003::RULE,
+    &glsl::d004::RULE,
+    &glsl::d005::RULE,
+    &glsl::d008::RULE,
+    &glsl::d009::RULE,
+    &glsl::d015::RULE,
     &glsl::g002::RULE,
     &host::h001::RULE,
     &host::h002::RULE,
@@ -41,7 +49,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::lint::{Input, run};
+    use crate::lint::tests::at_its_level;
+    use crate::lint::{Input, run_with};
     use crate::text::SourceFile;
 
     #[test]
@@ -80,7 +89,7 @@ mod tests {
         for rule in RULES {
             let lint = |files: &[crate::lint::Example]| {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
-                run(&inputs)
+                run_with(&inputs, &at_its_level(rule))
             };
             let bad = lint(rule.page.bad);
             let codes: Vec<&str> = bad.iter().map(|d| d.code.0).collect();

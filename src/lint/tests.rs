@@ -2,7 +2,7 @@
 
 use super::fix::{Outcome, fix, fix_with};
 use super::rule::{Check, Findings, Japanese, Level, Page, Rule};
-use super::{Input, RULES, Selection, Settings, run, run_rules};
+use super::{Input, RULES, Selection, Settings, run, run_rules, run_with};
 use crate::diagnostic::{Code, Safety, Severity};
 use crate::text::{Edit, SourceFile, Span};
 
@@ -37,6 +37,13 @@ const REPAIRED: &[(&str, &str)] = &[
     file!("shaders/hair", "hair.geom"),
     file!("shaders/hair", "hair.vert"),
 ];
+
+/// The rules of the default level, and this one.
+pub(super) fn at_its_level(rule: &Rule) -> Settings {
+    let ours = RULES.iter().filter(|r| r.level == Level::Default || r.code == rule.code).map(|r| r.code.0.to_owned());
+    let select: Vec<String> = ours.chain(["E".to_owned()]).collect();
+    Settings { selection: Selection::new(&select, &[]).unwrap(), ..Settings::default() }
+}
 
 fn inputs(files: &[(&str, &str)]) -> Vec<Input> {
     files.iter().map(|(name, text)| Input::new(SourceFile::new(*name, *text))).collect()
@@ -153,8 +160,9 @@ fn line_ends_are_kept() {
 fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
     for rule in RULES {
         let files: Vec<Input> = rule.page.bad.iter().map(|e| Input::new(SourceFile::new(e.name, e.text))).collect();
-        let has_fix = run(&files).iter().any(|d| d.fix.is_some());
-        let outcome = fix(&files, &Settings::default(), Safety::Unsafe);
+        let settings = at_its_level(rule);
+        let has_fix = run_with(&files, &settings).iter().any(|d| d.fix.is_some());
+        let outcome = fix(&files, &settings, Safety::Unsafe);
         assert_eq!(outcome.applied > 0, has_fix, "{}", rule.code);
         assert!(outcome.refused.is_empty(), "{}: {:?}", rule.code, outcome.refused);
         if has_fix {
@@ -177,7 +185,7 @@ fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
                     .map_or(i.clone(), |f| Input::new(f.after.clone()))
             })
             .collect();
-        let again = fix(&after, &Settings::default(), Safety::Unsafe);
+        let again = fix(&after, &settings, Safety::Unsafe);
         assert_eq!((again.applied, again.files.len()), (0, 0), "{}", rule.code);
     }
 }
