@@ -128,3 +128,41 @@ pub fn unset(graph: &Graph, symbol: Option<SymbolId>) -> Option<(Span, bool)> {
     let set = slot.is_some_and(|s| graph.events().any(|e| e.slot == s && matches!(e.kind, Kind::Write { .. })));
     first.map(|span| (span, set))
 }
+
+/// Places where a strip ends with at least one vertex and, on every path, fewer than `needed`: the call of
+/// `EndPrimitive`, or none at the end of `main`. With the largest number of vertices.
+pub fn short(graph: &Graph, needed: u32) -> Vec<(Option<Span>, u32)> {
+    let step = |count: u32, event: &Event| match event.kind {
+        Kind::Emit => (count + 1).min(needed),
+        Kind::EndPrimitive => 0,
+        Kind::Declare | Kind::Read { .. } | Kind::Write { .. } | Kind::Copy { .. } | Kind::NoReturn { .. } => count,
+    };
+    let mut states: Vec<Option<u32>> = vec![None; graph.blocks.len()];
+    states[0] = Some(0);
+    let mut todo = VecDeque::from([0]);
+    while let Some(at) = todo.pop_front() {
+        let Some(start) = states[at] else { continue };
+        let end = graph.blocks[at].events.iter().fold(start, step);
+        for edge in &graph.blocks[at].next {
+            if states[edge.to].is_none_or(|old| old < end) {
+                states[edge.to] = Some(end);
+                todo.push_back(edge.to);
+            }
+        }
+    }
+    let mut ends: BTreeMap<Option<Span>, u32> = BTreeMap::new();
+    for (block, state) in graph.blocks.iter().zip(&states) {
+        let Some(mut count) = *state else { continue };
+        for event in &block.events {
+            if event.kind == Kind::EndPrimitive {
+                let most = ends.entry(Some(event.span)).or_default();
+                *most = count.max(*most);
+            }
+            count = step(count, event);
+        }
+    }
+    if let Some(count) = states[graph.exit] {
+        ends.insert(None, graph.blocks[graph.exit].events.iter().fold(count, step));
+    }
+    ends.into_iter().filter(|(_, most)| (1..needed).contains(most)).collect()
+}

@@ -15,7 +15,7 @@ mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::glsl::interface::Storage;
+use crate::glsl::interface::{OutputPrimitive, Storage};
 use crate::glsl::symbols::{Direction, FunctionId, SymbolId, SymbolKind};
 use crate::glsl::{Shader, Stage, TokenKind, TokenPlace};
 use crate::text::{SourceFile, Span};
@@ -61,6 +61,9 @@ pub struct Flow {
     pub unplaced: Option<(Span, bool)>,
     /// True when a geometry stage can reach `EmitVertex`; none when that is not known.
     pub emits: Option<bool>,
+    /// Ends of strips with too few vertices for a primitive: the call of `EndPrimitive`, or none at the end
+    /// of `main`, with the largest number of vertices there.
+    pub short: Vec<(Option<Span>, u32)>,
     /// True when `EndPrimitive` can be reached.
     pub ends: bool,
 }
@@ -128,6 +131,7 @@ impl Flow {
             self.emits = Some(graph.events().any(|e| e.kind == graph::Kind::Emit));
             self.ends = graph.events().any(|e| e.kind == graph::Kind::EndPrimitive);
             self.stale = emit::stale(graph, is_output);
+            self.short = emit::short(graph, vertices_needed(shader).unwrap_or(0));
             self.unplaced = emit::unset(graph, shader.builtin("gl_Position"));
         }
         let likely = assign::solve(graph, false);
@@ -162,6 +166,15 @@ impl Flow {
             }
         }
     }
+}
+
+/// The fewest vertices of a primitive that a geometry stage makes.
+pub fn vertices_needed(shader: &Shader) -> Option<u32> {
+    Some(match shader.interface().geometry.output?.value {
+        OutputPrimitive::Points => 1,
+        OutputPrimitive::LineStrip => 2,
+        OutputPrimitive::TriangleStrip => 3,
+    })
 }
 
 /// True for a variable that leaves the stage.

@@ -84,7 +84,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 }
 
 /// True when the shader can write to memory.
-fn stores(file: &ShaderFile) -> bool {
+pub(super) fn stores(file: &ShaderFile) -> bool {
     let interface = file.shader.interface();
     let memory = |ty: &Type| {
         let mut ty = ty;
