@@ -7,6 +7,7 @@ pub mod baseline;
 mod config;
 mod embedded;
 pub mod fix;
+mod flow;
 mod glsl;
 mod host;
 mod program;

@@ -11,6 +11,7 @@ use crate::text::SourceFile;
 
 use super::config::Config;
 use super::embedded::Origin;
+use super::flow::Flow;
 use super::host::{HostFile, ShaderRef, named_shaders};
 use super::program::{self, Program};
 use super::range::Observed;
@@ -99,6 +100,7 @@ pub struct ShaderFile {
     pub origin: Option<Origin>,
     /// Ranges of its expressions, found out when the first rule asks.
     observed: OnceLock<Observed>,
+    flow: OnceLock<Flow>,
 }
 
 impl ShaderFile {
@@ -112,6 +114,7 @@ impl ShaderFile {
             conditional: is_conditional(input.file.text()),
             origin: None,
             observed: OnceLock::new(),
+            flow: OnceLock::new(),
         }
     }
 
@@ -129,6 +132,11 @@ impl ShaderFile {
     /// True when the front end read the whole text without error.
     pub fn is_sound(&self) -> bool {
         self.front_end.is_empty()
+    }
+
+    /// What happens to variables along the paths; nothing when the front end found errors.
+    pub fn flow(&self) -> &Flow {
+        self.flow.get_or_init(|| if self.is_sound() { Flow::new(&self.shader, &self.file) } else { Flow::default() })
     }
 }
 

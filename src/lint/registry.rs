@@ -5,7 +5,26 @@ use super::{glsl, host, program, suppress};
 
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[
+    &glsl::d001::RULE,
+    &glsl::d002::RULE,
+    &glsl::d003::RULE,
+    &glsl::d004::RULE,
+    &glsl::d005::RULE,
+    &glsl::d006::RULE,
+    &glsl::d007::RULE,
+    &glsl::d008::RULE,
+    &glsl::d009::RULE,
+    &glsl::d010::RULE,
+    &glsl::d011::RULE,
+    &glsl::d015::RULE,
+    &glsl::d016::RULE,
+    &glsl::g001::RULE,
     &glsl::g002::RULE,
+    &glsl::g003::RULE,
+    &glsl::g004::RULE,
+    &glsl::g005::RULE,
+    &glsl::g006::RULE,
+    &glsl::g010::RULE,
     &host::h001::RULE,
     &host::h002::RULE,
     &host::h003::RULE,
@@ -40,6 +59,13 @@ pub const RULES: &[&Rule] = &[
     &glsl::n019::RULE,
     &glsl::n022::RULE,
     &glsl::t001::RULE,
+    &glsl::t005::RULE,
+    &glsl::t006::RULE,
+    &glsl::t007::RULE,
+    &glsl::t013::RULE,
+    &glsl::t014::RULE,
+    &glsl::t015::RULE,
+    &glsl::t017::RULE,
     &suppress::x001::RULE,
     &suppress::x002::RULE,
 ];
@@ -69,7 +95,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::lint::{Input, Selection, Settings, run, run_with};
+    use crate::lint::tests::at_its_level;
+    use crate::lint::Input;
     use crate::text::SourceFile;
 
     #[test]
@@ -108,13 +135,7 @@ mod tests {
         for rule in RULES {
             let lint = |files: &[crate::lint::Example]| {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
-                // The rule at its level, and the others as they run by default.
-                let mut found = run(&inputs);
-                found.retain(|d| d.code != rule.code);
-                let selection = Selection::default().at(rule.level);
-                let own = run_with(&inputs, &Settings { selection, ..Settings::default() });
-                found.extend(own.into_iter().filter(|d| d.code == rule.code));
-                found
+                at_its_level(rule, &inputs)
             };
             let bad = lint(rule.page.bad);
             let codes: Vec<&str> = bad.iter().map(|d| d.code.0).collect();

@@ -3,7 +3,7 @@
 use super::fix::{Outcome, fix, fix_with};
 use super::rule::{Check, Findings, Japanese, Level, Page, Rule};
 use super::{Input, RULES, Selection, Settings, run, run_rules, run_with};
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Diagnostic, Safety, Severity};
 use crate::text::{Edit, SourceFile, Span};
 
 macro_rules! file {
@@ -37,6 +37,22 @@ const REPAIRED: &[(&str, &str)] = &[
     file!("shaders/hair", "hair.geom"),
     file!("shaders/hair", "hair.vert"),
 ];
+
+/// The rule at its level alone.
+fn alone(rule: &Rule) -> Settings {
+    // Selected by its code, a rule runs whatever its level is.
+    Settings { selection: Selection::new(&[rule.code.0.to_owned()], &[]).unwrap(), ..Settings::default() }
+}
+
+/// What the rule finds at its level, and the others by default.
+pub(super) fn at_its_level(rule: &Rule, inputs: &[Input]) -> Vec<Diagnostic> {
+    let mut found = run(inputs);
+    found.retain(|d| d.code != rule.code);
+    let selection = Selection::default().at(rule.level);
+    let own = run_with(inputs, &Settings { selection, ..Settings::default() });
+    found.extend(own.into_iter().filter(|d| d.code == rule.code));
+    found
+}
 
 fn inputs(files: &[(&str, &str)]) -> Vec<Input> {
     files.iter().map(|(name, text)| Input::new(SourceFile::new(*name, *text))).collect()
@@ -153,9 +169,7 @@ fn line_ends_are_kept() {
 fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
     for rule in RULES {
         let files: Vec<Input> = rule.page.bad.iter().map(|e| Input::new(SourceFile::new(e.name, e.text))).collect();
-        // Selected by its code, a rule runs whatever its level is.
-        let selection = Selection::new(&[rule.code.0.to_owned()], &[]).unwrap();
-        let settings = Settings { selection, ..Settings::default() };
+        let settings = alone(rule);
         let has_fix = run_with(&files, &settings).iter().any(|d| d.fix.is_some());
         let outcome = fix(&files, &settings, Safety::Unsafe);
         assert_eq!(outcome.applied > 0, has_fix, "{}", rule.code);

@@ -5,41 +5,43 @@ use crate::glsl::ast::{Condition, Declaration, Declarator, ExprId, ItemKind, Stm
 
 /// Calls `visit` for every variable that is declared outside structures and blocks: global and local.
 pub fn declarators<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Declarator)) {
-    let mut pending: Vec<&'s Stmt> = Vec::new();
     let mut declared: Vec<&'s Declaration> = Vec::new();
     for item in &shader.unit().items {
-        match &item.kind {
-            ItemKind::Declaration(declaration) => declared.push(declaration),
-            ItemKind::Function(function) => pending.extend(function.body.iter().flat_map(|b| &b.statements)),
-            ItemKind::Block(_)
-            | ItemKind::Qualified(_)
-            | ItemKind::Precision(_)
-            | ItemKind::Empty
-            | ItemKind::Error => {}
+        if let ItemKind::Declaration(declaration) = &item.kind {
+            declared.push(declaration);
+        }
+    }
+    statements(shader, |stmt| match &stmt.kind {
+        StmtKind::Declaration(declaration)
+        | StmtKind::For { condition: Some(Condition::Declaration(declaration)), .. }
+        | StmtKind::While { condition: Condition::Declaration(declaration), .. } => declared.push(declaration),
+        _ => {}
+    });
+    declared.iter().flat_map(|d| &d.declarators).for_each(&mut visit);
+}
+
+/// Calls `visit` for every statement of every function, those inside other statements included.
+pub fn statements<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Stmt)) {
+    let mut pending: Vec<&'s Stmt> = Vec::new();
+    for item in &shader.unit().items {
+        if let ItemKind::Function(function) = &item.kind {
+            pending.extend(function.body.iter().flat_map(|b| &b.statements));
         }
     }
     while let Some(stmt) = pending.pop() {
+        visit(stmt);
         match &stmt.kind {
-            StmtKind::Declaration(declaration) => declared.push(declaration),
             StmtKind::Block(block) | StmtKind::Switch { selector: _, body: block } => pending.extend(&block.statements),
             StmtKind::If { condition: _, then, otherwise } => {
                 pending.push(then);
                 pending.extend(otherwise.as_deref());
             }
-            StmtKind::For { init, condition, step: _, body, head_span: _ } => {
+            StmtKind::For { init, condition: _, step: _, body, head_span: _ } => {
                 pending.extend([init.as_ref(), body.as_ref()]);
-                if let Some(Condition::Declaration(declaration)) = condition {
-                    declared.push(declaration);
-                }
             }
-            StmtKind::While { condition, body } => {
-                pending.push(body);
-                if let Condition::Declaration(declaration) = condition {
-                    declared.push(declaration);
-                }
-            }
-            StmtKind::DoWhile { body, condition: _ } => pending.push(body),
-            StmtKind::Empty
+            StmtKind::While { condition: _, body } | StmtKind::DoWhile { body, condition: _ } => pending.push(body),
+            StmtKind::Declaration(_)
+            | StmtKind::Empty
             | StmtKind::Precision(_)
             | StmtKind::Qualified(_)
             | StmtKind::Expr(_)
@@ -52,7 +54,6 @@ pub fn declarators<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Declarator)
             | StmtKind::Error => {}
         }
     }
-    declared.iter().flat_map(|d| &d.declarators).for_each(&mut visit);
 }
 
 /// An expression and all below it, in no certain order.
