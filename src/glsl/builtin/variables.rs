@@ -82,11 +82,17 @@ const TABLE: &[(&str, &str, &str, char)] = &[
         "mat4",
         'r',
     ),
-    ("gl_TextureMatrix gl_TextureMatrixInverse gl_TextureMatrixTranspose", "vcegf", "mat4 ?", 'r'),
+    (
+        "gl_TextureMatrix gl_TextureMatrixInverse gl_TextureMatrixTranspose gl_TextureMatrixInverseTranspose",
+        "vcegf",
+        "mat4 ?",
+        'r',
+    ),
     ("gl_NormalMatrix", "vcegf", "mat3", 'r'),
     ("gl_NormalScale", "vcegf", "float", 'r'),
     (
-        "gl_ClipPlane gl_TextureEnvColor gl_EyePlaneS gl_EyePlaneT gl_ObjectPlaneS gl_ObjectPlaneT",
+        "gl_ClipPlane gl_TextureEnvColor gl_EyePlaneS gl_EyePlaneT gl_EyePlaneR gl_EyePlaneQ gl_ObjectPlaneS \
+         gl_ObjectPlaneT gl_ObjectPlaneR gl_ObjectPlaneQ",
         "vcegf",
         "vec4 ?",
         'r',
@@ -151,7 +157,8 @@ const MATERIAL: &[(&str, &str)] =
     &[("emission", "vec4"), ("ambient", "vec4"), ("diffuse", "vec4"), ("specular", "vec4"), ("shininess", "float")];
 const PRODUCTS: &[(&str, &str)] = &[("ambient", "vec4"), ("diffuse", "vec4"), ("specular", "vec4")];
 
-fn letter(stage: Stage) -> char {
+/// The letter of a stage in the tables; `*` for a library.
+pub(super) fn letter(stage: Stage) -> char {
     match stage {
         Stage::Vertex => 'v',
         Stage::TessControl => 'c',

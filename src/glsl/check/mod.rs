@@ -2,8 +2,13 @@
 //! a name is known from its declaration on (GLSL 4.60 specification, section 4.2).
 
 mod call;
+mod constant;
 mod declaration;
+mod declared;
 mod expression;
+mod functions;
+mod layouts;
+mod lvalue;
 mod operator;
 mod statement;
 mod uses;
@@ -14,12 +19,13 @@ use std::sync::Arc;
 use super::ast::{Arena, ExprId, Ident, ItemKind, Unit};
 use super::builtin;
 use super::fold::Const;
-use super::interface::{InputPrimitive, Interface};
+use super::interface::{InputPrimitive, Interface, Storage};
+use super::language::{Feature, Language};
 use super::names::nearest;
 use super::sink::Sink;
 use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, SymbolKind, Use};
 use super::types::{Conversions, StructType, Type};
-use super::{Profile, Stage, Version, errors};
+use super::{Stage, errors};
 use crate::text::Span;
 use expression::with_near;
 
@@ -52,8 +58,27 @@ struct Checker<'a> {
     unit: &'a Unit,
     arena: &'a Arena,
     stage: Stage,
+    language: Language,
     conversions: Conversions,
     sink: &'a mut Sink,
+    /// Whether each expression is constant by the rules of the language.
+    constant: Vec<bool>,
+    /// Features that were told already.
+    told_features: HashSet<Feature>,
+    /// Last members of storage blocks without a size, and instances of such blocks.
+    runtime: HashSet<SymbolId>,
+    /// Instances of uniform blocks.
+    uniform_blocks: HashSet<SymbolId>,
+    /// Greatest constant index into arrays that have no size yet.
+    most_index: HashMap<SymbolId, i64>,
+    /// What loops and switches are around the statement at hand.
+    around: statement::Around,
+    /// Functions that each function calls, with the place.
+    calls: Vec<(FunctionId, FunctionId, Span)>,
+    /// Names of blocks, by storage.
+    blocks: HashSet<(Storage, String)>,
+    /// A default precision for `float` in a fragment shader of GLSL ES stands above.
+    float_precision: bool,
     out: Checked,
     scopes: Vec<Scope>,
     functions: HashMap<String, Vec<FunctionId>>,
@@ -76,12 +101,14 @@ pub(crate) fn check(
     unit: &Unit,
     arena: &Arena,
     stage: Stage,
-    version: &Version,
+    language: Language,
     incomplete: bool,
     sink: &mut Sink,
 ) -> Checked {
-    let modern = version.profile != Profile::Es && version.number >= 400;
-    let conversions = Conversions { int_to_uint: modern, to_double: modern };
+    let integers = language.enabled("ARB_gpu_shader5") || language.enabled("MESA_shader_integer_functions");
+    let modern = language.at_least(400, u32::MAX) || language.is_open();
+    let to_double = language.has(Feature::Doubles);
+    let conversions = Conversions { int_to_uint: modern || integers, to_double };
     let n = arena.len();
     let out = Checked {
         types: vec![Type::Error; n],
@@ -94,8 +121,18 @@ pub(crate) fn check(
         unit,
         arena,
         stage,
+        language,
         conversions,
         sink,
+        constant: vec![false; n],
+        told_features: HashSet::new(),
+        runtime: HashSet::new(),
+        uniform_blocks: HashSet::new(),
+        most_index: HashMap::new(),
+        around: statement::Around::default(),
+        calls: Vec::new(),
+        blocks: HashSet::new(),
+        float_precision: false,
         out,
         scopes: vec![Scope::default()],
         functions: HashMap::new(),
@@ -119,6 +156,8 @@ impl<'a> Checker<'a> {
         for (index, item) in unit.items.iter().enumerate() {
             self.item(index, item);
         }
+        self.recursion();
+        self.whole_stage();
         let broken = unit.items.iter().any(|i| i.kind == ItemKind::Error);
         let has_main = self.out.functions.iter().any(|f| f.name.name == "main" && f.definition.is_some());
         if self.stage != Stage::Library && !has_main && !broken && !self.incomplete {
