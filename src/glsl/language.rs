@@ -64,7 +64,10 @@ impl Feature {
             Self::ArrayLength | Self::ArrayValues | Self::StructArrayConstructors => (120, 300, &[]),
             Self::ArraysOfArrays => (430, 310, &["ARB_arrays_of_arrays"]),
             Self::BitOperators | Self::UnsignedIntegers => (130, 300, &["EXT_gpu_shader4"]),
-            Self::Switch | Self::InOutStorage => (130, 300, &[]),
+            Self::Switch => (130, 300, &[]),
+            Self::InOutStorage => {
+                (130, 300, &["ARB_explicit_attrib_location", "ARB_separate_shader_objects", "ARB_fragment_coord_conventions", "ARB_conservative_depth", "AMD_conservative_depth"])
+            }
             Self::Interpolation => (130, 300, &["EXT_gpu_shader4"]),
             Self::Centroid => (120, 300, &[]),
             Self::BlockInstances => (150, 300, &["ARB_uniform_buffer_object", "ARB_shader_storage_buffer_object"]),

@@ -141,9 +141,9 @@ const FUNCTIONS: &[Row] = &[
     (
         "texture2DRect texture2DRectProj shadow2DRect shadow2DRectProj",
         "*",
-        140,
+        110,
         NEVER,
-        &["ARB_texture_rectangle", "EXT_gpu_shader4"],
+        &["ARB_texture_rectangle"],
     ),
     ("texture1DArray texture2DArray", "*", NEVER, NEVER, &["EXT_texture_array", "EXT_gpu_shader4"]),
     (
@@ -290,6 +290,11 @@ pub(crate) fn variable(name: &str, stage: Stage, language: &Language) -> Option<
     look_up(VARIABLES, name, stage, language)
 }
 
+/// True for a member of the block `gl_PerVertex`.
+pub(crate) fn in_per_vertex(name: &str) -> bool {
+    matches!(name, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance")
+}
+
 /// When a built-in type came; none for those of the first version.
 pub(crate) fn type_since(name: &str) -> Option<Since> {
     let ty = Type::from_name(name)?;
@@ -308,7 +313,8 @@ pub(crate) fn type_since(name: &str) -> Option<Since> {
             OpaqueKind::Sampler if o.multisampled => (150, 310, &["ARB_texture_multisample"]),
             OpaqueKind::Sampler if o.dim == TextureDim::Buffer => (140, 320, &["EXT_gpu_shader4"]),
             OpaqueKind::Sampler if o.dim == TextureDim::Rect => {
-                (140, NEVER, &["ARB_texture_rectangle", "EXT_gpu_shader4"])
+                // Drivers of desktop GLSL have rectangles without being asked.
+                (110, NEVER, &["ARB_texture_rectangle"])
             }
             OpaqueKind::Sampler if o.dim == TextureDim::D1 && (o.arrayed || o.scalar != ScalarType::Float) => {
                 (130, NEVER, &["EXT_texture_array", "EXT_gpu_shader4"])

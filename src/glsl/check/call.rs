@@ -38,6 +38,10 @@ impl Checker<'_> {
                     let ty = Type::Struct(std::sync::Arc::clone(s));
                     self.constructor(id, ty, name.span, args)
                 }
+                // Functions have names of their own in the first version.
+                Some(Entry::Variable(_)) if self.language.number() == 110 && self.functions.contains_key(&name.name) => {
+                    self.function_call(id, name, args)
+                }
                 // A variable of a subroutine type, or of one that is not known.
                 Some(Entry::Variable(v)) if self.out.symbols[v.index()].ty.is_error() => (Type::Error, None),
                 Some(Entry::Variable(_)) => {

@@ -71,7 +71,8 @@ impl Checker<'_> {
             ExprKind::Unary { op: UnaryOp::Increment | UnaryOp::Decrement, .. }
             | ExprKind::Postfix { .. }
             | ExprKind::Assign { .. } => false,
-            ExprKind::Comma { .. } => all() && !self.language.es(),
+            // A sequence is no constant from 1.20 and ES 3.00 on.
+            ExprKind::Comma { .. } => all() && !self.language.at_least(120, 300),
             ExprKind::Method { base, .. } => {
                 matches!(self.type_of(*base).index_count(), Some(_)) || self.type_of(*base).is_error()
             }
@@ -88,7 +89,8 @@ impl Checker<'_> {
                         || name.starts_with("image")
                         || name.starts_with("atomic")
                         || name.starts_with("interpolate");
-                    all() && !sampled && name != "ftransform"
+                    let noise = name.starts_with("noise") && self.language.number() >= 120;
+                    all() && !sampled && !noise && name != "ftransform" && self.language.has(Feature::ConstantCalls)
                 }
                 Some(CallTarget::Constructor(_)) | None => all(),
             },

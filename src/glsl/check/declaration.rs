@@ -70,6 +70,11 @@ impl Checker<'_> {
                     // The functions behind a subroutine type are chosen by the host; what they
                     // take and return is not followed.
                     None if self.subroutines.contains(name) => Type::Error,
+                    None if builtin::structure_type(name).is_some()
+                        && (name == "gl_DepthRangeParameters" || !(self.language.core() || self.language.es())) =>
+                    {
+                        builtin::structure_type(name).unwrap_or(Type::Error)
+                    }
                     None => {
                         if !self.language.is_open() && self.first_time(name) {
                             let mut known: Vec<&str> = parser::suggestions().collect();
@@ -114,6 +119,12 @@ impl Checker<'_> {
         }
         if let Some(name) = &specifier.name {
             self.reserved_name(name, false);
+            let known = self.functions.get(&name.name).and_then(|f| f.first()).filter(|_| self.at_file_scope());
+            if let Some(first) = known.map(|f| self.out.functions[f.index()].name.span) {
+                self.redefinition(name, Some(first));
+            } else if self.at_file_scope() && self.blocks.iter().any(|(_, block)| *block == name.name) {
+                self.redefinition(name, None);
+            }
         }
         for member in &specifier.members {
             self.member_rules(member, Bearer::Nothing);
@@ -165,6 +176,11 @@ impl Checker<'_> {
     /// Rules of a member of a structure or block.
     fn member_rules(&mut self, member: &Declaration, bearer: Bearer) {
         self.qualifier_rules(&member.qualifiers);
+        let anonymous = matches!(&member.ty.kind, TypeKind::Struct(s) if s.name.is_none());
+        if bearer != Bearer::Nothing && matches!(member.ty.kind, TypeKind::Struct(_)) || anonymous && self.language.number() < 130 {
+            let message = told!("a structure cannot be defined here", "ここで構造体は定義できません");
+            self.sink.error(errors::VARIABLE_TYPE, member.ty.span, message, told!("define it before", "先に定義してください"));
+        }
         if member.declarators.is_empty() {
             let message = told!("a member without a name", "名前のないメンバーです");
             self.sink.error(errors::VARIABLE_TYPE, member.span, message, told!("this member", "このメンバー"));
@@ -265,6 +281,7 @@ impl Checker<'_> {
         for declarator in &declaration.declarators {
             let (ty, value) = self.declarator(&base, declarator);
             self.reserved_name(&declarator.name, false);
+            self.precision_type(&declaration.qualifiers, &ty);
             self.array_rules(&ty, declarator.span, declarator.initializer.is_some(), !self.language.es());
             self.storage_type(&ty, Storage::Global, &declaration.qualifiers, declarator.name.span);
             self.initialiser_rules(declarator, Storage::Global, &ty, constant);
@@ -374,7 +391,11 @@ impl Checker<'_> {
             self.array_rules(ty, declarator.span, declarator.initializer.is_some(), !self.language.es());
         }
         self.storage_type(own, storage, qualifiers, name.span);
-        if self.functions.contains_key(&name.name) {
+        if self.blocks.iter().any(|(_, block)| *block == name.name) {
+            self.redefinition(name, None);
+        }
+        self.precision_type(qualifiers, ty);
+        if self.functions.contains_key(&name.name) && self.language.number() != 110 {
             let first = self.functions[&name.name].first().map(|f| self.out.functions[f.index()].name.span);
             self.redefinition(name, first);
         }
@@ -408,6 +429,7 @@ impl Checker<'_> {
             self.sink.error(errors::REDECLARATION, name.span, message, told!("this block", "このブロック"));
         }
         if per_vertex {
+            self.per_vertex_rules(block, storage);
             return true;
         }
         self.reserved_name(name, false);
@@ -425,6 +447,39 @@ impl Checker<'_> {
             self.reserved_name(instance, false);
         }
         false
+    }
+
+    /// A block of built-in variables that is declared again.
+    fn per_vertex_rules(&mut self, block: &InterfaceBlock, storage: Storage) {
+        let names: Vec<String> = block.members.iter().flat_map(|m| m.declarators.iter().map(|d| d.name.name.clone())).collect();
+        let instance = block.instance.as_ref().map(|i| i.name.as_str());
+        let wanted = match (self.stage, storage) {
+            (Stage::Geometry | Stage::TessControl | Stage::TessEvaluation, Storage::In) => Some("gl_in"),
+            (Stage::TessControl, Storage::Out) => Some("gl_out"),
+            _ => None,
+        };
+        let why = if self.stage == Stage::Fragment || self.per_vertex.insert(storage, names).is_some() {
+            Some(told!("this block is declared once, outside fragment shaders", "このブロックの宣言は一度だけで、フラグメントシェーダにはありません"))
+        } else if instance != wanted || wanted.is_some() == block.dims.is_empty() {
+            Some(match wanted {
+                Some(wanted) => told!("it ends with `{wanted}[]`", "`{wanted}[]` で終わる必要があります"),
+                None => told!("it has no instance name", "インスタンス名はありません"),
+            })
+        } else {
+            let used = |u: &super::super::symbols::Use| {
+                let name = self.out.symbols[u.symbol.index()].name.as_str();
+                if storage == Storage::In { name == "gl_in" } else { builtin::in_per_vertex(name) }
+            };
+            let declared = storage == Storage::Out
+                && self.scopes.first().is_some_and(|s| s.entries.keys().any(|n| builtin::in_per_vertex(n)));
+            (self.out.uses.iter().any(used) || declared)
+                .then(|| told!("its members are used above", "メンバーが上で使われています"))
+        };
+        if let Some(why) = why.filter(|_| !self.language.is_open()) {
+            let message = told!("`gl_PerVertex` cannot be declared like this", "`gl_PerVertex` はこのように宣言できません");
+            let d = self.sink.start(errors::REDECLARATION, block.name.span, message).with_label(told!("this block", "このブロック"));
+            self.sink.push(d.with_why(why));
+        }
     }
 
     /// Rules of a member of a block.
@@ -576,7 +631,8 @@ impl Checker<'_> {
     fn geometry_layout(&mut self, storage: Option<Storage>, qualifiers: &Qualifiers) {
         for (entries, _) in qualifiers.layouts() {
             for entry in entries {
-                let key = entry.key.name.as_str();
+                let key = entry.key.name.to_ascii_lowercase();
+                let key = key.as_str();
                 let span = entry.span;
                 let number = entry.value.and_then(|v| self.value_of(v)).and_then(Const::as_integer);
                 let number = number.and_then(|n| u32::try_from(n).ok()).map(|value| Located { value, span });
@@ -589,7 +645,12 @@ impl Checker<'_> {
                 let geometry = &mut self.out.interface.geometry;
                 match storage {
                     Some(Storage::In) => {
-                        if let Some(value) = InputPrimitive::from_name(key) {
+                        if let Some(value) = InputPrimitive::from_name(&key.to_ascii_lowercase()) {
+                            if geometry.input.is_some_and(|old| old.value != value) {
+                                let message = told!("a second input primitive, `{key}`", "二つ目の入力プリミティブ `{key}` です");
+                                self.sink.error(errors::LAYOUT, span, message, told!("second one", "二つ目"));
+                                continue;
+                            }
                             geometry.input = Some(Located { value, span });
                         } else if key == "invocations" {
                             geometry.invocations = number;
@@ -599,8 +660,19 @@ impl Checker<'_> {
                         self.output_primitive(key, span);
                         let geometry = &mut self.out.interface.geometry;
                         if let Some(value) = OutputPrimitive::from_name(key) {
+                            if geometry.output.is_some_and(|old| old.value != value) {
+                                let message = told!("a second output primitive, `{key}`", "二つ目の出力プリミティブ `{key}` です");
+                                self.sink.error(errors::LAYOUT, span, message, told!("second one", "二つ目"));
+                                continue;
+                            }
                             geometry.output = Some(Located { value, span });
                         } else if key == "max_vertices" {
+                            let differs = |old: Located<u32>| number.is_some_and(|n| n.value != old.value);
+                            if geometry.max_vertices.is_some_and(differs) {
+                                let message = told!("another `max_vertices` than above", "上と異なる `max_vertices` です");
+                                self.sink.error(errors::LAYOUT, span, message, told!("second one", "二つ目"));
+                                continue;
+                            }
                             geometry.max_vertices = number;
                         }
                     }
@@ -642,8 +714,16 @@ impl Checker<'_> {
                     known.symbol = Some(symbol);
                 }
             }
+            let returns = !matches!(return_type, Type::Void | Type::Error);
             this.current = Some((id, return_type));
+            this.returned = false;
             this.statements(body);
+            if returns && !this.returned && !this.sink.has(errors::SYNTAX) {
+                let name = &function.name.name;
+                let message = told!("`{name}` never returns a value", "`{name}` は値を一度も返しません");
+                let label = told!("has no `return`", "`return` がありません");
+                this.sink.error(errors::RETURN_TYPE, function.name.span, message, label);
+            }
             this.current = None;
         });
     }

@@ -6,6 +6,7 @@ use super::super::ast::{
 };
 use super::super::interface::Storage;
 use super::super::language::Feature;
+use super::super::symbols::SymbolId;
 use super::super::types::{ArraySize, ScalarType, Type};
 use super::super::{Stage, builtin, errors};
 use super::Checker;
@@ -82,8 +83,6 @@ impl Checker<'_> {
             seen.push(rank);
             match &q.kind {
                 QualifierKind::Storage(s) => {
-                    let varying = storage == Some(StorageQualifier::Varying) || *s == StorageQualifier::Varying;
-                    let _ = varying;
                     if storage.is_some() {
                         self.twice(q);
                     }
@@ -116,8 +115,6 @@ impl Checker<'_> {
                     self.qualifier(span, told!("GLSL ES 3.00 has `in` and `out` instead", "GLSL ES 3.00 では `in`・`out` を使います"));
                 }
                 StorageQualifier::In | StorageQualifier::Out => {
-                    let centroid = qualifiers.list.iter().any(Self::is_centroid);
-                    let _ = centroid;
                     self.need(Feature::InOutStorage, span);
                 }
                 StorageQualifier::InOut => {
@@ -139,7 +136,7 @@ impl Checker<'_> {
                 }
                 QualifierKind::Interpolation(_)
                     if matches!(word, Some((StorageQualifier::Varying | StorageQualifier::Attribute, _)))
-                        && self.language.number() >= 130 && false =>
+                        && !self.language.is_open() =>
                 {
                     self.qualifier(q.span, told!("it does not go with `varying`", "`varying` とは併用できません"));
                 }
@@ -328,6 +325,9 @@ impl Checker<'_> {
         {
             return false;
         }
+        if let Type::Array(_, ArraySize::Known(n)) = ty {
+            self.builtin_limit(&name.name, i64::from(*n), name.span);
+        }
         if element(&known.ty) != element(ty) && !ty.is_error() {
             let (text, wanted) = (&name.name, known.ty.to_string());
             let message = told!("`{text}` is declared as `{ty}`, but is `{wanted}`", "`{text}` の型は `{wanted}` で、`{ty}` ではありません");
@@ -336,13 +336,42 @@ impl Checker<'_> {
         let wanted = if known.read_only { Storage::In } else { Storage::Out };
         let varying = self.language.es() || self.language.number() < 130;
         let depth = name.name == "gl_FragDepth" || name.name == "gl_TexCoord";
-        if storage.is_none_or(|s| s != wanted) && !(varying && storage.is_none()) && !(depth && storage == Some(Storage::Out)) {
+        let coordinate = matches!(name.name.as_str(), "gl_FragCoord" | "gl_FragDepth");
+        if storage.is_none_or(|s| s != wanted) && !(varying && coordinate && storage.is_none()) && !(depth && storage == Some(Storage::Out)) {
             let text = &name.name;
             let word = if wanted == Storage::In { "in" } else { "out" };
             let message = told!("`{text}` must be declared with `{word}`", "`{text}` は `{word}` で宣言しなければなりません");
             self.sink.error(errors::REDECLARATION, name.span, message, told!("another storage", "記憶域が違います"));
         }
         true
+    }
+
+    /// A variable that is declared again, with a size or other qualifiers.
+    pub(super) fn resized(&mut self, old: SymbolId, name: &Ident, ty: &Type) {
+        let text = &name.name;
+        let used = |c: &Self| c.out.uses.iter().any(|u| u.symbol == old);
+        if text == "gl_FragCoord" && used(self) {
+            let message = told!("`{text}` is used before it is declared again", "`{text}` は再宣言の前に使われています");
+            self.sink.error(errors::REDECLARATION, name.span, message, told!("too late", "遅すぎます"));
+        }
+        let Type::Array(_, ArraySize::Known(n)) = ty else { return };
+        let reached = self.most_index.get(&old).copied().unwrap_or(-1);
+        if reached >= i64::from(*n) {
+            let message = told!("`{text}` gets {n} elements, but element {reached} is used above", "`{text}` の要素は {n} 個ですが、上で {reached} 番が使われています");
+            self.sink.error(errors::ARRAY, name.span, message, told!("too small", "小さすぎます"));
+        }
+    }
+
+    /// At most eight clip distances and texture coordinates.
+    pub(super) fn builtin_limit(&mut self, name: &str, elements: i64, span: Span) {
+        let limit = match name {
+            "gl_ClipDistance" | "gl_CullDistance" | "gl_TexCoord" => 8,
+            _ => return,
+        };
+        if elements > limit {
+            let message = told!("`{name}` has at most {limit} elements", "`{name}` の要素は {limit} 個までです");
+            self.sink.error(errors::ARRAY, span, message, told!("beyond the limit", "上限を超えています"));
+        }
     }
 
     /// An array at file scope or in a function: nested dimensions and sizes that must be there.

@@ -253,7 +253,12 @@ impl Checker<'_> {
 
     /// The greatest constant index into an array whose size is not declared yet.
     fn note_index(&mut self, base: ExprId, value: i64) {
+        if let ExprKind::Field { field, .. } = &self.arena.get(base).kind {
+            self.builtin_limit(&field.name, value + 1, field.span);
+        }
         if let Some(symbol) = self.out.names[base.index()] {
+            let name = self.out.symbols[symbol.index()].name.clone();
+            self.builtin_limit(&name, value + 1, self.arena.get(base).span);
             let most = self.most_index.entry(symbol).or_default();
             *most = (*most).max(value);
         }
@@ -434,6 +439,11 @@ impl Checker<'_> {
                 }
                 if matches!(op, Equal | NotEqual) && (has_array(&l) || has_array(&r)) {
                     self.need(Feature::ArrayValues, op_span);
+                    let open = |t: &Type| matches!(t, Type::Array(_, ArraySize::Unsized));
+                    if open(&l) || open(&r) {
+                        let message = told!("an array without a size cannot be compared", "大きさのない配列は比較できません");
+                        self.sink.error(errors::ARRAY, op_span, message, told!("compared here", "ここで比較"));
+                    }
                 }
                 if !matches!(op, Shl | Shr) {
                     self.implicit(left, &l, &r.scalar().map_or(Type::Error, |s| l.with_scalar(s)));
@@ -623,6 +633,15 @@ impl Checker<'_> {
         let ty = self.type_of(id).clone();
         let value = self.value_of(id).and_then(Const::as_integer);
         let span = self.arena.get(id).span;
+        if !ty.is_error() && value.is_some() && !self.is_constant(id) {
+            self.sink.error(
+                errors::CONSTANT,
+                span,
+                told!("the size of an array must be constant", "配列の大きさは定数でなければなりません"),
+                told!("this size", "この大きさ"),
+            );
+            return ArraySize::Unknown;
+        }
         match value.map(u32::try_from) {
             Some(Ok(n)) if n > 0 => return ArraySize::Known(n),
             Some(_) => {
@@ -633,7 +652,7 @@ impl Checker<'_> {
                 let message = format!("the size of an array must be an integer, not {} `{ty}`", article(&ty));
                 self.sink.error(errors::CONSTANT, span, message, "this size");
             }
-            None if self.maybe_constant(id) => {}
+            None if self.maybe_constant(id) && self.is_constant(id) => {}
             None => {
                 let d = self.sink.start(errors::CONSTANT, span, "the size of an array must be constant");
                 let d = d.with_label("not known when the shader is compiled");

@@ -23,7 +23,9 @@ impl Checker<'_> {
             self.sink.error(errors::FUNCTION, name.span, message, told!("takes and gives nothing", "引数も戻り値もない"));
         }
         self.reserved_name(name, false);
-        if let Some(entry) = self.scopes.first().and_then(|s| s.entries.get(&name.name)) {
+        let apart = self.language.number() == 110;
+        let entry = self.scopes.first().and_then(|s| s.entries.get(&name.name));
+        if let Some(entry) = entry.filter(|e| !(apart && matches!(e, Entry::Variable(_)))) {
             let first = match entry {
                 Entry::Variable(id) => self.out.symbols[id.index()].span,
                 Entry::Structure(s) => Some(s.span),
@@ -57,7 +59,15 @@ impl Checker<'_> {
                 self.qualifier(q.span, told!("it does not belong to a return type", "戻り値の型には付けられません"));
             }
         }
+        if self.blocks.iter().any(|(_, block)| *block == name.name) {
+            self.redefinition(name, None);
+        }
+        self.precision_needed(&function.qualifiers, return_type, function.return_type.span);
         for (param, info) in function.params.iter().zip(params) {
+            if param.name.is_none() && function.body.is_some() && self.language.number() < 130 && !self.language.es() {
+                let message = told!("a parameter of a defined function needs a name", "定義する関数の引数には名前が必要です");
+                self.sink.error(errors::FUNCTION, param.span, message, told!("no name", "名前がない"));
+            }
             self.param_rules(param, info);
         }
     }
@@ -85,6 +95,10 @@ impl Checker<'_> {
 
     fn param_rules(&mut self, param: &super::super::ast::Param, info: &ParamInfo) {
         let here = told!("this parameter", "この引数");
+        if matches!(info.ty, Type::Array(..)) && info.direction != Direction::In {
+            self.need(Feature::ArrayValues, param.span);
+        }
+        self.precision_type(&param.qualifiers, &info.ty);
         if info.ty == Type::Void {
             let message = told!("a parameter cannot be `void`", "引数は `void` にできません");
             self.sink.error(errors::VARIABLE_TYPE, param.span, message, here.clone());
@@ -114,7 +128,7 @@ impl Checker<'_> {
                     if constant.is_some() {
                         self.twice(q);
                     }
-                    if direction.is_some() {
+                    if direction.is_some() || precision {
                         self.need(Feature::MixedQualifiers, q.span);
                     }
                     constant = Some(q.span);
@@ -136,7 +150,10 @@ impl Checker<'_> {
                 | QualifierKind::Subroutine(_) => {
                     self.qualifier(q.span, told!("it does not belong to a parameter", "引数には付けられません"));
                 }
-                QualifierKind::Precision(_) => precision = true,
+                QualifierKind::Precision(_) => {
+                    self.need(Feature::Precision, q.span);
+                    precision = true;
+                }
                 QualifierKind::Precise | QualifierKind::Memory(_) => {}
             }
         }
@@ -216,6 +233,7 @@ impl Checker<'_> {
 
     /// What is missing at the end: the layout of a geometry stage.
     pub(super) fn whole_stage(&mut self) {
+        self.fragment_outputs();
         let partial = self.incomplete || self.unit.items.iter().any(|i| i.kind == ItemKind::Error);
         let main = self.out.functions.iter().find(|f| f.name.name == "main" && f.definition.is_some());
         let Some(main) = main.filter(|_| !partial && self.stage == Stage::Geometry) else { return };
@@ -282,12 +300,13 @@ impl Checker<'_> {
             && self.stage == Stage::Fragment
             && floats(element)
             && !self.float_precision
+            && !self.precision_told
             && qualifiers.precision().is_none()
             && !self.incomplete;
         if !needed {
             return;
         }
-        self.float_precision = true;
+        self.precision_told = true;
         let d = self
             .sink
             .start(errors::PRECISION, span, told!("`{ty}` has no precision here", "`{ty}` の精度が決まっていません"))
@@ -301,6 +320,50 @@ impl Checker<'_> {
                 "先頭に `precision mediump float;` を書いてください"
             ));
         self.sink.push(d);
+    }
+
+    /// Precision belongs to numbers and samplers.
+    pub(super) fn precision_type(&mut self, qualifiers: &super::super::ast::Qualifiers, ty: &Type) {
+        let Some((_, span)) = qualifiers.precision() else { return };
+        let mut element = ty;
+        while let Type::Array(inner, _) = element {
+            element = inner;
+        }
+        let without = matches!(element, Type::Struct(_) | Type::Void) || element.scalar() == Some(ScalarType::Bool);
+        if without {
+            self.qualifier(span, told!("`{ty}` has no precision", "`{ty}` に精度はありません"));
+        }
+    }
+
+    /// Built-in outputs of a fragment shader exclude each other and those of the shader.
+    fn fragment_outputs(&mut self) {
+        if self.stage != Stage::Fragment || self.language.is_open() {
+            return;
+        }
+        let mut written: Vec<(&str, Span)> = Vec::new();
+        for u in self.out.uses.iter().filter(|u| u.access.writes()) {
+            let symbol = &self.out.symbols[u.symbol.index()];
+            let name = match (symbol.name.as_str(), symbol.kind) {
+                ("gl_FragColor", _) => "`gl_FragColor`",
+                ("gl_FragData", _) => "`gl_FragData`",
+                (_, super::SymbolKind::Global(Storage::Out)) => "",
+                _ => continue,
+            };
+            if !written.iter().any(|w| w.0 == name) {
+                written.push((name, u.span));
+            }
+        }
+        let mut builtin = written.iter().filter(|w| !w.0.is_empty());
+        let Some((first, _)) = builtin.next() else { return };
+        let Some((other, span)) = written.iter().find(|w| w.0 != *first) else { return };
+        let other_en = if other.is_empty() { "an output of the shader" } else { other };
+        let other_ja = if other.is_empty() { "シェーダの出力変数" } else { other };
+        let message = Told::new(
+            format!("{first} and {other_en} cannot both be written"),
+            format!("{first} と {other_ja} の両方には書き込めません"),
+        );
+        let label = told!("one of the two is too much", "どちらか一方だけにしてください");
+        self.sink.error(errors::REDECLARATION, *span, message, label);
     }
 
     /// `layout(triangles) out` and the like.

@@ -79,6 +79,12 @@ struct Checker<'a> {
     blocks: HashSet<(Storage, String)>,
     /// A default precision for `float` in a fragment shader of GLSL ES stands above.
     float_precision: bool,
+    /// A missing one has been told.
+    precision_told: bool,
+    /// A `return` was met in the function at hand.
+    returned: bool,
+    /// Members of the blocks of built-in variables that were declared again.
+    per_vertex: HashMap<Storage, Vec<String>>,
     out: Checked,
     scopes: Vec<Scope>,
     functions: HashMap<String, Vec<FunctionId>>,
@@ -133,6 +139,9 @@ pub(crate) fn check(
         calls: Vec::new(),
         blocks: HashSet::new(),
         float_precision: false,
+        precision_told: false,
+        returned: false,
+        per_vertex: HashMap::new(),
         out,
         scopes: vec![Scope::default()],
         functions: HashMap::new(),
@@ -183,16 +192,18 @@ impl<'a> Checker<'a> {
                 if q.qualifiers.storage().is_some_and(|s| s.0 == super::ast::StorageQualifier::In) =>
             {
                 let mut entries = q.qualifiers.layouts().flat_map(|(entries, _)| entries);
-                entries.find_map(|e| InputPrimitive::from_name(&e.key.name)).map(InputPrimitive::vertices)
+                entries.find_map(|e| InputPrimitive::from_name(&e.key.name.to_ascii_lowercase())).map(InputPrimitive::vertices)
             }
             _ => None,
         })
     }
 
     fn scoped<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let precision = self.float_precision;
         self.scopes.push(Scope::default());
         let result = run(self);
         self.scopes.pop();
+        self.float_precision = precision;
         result
     }
 
@@ -218,6 +229,13 @@ impl<'a> Checker<'a> {
             Some(Entry::Variable(id)) => return Some(*id),
             Some(Entry::Structure(_)) => return None,
             None => {}
+        }
+        if let Some(members) = self.per_vertex.get(&Storage::Out)
+            && builtin::in_per_vertex(name)
+            && !members.iter().any(|m| m == name)
+            && self.stage != Stage::Fragment
+        {
+            return None;
         }
         if let Some(id) = self.builtins.get(name) {
             return Some(*id);
@@ -254,6 +272,7 @@ impl<'a> Checker<'a> {
         // A use before the redeclaration of a built-in means the same variable.
         let merge = merge.or_else(|| if builtin { self.builtins.get(&name.name).copied() } else { None });
         if let Some(old) = merge {
+            self.resized(old, name, &ty);
             self.out.symbols[old.index()].ty = ty;
             self.scope_insert(&name.name, Entry::Variable(old));
             return old;
@@ -276,7 +295,7 @@ impl<'a> Checker<'a> {
     fn resizes(&self, old: SymbolId, new: &Type) -> bool {
         use super::types::ArraySize::{Known, Unsized};
         match (&self.out.symbols[old.index()].ty, new) {
-            (Type::Array(a, Unsized), Type::Array(b, Known(_) | Unsized)) => a == b && self.at_file_scope(),
+            (Type::Array(a, Unsized), Type::Array(b, Known(_) | Unsized)) => a == b && !self.language.es(),
             _ => false,
         }
     }

@@ -190,7 +190,10 @@ impl Checker<'_> {
                 self.expression(*value);
                 self.label(Some(*value), statement.span);
             }
-            StmtKind::Return(value) => self.return_statement(*value, statement.span),
+            StmtKind::Return(value) => {
+                self.returned = true;
+                self.return_statement(*value, statement.span);
+            }
         }
     }
 
