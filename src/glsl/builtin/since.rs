@@ -182,6 +182,7 @@ const VARIABLES: &[Row] = &[
     ("gl_ViewportIndex", "g", 410, NEVER, &["ARB_viewport_array"]),
     ("gl_ViewportIndex", "f", 430, NEVER, &["ARB_fragment_layer_viewport"]),
     ("gl_ViewportIndex", "ve", NEVER, NEVER, &["ARB_shader_viewport_layer_array", "AMD_vertex_shader_viewport_index"]),
+    ("gl_PrimitiveID", "gce", 150, 320, &[]),
     ("gl_PrimitiveID", "f", 150, 320, &["EXT_gpu_shader4", "OES_geometry_shader", "EXT_geometry_shader"]),
     ("gl_InvocationID", "g", 400, 320, &["ARB_gpu_shader5"]),
     ("gl_PointCoord", "*", 120, 100, &[]),

@@ -177,7 +177,7 @@ impl Checker<'_> {
     fn member_rules(&mut self, member: &Declaration, bearer: Bearer) {
         self.qualifier_rules(&member.qualifiers);
         let anonymous = matches!(&member.ty.kind, TypeKind::Struct(s) if s.name.is_none());
-        if bearer != Bearer::Nothing && matches!(member.ty.kind, TypeKind::Struct(_)) || anonymous && self.language.number() < 130 {
+        if bearer != Bearer::Nothing && matches!(member.ty.kind, TypeKind::Struct(_)) || anonymous && self.language.number() == 120 {
             let message = told!("a structure cannot be defined here", "ここで構造体は定義できません");
             self.sink.error(errors::VARIABLE_TYPE, member.ty.span, message, told!("define it before", "先に定義してください"));
         }

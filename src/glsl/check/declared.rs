@@ -350,7 +350,8 @@ impl Checker<'_> {
     pub(super) fn resized(&mut self, old: SymbolId, name: &Ident, ty: &Type) {
         let text = &name.name;
         let used = |c: &Self| c.out.uses.iter().any(|u| u.symbol == old);
-        if text == "gl_FragCoord" && used(self) {
+        let first = !self.scopes.first().is_some_and(|s| s.entries.contains_key(text));
+        if text == "gl_FragCoord" && first && used(self) {
             let message = told!("`{text}` is used before it is declared again", "`{text}` は再宣言の前に使われています");
             self.sink.error(errors::REDECLARATION, name.span, message, told!("too late", "遅すぎます"));
         }

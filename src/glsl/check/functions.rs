@@ -95,7 +95,7 @@ impl Checker<'_> {
 
     fn param_rules(&mut self, param: &super::super::ast::Param, info: &ParamInfo) {
         let here = told!("this parameter", "この引数");
-        if matches!(info.ty, Type::Array(..)) && info.direction != Direction::In {
+        if matches!(info.ty, Type::Array(..)) && info.direction != Direction::In && !self.language.es() {
             self.need(Feature::ArrayValues, param.span);
         }
         self.precision_type(&param.qualifiers, &info.ty);
