@@ -9,6 +9,7 @@ mod constructor;
 pub mod errors;
 mod fold;
 pub mod interface;
+mod language;
 mod lexer;
 mod names;
 mod number;
@@ -205,9 +206,10 @@ impl Shader {
         let pieces = lexer::lex(file.text());
         let preprocess::Preprocessed { tokens, version, extensions, raw, incomplete } =
             preprocess::run(&pieces, &mut sink);
-        let (unit, arena) = parser::parse(tokens, &version, &extensions, &mut sink);
+        let language = language::Language::new(&version, &extensions);
+        let (unit, arena) = parser::parse(tokens, &language, &mut sink);
         let check::Checked { types, values, names, calls, symbols, functions, uses, interface } =
-            check::check(&unit, &arena, stage, &version, incomplete, &mut sink);
+            check::check(&unit, &arena, stage, language, incomplete, &mut sink);
         let shader = Self {
             file: file.clone(),
             stage,

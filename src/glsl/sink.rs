@@ -31,6 +31,11 @@ impl Sink {
         }
     }
 
+    /// True when something was told with that code.
+    pub(crate) fn has(&self, code: Code) -> bool {
+        self.list.iter().any(|d| d.code == code)
+    }
+
     /// A diagnostic to be completed and pushed.
     pub(crate) fn start(&self, code: Code, span: Span, message: impl Into<Told>) -> Diagnostic {
         Diagnostic::new(code, Severity::Error, &self.file, span, message)

@@ -12,6 +12,8 @@ use super::textures;
 pub(crate) struct Signature {
     pub params: Vec<(Direction, Type)>,
     pub result: Type,
+    /// Its last parameter is a bias of the level of detail: fragment shaders only.
+    pub bias: bool,
 }
 
 /// Name, component types, sizes, form. In the form `T` is the vector of the size and component
@@ -186,14 +188,14 @@ fn spread(form: &str, scalar: ScalarType, size: u8) -> Signature {
             None => (Direction::In, ty(p)),
         })
         .collect();
-    Signature { params, result: ty(result) }
+    Signature { params, result: ty(result), bias: false }
 }
 
 /// 8.6 matrix functions.
 fn matrices(all: &mut Table) {
     let mut add = |name, params: &[Type], result: Type| {
         let params = params.iter().map(|t| (Direction::In, t.clone())).collect();
-        all.entry(name).or_default().push(Signature { params, result });
+        all.entry(name).or_default().push(Signature { params, result, bias: false });
     };
     for s in [ScalarType::Float, ScalarType::Double] {
         for c in 2..=4 {
@@ -234,6 +236,7 @@ mod tests {
         let want = Signature {
             params: vec![(Direction::In, vec3.clone()), (Direction::In, vec3.clone()), (Direction::In, Type::FLOAT)],
             result: vec3,
+            bias: false,
         };
         assert!(mix.contains(&want));
         assert_eq!(functions("modf")[0].params[1].0, Direction::Out);

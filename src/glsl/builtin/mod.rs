@@ -1,10 +1,11 @@
 //! What the language brings along: functions (GLSL 4.60 specification, chapter 8) and variables
-//! (chapter 7). Which version brought each is not checked here; rules about versions are lint
-//! rules.
+//! (chapter 7), and which version, profile, extension and stage has each.
 
 mod functions;
+mod since;
 mod textures;
 mod variables;
 
+pub(crate) use since::{Absent, function as function_absent, in_per_vertex, type_since, variable as variable_absent};
 pub(crate) use functions::{Signature, functions, names as function_names};
-pub(crate) use variables::{Builtin, names as variable_names, variable};
+pub(crate) use variables::{Builtin, names as variable_names, structure_type, variable};

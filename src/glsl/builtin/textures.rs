@@ -40,13 +40,17 @@ struct Adder<'a> {
 impl Adder<'_> {
     fn add(&mut self, name: &'static str, params: &[Type], result: &Type) {
         let params = params.iter().map(|t| (Direction::In, t.clone())).collect();
-        self.all.entry(name).or_default().push(Signature { params, result: result.clone() });
+        self.all.entry(name).or_default().push(Signature { params, result: result.clone(), bias: false });
     }
 
     /// With and without a last parameter.
     fn optional(&mut self, name: &'static str, params: &[Type], last: &[Type], result: &Type) {
         self.add(name, params, result);
         self.add(name, &[params, last].concat(), result);
+        let bias = last == [Type::FLOAT];
+        if let Some(added) = self.all.entry(name).or_default().last_mut() {
+            added.bias = bias;
+        }
     }
 }
 
@@ -267,7 +271,8 @@ mod tests {
 
     fn has(name: &str, params: &[&str], result: &str) -> bool {
         let params: Vec<_> = params.iter().map(|p| (Direction::In, Type::from_name(p).unwrap())).collect();
-        functions(name).contains(&Signature { params, result: Type::from_name(result).unwrap() })
+        let result = Type::from_name(result).unwrap();
+        functions(name).iter().any(|s| s.params == params && s.result == result)
     }
 
     #[test]

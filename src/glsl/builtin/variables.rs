@@ -82,11 +82,17 @@ const TABLE: &[(&str, &str, &str, char)] = &[
         "mat4",
         'r',
     ),
-    ("gl_TextureMatrix gl_TextureMatrixInverse gl_TextureMatrixTranspose", "vcegf", "mat4 ?", 'r'),
+    (
+        "gl_TextureMatrix gl_TextureMatrixInverse gl_TextureMatrixTranspose gl_TextureMatrixInverseTranspose",
+        "vcegf",
+        "mat4 ?",
+        'r',
+    ),
     ("gl_NormalMatrix", "vcegf", "mat3", 'r'),
     ("gl_NormalScale", "vcegf", "float", 'r'),
     (
-        "gl_ClipPlane gl_TextureEnvColor gl_EyePlaneS gl_EyePlaneT gl_ObjectPlaneS gl_ObjectPlaneT",
+        "gl_ClipPlane gl_TextureEnvColor gl_EyePlaneS gl_EyePlaneT gl_EyePlaneR gl_EyePlaneQ gl_ObjectPlaneS \
+         gl_ObjectPlaneT gl_ObjectPlaneR gl_ObjectPlaneQ",
         "vcegf",
         "vec4 ?",
         'r',
@@ -151,7 +157,8 @@ const MATERIAL: &[(&str, &str)] =
     &[("emission", "vec4"), ("ambient", "vec4"), ("diffuse", "vec4"), ("specular", "vec4"), ("shininess", "float")];
 const PRODUCTS: &[(&str, &str)] = &[("ambient", "vec4"), ("diffuse", "vec4"), ("specular", "vec4")];
 
-fn letter(stage: Stage) -> char {
+/// The letter of a stage in the tables; `*` for a library.
+pub(super) fn letter(stage: Stage) -> char {
     match stage {
         Stage::Vertex => 'v',
         Stage::TessControl => 'c',
@@ -178,6 +185,10 @@ pub(crate) fn variable(name: &str, stage: Stage, vertices: Option<u32>) -> Optio
         let base = Type::from_name(base)?;
         let ty = match size {
             "" => base,
+            // These take a size when they are declared again, or by their greatest index.
+            "?" if matches!(name, "gl_ClipDistance" | "gl_CullDistance" | "gl_TexCoord") => {
+                Type::Array(Arc::new(base), ArraySize::Unsized)
+            }
             "?" => Type::Array(Arc::new(base), ArraySize::Unknown),
             n => base.array(n.parse().ok()?),
         };
@@ -202,6 +213,11 @@ pub(crate) fn variable(name: &str, stage: Stage, vertices: Option<u32>) -> Optio
         return Some(Builtin { ty: Type::vector(ScalarType::Int, if vector { 3 } else { 1 }), read_only: true });
     }
     None
+}
+
+/// The structure of a built-in variable, by its own name such as `gl_FogParameters`.
+pub(crate) fn structure_type(name: &str) -> Option<Type> {
+    STRUCTS.iter().find(|row| row.2 == name).map(|row| structure(row.2, row.3))
 }
 
 fn structure(name: &str, members: &[(&str, &str)]) -> Type {
@@ -237,7 +253,7 @@ fn per_vertex() -> Type {
     let mut whole = (*plain).clone();
     for (name, ty) in [("gl_ClipDistance", Type::FLOAT), ("gl_CullDistance", Type::FLOAT), ("gl_TexCoord", Type::VEC4)]
     {
-        let ty = Type::Array(Arc::new(ty), ArraySize::Unknown);
+        let ty = Type::Array(Arc::new(ty), ArraySize::Unsized);
         let (span, qualifiers) = (Span::default(), Qualifiers::default());
         whole.fields.push(StructField { name: name.to_owned(), ty, span, qualifiers });
     }

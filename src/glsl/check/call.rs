@@ -7,9 +7,11 @@ use super::super::errors;
 use super::super::fold::{self, Const};
 use super::super::names::nearest;
 use super::super::symbols::{CallTarget, Direction, FunctionId};
-use super::super::types::{ArraySize, Conversions, ScalarType, Type};
+use super::super::language::{Feature, Language};
+use super::super::types::{ArraySize, Conversions, OpaqueKind, ScalarType, Type};
 use super::expression::{article, with_near};
 use super::{Checker, Entry};
+use crate::diagnostic::told;
 use crate::text::Span;
 
 /// A function that may be meant.
@@ -35,6 +37,10 @@ impl Checker<'_> {
                 Some(Entry::Structure(s)) => {
                     let ty = Type::Struct(std::sync::Arc::clone(s));
                     self.constructor(id, ty, name.span, args)
+                }
+                // Functions have names of their own in the first version.
+                Some(Entry::Variable(_)) if self.language.number() == 110 && self.functions.contains_key(&name.name) => {
+                    self.function_call(id, name, args)
                 }
                 // A variable of a subroutine type, or of one that is not known.
                 Some(Entry::Variable(v)) if self.out.symbols[v.index()].ty.is_error() => (Type::Error, None),
@@ -64,6 +70,9 @@ impl Checker<'_> {
             other => other,
         };
         self.out.calls[id.index()] = Some(CallTarget::Constructor(ty.clone()));
+        if matches!(ty, Type::Array(..)) {
+            self.need(Feature::StructArrayConstructors, span);
+        }
         let good = match &ty {
             Type::Error => false,
             Type::Void | Type::Opaque(_) => {
@@ -85,9 +94,16 @@ impl Checker<'_> {
                         good = false;
                     }
                 }
-                // Too many or too few components are told by lint rules; what depends on the
-                // value stays silent.
-                good && matches!(Constructor::new(&ty, &types).fit, Fit::Fits | Fit::Unknown)
+                // Too many components are told by a lint rule; what depends on the value stays silent.
+                good && self.matrix_rules(&ty, args, &types)
+                    && match Constructor::new(&ty, &types).fit {
+                        Fit::Fits | Fit::Unknown => true,
+                        Fit::TooMany { .. } => false,
+                        Fit::TooFew { given } => {
+                            self.too_few(&ty, span, given);
+                            false
+                        }
+                    }
             }
             Type::Struct(s) => {
                 let fields: Vec<Type> = s.fields.iter().map(|f| f.ty.clone()).collect();
@@ -117,6 +133,43 @@ impl Checker<'_> {
         (ty, value)
     }
 
+    fn too_few(&mut self, ty: &Type, span: Span, given: usize) {
+        let needs = ty.components().unwrap_or(0);
+        let d = self
+            .sink
+            .start(
+                errors::TOO_FEW,
+                span,
+                told!("`{ty}` needs {needs} components, but gets {given}", "`{ty}` には {needs} 成分が必要ですが、{given} 成分しかありません"),
+            )
+            .with_label(told!("components are missing", "成分が足りません"))
+            .with_why(told!(
+                "a constructor takes one scalar, or as many components as the type has",
+                "コンストラクタの引数は、スカラ一つか、型の成分数ちょうどです"
+            ))
+            .with_help(told!("give all {needs} components", "{needs} 成分を全て書いてください"));
+        self.sink.push(d);
+    }
+
+    /// Matrices among the arguments of a constructor.
+    fn matrix_rules(&mut self, ty: &Type, args: &[ExprId], types: &[Type]) -> bool {
+        if !matches!(ty, Type::Matrix(..)) {
+            return true;
+        }
+        let Some(at) = types.iter().position(|t| matches!(t, Type::Matrix(..))) else { return true };
+        let span = self.arena.get(args[at]).span;
+        if types.len() > 1 {
+            let message = told!("a matrix made of a matrix takes no other argument", "行列から行列を作るときは引数を一つだけ書きます");
+            self.sink.error(errors::CONSTRUCTOR, span, message, told!("this is a matrix", "これは行列"));
+            return false;
+        }
+        if !self.language.at_least(120, 300) {
+            let since = (120, 300, [].as_slice());
+            self.lacks(told!("a matrix made of a matrix", "行列から作る行列"), since, span);
+        }
+        true
+    }
+
     fn count(&mut self, ty: &Type, span: Span, wanted: usize, given: usize, what: &str) {
         let message = format!("`{ty}` has {wanted} {what}, but {given} are given");
         self.sink.error(errors::CONSTRUCTOR, span, message, "this constructor");
@@ -144,6 +197,7 @@ impl Checker<'_> {
                 self.sink.error(errors::CONSTRUCTOR, self.arena.get(*arg).span, message, label);
                 return false;
             }
+            self.implicit(*arg, given, wanted);
         }
         true
     }
@@ -163,7 +217,15 @@ impl Checker<'_> {
         let mut best = best(&candidates, &types, self.conversions);
         if best.is_none() {
             let built_in = builtin::functions(&name.name);
-            candidates.extend(built_in.iter().map(|Signature { params, result }| Candidate {
+            let absent = builtin::function_absent(&name.name, self.stage, &self.language);
+            if let Some(why) = absent.filter(|_| candidates.is_empty() && !built_in.is_empty()) {
+                self.absent(&name.name, name.span, why);
+                return (Type::Error, None);
+            }
+            let language = self.language.clone();
+            let fragment = matches!(self.stage, super::super::Stage::Fragment | super::super::Stage::Library);
+            let built_in = built_in.iter().filter(|s| absent.is_none() && available(&name.name, s, &language, fragment));
+            candidates.extend(built_in.map(|Signature { params, result, bias: _ }| Candidate {
                 params: params.clone(),
                 result: result.clone(),
                 user: None,
@@ -179,10 +241,15 @@ impl Checker<'_> {
             return (Type::Error, None);
         };
         let Candidate { params, result, user } = candidates.swap_remove(index);
-        for ((direction, _), arg) in params.iter().zip(args) {
-            if *direction != Direction::In {
+        for ((direction, wanted), arg) in params.iter().zip(args) {
+            if *direction == Direction::In {
+                self.implicit(*arg, &self.type_of(*arg).clone(), wanted);
+            } else {
                 self.assignable(*arg);
             }
+        }
+        if let (Some(callee), Some((caller, _))) = (user, &self.current) {
+            self.calls.push((*caller, callee, name.span));
         }
         let value = match user {
             None => {
@@ -199,7 +266,11 @@ impl Checker<'_> {
     }
 
     fn unknown_function(&mut self, name: &Ident) {
-        if !self.first_time(&name.name) {
+        if let Some(since) = builtin::type_since(&name.name) {
+            let text = &name.name;
+            return self.lacks(told!("`{text}`", "`{text}` "), since, name.span);
+        }
+        if self.language.is_open() || !self.first_time(&name.name) {
             return;
         }
         let message = format!("function `{}` is not declared", name.name);
@@ -285,6 +356,48 @@ fn best(candidates: &[Candidate], types: &[Type], rules: Conversions) -> Option<
         }
     }
     found.map(|(_, i)| (i, certain))
+}
+
+/// True when the version has this form of a built-in function: those on unsigned integers, on `double`,
+/// and some on integers came later than the function itself.
+fn available(name: &str, signature: &Signature, language: &Language, fragment: bool) -> bool {
+    if language.is_open() {
+        return true;
+    }
+    let uses = |wanted: ScalarType| {
+        let is = |t: &Type| {
+            t.scalar() == Some(wanted) || matches!(t, Type::Opaque(o) if o.scalar == wanted && o.kind != OpaqueKind::AtomicCounter)
+        };
+        signature.params.iter().any(|p| is(&p.1)) || is(&signature.result)
+    };
+    if uses(ScalarType::Double) && !language.has(Feature::Doubles) {
+        return false;
+    }
+    if uses(ScalarType::Uint) && !language.has(Feature::UnsignedIntegers) {
+        return false;
+    }
+    if signature.bias && !fragment {
+        return false;
+    }
+    let first = signature.params.first().and_then(|p| p.1.scalar());
+    match name {
+        "abs" | "sign" | "min" | "max" | "clamp" if first == Some(ScalarType::Int) => {
+            language.since((130, 300, &["EXT_gpu_shader4"]))
+        }
+        "mix" if signature.params.last().and_then(|p| p.1.scalar()) == Some(ScalarType::Bool) => {
+            if first.is_some_and(ScalarType::is_floating) {
+                language.at_least(130, 300)
+            } else {
+                language.since((450, 310, &["EXT_shader_integer_mix"]))
+            }
+        }
+        "outerProduct" | "transpose" | "matrixCompMult" => !language.es() || language.number() >= 300 || square(signature),
+        _ => true,
+    }
+}
+
+fn square(signature: &Signature) -> bool {
+    matches!(signature.result, Type::Matrix(_, c, r) if c == r)
 }
 
 fn cost(from: &Type, to: &Type, rules: Conversions) -> Option<u32> {

@@ -1,13 +1,15 @@
 //! Types and values of expressions.
 
-use super::super::ast::{BinaryOp, ExprId, ExprKind, Ident, Literal};
+use super::super::ast::{BinaryOp, ExprId, ExprKind, Ident, Literal, UnaryOp};
+use super::super::builtin;
 use super::super::errors;
+use super::super::language::Feature;
 use super::super::fold::{self, Const};
 use super::super::names::nearest;
 use super::super::types::{ArraySize, ScalarType, Type};
 use super::operator::{self, Misfit};
 use super::{Checker, Entry};
-use crate::diagnostic::{Diagnostic, Safety};
+use crate::diagnostic::{Diagnostic, Lang, Safety, Told, told};
 use crate::text::{Edit, Span};
 
 /// `a` or `an` before the name of a type.
@@ -36,6 +38,7 @@ impl Checker<'_> {
             let (ty, value) = self.one(id);
             self.out.types[id.index()] = ty;
             self.out.values[id.index()] = value;
+            self.constant[id.index()] = self.constness(id);
         }
     }
 
@@ -50,6 +53,7 @@ impl Checker<'_> {
                     Literal::Float(v) => Const::Float(fold::round(v)),
                     Literal::Double(v) => Const::Double(v),
                 };
+                self.literal(*literal, expr.span, expr.from_macro);
                 (value.ty(), Some(value))
             }
             ExprKind::Name(name) => self.name(id, name, expr.span),
@@ -60,6 +64,15 @@ impl Checker<'_> {
             ExprKind::Call { callee, args } => self.call(id, callee, args),
             ExprKind::Unary { op, op_span, operand } => {
                 let ty = self.type_of(*operand).clone();
+                match *op {
+                    UnaryOp::Increment | UnaryOp::Decrement if !ty.is_error() => {
+                        self.assignable(*operand);
+                    }
+                    UnaryOp::Complement => {
+                        self.need(Feature::BitOperators, *op_span);
+                    }
+                    _ => {}
+                }
                 match operator::unary(*op, &ty) {
                     Ok(ty) => (ty, self.value_of(*operand).and_then(|v| fold::unary(*op, v))),
                     Err(misfit) => {
@@ -75,6 +88,9 @@ impl Checker<'_> {
             ExprKind::Postfix { increment, op_span, operand } => {
                 let ty = self.type_of(*operand).clone();
                 let numeric = ty.is_error() || ty.scalar().is_some_and(|s| s != ScalarType::Bool);
+                if numeric && !ty.is_error() {
+                    self.assignable(*operand);
+                }
                 if !numeric {
                     let op = if *increment { "++" } else { "--" };
                     let message = format!("`{op}` does not take {} `{ty}`", article(&ty));
@@ -83,7 +99,7 @@ impl Checker<'_> {
                 (if numeric { ty } else { Type::Error }, None)
             }
             ExprKind::Binary { op, op_span, left, right } => {
-                let ty = self.binary(*op, *op_span, *left, *right, expr.span);
+                let ty = self.binary(*op, *op_span, *left, *right);
                 let value = match (self.value_of(*left), self.value_of(*right), ty.is_error()) {
                     (Some(a), Some(b), false) => fold::binary(*op, a, b),
                     _ => None,
@@ -91,7 +107,7 @@ impl Checker<'_> {
                 (ty, value)
             }
             ExprKind::Assign { op, op_span, target, value } => {
-                (self.assign(*op, *op_span, *target, *value, expr.span), None)
+                (self.assign(*op, *op_span, *target, *value), None)
             }
             ExprKind::Ternary { condition, yes, no } => self.ternary(*condition, *yes, *no),
             ExprKind::Comma { left: _, right } => (self.type_of(*right).clone(), None),
@@ -103,6 +119,12 @@ impl Checker<'_> {
     fn name(&mut self, id: ExprId, name: &str, span: Span) -> (Type, Option<Const>) {
         if let Some(symbol) = self.variable(name) {
             self.out.names[id.index()] = Some(symbol);
+            if self.out.symbols[symbol.index()].kind == super::SymbolKind::Builtin
+                && let Some(why) = builtin::variable_absent(name, self.stage, &self.language)
+                && !self.lookup(name).is_some()
+            {
+                self.absent(name, span, why);
+            }
             let symbol = &self.out.symbols[symbol.index()];
             return (symbol.ty.clone(), symbol.value);
         }
@@ -125,11 +147,121 @@ impl Checker<'_> {
             let message = format!("an index must be an integer, not {} `{index_ty}`", article(&index_ty));
             self.sink.error(errors::INDEX, self.arena.get(index).span, message, "this index");
         }
-        base_ty.indexed().unwrap_or_else(|| {
+        let Some(element) = base_ty.indexed() else {
             let message = format!("{} `{base_ty}` has no elements to index", article(&base_ty));
             self.sink.error(errors::INDEX, self.arena.get(base).span, message, "indexed here");
-            Type::Error
-        })
+            return Type::Error;
+        };
+        if integer {
+            self.index_rules(base, &base_ty, index);
+        }
+        element
+    }
+
+    /// The range of a constant index, and where an index must be constant.
+    fn index_rules(&mut self, base: ExprId, base_ty: &Type, index: ExprId) {
+        let span = self.arena.get(index).span;
+        let value = self.value_of(index).and_then(Const::as_integer);
+        let count = base_ty.index_count();
+        if let Some(value) = value {
+            let beyond = count.is_some_and(|n| value >= i64::from(n));
+            if value < 0 || beyond {
+                let has = match count {
+                    Some(n) => {
+                        let last = n.saturating_sub(1);
+                        told!("`{base_ty}` has elements 0 to {last}", "`{base_ty}` の要素は 0 から {last} です")
+                    }
+                    None => told!("elements are counted from 0", "要素は 0 から数えます"),
+                };
+                let d = self
+                    .sink
+                    .start(
+                        errors::INDEX_RANGE,
+                        span,
+                        told!("there is no element {value}", "{value} 番の要素はありません"),
+                    )
+                    .with_label(told!("this index", "この添字"))
+                    .with_why(has)
+                    .with_help(told!("use an index inside the range", "範囲内の添字にしてください"));
+                self.sink.push(d);
+                return;
+            }
+            if let Type::Array(_, ArraySize::Unsized) = base_ty {
+                self.note_index(base, value);
+            }
+            return;
+        }
+        if self.is_constant(index) || self.type_of(index).is_error() {
+            return;
+        }
+        match base_ty {
+            Type::Array(_, ArraySize::Unsized) if !self.runtime_sized(base) => {
+                self.sink.error(
+                    errors::ARRAY,
+                    span,
+                    told!(
+                        "an array without a size takes constant indices only",
+                        "大きさのない配列の添字は定数に限られます"
+                    ),
+                    told!("this index varies", "この添字は定数ではありません"),
+                );
+            }
+            Type::Array(element, _) if element.contains_opaque() && !self.language.has(Feature::OpaqueIndex) => {
+                let constant = self.language.at_least(130, 300);
+                if constant && !self.language.es() || self.language.at_least(130, 300) {
+                    self.need(Feature::OpaqueIndex, span);
+                }
+            }
+            Type::Array(..) => self.block_index(base, span),
+            _ => {}
+        }
+    }
+
+    /// Before 4.00 an array of uniform blocks takes constant indices.
+    fn block_index(&mut self, base: ExprId, span: Span) {
+        let Some(symbol) = self.out.names[base.index()] else { return };
+        let super::SymbolKind::BlockInstance(_) = self.out.symbols[symbol.index()].kind else { return };
+        let uniform = self.uniform_blocks.contains(&symbol);
+        if uniform && !self.language.has(Feature::OpaqueIndex) {
+            self.sink.error(
+                errors::INDEX,
+                span,
+                told!(
+                    "an array of blocks takes constant indices only",
+                    "ブロックの配列の添字は定数に限られます"
+                ),
+                told!("this index varies", "この添字は定数ではありません"),
+            );
+        }
+    }
+
+    /// True for the last member of a storage block: its size is known when the shader runs.
+    pub(super) fn runtime_sized(&self, base: ExprId) -> bool {
+        let mut at = base;
+        loop {
+            match &self.arena.get(at).kind {
+                ExprKind::Name(_) => {
+                    let Some(symbol) = self.out.names[at.index()] else { return true };
+                    return self.runtime.contains(&symbol);
+                }
+                ExprKind::Field { base, .. } | ExprKind::Index { base, .. } => at = *base,
+                ExprKind::Paren(inner) => at = *inner,
+                _ => return false,
+            }
+        }
+    }
+
+    /// The greatest constant index into an array whose size is not declared yet.
+    fn note_index(&mut self, base: ExprId, value: i64) {
+        if let ExprKind::Field { field, .. } = &self.arena.get(base).kind {
+            self.builtin_limit(&field.name, value + 1, field.span);
+        }
+        if let Some(symbol) = self.out.names[base.index()] {
+            let name = self.out.symbols[symbol.index()].name.clone();
+            self.builtin_limit(&name, value + 1, self.arena.get(base).span);
+            let most = self.most_index.entry(symbol).or_default();
+            *most = (*most).max(value);
+        }
     }
 
     fn field(&mut self, base: ExprId, field: &Ident) -> Type {
@@ -146,7 +278,13 @@ impl Checker<'_> {
                 self.sink.push(with_near(d, near));
                 Type::Error
             }
-            Type::Scalar(scalar) => self.swizzle(&ty, *scalar, 1, field),
+            Type::Scalar(scalar) => {
+                let result = self.swizzle(&ty, *scalar, 1, field);
+                if !result.is_error() && !self.language.has(Feature::ScalarSwizzles) {
+                    self.scalar_swizzle(base, &ty, &result, field);
+                }
+                result
+            }
             Type::Vector(scalar, n) => self.swizzle(&ty, *scalar, *n, field),
             Type::Void | Type::Matrix(..) | Type::Opaque(_) | Type::Array(..) => {
                 if ty.is_error() {
@@ -198,6 +336,62 @@ impl Checker<'_> {
         }
     }
 
+    fn scalar_swizzle(&mut self, base: ExprId, ty: &Type, result: &Type, field: &Ident) {
+        let name = &field.name;
+        let text = self.sink.file.slice(self.arena.get(base).span).to_owned();
+        let wanted = self.language.wanted(Feature::ScalarSwizzles.since());
+        let (en, ja) = (wanted.in_lang(Lang::En).to_owned(), wanted.in_lang(Lang::Ja).to_owned());
+        let d = self
+            .sink
+            .start(
+                errors::SCALAR_SWIZZLE,
+                field.span,
+                told!("`.{name}` is taken of a `{ty}`, a scalar", "スカラ `{ty}` から `.{name}` を取り出しています"),
+            )
+            .with_label(told!("a scalar has no components", "スカラに成分はありません"))
+            .with_why(Told::new(
+                format!("only {en} has swizzles of scalars"),
+                format!("スカラのスウィズルは {ja} だけにあります"),
+            ))
+            .with_help(told!("write `{result}({text})`", "`{result}({text})` と書いてください"));
+        self.sink.push(d);
+    }
+
+    fn literal(&mut self, literal: Literal, span: Span, from_macro: bool) {
+        match literal {
+            Literal::Uint(_) => {
+                self.need(Feature::UnsignedIntegers, span);
+            }
+            Literal::Double(_) => {
+                self.need(Feature::Doubles, span);
+            }
+            Literal::Float(_) => {
+                let suffix = !from_macro && self.sink.file.slice(span).ends_with(['f', 'F']);
+                if suffix && !self.language.has(Feature::FloatSuffix) {
+                    let version = self.language.name();
+                    let text = self.sink.file.slice(span).to_owned();
+                    let d = self
+                        .sink
+                        .start(
+                            errors::FLOAT_SUFFIX,
+                            span,
+                            told!("{version} has no suffix `f`", "{version} に接尾辞 `f` はありません"),
+                        )
+                        .with_label(told!("this literal", "このリテラル"))
+                        .with_help(told!("write it without the suffix", "接尾辞を除いてください"));
+                    let plain = text.trim_end_matches(['f', 'F']);
+                    let point = if plain.contains(['.', 'e', 'E']) { "" } else { ".0" };
+                    self.sink.push(d.with_fix(
+                        told!("remove the suffix", "接尾辞を除く"),
+                        Safety::Safe,
+                        vec![Edit::replace(span, format!("{plain}{point}"))],
+                    ));
+                }
+            }
+            Literal::Bool(_) | Literal::Int(_) => {}
+        }
+    }
+
     fn method(&mut self, base: ExprId, method: &Ident, args: &[ExprId]) -> (Type, Option<Const>) {
         let ty = self.type_of(base).clone();
         if method.name != "length" || !args.is_empty() {
@@ -206,7 +400,21 @@ impl Checker<'_> {
             return (Type::Error, None);
         }
         match &ty {
-            Type::Array(..) | Type::Vector(..) | Type::Matrix(..) | Type::Error => {}
+            Type::Array(_, size) => {
+                self.need(Feature::ArrayLength, method.span);
+                if *size == ArraySize::Unsized && !self.runtime_sized(base) {
+                    self.sink.error(
+                        errors::ARRAY,
+                        method.span,
+                        told!("this array has no size yet", "この配列の大きさは未定です"),
+                        told!("its length is not known", "長さが決まっていません"),
+                    );
+                }
+            }
+            Type::Vector(..) | Type::Matrix(..) => {
+                self.need(Feature::VectorLength, method.span);
+            }
+            Type::Error => {}
             Type::Void | Type::Scalar(_) | Type::Opaque(_) | Type::Struct(_) => {
                 let message = format!("{} `{ty}` has no `.length()`", article(&ty));
                 self.sink.error(
@@ -221,28 +429,36 @@ impl Checker<'_> {
         (Type::INT, value)
     }
 
-    fn binary(&mut self, op: BinaryOp, op_span: Span, left: ExprId, right: ExprId, whole: Span) -> Type {
+    fn binary(&mut self, op: BinaryOp, op_span: Span, left: ExprId, right: ExprId) -> Type {
         let (l, r) = (self.type_of(left).clone(), self.type_of(right).clone());
+        use BinaryOp::{BitAnd, BitOr, BitXor, Equal, NotEqual, Rem, Shl, Shr};
         match operator::binary(op, &l, &r, self.conversions) {
-            Ok(ty) => ty,
+            Ok(ty) => {
+                if matches!(op, Rem | Shl | Shr | BitAnd | BitXor | BitOr) {
+                    self.need(Feature::BitOperators, op_span);
+                }
+                if matches!(op, Equal | NotEqual) && (has_array(&l) || has_array(&r)) {
+                    self.need(Feature::ArrayValues, op_span);
+                    let open = |t: &Type| matches!(t, Type::Array(_, ArraySize::Unsized));
+                    if open(&l) || open(&r) {
+                        let message = told!("an array without a size cannot be compared", "大きさのない配列は比較できません");
+                        self.sink.error(errors::ARRAY, op_span, message, told!("compared here", "ここで比較"));
+                    }
+                }
+                if !matches!(op, Shl | Shr) {
+                    self.implicit(left, &l, &r.scalar().map_or(Type::Error, |s| l.with_scalar(s)));
+                    self.implicit(right, &r, &l.scalar().map_or(Type::Error, |s| r.with_scalar(s)));
+                }
+                ty
+            }
             Err(misfit) => {
-                self.operand_error(op, misfit, &l, &r, op_span, whole, (left, right));
+                self.operand_error(op, misfit, &l, &r, op_span);
                 Type::Error
             }
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "all are parts of one operation, used once")]
-    fn operand_error(
-        &mut self,
-        op: BinaryOp,
-        misfit: Misfit,
-        l: &Type,
-        r: &Type,
-        op_span: Span,
-        whole: Span,
-        operands: (ExprId, ExprId),
-    ) {
+    fn operand_error(&mut self, op: BinaryOp, misfit: Misfit, l: &Type, r: &Type, op_span: Span) {
         let text = op.text();
         let message = format!("`{text}` cannot combine {} `{l}` and {} `{r}`", article(l), article(r));
         let label = format!("`{l}` {text} `{r}`");
@@ -250,31 +466,36 @@ impl Checker<'_> {
         let diagnostic = match misfit {
             Misfit::Operands => start(errors::OPERAND_TYPE, message),
             Misfit::Logic => start(errors::OPERAND_TYPE, message).with_help(format!("`{text}` takes two `bool`")),
-            Misfit::FloatRemainder => {
-                let d = start(
+            Misfit::FloatRemainder => self
+                .sink
+                .start(
                     errors::FLOAT_REMAINDER,
-                    format!("`%` takes integers, not {} `{l}` and {} `{r}`", article(l), article(r)),
-                );
-                let (a, b) = (self.arena.get(operands.0), self.arena.get(operands.1));
-                // `a %= b` has no one expression to be put in its place.
-                if a.from_macro || b.from_macro || op_span.len() > 1 {
-                    d.with_help("use `mod(a, b)`")
-                } else {
-                    let edits = vec![
-                        Edit::insert(whole.start, "mod("),
-                        Edit::replace(Span::new(a.span.end, b.span.start), ", "),
-                        Edit::insert(whole.end, ")"),
-                    ];
-                    d.with_fix("Use `mod`", Safety::Safe, edits)
-                }
-            }
+                    op_span,
+                    told!("`{text}` takes integers, not `{l}` and `{r}`", "`{text}` は整数用です。`{l}` と `{r}` には使えません"),
+                )
+                .with_label(told!("`{l}` {text} `{r}`", "`{l}` {text} `{r}`"))
+                .with_help(told!("use `mod(a, b)`", "`mod(a, b)` を使ってください")),
             Misfit::MatrixSize => {
-                let size = |t: &Type| match t {
+                let en = |t: &Type| match t {
                     Type::Matrix(_, c, r) => format!("{c} columns and {r} rows"),
                     other => format!("{} components", other.components().unwrap_or(0)),
                 };
-                start(errors::MATRIX_SIZE, format!("{} `{l}` cannot be multiplied by {} `{r}`", article(l), article(r)))
-                    .with_why(format!("the left side has {}, the right side {}", size(l), size(r)))
+                let ja = |t: &Type| match t {
+                    Type::Matrix(_, c, r) => format!("{c} 列 {r} 行"),
+                    other => format!("{} 成分", other.components().unwrap_or(0)),
+                };
+                self.sink
+                    .start(
+                        errors::MATRIX_SIZE,
+                        op_span,
+                        told!("`{l}` cannot be multiplied by `{r}`", "`{l}` と `{r}` の積は定義されません"),
+                    )
+                    .with_label(told!("`{l}` {text} `{r}`", "`{l}` {text} `{r}`"))
+                    .with_why(Told::new(
+                        format!("the left side has {}, the right side {}", en(l), en(r)),
+                        format!("左辺は {}、右辺は {} です", ja(l), ja(r)),
+                    ))
+                    .with_help(told!("make the sizes fit", "大きさを合わせてください"))
             }
             Misfit::VectorRelation => {
                 let name = match op {
@@ -283,91 +504,103 @@ impl Checker<'_> {
                     BinaryOp::LessEqual => "lessThanEqual",
                     _ => "greaterThanEqual",
                 };
-                start(
-                    errors::OPERAND_TYPE,
-                    format!("`{text}` compares scalars, not {} `{l}` and {} `{r}`", article(l), article(r)),
-                )
-                .with_help(format!("`{name}(a, b)` compares component by component"))
+                self.sink
+                    .start(
+                        errors::VECTOR_RELATION,
+                        op_span,
+                        told!("`{text}` compares scalars, not `{l}` and `{r}`", "`{text}` はスカラの比較です。`{l}` と `{r}` には使えません"),
+                    )
+                    .with_label(told!("`{l}` {text} `{r}`", "`{l}` {text} `{r}`"))
+                    .with_help(told!("`{name}(a, b)` compares component by component", "`{name}(a, b)` は成分ごとに比べます"))
             }
         };
         self.sink.push(diagnostic);
     }
 
-    fn assign(&mut self, op: Option<BinaryOp>, op_span: Span, target: ExprId, value: ExprId, whole: Span) -> Type {
+    fn assign(&mut self, op: Option<BinaryOp>, op_span: Span, target: ExprId, value: ExprId) -> Type {
         let target_ty = self.type_of(target).clone();
         if !self.assignable(target) {
             return target_ty;
         }
         let value_ty = match op {
             None => self.type_of(value).clone(),
-            Some(op) => self.binary(op, op_span, target, value, whole),
+            Some(op) => self.binary(op, op_span, target, value),
         };
         if !self.conversions.allow(&value_ty, &target_ty) {
             let span = self.arena.get(value).span;
-            let place = match &self.arena.get(target).kind {
-                ExprKind::Name(name) => format!("`{name}`, which is {} `{target_ty}`", article(&target_ty)),
-                _ => format!("{} `{target_ty}`", article(&target_ty)),
+            let message = match &self.arena.get(target).kind {
+                ExprKind::Name(name) => told!(
+                    "`{value_ty}` cannot be assigned to `{name}`, which is `{target_ty}`",
+                    "`{value_ty}` は `{target_ty}` 型の `{name}` に代入できません"
+                ),
+                _ => told!("`{value_ty}` cannot be assigned to `{target_ty}`", "`{value_ty}` は `{target_ty}` に代入できません"),
             };
-            let message = format!("{} `{value_ty}` cannot be assigned to {place}", article(&value_ty));
-            self.sink.error(errors::ASSIGN_TYPE, span, message, format!("this is {} `{value_ty}`", article(&value_ty)));
+            self.misfit(&value_ty, &target_ty, span, message);
+        } else if op.is_none() {
+            self.implicit(value, &value_ty, &target_ty);
+            if has_array(&target_ty) {
+                self.need(Feature::ArrayValues, op_span);
+            }
+            if let Type::Array(_, ArraySize::Unsized) = target_ty {
+                let message = told!("an array without a size cannot be written as a whole", "大きさのない配列の全体には書き込めません");
+                self.sink.error(errors::ARRAY, self.arena.get(target).span, message, told!("written here", "ここで書き込み"));
+            }
         }
         target_ty
     }
 
-    /// True when an expression names a place. Read-only variables count: writing them is told by
-    /// a lint rule.
-    pub(super) fn assignable(&mut self, target: ExprId) -> bool {
-        let mut at = target;
-        loop {
-            let expr = self.arena.get(at);
-            at = match &expr.kind {
-                ExprKind::Name(_) | ExprKind::Error => return true,
-                ExprKind::Paren(inner) => *inner,
-                ExprKind::Index { base, index: _ } => *base,
-                ExprKind::Field { base, field } => {
-                    if self.type_of(*base).scalar().is_some() && repeats(&field.name) {
-                        let message = format!("`.{}` names a component twice and cannot be written", field.name);
-                        self.sink.error(errors::SWIZZLE, field.span, message, "written here");
-                        return false;
-                    }
-                    *base
-                }
-                ExprKind::Literal(_)
-                | ExprKind::Method { .. }
-                | ExprKind::Call { .. }
-                | ExprKind::Unary { .. }
-                | ExprKind::Postfix { .. }
-                | ExprKind::Binary { .. }
-                | ExprKind::Assign { .. }
-                | ExprKind::Ternary { .. }
-                | ExprKind::Comma { .. }
-                | ExprKind::List(_) => {
-                    let span = self.arena.get(target).span;
-                    self.sink.error(
-                        errors::NOT_A_PLACE,
-                        span,
-                        "only a variable or a part of one can be written",
-                        "not a variable",
-                    );
-                    return false;
-                }
-            };
+    /// Tells a value of a wrong type: `T003` when the sizes of vectors or scalars differ.
+    pub(super) fn misfit(&mut self, given: &Type, wanted: &Type, span: Span, message: Told) {
+        let plain = |t: &Type| matches!(t, Type::Scalar(_) | Type::Vector(..));
+        let sizes = plain(given)
+            && plain(wanted)
+            && given.components() != wanted.components()
+            && self.conversions.scalar(
+                given.scalar().unwrap_or(ScalarType::Bool),
+                wanted.scalar().unwrap_or(ScalarType::Bool),
+            );
+        let label = told!("this is `{given}`", "これは `{given}`");
+        if !sizes {
+            return self.sink.error(errors::ASSIGN_TYPE, span, message, label);
         }
+        let (from, to) = (given.components().unwrap_or(0), wanted.components().unwrap_or(0));
+        let d = self
+            .sink
+            .start(errors::ASSIGN_SIZE, span, message)
+            .with_label(label)
+            .with_why(told!(
+                "{from} of {to} components are given, and nothing is added or dropped by itself",
+                "成分数が {from} と {to} で、自動では補われも捨てられもしません"
+            ))
+            .with_help(told!("construct or swizzle a `{wanted}`", "`{wanted}` を組み立てるか取り出してください"));
+        self.sink.push(d);
     }
 
     fn ternary(&mut self, condition: ExprId, yes: ExprId, no: ExprId) -> (Type, Option<Const>) {
         self.require_bool(condition, "the condition before `?`");
         let (a, b) = (self.type_of(yes).clone(), self.type_of(no).clone());
         let ty = if a.is_error() || self.conversions.allow(&a, &b) {
-            b
+            b.clone()
         } else if self.conversions.allow(&b, &a) {
-            a
+            a.clone()
         } else {
             let message = format!("the two sides of `:` differ: {} `{a}` and {} `{b}`", article(&a), article(&b));
             let span = self.arena.get(no).span;
             self.sink.error(errors::OPERAND_TYPE, span, message, format!("this is {} `{b}`", article(&b)));
             Type::Error
         };
+        if !ty.is_error() {
+            self.implicit(yes, &a, &ty);
+            self.implicit(no, &b, &ty);
+            let span = self.arena.get(yes).span;
+            if has_array(&ty) {
+                self.need(Feature::ArrayValues, span);
+            }
+            if ty.contains_opaque() {
+                let message = told!("`{ty}` cannot be chosen by `?`", "`{ty}` は `?` で選べません");
+                self.sink.error(errors::OPERAND_TYPE, span, message, told!("this is `{ty}`", "これは `{ty}`"));
+            }
+        }
         let value = match self.value_of(condition) {
             Some(Const::Bool(c)) => self.value_of(if c { yes } else { no }).and_then(|v| fold::convert(v, &ty)),
             _ => None,
@@ -400,6 +633,15 @@ impl Checker<'_> {
         let ty = self.type_of(id).clone();
         let value = self.value_of(id).and_then(Const::as_integer);
         let span = self.arena.get(id).span;
+        if !ty.is_error() && value.is_some() && !self.is_constant(id) {
+            self.sink.error(
+                errors::CONSTANT,
+                span,
+                told!("the size of an array must be constant", "配列の大きさは定数でなければなりません"),
+                told!("this size", "この大きさ"),
+            );
+            return ArraySize::Unknown;
+        }
         match value.map(u32::try_from) {
             Some(Ok(n)) if n > 0 => return ArraySize::Known(n),
             Some(_) => {
@@ -410,7 +652,7 @@ impl Checker<'_> {
                 let message = format!("the size of an array must be an integer, not {} `{ty}`", article(&ty));
                 self.sink.error(errors::CONSTANT, span, message, "this size");
             }
-            None if self.maybe_constant(id) => {}
+            None if self.maybe_constant(id) && self.is_constant(id) => {}
             None => {
                 let d = self.sink.start(errors::CONSTANT, span, "the size of an array must be constant");
                 let d = d.with_label("not known when the shader is compiled");
@@ -446,8 +688,13 @@ impl Checker<'_> {
     }
 }
 
-fn repeats(name: &str) -> bool {
-    name.char_indices().any(|(i, c)| name[i + c.len_utf8()..].contains(c))
+/// True for an array, and for a structure with one inside.
+pub(super) fn has_array(ty: &Type) -> bool {
+    match ty {
+        Type::Array(..) => true,
+        Type::Struct(s) => s.fields.iter().any(|f| has_array(&f.ty)),
+        Type::Error | Type::Void | Type::Scalar(_) | Type::Vector(..) | Type::Matrix(..) | Type::Opaque(_) => false,
+    }
 }
 
 /// Adds a suggestion.

@@ -2,8 +2,13 @@
 //! a name is known from its declaration on (GLSL 4.60 specification, section 4.2).
 
 mod call;
+mod constant;
 mod declaration;
+mod declared;
 mod expression;
+mod functions;
+mod layouts;
+mod lvalue;
 mod operator;
 mod statement;
 mod uses;
@@ -14,12 +19,13 @@ use std::sync::Arc;
 use super::ast::{Arena, ExprId, Ident, ItemKind, Unit};
 use super::builtin;
 use super::fold::Const;
-use super::interface::{InputPrimitive, Interface};
+use super::interface::{InputPrimitive, Interface, Storage};
+use super::language::{Feature, Language};
 use super::names::nearest;
 use super::sink::Sink;
 use super::symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, SymbolKind, Use};
 use super::types::{Conversions, StructType, Type};
-use super::{Profile, Stage, Version, errors};
+use super::{Stage, errors};
 use crate::text::Span;
 use expression::with_near;
 
@@ -52,8 +58,33 @@ struct Checker<'a> {
     unit: &'a Unit,
     arena: &'a Arena,
     stage: Stage,
+    language: Language,
     conversions: Conversions,
     sink: &'a mut Sink,
+    /// Whether each expression is constant by the rules of the language.
+    constant: Vec<bool>,
+    /// Features that were told already.
+    told_features: HashSet<Feature>,
+    /// Last members of storage blocks without a size, and instances of such blocks.
+    runtime: HashSet<SymbolId>,
+    /// Instances of uniform blocks.
+    uniform_blocks: HashSet<SymbolId>,
+    /// Greatest constant index into arrays that have no size yet.
+    most_index: HashMap<SymbolId, i64>,
+    /// What loops and switches are around the statement at hand.
+    around: statement::Around,
+    /// Functions that each function calls, with the place.
+    calls: Vec<(FunctionId, FunctionId, Span)>,
+    /// Names of blocks, by storage.
+    blocks: HashSet<(Storage, String)>,
+    /// A default precision for `float` in a fragment shader of GLSL ES stands above.
+    float_precision: bool,
+    /// A missing one has been told.
+    precision_told: bool,
+    /// A `return` was met in the function at hand.
+    returned: bool,
+    /// Members of the blocks of built-in variables that were declared again.
+    per_vertex: HashMap<Storage, Vec<String>>,
     out: Checked,
     scopes: Vec<Scope>,
     functions: HashMap<String, Vec<FunctionId>>,
@@ -76,12 +107,14 @@ pub(crate) fn check(
     unit: &Unit,
     arena: &Arena,
     stage: Stage,
-    version: &Version,
+    language: Language,
     incomplete: bool,
     sink: &mut Sink,
 ) -> Checked {
-    let modern = version.profile != Profile::Es && version.number >= 400;
-    let conversions = Conversions { int_to_uint: modern, to_double: modern };
+    let integers = language.enabled("ARB_gpu_shader5") || language.enabled("MESA_shader_integer_functions");
+    let modern = language.at_least(400, u32::MAX) || language.is_open();
+    let to_double = language.has(Feature::Doubles);
+    let conversions = Conversions { int_to_uint: modern || integers, to_double };
     let n = arena.len();
     let out = Checked {
         types: vec![Type::Error; n],
@@ -94,8 +127,21 @@ pub(crate) fn check(
         unit,
         arena,
         stage,
+        language,
         conversions,
         sink,
+        constant: vec![false; n],
+        told_features: HashSet::new(),
+        runtime: HashSet::new(),
+        uniform_blocks: HashSet::new(),
+        most_index: HashMap::new(),
+        around: statement::Around::default(),
+        calls: Vec::new(),
+        blocks: HashSet::new(),
+        float_precision: false,
+        precision_told: false,
+        returned: false,
+        per_vertex: HashMap::new(),
         out,
         scopes: vec![Scope::default()],
         functions: HashMap::new(),
@@ -119,6 +165,8 @@ impl<'a> Checker<'a> {
         for (index, item) in unit.items.iter().enumerate() {
             self.item(index, item);
         }
+        self.recursion();
+        self.whole_stage();
         let broken = unit.items.iter().any(|i| i.kind == ItemKind::Error);
         let has_main = self.out.functions.iter().any(|f| f.name.name == "main" && f.definition.is_some());
         if self.stage != Stage::Library && !has_main && !broken && !self.incomplete {
@@ -144,16 +192,18 @@ impl<'a> Checker<'a> {
                 if q.qualifiers.storage().is_some_and(|s| s.0 == super::ast::StorageQualifier::In) =>
             {
                 let mut entries = q.qualifiers.layouts().flat_map(|(entries, _)| entries);
-                entries.find_map(|e| InputPrimitive::from_name(&e.key.name)).map(InputPrimitive::vertices)
+                entries.find_map(|e| InputPrimitive::from_name(&e.key.name.to_ascii_lowercase())).map(InputPrimitive::vertices)
             }
             _ => None,
         })
     }
 
     fn scoped<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let precision = self.float_precision;
         self.scopes.push(Scope::default());
         let result = run(self);
         self.scopes.pop();
+        self.float_precision = precision;
         result
     }
 
@@ -179,6 +229,13 @@ impl<'a> Checker<'a> {
             Some(Entry::Variable(id)) => return Some(*id),
             Some(Entry::Structure(_)) => return None,
             None => {}
+        }
+        if let Some(members) = self.per_vertex.get(&Storage::Out)
+            && builtin::in_per_vertex(name)
+            && !members.iter().any(|m| m == name)
+            && self.stage != Stage::Fragment
+        {
+            return None;
         }
         if let Some(id) = self.builtins.get(name) {
             return Some(*id);
@@ -215,6 +272,7 @@ impl<'a> Checker<'a> {
         // A use before the redeclaration of a built-in means the same variable.
         let merge = merge.or_else(|| if builtin { self.builtins.get(&name.name).copied() } else { None });
         if let Some(old) = merge {
+            self.resized(old, name, &ty);
             self.out.symbols[old.index()].ty = ty;
             self.scope_insert(&name.name, Entry::Variable(old));
             return old;
@@ -237,7 +295,7 @@ impl<'a> Checker<'a> {
     fn resizes(&self, old: SymbolId, new: &Type) -> bool {
         use super::types::ArraySize::{Known, Unsized};
         match (&self.out.symbols[old.index()].ty, new) {
-            (Type::Array(a, Unsized), Type::Array(b, Known(_) | Unsized)) => a == b && self.at_file_scope(),
+            (Type::Array(a, Unsized), Type::Array(b, Known(_) | Unsized)) => a == b && !self.language.es(),
             _ => false,
         }
     }

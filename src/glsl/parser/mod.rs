@@ -11,8 +11,9 @@ use super::ast::{Arena, Expr, ExprId, ExprKind, Ident, Unit};
 use super::lexer::Lex;
 use super::preprocess::Tok;
 use super::sink::Sink;
-use super::{Extension, Version, errors};
-use crate::diagnostic::Safety;
+use super::errors;
+use super::language::Language;
+use crate::diagnostic::{Safety, told};
 use crate::text::{Edit, SourceFile, Span};
 use words::Words;
 pub(crate) use words::suggestions;
@@ -43,10 +44,10 @@ pub(crate) struct Parser<'a> {
 }
 
 /// Reads all tokens.
-pub(crate) fn parse(tokens: Vec<Tok>, version: &Version, extensions: &[Extension], sink: &mut Sink) -> (Unit, Arena) {
+pub(crate) fn parse(tokens: Vec<Tok>, language: &Language, sink: &mut Sink) -> (Unit, Arena) {
     let file = sink.file.clone();
     let end = Tok::end(tokens.last().map_or(file.text().len(), |t| t.span.end));
-    let words = Words::new(version, extensions);
+    let words = Words::new(language);
     let mut parser =
         Parser { file, sink, tokens, end, at: 0, depth: 0, words, arena: Arena::default(), skipped: false };
     let unit = parser.unit();
@@ -194,6 +195,7 @@ impl Parser<'_> {
     fn ident(&mut self, what: &str) -> Read<Ident> {
         if self.is_name(0) {
             let name = self.word().to_owned();
+            self.reserved();
             return Ok(Ident { name, span: self.advance() });
         }
         if self.peek() == Lex::Word {
@@ -202,6 +204,24 @@ impl Parser<'_> {
             return Err(Told);
         }
         self.expected(what)
+    }
+
+    /// Tells when the word here is kept for later versions.
+    fn reserved(&mut self) {
+        if !self.words.reserved(self.word()) {
+            return;
+        }
+        let name = self.word().to_owned();
+        let diagnostic = self
+            .sink
+            .start(errors::RESERVED, self.span(), told!("`{name}` is a reserved word", "`{name}` は予約語です"))
+            .with_label(told!("cannot be a name", "名前には使えません"))
+            .with_why(told!(
+                "this version of the language keeps the word for itself",
+                "このバージョンの言語がこの語を予約しています"
+            ))
+            .with_help(told!("choose another name", "別の名前にしてください"));
+        self.sink.push(diagnostic);
     }
 
     /// Counts a level of recursion.

@@ -1,33 +1,93 @@
 //! Keywords, which differ between versions (GLSL 4.60 specification, section 3.6).
 
+use super::super::builtin::type_since;
+use super::super::language::{Language, NEVER, Since};
 use super::super::types::Type;
-use super::super::{Extension, Profile, Version};
 
 /// Words that became keywords late and are used as names in older shaders: the first desktop
-/// version, the first ES version, and a part of the name of extensions that bring them.
-const LATE: &[(&str, u32, u32, &str)] = &[
-    ("sample", 400, 320, "gpu_shader5"),
-    ("patch", 400, 320, "tessellation_shader"),
-    ("subroutine", 400, 1000, "shader_subroutine"),
-    ("precise", 400, 320, "gpu_shader5"),
-    ("coherent", 420, 310, "shader_image_load_store"),
-    ("volatile", 420, 310, "shader_image_load_store"),
-    ("restrict", 420, 310, "shader_image_load_store"),
-    ("readonly", 420, 310, "shader_image_load_store"),
-    ("writeonly", 420, 310, "shader_image_load_store"),
-    ("buffer", 430, 310, "shader_storage_buffer_object"),
-    ("shared", 430, 310, "compute_shader"),
-    ("atomic_uint", 420, 310, "shader_atomic_counters"),
-    ("double", 400, 1000, "fp64"),
-    ("uint", 130, 300, "gpu_shader4"),
-    ("smooth", 130, 300, "gpu_shader4"),
-    ("flat", 130, 300, "gpu_shader4"),
-    ("noperspective", 130, 1000, "gpu_shader4"),
-    ("switch", 130, 300, "gpu_shader4"),
-    ("case", 130, 300, "gpu_shader4"),
-    ("default", 130, 300, "gpu_shader4"),
-    ("layout", 130, 300, "layout"),
+/// version, the first ES version, and extensions that bring them, without `GL_`. Names of types have a
+/// table of their own.
+const LATE: &[(&str, Since)] = &[
+    ("sample", (400, 320, &["ARB_gpu_shader5", "MESA_shader_integer_functions", "OES_shader_multisample_interpolation"])),
+    ("patch", (400, 320, &["ARB_tessellation_shader", "OES_tessellation_shader", "EXT_tessellation_shader"])),
+    ("subroutine", (400, NEVER, &["ARB_shader_subroutine"])),
+    ("precise", (400, 320, &["ARB_gpu_shader5", "EXT_gpu_shader5", "OES_gpu_shader5", "MESA_shader_integer_functions"])),
+    ("coherent", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
+    ("volatile", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
+    ("restrict", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
+    ("readonly", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
+    ("writeonly", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
+    ("buffer", (430, 310, &["ARB_shader_storage_buffer_object"])),
+    ("shared", (430, 310, &["ARB_compute_shader"])),
+    ("smooth", (130, 300, &["EXT_gpu_shader4"])),
+    ("flat", (130, 300, &["EXT_gpu_shader4"])),
+    ("noperspective", (130, NEVER, &["EXT_gpu_shader4"])),
+    ("switch", (130, 300, &[])),
+    ("case", (130, 300, &[])),
+    ("default", (130, 300, &[])),
+    ("centroid", (120, 300, &["EXT_gpu_shader4"])),
+    ("invariant", (120, 100, &[])),
+    ("lowp", (130, 100, &["ARB_ES2_compatibility", "ARB_ES3_compatibility"])),
+    ("mediump", (130, 100, &["ARB_ES2_compatibility", "ARB_ES3_compatibility"])),
+    ("highp", (130, 100, &["ARB_ES2_compatibility", "ARB_ES3_compatibility"])),
+    ("precision", (130, 100, &["ARB_ES2_compatibility", "ARB_ES3_compatibility"])),
+    (
+        "layout",
+        (
+            140,
+            300,
+            &[
+                "ARB_explicit_attrib_location",
+                "ARB_explicit_uniform_location",
+                "ARB_uniform_buffer_object",
+                "ARB_fragment_coord_conventions",
+                "ARB_conservative_depth",
+                "AMD_conservative_depth",
+                "ARB_separate_shader_objects",
+                "EXT_separate_shader_objects",
+                "ARB_shading_language_420pack",
+            ],
+        ),
+    ),
 ];
+
+/// Words kept for later, which no name may be: the desktop versions and the ES versions, from the first to
+/// the last one.
+const RESERVED: &[(&str, (u32, u32), (u32, u32))] = &[
+    (
+        "asm class union enum typedef template this goto inline noinline public static extern external interface \
+         long short half fixed unsigned input output hvec2 hvec3 hvec4 fvec2 fvec3 fvec4 sampler3DRect sizeof cast \
+         namespace using",
+        (110, 460),
+        (100, 320),
+    ),
+    ("packed", (110, 130), (100, 100)),
+    ("double dvec2 dvec3 dvec4", (110, 330), (100, 320)),
+    ("volatile", (110, 410), (100, 300)),
+    ("switch default", (110, 120), (100, 100)),
+    ("sampler2DRect sampler2DRectShadow", (110, 130), (100, 320)),
+    ("sampler1D sampler1DShadow", NO, (100, 320)),
+    ("sampler2DShadow sampler3D", NO, (100, 100)),
+    ("lowp mediump highp precision", (120, 120), NO),
+    ("flat", NO, (100, 100)),
+    ("superp", (130, 460), (100, 320)),
+    ("common partition active filter", (130, 460), (300, 320)),
+    ("row_major", (130, 130), NO),
+    ("resource", (420, 460), (300, 320)),
+    ("attribute varying noperspective subroutine", NO, (300, 320)),
+    ("coherent restrict readonly writeonly atomic_uint", NO, (300, 300)),
+    ("patch sample", NO, (300, 310)),
+    (
+        "image1D image2D image3D imageCube iimage1D iimage2D iimage3D iimageCube uimage1D uimage2D uimage3D \
+         uimageCube image1DArray image2DArray iimage1DArray iimage2DArray uimage1DArray uimage2DArray imageBuffer \
+         iimageBuffer uimageBuffer",
+        (130, 410),
+        (300, 300),
+    ),
+    ("image1DShadow image2DShadow image1DArrayShadow image2DArrayShadow", (130, 410), (300, 300)),
+];
+
+const NO: (u32, u32) = (1, 0);
 
 const STATEMENTS: &[&str] =
     &["if", "else", "for", "while", "do", "switch", "case", "default", "return", "break", "continue", "discard"];
@@ -65,36 +125,44 @@ const QUALIFIERS: &[&str] = &[
 /// The keywords of one shader.
 #[derive(Debug)]
 pub(crate) struct Words {
+    language: Language,
     /// Words of [`LATE`] that are names here.
     names: Vec<&'static str>,
 }
 
 impl Words {
-    pub(crate) fn new(version: &Version, extensions: &[Extension]) -> Self {
-        let names = LATE
-            .iter()
-            .filter(|(_, desktop, es, extension)| {
-                let first = if version.profile == Profile::Es { es } else { desktop };
-                version.number < *first && !extensions.iter().any(|e| e.name.contains(extension))
-            })
-            .map(|(word, ..)| *word)
-            .collect();
-        Self { names }
+    pub(crate) fn new(language: &Language) -> Self {
+        let names = LATE.iter().filter(|(_, since)| !language.since(*since)).map(|(word, _)| *word).collect();
+        Self { language: language.clone(), names }
     }
 
     /// True when the word cannot be a name.
     pub(crate) fn keyword(&self, word: &str) -> bool {
-        is_keyword(word) && !self.names.contains(&word)
+        is_keyword(word) && !self.is_late(word)
     }
 
     /// True for a qualifier.
     pub(crate) fn qualifier(&self, word: &str) -> bool {
-        QUALIFIERS.contains(&word) && !self.names.contains(&word)
+        QUALIFIERS.contains(&word) && !self.is_late(word)
     }
 
     /// True for the name of a built-in type.
     pub(crate) fn built_in_type(&self, word: &str) -> bool {
-        Type::from_name(word).is_some() && !self.names.contains(&word)
+        Type::from_name(word).is_some() && !self.is_late(word)
+    }
+
+    /// True for a word that the version keeps for itself without a meaning.
+    pub(crate) fn reserved(&self, word: &str) -> bool {
+        let number = self.language.number();
+        let inside = |(first, last): (u32, u32)| (first..=last).contains(&number);
+        let row = RESERVED.iter().find(|(words, desktop, es)| {
+            inside(if self.language.es() { *es } else { *desktop }) && words.split_whitespace().any(|w| w == word)
+        });
+        row.is_some() && !self.keyword(word)
+    }
+
+    fn is_late(&self, word: &str) -> bool {
+        self.names.contains(&word) || type_since(word).is_some_and(|since| !self.language.since(since))
     }
 }
 

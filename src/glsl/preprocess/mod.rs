@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::lexer::{Lex, Piece, Pieces};
 use super::sink::Sink;
 use super::{Extension, Profile, Token, TokenKind, TokenPlace, Version, errors};
-use crate::diagnostic::Safety;
+use crate::diagnostic::{Safety, told};
 use crate::text::{Edit, Span};
 pub(crate) use macros::Tok;
 use macros::{Macro, Macros, Spelling};
@@ -43,6 +43,8 @@ struct Preprocessor<'a> {
     extensions: Vec<Extension>,
     line_shift: i64,
     incomplete: bool,
+    /// A token or directive stands before the line at hand.
+    begun: bool,
 }
 
 /// Runs all directives.
@@ -65,6 +67,7 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
         extensions: Vec::new(),
         line_shift: 0,
         incomplete: false,
+        begun: false,
     };
     this.predefine();
     let mut raw = Vec::with_capacity(pieces.pieces.len());
@@ -86,6 +89,7 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
         } else {
             TokenPlace::Inactive
         };
+        this.begun = true;
         raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
     }
     this.flush();
@@ -146,7 +150,7 @@ impl Preprocessor<'_> {
             }
             Profile::Core | Profile::Compatibility => {}
         }
-        if self.version.profile == Profile::Es || number >= 410 {
+        if self.version.profile == Profile::Es || number >= 130 {
             self.number("GL_FRAGMENT_PRECISION_HIGH", "1");
         }
     }
@@ -220,6 +224,9 @@ impl Preprocessor<'_> {
                 match rest {
                     [one] if one.lex == Lex::Word => {
                         let name = self.slice(one);
+                        if self.is_predefined(&name) {
+                            return self.predefined(&name, one.span);
+                        }
                         self.macros.remove(&name);
                     }
                     _ => self.malformed(span, "`#undef` takes one name"),
@@ -278,6 +285,19 @@ impl Preprocessor<'_> {
 
     fn malformed(&mut self, span: Span, message: &str) {
         self.sink.error(errors::DIRECTIVE, span, message, "this directive");
+    }
+
+    fn is_predefined(&self, name: &str) -> bool {
+        matches!(name, "__LINE__" | "__FILE__" | "__VERSION__") || (name == "GL_ES" && self.version.profile == Profile::Es)
+    }
+
+    fn predefined(&mut self, name: &str, span: Span) {
+        let message = told!("the language defines `{name}` itself", "`{name}` は言語が定義するマクロです");
+        let d = self.sink.start(errors::RESERVED, span, message).with_label(told!("reserved", "予約されています"));
+        self.sink.push(
+            d.with_why(told!("macros that start with `GL_` are reserved", "`GL_` で始まるマクロは予約されています"))
+                .with_help(told!("choose another name", "別の名前にしてください")),
+        );
     }
 
     fn extra(&mut self, rest: &[Piece], name: &str) {
@@ -379,6 +399,9 @@ impl Preprocessor<'_> {
             return self.malformed(span, "`#define` needs a name");
         };
         let text = self.slice(name);
+        if self.is_predefined(&text) || text.starts_with("GL_") || text == "defined" {
+            return self.predefined(&text, name.span);
+        }
         // Only `(` right behind the name opens parameters.
         let (params, body) = match body.split_first() {
             Some((open, after)) if open.lex == Lex::LParen && !open.spaced => {
@@ -460,10 +483,24 @@ impl Preprocessor<'_> {
         if let Some(third) = rest.get(2) {
             self.sink.error(errors::DIRECTIVE, third.span, "nothing may follow the profile", "this is too much");
         }
-        self.flush();
         if self.version.span.is_some() {
+            self.flush();
             return self.malformed(span, "a second `#version`");
         }
+        if self.begun {
+            let d = self
+                .sink
+                .start(
+                    errors::LATE_VERSION,
+                    span,
+                    told!("`#version` must be the first thing in the text", "`#version` はテキストの先頭に書きます"),
+                )
+                .with_label(told!("too late", "遅すぎます"))
+                .with_why(told!("only blanks and comments may stand before it", "前に置けるのは空白とコメントだけです"))
+                .with_help(told!("move it to the first line", "一行目へ移してください"));
+            self.sink.push(d);
+        }
+        self.flush();
         self.version = Version { number, profile, span: Some(span) };
         self.predefine();
     }
@@ -485,12 +522,39 @@ impl Preprocessor<'_> {
                         .with_help("write `require`, `enable`, `warn` or `disable`");
                     self.sink.push(diagnostic);
                 }
+                self.known_extension(&name, &behavior_text, span);
                 if behavior_text != "disable" && name != "all" {
                     self.number(&name, "1");
                 }
                 self.extensions.push(Extension { name, behavior: behavior_text, span });
             }
             _ => self.malformed(span, "`#extension` is written as `#extension NAME : enable`"),
+        }
+    }
+
+    /// `require` of something that no vendor can have made, and `all` with a behaviour that it cannot have.
+    fn known_extension(&mut self, name: &str, behavior: &str, span: Span) {
+        const VENDORS: &[&str] = &[
+            "ARB", "EXT", "OES", "NV", "NVX", "AMD", "ATI", "INTEL", "KHR", "APPLE", "ANDROID", "MESA", "OVR", "QCOM",
+            "ARM", "IMG", "SGI", "SGIS", "SGIX", "WEBGL", "GOOGLE", "3DFX", "VIV", "DMP", "FJ", "HUAWEI", "ANGLE",
+            "CHROMIUM", "WIN", "IBM", "MTX", "PGI", "REND", "S3", "SUN", "NOUVEAU",
+        ];
+        if name == "all" && matches!(behavior, "require" | "enable") {
+            return self.malformed(span, "`all` can only be `warn` or `disable`");
+        }
+        let made = name.strip_prefix("GL_").and_then(|n| n.split('_').next()).is_some_and(|v| VENDORS.contains(&v));
+        if behavior == "require" && !made && name != "all" {
+            let d = self
+                .sink
+                .start(
+                    errors::EXTENSION,
+                    span,
+                    told!("there is no extension `{name}`", "拡張 `{name}` は存在しません"),
+                )
+                .with_label(told!("required here", "ここで必須とされています"))
+                .with_why(told!("a required extension that is not there is an error", "必須の拡張がないとエラーになります"))
+                .with_help(told!("check its name, or write `enable`", "名前を確かめるか `enable` にしてください"));
+            self.sink.push(d);
         }
     }
 
@@ -503,7 +567,7 @@ impl Preprocessor<'_> {
                 self.line_shift = line - (here + 1);
             }
             // A macro or an expression is allowed; the places in our messages do not follow #line.
-            None if !rest.is_empty() => {}
+            None if rest.iter().all(|p| p.lex != Lex::Unknown) && !rest.is_empty() => {}
             None => self.malformed(span, "`#line` needs a number"),
         }
     }

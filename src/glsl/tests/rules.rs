@@ -1,0 +1,168 @@
+//! Rules of versions, stages and declarations: each broken once, and the nearest text that is right.
+
+use super::*;
+
+/// The only error of a text of that stage.
+#[track_caller]
+fn one(stage: Stage, source: &str, want: &str) {
+    let parsed = parse(source, stage);
+    let found: Vec<String> = parsed.diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect();
+    assert_eq!(found, [want], "{source}");
+    assert!(parsed.diagnostics[0].message.is_translated() || want.starts_with("E0"), "{source}");
+}
+
+#[test]
+fn features_belong_to_versions() {
+    use Stage::{Fragment, Vertex};
+    for (stage, old, new, body, want) in [
+        (Vertex, "120", "130", "int f(int a) { return a % 2; }", "V002 this integer operator needs GLSL 1.30"),
+        (Vertex, "110", "120", "float f() { float a[2]; return float(a.length()); }", "V002 `.length()` needs GLSL 1.20"),
+        (Vertex, "130", "400", "double d;", "V002 `double` needs GLSL 4.00 or `GL_ARB_gpu_shader_fp64`"),
+        (Vertex, "150", "330", "layout(location = 1) in vec4 p;", "V002 `layout(location)` needs GLSL 3.30 or `GL_ARB_explicit_attrib_location`"),
+        (Vertex, "110", "120", "mat2x3 m;", "V002 `mat2x3` needs GLSL 1.20"),
+        (Vertex, "120", "130", "in vec4 p;", "V002 `in` or `out` at file scope needs GLSL 1.30 or `GL_ARB_explicit_attrib_location`"),
+        (Vertex, "120", "140", "mat4 f(mat4 m) { return inverse(m); }", "V002 `inverse` needs GLSL 1.40"),
+        (Fragment, "130", "420", "layout(binding = 1) uniform sampler2D s;", ""),
+        (Vertex, "150", "430", "float a[2][3];", "V002 an array of arrays needs GLSL 4.30 or `GL_ARB_arrays_of_arrays`"),
+        (Vertex, "110", "120", "float f() { return 1; }", "T006 `int` does not become `float` by itself"),
+        (Vertex, "110", "120", "float f() { return 1.0f; }", "T007 GLSL 1.10 has no suffix `f`"),
+    ] {
+        let text = |version: &str| format!("#version {version}\n{body}\nvoid main() {{}}\n");
+        if !want.is_empty() {
+            one(stage, &text(old), want);
+        }
+        clean(&text(new), stage);
+    }
+}
+
+#[test]
+fn stages_have_their_functions_and_variables() {
+    let shader = |body: &str| format!("#version 330 core\nvoid main() {{ {body} }}\n");
+    one(Stage::Vertex, &shader("float x = dFdx(1.0);"), "E020 a vertex shader does not have `dFdx`");
+    one(Stage::Vertex, &shader("vec4 p = gl_Vertex;"), "E020 GLSL 3.30 core does not have `gl_Vertex`");
+    one(Stage::Vertex, &shader("discard;"), "E045 `discard` cannot stand here");
+    one(Stage::Fragment, &shader("break;"), "E045 `break` cannot stand here");
+    clean(&shader("float x = dFdx(1.0); if (x > 0.0) discard;"), Stage::Fragment);
+    clean("#version 330 compatibility\nvoid main() { gl_Position = gl_Vertex; }\n", Stage::Vertex);
+}
+
+#[test]
+fn only_variables_that_may_be_written_are() {
+    let shader = |body: &str| {
+        format!("#version 150\nin vec3 n;\nuniform float u;\nconst int c = 1;\nout vec4 o;\nvoid main() {{ {body} }}\n")
+    };
+    for (body, want) in [
+        ("n = normalize(n);", "T018 `n` can only be read"),
+        ("u += 1.0;", "T018 `u` can only be read"),
+        ("int k = c; c = k;", "T018 `c` can only be read"),
+        ("gl_FragCoord.x = 1.0;", "T018 `gl_FragCoord` can only be read"),
+        ("1.0 = u;", "E041 only a variable or a part of one can be written"),
+        ("float x; float y = frexp(1.0, 3);", ""),
+        ("float x; ++x = 1.0;", "E041 only a variable or a part of one can be written"),
+    ] {
+        if !want.is_empty() {
+            one(Stage::Fragment, &shader(body), want);
+        }
+    }
+    clean(&shader("vec3 m = n; m.xy = m.yx; o = vec4(m * u, float(c)); o.x += 1.0; int i = 0; i++;"), Stage::Fragment);
+}
+
+#[test]
+fn swizzles_indices_and_constructors() {
+    let shader = |body: &str| format!("#version 150\nvoid main() {{ {body} }}\n");
+    one(Stage::Vertex, &shader("float f = 1.0; vec3 v = f.xxx;"), "T008 `.xxx` is taken of a `float`, a scalar");
+    one(Stage::Vertex, &shader("vec3 v; float x = v[3];"), "T016 there is no element 3");
+    one(Stage::Vertex, &shader("float a[2]; a[-1] = 0.0;"), "T016 there is no element -1");
+    one(Stage::Vertex, &shader("mat2 m = mat2(1.0, 2.0);"), "T002 `mat2` needs 4 components, but gets 2");
+    clean(&shader("vec3 v = vec3(1.0); float x = v[2]; mat2 m = mat2(1.0); m[1][0] = x;"), Stage::Vertex);
+    clean("#version 420\nvoid main() { float f = 1.0; vec3 v = f.xxx; }\n", Stage::Vertex);
+}
+
+#[test]
+fn reserved_names_are_told() {
+    one(Stage::Vertex, "void main() { float input = 1.0; }", "V004 `input` is a reserved word");
+    one(Stage::Vertex, "float gl_mine; void main() {}", "V004 `gl_mine` is a name of the language");
+    one(Stage::Vertex, "#define GL_x 1\nvoid main() {}", "V004 the language defines `GL_x` itself");
+    clean("void main() { float filter = 1.0; float sample = 1.0; float __a = 1.0; }", Stage::Vertex);
+    one(Stage::Vertex, "#version 130\nvoid main() { float filter = 1.0; }", "V004 `filter` is a reserved word");
+}
+
+#[test]
+fn directives_have_their_place() {
+    one(Stage::Vertex, "float x;\n#version 150\nvoid main() {}", "V001 `#version` must be the first thing in the text");
+    clean("/* c */\n\n#version 150\nvoid main() {}", Stage::Vertex);
+    one(Stage::Vertex, "#extension GL_FOO_x : require\nvoid main() {}", "V010 there is no extension `GL_FOO_x`");
+    clean("#extension GL_NV_whatever : require\n#extension GL_FOO_x : enable\nvoid main() {}", Stage::Vertex);
+    one(
+        Stage::Fragment,
+        "#version 120\nuniform sampler2DArray s;\nvoid main() {}",
+        "V002 `sampler2DArray` needs GLSL 1.30 or `GL_EXT_texture_array`",
+    );
+    one(
+        Stage::Fragment,
+        "#version 100\nprecision mediump float;\nvoid main() { float x = dFdx(1.0); }",
+        "V002 `dFdx` needs GLSL ES 3.00 or `GL_OES_standard_derivatives`",
+    );
+}
+
+#[test]
+fn qualifiers_and_layouts_have_their_place() {
+    let v = |line: &str| format!("#version 150\n{line}\nvoid main() {{}}\n");
+    one(Stage::Vertex, &v("in out vec4 a;"), "E042 `out` cannot stand here");
+    one(Stage::Vertex, &v("flat in vec4 a;"), "E042 `flat` cannot stand here");
+    one(Stage::Vertex, &v("layout(nothing) out vec4 a;"), "E043 `layout(nothing)` cannot stand here");
+    one(Stage::Vertex, &v("const float a;"), "E044 the constant `a` has no value");
+    one(Stage::Vertex, &v("uniform float u; const float a = u;"), "E044 the initialiser of `a` must be constant");
+    one(Stage::Vertex, &v("in bool b;"), "E047 `bool` cannot be the type of this variable");
+    one(Stage::Vertex, &v("sampler2D s;"), "E047 `sampler2D` can only be a uniform or a parameter");
+    one(Stage::Vertex, &v("float f(float a[]) { return a[0]; }"), "E048 an array parameter needs a size");
+    one(Stage::Vertex, &v("in B { vec4 a; };"), "E049 this stage has no `in` block");
+    one(Stage::Fragment, &v("in int a;"), "I005 a `int` input of a fragment shader must be `flat`");
+    clean(&v("flat in int a; smooth in vec4 b; centroid in vec2 c;"), Stage::Fragment);
+    clean(&v("in vec4 a; uniform mat4 m[3]; out B { vec4 c; flat int d; } b; uniform U { vec4 e; };"), Stage::Vertex);
+}
+
+#[test]
+fn functions_have_their_rules() {
+    let v = |line: &str| format!("#version 150\n{line}\nvoid main() {{}}\n");
+    one(Stage::Vertex, &v("float f(float x);\nfloat g(float x) { return f(x); }\nfloat f(float x) { return g(x); }"), "E046 `g` calls itself");
+    one(Stage::Vertex, &v("void f(const out float x) {}"), "E042 `const` cannot stand here");
+    one(Stage::Vertex, "#version 150\nint main() { return 1; }\n", "E046 `main` is `void main()`");
+    one(Stage::Vertex, &v("float f() { }"), "E038 `f` never returns a value");
+    let switch = |body: &str| format!("#version 150\nvoid main() {{ int i = 0; switch (i) {{ {body} }} }}\n");
+    one(Stage::Vertex, &switch("case 1: break; case 1: break;"), "E045 a second `case 1`");
+    one(Stage::Vertex, &switch("case 1: { case 2: break; }"), "E045 `case` cannot stand here");
+    one(Stage::Vertex, &switch("i = 1;"), "E045 a statement stands before the first label");
+    clean(&switch("case 0: i = 1; break; case 1: case 2: { int k = 1; } break; default: break;"), Stage::Vertex);
+}
+
+#[test]
+fn geometry_stages_declare_their_primitives() {
+    let g = |lines: &str| format!("#version 150\n{lines}\nvoid main() {{ EmitVertex(); }}\n");
+    let whole = "layout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;";
+    clean(&g(whole), Stage::Geometry);
+    clean(&g(&format!("in vec3 n[];\n{whole}")), Stage::Geometry);
+    one(Stage::Geometry, &g(&format!("in vec3 n;\n{whole}")), "G007 the geometry input `n` is no array");
+    one(
+        Stage::Geometry,
+        &g("layout(triangle_strip, max_vertices = 3) out;"),
+        "G008 this geometry shader does not say its input primitive",
+    );
+    one(
+        Stage::Geometry,
+        &g("layout(triangles) in;\nlayout(triangles, max_vertices = 3) out;"),
+        "G009 `triangles` is no output primitive",
+    );
+}
+
+#[test]
+fn es_has_rules_of_its_own() {
+    let f = |lines: &str| format!("#version 300 es\n{lines}\nvoid main() {{}}\n");
+    one(Stage::Fragment, &f("out vec4 c;"), "V009 `vec4` has no precision here");
+    clean(&f("precision mediump float;\nout vec4 c;"), Stage::Fragment);
+    clean(&f("out highp vec4 c;"), Stage::Fragment);
+    clean(&f("out vec4 c;"), Stage::Vertex);
+    let one_of = |body: &str| format!("#version 300 es\nprecision highp float;\nvoid main() {{ {body} }}\n");
+    one(Stage::Fragment, &one_of("float x = 1;"), "T006 `int` does not become `float` by itself");
+    clean(&one_of("float x = 1.0; x *= 2.0; vec2 v = vec2(1, 2);"), Stage::Fragment);
+}
