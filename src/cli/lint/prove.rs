@@ -79,7 +79,9 @@ fn compare(file: &FixedFile, stage: Stage, target: &Target, config: &Config) -> 
     };
     let (before, after) = match (kernel(&file.before), kernel(&file.after)) {
         (Ok(before), Ok(after)) => (before, after),
-        (Err(error), _) | (_, Err(error)) => return Proof::NotRun(reason(&error)),
+        // What only the translator refuses is no text that compiles either.
+        (Err(_), Ok(_)) => return Proof::New,
+        (_, Err(error)) => return Proof::NotRun(reason(&error)),
     };
     if before.invocation != after.invocation || before.case != after.case || before.output != after.output {
         return Proof::NotRun("the inputs or outputs of the shader change".to_owned());
