@@ -281,8 +281,8 @@ impl Session<'_> {
 
 /// An input with the text that was written.
 fn after(input: &Input, written: &[&FixedFile]) -> Input {
-    let file = written.iter().find(|f| f.before.name() == input.file.name()).map_or(&input.file, |f| &f.after);
-    Input { file: file.clone(), reported: input.reported }
+    let file = written.iter().find(|f| f.before.name() == input.file.name());
+    file.map_or_else(|| input.clone(), |f| input.with_file(f.after.clone()))
 }
 
 fn safety(args: &LintArgs) -> Safety {

@@ -9,7 +9,8 @@ use tempfile::TempDir;
 
 use crate::binary::{Ran, command, root, run_in};
 
-const LITERAL: &str = "#version 150 core\nin float turn;\nvoid main()\n{\n  float th = 6.283185 * turn;\n  gl_Position = vec4(th);\n}\n";
+const LITERAL: &str =
+    "#version 150 core\nin float turn;\nvoid main()\n{\n  float th = 6.283185 * turn;\n  gl_Position = vec4(th);\n}\n";
 const WRONG: &str = "#version 150 core\nvoid main()\n{\n  gl_Position = vec3(1.0, 2.0, 3.0, 4.0);\n}\n";
 
 fn folder(files: &[(&str, &str)]) -> TempDir {
@@ -38,7 +39,12 @@ fn lint(folder: &Path, args: &str) -> Ran {
 #[track_caller]
 fn codes(ran: &Ran) -> Vec<String> {
     let value: Value = serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{e}\n{ran:?}"));
-    value.as_array().unwrap().iter().map(|d| format!("{} {}", d["file"].as_str().unwrap(), d["code"].as_str().unwrap())).collect()
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| format!("{} {}", d["file"].as_str().unwrap(), d["code"].as_str().unwrap()))
+        .collect()
 }
 
 #[test]
@@ -156,7 +162,11 @@ fn annotations_of_a_workflow_have_paths_from_the_root() {
     let folder = folder(&[("s/a.vert", WRONG)]);
     let real = fs::canonicalize(folder.path()).unwrap();
     let ran = lint(&real, &format!("{} --format github", real.join("s").display())).expect(1);
-    assert!(ran.out.starts_with("::error file=s/a.vert,line=4,endLine=4,col=17,endColumn=20,title=T001 "), "{}", ran.out);
+    assert!(
+        ran.out.starts_with("::error file=s/a.vert,line=4,endLine=4,col=17,endColumn=20,title=T001 "),
+        "{}",
+        ran.out
+    );
     assert_eq!(ran.out.lines().count(), 1, "{}", ran.out);
 }
 
@@ -271,4 +281,22 @@ fn hooks_and_the_action_call_options_that_exist() {
             assert!(help.contains(option), "{name}: {option}");
         }
     }
+}
+
+#[test]
+fn the_configuration_of_the_readme_is_right() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, section) = readme.split_once("### Configuration").unwrap();
+    let (_, block) = section.split_once("```toml\n").unwrap();
+    let (text, _) = block.split_once("```").unwrap();
+    let files = [
+        ("shadercheck.toml", text),
+        ("shaders/scene.vert", LITERAL),
+        ("shaders/scene.frag", LITERAL),
+        ("src/scene.cpp", "int x;\n"),
+    ];
+    let folder = folder(&files);
+    let ran = run_in(folder.path(), "lint shaders/scene.vert").expect(0);
+    assert!(!ran.err.contains("error:") && !ran.err.contains("warning:"), "{}", ran.err);
+    assert!(ran.out.contains("info[N014]"), "{}", ran.out);
 }

@@ -131,11 +131,8 @@ impl Groups {
     }
 
     fn inputs_of(&self, group: &Group, inputs: &[Input]) -> Vec<Input> {
-        let own = |input: &Input| {
-            let reported = input.reported && group.names.contains(input.file.name());
-            Input { reported, ..input.clone() }
-        };
-        inputs.iter().map(own).collect()
+        let own = |input: &Input| input.reported && group.names.contains(input.file.name());
+        inputs.iter().map(|input| input.with_reported(own(input))).collect()
     }
 }
 

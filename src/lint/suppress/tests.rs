@@ -118,7 +118,10 @@ fn what_is_silenced_is_not_fixed_and_unused_codes_leave_the_list() {
     assert_eq!(fixed(&both, Safety::Unsafe).unwrap(), format!("{LITERAL} // shadercheck: ignore[N014] x"));
     assert_eq!(fixed("  float th = turn; /* shadercheck: ignore[N014] */", Safety::Safe), None);
     assert_eq!(fixed("  float th = turn; // shadercheck: ignore[N014]", Safety::Unsafe).unwrap(), "  float th = turn;");
-    assert_eq!(fixed("  /* shadercheck: ignore[N014] */ float th = turn;", Safety::Unsafe).unwrap(), "  float th = turn;");
+    assert_eq!(
+        fixed("  /* shadercheck: ignore[N014] */ float th = turn;", Safety::Unsafe).unwrap(),
+        "  float th = turn;"
+    );
     let named = format!("{LITERAL} // shadercheck: ignore[low-precision-pi]");
     assert_eq!(fixed(&named, Safety::Safe).unwrap(), silenced);
 }
