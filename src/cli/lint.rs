@@ -5,6 +5,7 @@ mod diff;
 mod files;
 mod groups;
 mod known;
+mod prove;
 mod summary;
 mod write;
 
@@ -45,6 +46,9 @@ pub struct LintArgs {
     /// Print the repairs as a patch; write nothing
     #[arg(long)]
     pub diff: bool,
+    /// With --fix or --diff: run each repaired shader before and after, and tell how far its outputs move
+    #[arg(long)]
+    pub prove: bool,
     /// Only these rules: codes (T001), beginnings of codes (H), or names
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
     pub select: Vec<String>,
@@ -122,6 +126,9 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if args.unsafe_fixes && !args.fix && !args.diff {
         anyhow::bail!("--unsafe-fixes only widens --fix or --diff; add one of them");
     }
+    if args.prove && !args.fix && !args.diff {
+        anyhow::bail!("--prove compares what --fix or --diff changes; add one of them");
+    }
     let mut loaded = files::load(&args.paths);
     let groups = Groups::new(args, &mut loaded)?;
     let lang = super::lang(args.lang.or(groups.lang));
@@ -181,6 +188,7 @@ impl Session<'_> {
             }
         }
         self.refusals(&outcome)?;
+        self.prove(&outcome)?;
         writeln!(self.err, "{}", summary::would_fix(outcome.applied, outcome.files.len(), self.lang))?;
         Ok(status_of(&found))
     }
@@ -189,6 +197,7 @@ impl Session<'_> {
     fn fix(&mut self) -> anyhow::Result<ExitStatus> {
         let outcome = self.groups.fix(&self.loaded.inputs, safety(self.args));
         self.refusals(&outcome)?;
+        self.prove(&outcome)?;
         let mut written: Vec<&FixedFile> = Vec::new();
         for file in &outcome.files {
             match self.loaded.write(file) {
@@ -211,6 +220,19 @@ impl Session<'_> {
 
     fn refusals(&mut self, outcome: &Outcome) -> std::io::Result<()> {
         outcome.refused.iter().try_for_each(|refusal| writeln!(self.err, "warning: {refusal}"))
+    }
+
+    /// Tells how far repairs move what shaders compute.
+    fn prove(&mut self, outcome: &Outcome) -> std::io::Result<()> {
+        for file in outcome.files.iter().filter(|_| self.args.prove) {
+            let name = file.before.name();
+            for (function, proof) in prove::prove(file, &self.groups.config(name)) {
+                for line in prove::lines(name, function.as_deref(), &proof, self.lang) {
+                    writeln!(self.err, "{line}")?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The findings that the baseline does not know. What it knows and is gone is told.
@@ -259,8 +281,8 @@ impl Session<'_> {
 
 /// An input with the text that was written.
 fn after(input: &Input, written: &[&FixedFile]) -> Input {
-    let file = written.iter().find(|f| f.before.name() == input.file.name()).map_or(&input.file, |f| &f.after);
-    Input { file: file.clone(), reported: input.reported }
+    let file = written.iter().find(|f| f.before.name() == input.file.name());
+    file.map_or_else(|| input.clone(), |f| input.with_file(f.after.clone()))
 }
 
 fn safety(args: &LintArgs) -> Safety {

@@ -92,7 +92,7 @@ pub(super) fn fix_with(files: &[Input], settings: &Settings, up_to: Safety, rule
             }
             let (text, count) = apply(&input.file, &wanted, &mut refused);
             if count > 0 {
-                input.file = SourceFile::new(input.file.name(), text);
+                *input = input.with_file(SourceFile::new(input.file.name(), text));
                 changed += count;
             }
         }

@@ -1,7 +1,7 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use crate::text::SourceFile;
 use super::config::Config;
 use super::embedded::Origin;
 use super::flow::Flow;
-use super::host::{HostFile, ShaderRef, named_shaders};
+use super::host::{HostFile, HostTree, ShaderRef, named_shaders};
 use super::program::{self, Program};
 use super::range::Observed;
 
@@ -70,17 +70,37 @@ pub struct Input {
     pub file: SourceFile,
     /// False when the file is only there to be looked things up in.
     pub reported: bool,
+    /// The syntax tree of a host file, once it has been asked for: companions are looked for before
+    /// rules run, and the text is parsed once for both.
+    tree: Arc<OnceLock<HostTree>>,
 }
 
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true }
+        Self { file, reported: true, tree: Arc::default() }
     }
 
     /// A text that others refer to; nothing is reported on it.
     pub fn context(file: SourceFile) -> Self {
-        Self { file, reported: false }
+        Self { reported: false, ..Self::new(file) }
+    }
+
+    /// The same text, reported or not.
+    #[must_use]
+    pub fn with_reported(&self, reported: bool) -> Self {
+        Self { reported, ..self.clone() }
+    }
+
+    /// Another text under the same name.
+    #[must_use]
+    pub fn with_file(&self, file: SourceFile) -> Self {
+        Self { reported: self.reported, ..Self::new(file) }
+    }
+
+    fn host(&self) -> HostFile {
+        let tree = self.tree.get_or_init(|| HostTree::new(&self.file));
+        HostFile::with_tree(&self.file, self.reported, tree.clone())
     }
 }
 
@@ -167,7 +187,7 @@ impl Read {
         let path = normalise(input.file.name());
         let read = match language_of(&path) {
             Some(Language::Shader(stage)) => Some(Self::Shader(Box::new(ShaderFile::new(input, stage)))),
-            Some(Language::Host) => Some(Self::Host(Box::new(HostFile::new(&input.file, input.reported)))),
+            Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
             None => None,
         };
         (path, read)
@@ -326,7 +346,7 @@ pub fn companions(input: &Input) -> Vec<String> {
     if language_of(name) != Some(Language::Host) {
         return Vec::new();
     }
-    let host = HostFile::new(&input.file, false);
+    let host = input.host();
     let mut paths: Vec<String> = named_shaders(&host).into_iter().map(|s| beside(name, &s)).collect();
     if paths.is_empty() {
         let base = beside(name, stem(name));

@@ -86,7 +86,6 @@ impl PerFile {
     pub fn ignores(&self, file: &str, code: &str) -> bool {
         self.ignored.get(file).is_some_and(|rules| rules.iter().any(|r| code.starts_with(r.as_str())))
     }
-
 }
 
 fn codes(given: &[String]) -> Result<Vec<String>, SelectError> {

@@ -261,7 +261,8 @@ mod tests {
 
     #[test]
     fn short_comments_are_told_apart() {
-        for text in ["// 頂点\n", "// 法線ベクトル\n", "// 球\n", "// 光源の方向と強さ\n", "// テクスチャ座標\n"] {
+        for text in ["// 頂点\n", "// 法線ベクトル\n", "// 球\n", "// 光源の方向と強さ\n", "// テクスチャ座標\n"]
+        {
             for encoding in [Encoding::ShiftJis, Encoding::EucJp] {
                 let bytes = form(encoding, false).encode(&SourceFile::new("a", text)).unwrap();
                 let read = decode("a", &bytes).unwrap();

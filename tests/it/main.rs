@@ -9,6 +9,7 @@ mod check_cli;
 mod geometry;
 mod interp;
 mod json;
+mod lint_cli;
 mod lowering;
 mod lowering_vertex;
 mod mutate;

@@ -82,7 +82,10 @@ pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     if let Some((_, rest)) = arguments.split_first().filter(|(first, _)| *first == "--against-script") {
         return against::run(rest, messages);
     }
-    status(cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--bench", "math", "--"]).args(arguments))
+    status(
+        cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--bench", "math", "--bench", "lint", "--"])
+            .args(arguments),
+    )
 }
 
 /// Judges devices that err as far as they may; needs no driver. Options that come later count.

@@ -5,10 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::cli::LangName;
-use crate::diagnostic::Diagnostic;
-use crate::diagnostic::Safety;
+use crate::diagnostic::{Diagnostic, Safety};
 use crate::lint::fix::{self, Outcome};
-use crate::lint::{Input, Selection, Settings, by_code, run_with, sort};
+use crate::lint::{Config, Input, Selection, Settings, by_code, run_with, sort};
 
 use super::LintArgs;
 use super::config::{self, FILE_NAME, FileConfig};
@@ -125,12 +124,15 @@ impl Groups {
         group.is_some_and(|g| g.settings.keeps(name, code, level))
     }
 
+    /// What the project says about itself, for a reported file.
+    pub fn config(&self, name: &str) -> Config {
+        let group = self.groups.iter().find(|g| g.names.contains(name));
+        group.map(|g| g.settings.config.clone()).unwrap_or_default()
+    }
+
     fn inputs_of(&self, group: &Group, inputs: &[Input]) -> Vec<Input> {
-        let own = |input: &Input| {
-            let reported = input.reported && group.names.contains(input.file.name());
-            Input { reported, ..input.clone() }
-        };
-        inputs.iter().map(own).collect()
+        let own = |input: &Input| input.reported && group.names.contains(input.file.name());
+        inputs.iter().map(|input| input.with_reported(own(input))).collect()
     }
 }
 

@@ -53,7 +53,8 @@ impl Known {
         let name = self.path.display();
         let text = fs::read_to_string(&self.path).with_context(|| format!("{name}: cannot be read"))?;
         let baseline = Baseline::parse(&text).with_context(|| name.to_string())?;
-        let names: BTreeMap<&str, &str> = self.paths.iter().map(|(name, path)| (path.as_str(), name.as_str())).collect();
+        let names: BTreeMap<&str, &str> =
+            self.paths.iter().map(|(name, path)| (path.as_str(), name.as_str())).collect();
         let judged = |file: &str, code: &str| match names.get(file) {
             Some(name) => groups.asks(name, code),
             // A file that is gone has no findings; one that was not linted may have them still.

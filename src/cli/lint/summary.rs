@@ -20,10 +20,7 @@ fn plural(n: usize, word: &str) -> String {
 /// How many repairs a patch holds.
 pub fn would_fix(applied: usize, changed: usize, lang: Lang) -> String {
     let (found, within) = (findings(applied), files(changed));
-    let told = told!(
-        "{found} in {within} would be fixed",
-        "{changed} 個のファイルの {applied} 件の指摘を修正できます"
-    );
+    let told = told!("{found} in {within} would be fixed", "{changed} 個のファイルの {applied} 件の指摘を修正できます");
     told.in_lang(lang).to_owned()
 }
 
@@ -66,7 +63,9 @@ pub fn stale(rule: &str, file: &str, line: &str, count: usize, lang: Lang) -> St
 
 /// What to do about entries that are gone.
 pub fn prune_hint(lang: Lang) -> String {
-    told!("--prune-baseline removes them from the file", "--prune-baseline で記録から取り除けます").in_lang(lang).to_owned()
+    told!("--prune-baseline removes them from the file", "--prune-baseline で記録から取り除けます")
+        .in_lang(lang)
+        .to_owned()
 }
 
 /// Totals, line by line: how much was looked at, what was found, what could be fixed.

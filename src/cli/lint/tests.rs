@@ -15,7 +15,13 @@ struct Ran {
 }
 
 fn lint(paths: &[PathBuf], change: impl FnOnce(&mut LintArgs)) -> Ran {
-    let mut args = LintArgs { paths: paths.to_vec(), format: Some("concise".to_owned()), lang: Some(LangName::En), no_config: true, ..LintArgs::default() };
+    let mut args = LintArgs {
+        paths: paths.to_vec(),
+        format: Some("concise".to_owned()),
+        lang: Some(LangName::En),
+        no_config: true,
+        ..LintArgs::default()
+    };
     change(&mut args);
     let (mut out, mut err) = (Vec::new(), Vec::new());
     // As the command line does with an error.
@@ -163,7 +169,8 @@ fn shaders_that_a_host_file_names_are_read_with_it() {
 #[test]
 fn json_is_an_array_with_the_rule_s_name() {
     let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
-    let ran = lint(&at(&folder, "cylinder.vert"), |a| (a.format, a.select) = (Some("json".to_owned()), vec!["T".to_owned()]));
+    let ran =
+        lint(&at(&folder, "cylinder.vert"), |a| (a.format, a.select) = (Some("json".to_owned()), vec!["T".to_owned()]));
     let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
     assert_eq!(value.as_array().map(Vec::len), Some(1));
     assert_eq!(value[0]["name"], "constructor-too-many-args");

@@ -21,6 +21,7 @@ mod stringized;
 mod suggest;
 pub(super) mod syntax;
 
+use std::cell::RefCell;
 use std::sync::OnceLock;
 
 use tree_sitter::{Node, Parser, Tree};
@@ -42,7 +43,7 @@ pub struct HostFile {
     pub file: SourceFile,
     /// False when the file is only there to be looked things up in.
     pub reported: bool,
-    tree: Option<Tree>,
+    tree: HostTree,
     lookups: OnceLock<Vec<Lookup>>,
     embedded: OnceLock<Vec<Embedded>>,
     programs: OnceLock<HostPrograms>,
@@ -52,19 +53,17 @@ impl HostFile {
     /// Parses `file` as C++, of which the C that feeds shaders is a part. Text that cannot be read
     /// becomes error nodes, on which rules stay silent.
     pub fn new(file: &SourceFile, reported: bool) -> Self {
-        Self {
-            tree: parse(file.text()),
-            file: file.clone(),
-            reported,
-            lookups: OnceLock::new(),
-            embedded: OnceLock::new(),
-            programs: OnceLock::new(),
-        }
+        Self::with_tree(file, reported, HostTree::new(file))
+    }
+
+    /// The same with a tree of this text that is there already.
+    pub(super) fn with_tree(file: &SourceFile, reported: bool, tree: HostTree) -> Self {
+        Self { tree, file: file.clone(), reported, lookups: OnceLock::new(), embedded: OnceLock::new(), programs: OnceLock::new() }
     }
 
     /// The root of the tree; none when the parser gave up.
     pub fn root(&self) -> Option<Node<'_>> {
-        self.tree.as_ref().map(Tree::root_node)
+        self.tree.0.as_ref().map(Tree::root_node)
     }
 
     /// Text of a node.
@@ -100,11 +99,26 @@ pub(super) fn comments(host: &HostFile) -> Vec<Span> {
     nodes.filter(|n| n.kind() == "comment").map(syntax::span).collect()
 }
 
-fn parse(text: &str) -> Option<Tree> {
+/// A syntax tree; none when the parser gave up. Cheap to clone.
+#[derive(Clone, Debug)]
+pub(super) struct HostTree(Option<Tree>);
+
+impl HostTree {
+    /// Parses a text as C++.
+    pub fn new(file: &SourceFile) -> Self {
+        thread_local! {
+            // A parser keeps its memory from one text to the next.
+            static PARSER: RefCell<Option<Parser>> = RefCell::new(parser());
+        }
+        Self(PARSER.with_borrow_mut(|parser| parser.as_mut()?.parse(file.text(), None)))
+    }
+}
+
+fn parser() -> Option<Parser> {
     let mut parser = Parser::new();
     // The versions of grammar and parser fit: a test below holds this.
     parser.set_language(&tree_sitter_cpp::LANGUAGE.into()).ok()?;
-    parser.parse(text, None)
+    Some(parser)
 }
 
 #[cfg(test)]

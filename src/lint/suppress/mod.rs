@@ -136,9 +136,7 @@ fn target(file: &SourceFile, comment: Span, comments: &[Span]) -> usize {
         return own;
     }
     // A comment that stands for itself on its lines: stacked comments all speak of the code below.
-    (last..=file.line_count())
-        .find(|&line| has_code(file, line, comments))
-        .unwrap_or(last)
+    (last..=file.line_count()).find(|&line| has_code(file, line, comments)).unwrap_or(last)
 }
 
 /// True when a line holds more than blanks and comments.

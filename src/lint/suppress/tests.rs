@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Safety;
 use crate::lint::fix::fix;
-use crate::lint::{Input, Level, Selection, Settings, run, run_with};
+use crate::lint::{Input, Level, Selection, Settings, by_code, run, run_with};
 use crate::text::SourceFile;
 
 fn shader(body: &str) -> Vec<Input> {
@@ -56,12 +56,10 @@ fn errors_of_the_front_end_are_silenced_by_their_codes() {
 
 #[test]
 fn host_code_has_the_same_comments() {
+    let example = by_code("H003").unwrap().page.bad;
     let files = |comment: &str| {
-        let host = format!(
-            "void f(unsigned program) {{\n  {comment}\n  glGetUniformLocation(program, \"position\");\n  load(\"a.vert\");\n}}\n"
-        );
-        let text = "#version 150 core\nin vec4 position;\nvoid main() { gl_Position = position; }\n";
-        vec![Input::new(SourceFile::new("a.cpp", host)), Input::new(SourceFile::new("a.vert", text))]
+        let above = |text: &str| text.replace("\n  glUniform", &format!("\n  {comment}\n  glUniform"));
+        example.iter().map(|e| Input::new(SourceFile::new(e.name, above(e.text)))).collect::<Vec<_>>()
     };
     let codes = |comment: &str| run(&files(comment)).iter().map(|d| d.code.0).collect::<Vec<_>>();
     let plain = codes("");
@@ -120,7 +118,10 @@ fn what_is_silenced_is_not_fixed_and_unused_codes_leave_the_list() {
     assert_eq!(fixed(&both, Safety::Unsafe).unwrap(), format!("{LITERAL} // shadercheck: ignore[N014] x"));
     assert_eq!(fixed("  float th = turn; /* shadercheck: ignore[N014] */", Safety::Safe), None);
     assert_eq!(fixed("  float th = turn; // shadercheck: ignore[N014]", Safety::Unsafe).unwrap(), "  float th = turn;");
-    assert_eq!(fixed("  /* shadercheck: ignore[N014] */ float th = turn;", Safety::Unsafe).unwrap(), "  float th = turn;");
+    assert_eq!(
+        fixed("  /* shadercheck: ignore[N014] */ float th = turn;", Safety::Unsafe).unwrap(),
+        "  float th = turn;"
+    );
     let named = format!("{LITERAL} // shadercheck: ignore[low-precision-pi]");
     assert_eq!(fixed(&named, Safety::Safe).unwrap(), silenced);
 }

@@ -56,15 +56,27 @@ fn report(file: &SourceFile, fault: &Fault, findings: &mut Findings<'_>) {
     let (message, help) = match &fault.cause {
         Cause::UnknownWord(word) if word.is_empty() => (
             told!("a comment to shadercheck says nothing", "shadercheck へのコメントに指示がありません"),
-            told!("write `ignore[CODE] reason`, or remove the comment", "`ignore[コード] 理由` と書くか、コメントを削除します"),
+            told!(
+                "write `ignore[CODE] reason`, or remove the comment",
+                "`ignore[コード] 理由` と書くか、コメントを削除します"
+            ),
         ),
         Cause::UnknownWord(word) => (
             told!("`{word}` is nothing that shadercheck can be told", "`{word}` という指示はありません"),
-            told!("write `ignore[CODE] reason` or `ignore-file[CODE] reason`", "`ignore[コード] 理由` または `ignore-file[コード] 理由` と書きます"),
+            told!(
+                "write `ignore[CODE] reason` or `ignore-file[CODE] reason`",
+                "`ignore[コード] 理由` または `ignore-file[コード] 理由` と書きます"
+            ),
         ),
         Cause::NoCodes(word) => (
-            told!("`{word}` names no code, so that nothing is silenced", "`{word}` にコードがないため、何も抑止されません"),
-            told!("name the codes in brackets: `{word}[N014] reason`", "コードを角括弧で指定します: `{word}[N014] 理由`"),
+            told!(
+                "`{word}` names no code, so that nothing is silenced",
+                "`{word}` にコードがないため、何も抑止されません"
+            ),
+            told!(
+                "name the codes in brackets: `{word}[N014] reason`",
+                "コードを角括弧で指定します: `{word}[N014] 理由`"
+            ),
         ),
         Cause::Unclosed => (
             told!("the list of codes is not closed", "コードの一覧が閉じていません"),
@@ -78,11 +90,17 @@ fn report(file: &SourceFile, fault: &Fault, findings: &mut Findings<'_>) {
             let nearest = nearest.join(", ");
             (
                 told!("no rule has the code `{given}`", "コード `{given}` の規則はありません"),
-                told!("did you mean {nearest}? `shadercheck explain` lists all codes", "{nearest} のことですか？`shadercheck explain` で全てのコードを確認できます"),
+                told!(
+                    "did you mean {nearest}? `shadercheck explain` lists all codes",
+                    "{nearest} のことですか？`shadercheck explain` で全てのコードを確認できます"
+                ),
             )
         }
         Cause::NameOfRule { given, code } => (
-            told!("`{given}` is the name of a rule; its code is {code}", "`{given}` は規則の名前で、コードは {code} です"),
+            told!(
+                "`{given}` is the name of a rule; its code is {code}",
+                "`{given}` は規則の名前で、コードは {code} です"
+            ),
             told!("write the code", "コードで指定します"),
         ),
     };

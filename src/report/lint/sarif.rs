@@ -116,9 +116,9 @@ fn fixed(file: &SourceFile, fix: &Fix, context: &Context) -> Value {
     let replacements: Vec<Value> = fix
         .edits
         .iter()
-        .map(|edit| {
-            json!({ "deletedRegion": region(file, edit.span), "insertedContent": { "text": edit.replacement } })
-        })
+        .map(
+            |edit| json!({ "deletedRegion": region(file, edit.span), "insertedContent": { "text": edit.replacement } }),
+        )
         .collect();
     json!({
         "description": { "text": fix.title.in_lang(context.lang) },

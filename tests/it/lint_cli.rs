@@ -1,0 +1,302 @@
+//! `shadercheck lint` as it is called: configuration, suppressions, baselines, formats, encodings.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::binary::{Ran, command, root, run_in};
+
+const LITERAL: &str =
+    "#version 150 core\nin float turn;\nvoid main()\n{\n  float th = 6.283185 * turn;\n  gl_Position = vec4(th);\n}\n";
+const WRONG: &str = "#version 150 core\nvoid main()\n{\n  gl_Position = vec3(1.0, 2.0, 3.0, 4.0);\n}\n";
+
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        write(&folder, name, text.as_bytes());
+    }
+    folder
+}
+
+fn write(folder: &TempDir, name: &str, bytes: &[u8]) {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, bytes).unwrap();
+}
+
+fn read(folder: &TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name)).unwrap()
+}
+
+/// Runs the linter in English, findings one a line.
+fn lint(folder: &Path, args: &str) -> Ran {
+    run_in(folder, &format!("lint --lang en {args}"))
+}
+
+#[track_caller]
+fn codes(ran: &Ran) -> Vec<String> {
+    let value: Value = serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{e}\n{ran:?}"));
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| format!("{} {}", d["file"].as_str().unwrap(), d["code"].as_str().unwrap()))
+        .collect()
+}
+
+#[test]
+fn the_nearest_configuration_holds_and_options_go_before_it() {
+    let folder = folder(&[
+        ("a.vert", LITERAL),
+        ("old/a.vert", LITERAL),
+        ("old/deep/b.vert", WRONG),
+        ("shadercheck.toml", "[lint]\nselect = [\"N\"]\n"),
+        ("old/shadercheck.toml", "[lint]\nignore = [\"N014\"]\n"),
+    ]);
+    let found = |args: &str| codes(&lint(folder.path(), &format!("{args} --format json")));
+    assert_eq!(found("."), ["./a.vert N014", "./old/deep/b.vert T001"]);
+    assert_eq!(codes(&lint(&folder.path().join("old/deep"), "b.vert ../a.vert --format json")), ["b.vert T001"]);
+    assert_eq!(found(". --ignore T"), ["./a.vert N014", "./old/a.vert N014"], "in place of the file's list");
+    assert_eq!(found("old --no-config"), ["old/a.vert N014", "old/deep/b.vert T001"]);
+    assert_eq!(found("old --config shadercheck.toml"), ["old/a.vert N014"]);
+}
+
+#[test]
+fn rules_are_left_out_for_files_that_match() {
+    let folder = folder(&[
+        ("third/x/a.vert", LITERAL),
+        ("own/a.vert", LITERAL),
+        ("own/generated.vert", WRONG),
+        ("shadercheck.toml", "[lint.per-file-ignores]\n\"third/**\" = [\"N\"]\n\"generated.*\" = [\"T001\"]\n"),
+    ]);
+    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["./own/a.vert N014"]);
+    assert_eq!(codes(&lint(&folder.path().join("third/x"), "a.vert --format json")), Vec::<String>::new());
+}
+
+#[test]
+fn a_wrong_configuration_is_told_with_its_place() {
+    let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nselct = [\"N\"]\nlevel = \"strikt\"\n")]);
+    let ran = lint(folder.path(), "a.vert").expect(2);
+    assert!(ran.out.is_empty());
+    let lines: Vec<&str> = ran.err.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", ran.err);
+    assert!(lines[0].starts_with("error: shadercheck.toml:2:1: unknown key `selct` in [lint]; did you mean `select`?"));
+    assert!(lines[1].starts_with("error: shadercheck.toml:3:9: `level` cannot be `strikt`; did you mean `strict`?"));
+    let ran = lint(folder.path(), "a.vert --config none.toml").expect(2);
+    assert!(ran.err.contains("none.toml: cannot be read"), "{}", ran.err);
+}
+
+#[test]
+fn a_program_of_the_configuration_that_is_not_there_is_told() {
+    let text = "[[program]]\nshaders = [\"a.vert\", \"gone.frag\"]\n";
+    let folder = folder(&[("s/a.vert", LITERAL), ("s/shadercheck.toml", text)]);
+    let ran = lint(folder.path(), "s").expect(0);
+    assert!(ran.err.contains("warning: s/gone.frag: named by [[program]], and not there"), "{}", ran.err);
+    assert!(!ran.err.contains("a.vert: named"), "{}", ran.err);
+}
+
+#[test]
+fn the_language_of_the_configuration_and_of_the_option() {
+    let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nlang = \"ja\"\n")]);
+    let ran = run_in(folder.path(), "lint a.vert").expect(0);
+    assert!(ran.err.contains("1 個のファイル: エラー 0 件、警告 0 件、情報 1 件"), "{}", ran.err);
+    assert!(lint(folder.path(), "a.vert").expect(0).err.contains("1 file: 0 errors, 0 warnings, 1 info"));
+}
+
+#[test]
+fn a_baseline_hides_what_it_knows_and_tells_what_is_gone() {
+    let folder = folder(&[("s/a.vert", WRONG), ("s/b.vert", LITERAL)]);
+    let place = folder.path();
+    lint(place, "s").expect(1);
+    let ran = lint(place, "s --write-baseline known.json").expect(0);
+    assert!(ran.err.contains("2 findings recorded in known.json"), "{}", ran.err);
+    let ran = lint(place, "s --baseline known.json").expect(0);
+    assert_eq!(ran.out, "");
+    assert!(ran.err.contains("2 findings are known from the baseline"), "{}", ran.err);
+    // Called from another folder, and with lines moved, it knows the same.
+    write(&folder, "s/a.vert", WRONG.replace("void main", "// more\n\nvoid main").as_bytes());
+    lint(&place.join("s"), "a.vert --baseline ../known.json").expect(0);
+    // A second finding of the same kind is new.
+    write(&folder, "s/a.vert", WRONG.replace("4.0);", "4.0);\n  vec4 more = vec3(1.0, 2.0, 3.0, 4.0);").as_bytes());
+    let ran = lint(place, "s --baseline known.json --format concise").expect(1);
+    assert_eq!(ran.out.lines().count(), 1, "{}", ran.out);
+    assert!(ran.out.contains("s/a.vert:5:"), "{}", ran.out);
+    // What is repaired is told once it is gone, and pruned when asked for.
+    write(&folder, "s/a.vert", WRONG.replace("vec3", "vec4").as_bytes());
+    let before = read(&folder, "known.json");
+    let ran = lint(place, "s --baseline known.json").expect(0);
+    assert!(ran.err.contains("no longer found: T001 in s/a.vert: gl_Position = vec3"), "{}", ran.err);
+    assert!(ran.err.contains("--prune-baseline"), "{}", ran.err);
+    assert_eq!(read(&folder, "known.json"), before);
+    let ran = lint(place, "s/b.vert --baseline known.json").expect(0);
+    assert!(!ran.err.contains("no longer"), "a file that was not linted: {}", ran.err);
+    lint(place, "s --baseline known.json --prune-baseline").expect(0);
+    assert!(!read(&folder, "known.json").contains("T001"));
+    assert!(!lint(place, "s --baseline known.json").expect(0).err.contains("no longer"));
+    // A file that does not exist any more takes its findings with it.
+    fs::remove_file(place.join("s/b.vert")).unwrap();
+    assert!(lint(place, "s --baseline known.json").expect(0).err.contains("N014 in s/b.vert"));
+    write(&folder, "known.json", b"{}");
+    assert!(lint(place, "s --baseline known.json").expect(2).err.contains("--write-baseline"));
+}
+
+#[test]
+fn a_report_goes_to_a_file_besides() {
+    let folder = folder(&[("a.vert", WRONG)]);
+    let ran = lint(folder.path(), "a.vert --format sarif --output report.sarif").expect(1);
+    assert!(ran.out.contains("error[T001]") && ran.out.contains("a.vert:4:17"), "{}", ran.out);
+    let log: Value = serde_json::from_str(&read(&folder, "report.sarif")).unwrap();
+    assert_eq!(log["runs"][0]["results"][0]["ruleId"], "T001");
+    let place = &log["runs"][0]["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"];
+    assert_eq!(place["uri"], "a.vert");
+    assert!(log["runs"][0]["originalUriBaseIds"]["SRCROOT"]["uri"].as_str().unwrap().starts_with("file:///"));
+    let ran = lint(folder.path(), "a.vert --output no/such/folder.json --format json").expect(2);
+    assert!(ran.err.contains("no/such/folder.json: cannot be written"), "{}", ran.err);
+}
+
+#[test]
+fn annotations_of_a_workflow_have_paths_from_the_root() {
+    let folder = folder(&[("s/a.vert", WRONG)]);
+    let real = fs::canonicalize(folder.path()).unwrap();
+    let ran = lint(&real, &format!("{} --format github", real.join("s").display())).expect(1);
+    assert!(
+        ran.out.starts_with("::error file=s/a.vert,line=4,endLine=4,col=17,endColumn=20,title=T001 "),
+        "{}",
+        ran.out
+    );
+    assert_eq!(ran.out.lines().count(), 1, "{}", ran.out);
+}
+
+#[test]
+fn findings_do_not_fail_a_run_that_asks_for_it_and_errors_do() {
+    let folder = folder(&[("a.vert", WRONG)]);
+    let ran = lint(folder.path(), "a.vert --exit-zero").expect(0);
+    assert!(ran.out.contains("T001"));
+    lint(folder.path(), "a.vert gone.vert --exit-zero").expect(2);
+    assert!(lint(folder.path(), "a.vert --prove").expect(2).err.contains("--fix or --diff"));
+}
+
+#[test]
+fn what_git_ignores_is_left_out_unless_it_is_named() {
+    let folder = folder(&[
+        (".gitignore", "build/\n*.tmp.vert\n"),
+        ("a.vert", WRONG),
+        ("b.tmp.vert", WRONG),
+        ("build/c.vert", WRONG),
+        (".hidden/d.vert", WRONG),
+    ]);
+    assert_eq!(codes(&lint(folder.path(), ". --format json")), ["./a.vert T001"]);
+    assert_eq!(codes(&lint(folder.path(), "build/c.vert --format json")), ["build/c.vert T001"]);
+    assert_eq!(codes(&lint(folder.path(), "build --format json")), ["build/c.vert T001"]);
+}
+
+#[test]
+fn files_are_repaired_in_their_own_encoding() {
+    let text = |number: &str| LITERAL.replace("6.283185", number).replace("{\n", "{ // 頂点の角度を求めます\r\n");
+    let fixed = "6.28318530717958648";
+    let utf16 = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(bytes).collect()
+    };
+    let shift_jis = |text: &str| -> Vec<u8> {
+        let comment = b"\x92\xb8\x93\x5f\x82\xcc\x8a\x70\x93\x78\x82\xf0\x8b\x81\x82\xdf\x82\xdc\x82\xb7";
+        let (before, after) = text.split_once("頂点の角度を求めます").unwrap();
+        [before.as_bytes(), comment, after.as_bytes()].concat()
+    };
+    let folder = folder(&[]);
+    for (name, before, after) in [
+        ("a.vert", shift_jis(&text("6.283185")), shift_jis(&text(fixed))),
+        ("b.vert", utf16(&text("6.283185"), u16::to_le_bytes), utf16(&text(fixed), u16::to_le_bytes)),
+        ("c.vert", utf16(&text("6.283185"), u16::to_be_bytes), utf16(&text(fixed), u16::to_be_bytes)),
+    ] {
+        write(&folder, name, &before);
+        let ran = lint(folder.path(), &format!("{name} --format concise")).expect(0);
+        assert!(ran.out.starts_with(&format!("{name}:5:14: info[N014]")), "{ran:?}");
+        lint(folder.path(), &format!("{name} --fix --unsafe-fixes")).expect(0);
+        assert_eq!(fs::read(folder.path().join(name)).unwrap(), after, "{name}");
+    }
+}
+
+#[test]
+fn what_would_not_be_written_back_as_it_was_is_left_alone() {
+    // 0xfa54 is one of two ways of Shift_JIS to write ￢: decoding and encoding gives 0x81ca.
+    let (before, after) = WRONG.split_once("void").unwrap();
+    let bytes = [before.as_bytes(), b"// \x8b\x85 \xfa\x54\nvoid", after.as_bytes()].concat();
+    let folder = folder(&[("b.vert", WRONG)]);
+    write(&folder, "a.vert", &bytes);
+    let ran = lint(folder.path(), "a.vert b.vert --fix --format concise").expect(2);
+    assert!(ran.err.contains("a.vert: holds bytes that Shift_JIS has another way to write"), "{}", ran.err);
+    assert!(ran.out.contains("a.vert:5:17: error[T001]"), "it is still told: {}", ran.out);
+    assert!(ran.err.contains("1 could not be written"), "{}", ran.err);
+    assert_eq!(fs::read(folder.path().join("a.vert")).unwrap(), bytes);
+    assert!(read(&folder, "b.vert").contains("vec4(1.0"), "the other is repaired");
+}
+
+#[test]
+fn other_commands_read_the_same_encodings() {
+    let (before, after) = LITERAL.split_once("void").unwrap();
+    let bytes = [before.as_bytes(), b"// \x92\xb8\x93\x5f\nvoid", after.as_bytes()].concat();
+    let folder = folder(&[]);
+    write(&folder, "a.vert", &bytes);
+    let ran = run_in(folder.path(), "translate a.vert --to glsl450").expect(0);
+    assert!(ran.out.contains("gl_Position"), "{}", ran.out);
+}
+
+#[test]
+fn a_repair_is_run_before_and_after() {
+    let folder = folder(&[("a.vert", LITERAL), ("b.vert", WRONG)]);
+    let ran = lint(folder.path(), ". --diff --unsafe-fixes --prove").expect(1);
+    assert!(ran.err.contains("./a.vert: `gl_Position` moves in ") && ran.err.contains(" ULP) at most"), "{}", ran.err);
+    assert!(ran.err.contains("./b.vert: not compared: the text before does not compile"), "{}", ran.err);
+    assert_eq!(read(&folder, "a.vert"), LITERAL);
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let printed = root().join("fixtures/printed");
+    let out = |threads: &str| {
+        let mut command: Command = command(root(), "lint --lang en --no-config --format json");
+        let ran: Ran = command.arg(&printed).env("RAYON_NUM_THREADS", threads).output().unwrap().into();
+        ran.expect(1).out
+    };
+    let one = out("1");
+    assert!(one.len() > 1000);
+    assert_eq!(one, out("7"));
+}
+
+#[test]
+fn hooks_and_the_action_call_options_that_exist() {
+    let help = run_in(root(), "lint --help").expect(0).out;
+    for name in [".pre-commit-hooks.yaml", "action.yml"] {
+        let text = fs::read_to_string(root().join(name)).unwrap();
+        let options: Vec<&str> = text
+            .split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'))
+            .filter(|w| w.starts_with("--") && w.len() > 2)
+            .filter(|w| !["--path", "--locked", "--quiet"].contains(w))
+            .collect();
+        assert!(!options.is_empty(), "{name}");
+        for option in options {
+            assert!(help.contains(option), "{name}: {option}");
+        }
+    }
+}
+
+#[test]
+fn the_configuration_of_the_readme_is_right() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, section) = readme.split_once("### Configuration").unwrap();
+    let (_, block) = section.split_once("```toml\n").unwrap();
+    let (text, _) = block.split_once("```").unwrap();
+    let files = [
+        ("shadercheck.toml", text),
+        ("shaders/scene.vert", LITERAL),
+        ("shaders/scene.frag", LITERAL),
+        ("src/scene.cpp", "int x;\n"),
+    ];
+    let folder = folder(&files);
+    let ran = run_in(folder.path(), "lint shaders/scene.vert").expect(0);
+    assert!(!ran.err.contains("error:") && !ran.err.contains("warning:"), "{}", ran.err);
+    assert!(ran.out.contains("info[N014]"), "{}", ran.out);
+}
