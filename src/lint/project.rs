@@ -153,7 +153,8 @@ impl Project {
                     project.shaders.insert(path, ShaderFile::new(input, stage));
                 }
                 Some(Language::Host) => {
-                    project.hosts.insert(path, HostFile::new(&input.file, input.reported));
+                    let host = HostFile::new(&input.file, input.reported).with_wrappers(&config.wrappers);
+                    project.hosts.insert(path, host);
                 }
                 None => {}
             }
@@ -162,6 +163,8 @@ impl Project {
             for (index, embedded) in host.embedded().iter().enumerate() {
                 let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
                 let mut shader = ShaderFile::new(&Input { file, reported: host.reported }, embedded.stage);
+                // One rule tells what is wrong; all else follows from it.
+                shader.reported &= embedded.run_on().is_none();
                 shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
                 project.embedded.insert((path.clone(), index), shader);
             }

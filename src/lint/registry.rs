@@ -10,6 +10,18 @@ pub const RULES: &[&Rule] = &[
     &host::h002::RULE,
     &host::h003::RULE,
     &host::h004::RULE,
+    &host::h006::RULE,
+    &host::h007::RULE,
+    &host::h008::RULE,
+    &host::h010::RULE,
+    &host::h011::RULE,
+    &host::h013::RULE,
+    &host::h014::RULE,
+    &host::h016::RULE,
+    &host::h019::RULE,
+    &host::h021::RULE,
+    &host::h022::RULE,
+    &host::h023::RULE,
     &host::h029::RULE,
     &host::h030::RULE,
     &program::i001::RULE,
@@ -50,7 +62,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::lint::{Input, run};
+    use crate::lint::{Input, Selection, Settings, run_with};
     use crate::text::SourceFile;
 
     #[test]
@@ -84,12 +96,20 @@ mod tests {
         }
     }
 
+    /// What selects all rules of the default level, errors of the front end, and one rule more.
+    fn default_and(code: String) -> Vec<String> {
+        let letters: BTreeSet<String> = RULES.iter().map(|r| r.code.0[..1].to_owned()).collect();
+        letters.into_iter().chain(["E".to_owned(), code]).collect()
+    }
+
     #[test]
     fn every_bad_example_reports_its_rule_alone_and_every_good_one_is_clean() {
         for rule in RULES {
             let lint = |files: &[crate::lint::Example]| {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
-                run(&inputs)
+                let code = rule.code.0.to_owned();
+                let selection = Selection::new(&default_and(code), &[]).unwrap();
+                run_with(&inputs, &Settings { selection, ..Settings::default() })
             };
             let bad = lint(rule.page.bad);
             let codes: Vec<&str> = bad.iter().map(|d| d.code.0).collect();

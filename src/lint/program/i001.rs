@@ -4,7 +4,7 @@ use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::glsl::interface::{Storage, Variable};
-use crate::lint::host::{list, nearest};
+use crate::lint::host::{list, list_in_japanese, nearest};
 use crate::lint::project::ShaderFile;
 use crate::text::Edit;
 
@@ -55,7 +55,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             let (name, stage, place) = (&input.name, from.shader.stage().name(), from.file.name());
             let ja_stage = stage_in_japanese(from.shader.stage());
             let outputs: Vec<&str> = from.shader.interface().outputs.iter().map(|v| v.name.as_str()).collect();
-            let all = list(&outputs);
+            let (all, ja_all) = (list(&outputs), list_in_japanese(&outputs));
             let mut found = findings
                 .at(
                     &to.file,
@@ -73,7 +73,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                 .with_help(if outputs.is_empty() {
                     told!("{place} has no output", "{place} には出力がありません")
                 } else {
-                    told!("the outputs of {place} are {all}", "{place} の出力は {all} です")
+                    told!("the outputs of {place} are {all}", "{place} の出力は {ja_all} です")
                 });
             if let Some(meant) = meant(from, to, input) {
                 let title = &meant.name;
@@ -135,7 +135,7 @@ fn bypasses(program: &Program<'_>, input: &Variable) -> bool {
 }
 
 /// The one output of the same type that resembles an input and that nobody reads.
-pub fn meant<'p>(from: &'p ShaderFile, to: &ShaderFile, input: &Variable) -> Option<&'p Variable> {
+fn meant<'p>(from: &'p ShaderFile, to: &ShaderFile, input: &Variable) -> Option<&'p Variable> {
     let wanted = input_type(to, &input.ty, &input.qualifiers)?;
     let free = from.shader.interface().outputs.iter().filter(|o| {
         let same = output_type(from, &o.ty, &o.qualifiers).is_some_and(|t| t == wanted);

@@ -5,9 +5,8 @@ use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::glsl::interface::Storage;
 
-use super::i001::meant;
 use super::{Known, Program, stage_in_japanese};
-use super::link::{consumer, in_block, is_built_in, is_patch, producer};
+use super::link::{consumer, in_block, is_built_in, input_type, is_patch, output_type, producer};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -50,9 +49,14 @@ fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) 
         for output in from.shader.interface().outputs.iter().filter(|v| !is_built_in(&v.name)) {
             let read = consumer(from, to, output).is_some() || in_block(to, Storage::In, &output.name);
             let captured = || project.hosts().any(|h| h.file.text().contains(&format!("\"{}\"", output.name)));
+            // An input that lacks its output was perhaps meant to read this one.
             let candidate = || {
-                let lost = interface.inputs.iter().filter(|i| producer(from, to, i).is_none());
-                lost.filter_map(|i| meant(from, to, i)).any(|m| m.name == output.name)
+                let mut lost =
+                    interface.inputs.iter().filter(|i| !is_built_in(&i.name) && producer(from, to, i).is_none());
+                lost.any(|i| {
+                    let types = (input_type(to, &i.ty, &i.qualifiers), output_type(from, &output.ty, &output.qualifiers));
+                    types.0.is_some() && types.0 == types.1
+                })
             };
             if read || is_patch(&output.qualifiers) || captured() || candidate() {
                 continue;

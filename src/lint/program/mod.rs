@@ -133,7 +133,7 @@ impl<'p> Program<'p> {
 }
 
 /// The stage in Japanese, as a noun.
-fn stage_in_japanese(stage: Stage) -> &'static str {
+pub(super) fn stage_in_japanese(stage: Stage) -> &'static str {
     match stage {
         Stage::Vertex => "頂点シェーダ",
         Stage::TessControl => "テッセレーション制御シェーダ",
