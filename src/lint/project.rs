@@ -12,11 +12,25 @@ use super::host::{HostFile, ShaderRef, named_shaders};
 use super::program::{self, Program};
 
 /// Endings of shader files that a folder is searched for.
-pub const SHADER_EXTENSIONS: &[&str] =
-    &[
-        "vert", "frag", "geom", "glsl", "vs", "fs", "gs", "comp", "tesc", "tese", "tcs", "tes", "vsh", "fsh",
-        "vertexshader", "fragmentshader", "geometryshader",
-    ];
+pub const SHADER_EXTENSIONS: &[&str] = &[
+    "vert",
+    "frag",
+    "geom",
+    "glsl",
+    "vs",
+    "fs",
+    "gs",
+    "comp",
+    "tesc",
+    "tese",
+    "tcs",
+    "tes",
+    "vsh",
+    "fsh",
+    "vertexshader",
+    "fragmentshader",
+    "geometryshader",
+];
 
 /// Endings of host files that a folder is searched for.
 pub const HOST_EXTENSIONS: &[&str] = &["cpp", "cc", "cxx", "c", "h", "hpp", "hxx", "hh"];

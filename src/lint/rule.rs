@@ -108,8 +108,7 @@ impl Rule {
                 let programs = project.programs();
                 let wanted = |p: &&Program<'_>| p.shaders().iter().any(|s| s.reported);
                 programs.iter().filter(wanted).for_each(|p| check(p, project, &mut findings));
-                let silent: Vec<&str> =
-                    project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
+                let silent: Vec<&str> = project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
                 let new = findings.into.split_off(start);
                 findings.into.extend(new.into_iter().filter(|d| !silent.contains(&d.file.name())));
             }

@@ -68,11 +68,19 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             continue;
         }
         let found = findings
-            .at(&host.file, lookup.function, told!(
+            .at(
+                &host.file,
+                lookup.function,
+                told!(
                     "`{name}` is a uniform, but is looked up as an attribute",
                     "`{name}` は uniform ですが、頂点属性として位置を求めています"
-                ))
-            .with_related(&shader.file, variable.name_span, told!("`{name}` is declared `uniform` here", "`{name}` はここで `uniform` と宣言されています"));
+                ),
+            )
+            .with_related(
+                &shader.file,
+                variable.name_span,
+                told!("`{name}` is declared `uniform` here", "`{name}` はここで `uniform` と宣言されています"),
+            );
         let right = LookupKind::Uniform.function();
         findings.push(if lookup.kind == LookupKind::BindAttribute {
             found

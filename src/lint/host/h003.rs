@@ -72,7 +72,11 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         }
         let place = program.names();
         let mut found = findings
-            .at(&host.file, lookup.literal_span(), told!("no uniform of {place} is called `{name}`", "{place} に `{name}` という uniform はありません"))
+            .at(
+                &host.file,
+                lookup.literal_span(),
+                told!("no uniform of {place} is called `{name}`", "{place} に `{name}` という uniform はありません"),
+            )
             .with_label(told!("gives -1", "-1 になります"))
             .with_why(told!(
                 "glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1",
@@ -80,16 +84,26 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             ));
         if let Some(meant) = nearest(name, program.uniforms()) {
             if let Some((shader, variable)) = program.uniform(meant) {
-                found = found.with_related(&shader.file, variable.name_span, told!("`{meant}` is declared here", "`{meant}` はここで宣言されています"));
+                found = found.with_related(
+                    &shader.file,
+                    variable.name_span,
+                    told!("`{meant}` is declared here", "`{meant}` はここで宣言されています"),
+                );
             }
             let place = Span::new(lookup.name_span.start, lookup.name_span.start + name.len());
-            found = found.with_fix(told!("write `{meant}`", "`{meant}` と書く"), Safety::Unsafe, vec![Edit::replace(place, meant)]);
+            found = found.with_fix(
+                told!("write `{meant}`", "`{meant}` と書く"),
+                Safety::Unsafe,
+                vec![Edit::replace(place, meant)],
+            );
         }
         let mut all: Vec<&str> = program.uniforms().collect();
         all.sort_unstable();
         all.dedup();
         findings.push(found.with_help(match all.as_slice() {
-            [] => told!("the program has no uniform outside blocks", "プログラムにはブロックの外の uniform がありません"),
+            [] => {
+                told!("the program has no uniform outside blocks", "プログラムにはブロックの外の uniform がありません")
+            }
             all => {
                 let (en, ja) = (list(all), list_in_japanese(all));
                 told!("the uniforms are {en}", "uniform は {ja} です")

@@ -106,7 +106,11 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             });
         if let Some(meant) = near.or(only) {
             if let Some(variable) = interface.input(meant) {
-                found = found.with_related(&vertex.file, variable.name_span, told!("`{meant}` is declared here", "`{meant}` はここで宣言されています"));
+                found = found.with_related(
+                    &vertex.file,
+                    variable.name_span,
+                    told!("`{meant}` is declared here", "`{meant}` はここで宣言されています"),
+                );
             }
             let edit = Edit::replace(lookup.name_span, meant);
             found = found.with_fix(told!("write `{meant}`", "`{meant}` と書く"), Safety::Unsafe, vec![edit]);

@@ -1,12 +1,12 @@
 //! H008: integer attributes and pointers of floats.
 
-use crate::diagnostic::{Code, Safety, Severity, told};
 use super::HostFile;
 use super::attributes::attributes;
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::types::ScalarType;
-use crate::text::{Edit, Span};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::{Edit, Span};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -19,17 +19,37 @@ pub const RULE: Rule = Rule {
         what: "Reports `glVertexAttribPointer` for attributes of integers and `glVertexAttribIPointer` for attributes of floats. The attribute is known by its look-up, or by `layout(location = …)` in a file about one program.",
         why: "`glVertexAttribPointer` converts to float, whatever the type of the data; the bits of a float reach the integer attribute, or undefined values. The specification leaves them undefined, and no GL error tells.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in int material;\nflat out int m;\nvoid main(void)\n{\n  m = material;\n  gl_Position = vec4(position, 1.0);\n}\n" },
-            Example { name: "lamp.frag", text: "#version 330 core\nflat in int m;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(m);\n}\n" },
-            Example { name: "lamp.cpp", text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glVertexAttribPointer(1, 1, GL_INT, GL_FALSE, 0, 0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in int material;\nflat out int m;\nvoid main(void)\n{\n  m = material;\n  gl_Position = vec4(position, 1.0);\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 330 core\nflat in int m;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(m);\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glVertexAttribPointer(1, 1, GL_INT, GL_FALSE, 0, 0);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in int material;\nflat out int m;\nvoid main(void)\n{\n  m = material;\n  gl_Position = vec4(position, 1.0);\n}\n" },
-            Example { name: "lamp.frag", text: "#version 330 core\nflat in int m;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(m);\n}\n" },
-            Example { name: "lamp.cpp", text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glVertexAttribIPointer(1, 1, GL_INT, 0, 0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in int material;\nflat out int m;\nvoid main(void)\n{\n  m = material;\n  gl_Position = vec4(position, 1.0);\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 330 core\nflat in int m;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(m);\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glVertexAttribIPointer(1, 1, GL_INT, 0, 0);\n}\n",
+            },
         ],
         fix: "Calls `glVertexAttribIPointer`, without the argument `normalized`, where the data are integers. Unsafe: the values change.",
-        references: &["OpenGL 3.3 core specification, section 2.7 (Vertex Specification): the values are undefined when the types do not match"],
+        references: &[
+            "OpenGL 3.3 core specification, section 2.7 (Vertex Specification): the values are undefined when the types do not match",
+        ],
         ja: Japanese {
             summary: "整数の頂点属性に glVertexAttribPointer、または浮動小数点の属性に glVertexAttribIPointer を使っています",
             what: "整数の頂点属性に対する `glVertexAttribPointer` と、浮動小数点の属性に対する `glVertexAttribIPointer` を報告します。属性は、位置の問い合わせ、または一つのプログラムだけを扱うファイルでは `layout(location = …)` から求めます。",
@@ -41,7 +61,8 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
-    const WHOLE: &[&str] = &["GL_BYTE", "GL_UNSIGNED_BYTE", "GL_SHORT", "GL_UNSIGNED_SHORT", "GL_INT", "GL_UNSIGNED_INT"];
+    const WHOLE: &[&str] =
+        &["GL_BYTE", "GL_UNSIGNED_BYTE", "GL_SHORT", "GL_UNSIGNED_SHORT", "GL_INT", "GL_UNSIGNED_INT"];
     for pointer in attributes(host, project) {
         let Some(scalar) = pointer.variable.ty.scalar() else { continue };
         let wants = matches!(scalar, ScalarType::Int | ScalarType::Uint);
@@ -70,7 +91,11 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                     Edit::replace(pointer.place, "glVertexAttribIPointer"),
                     Edit::delete(Span::new(normalized.start, stride.start)),
                 ];
-                found = found.with_fix(told!("call `glVertexAttribIPointer`", "`glVertexAttribIPointer` を呼ぶ"), Safety::Unsafe, edits);
+                found = found.with_fix(
+                    told!("call `glVertexAttribIPointer`", "`glVertexAttribIPointer` を呼ぶ"),
+                    Safety::Unsafe,
+                    edits,
+                );
             }
         }
         findings.push(found);

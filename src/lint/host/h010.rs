@@ -1,14 +1,14 @@
 //! H010: a uniform set by a function for another type.
 
-use crate::diagnostic::{Code, Safety, Severity, told};
 use super::HostFile;
-use super::settings::settings;
-use super::settings::Setting;
 use super::setter::Setter;
+use super::settings::Setting;
+use super::settings::settings;
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::types::Type;
-use crate::text::Edit;
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::Edit;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -21,17 +21,37 @@ pub const RULE: Rule = Rule {
         what: "Reports `glUniform` functions, and setters by name, whose components or component type are not those of the uniform, and counts above 1 for a uniform that is no array. A `bool` takes `f`, `i` and `ui`. Samplers are the business of H011, matrices of H019.",
         why: "The call fails with GL_INVALID_OPERATION, and the uniform keeps its old value.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n" },
-            Example { name: "lamp.cpp", text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform3f(place, 1.0f, 0.0f, 0.0f);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform3f(place, 1.0f, 0.0f, 0.0f);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n" },
-            Example { name: "lamp.cpp", text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
+            },
         ],
         fix: "Calls the function for the type of the uniform where the number of arguments stays the same. Unsafe: the call had no effect before.",
-        references: &["OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match"],
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match",
+        ],
         ja: Japanese {
             summary: "uniform を別の型用の関数で設定しています",
             what: "成分数または成分の型が uniform と違う `glUniform` 系の関数と、名前で値を設定する関数、および配列でない uniform に 1 より大きい個数を渡す呼び出しを報告します。`bool` には `f`, `i`, `ui` を使えます。サンプラは H011、行列は H019 が調べます。",
@@ -57,7 +77,10 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             .at(
                 &host.file,
                 set.place,
-                told!("`{function}` does not fit `{name}`, which is `{ty}`", "`{function}` は `{ty}` の `{name}` に合いません"),
+                told!(
+                    "`{function}` does not fit `{name}`, which is `{ty}`",
+                    "`{function}` は `{ty}` の `{name}` に合いません"
+                ),
             )
             .with_label(told!("GL_INVALID_OPERATION", "GL_INVALID_OPERATION になります"))
             .with_related(&set.shader.file, set.variable.name_span, told!("declared here", "ここで宣言されています"))
@@ -73,7 +96,8 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                     right
                 };
                 let rows = Setter::of_function(&right).map(|r| (r.rows, r.vector));
-                let same = rows == Some((set.setter.rows, set.setter.vector)) || (set.setter.vector && rows.is_some_and(|r| r.1));
+                let same = rows == Some((set.setter.rows, set.setter.vector))
+                    || (set.setter.vector && rows.is_some_and(|r| r.1));
                 let found = found.with_help(told!("`{ty}` is set by `{right}`", "`{ty}` は `{right}` で設定します"));
                 if same && !set.setter.vector {
                     let edit = Edit::replace(set.place, right.as_str());
@@ -103,7 +127,10 @@ fn count(host: &HostFile, set: &Setting<'_>, findings: &mut Findings<'_>) {
             .at(
                 &host.file,
                 *place,
-                told!("more than one value is given to `{name}`, which is `{ty}` and no array", "配列でない `{ty}` の `{name}` に複数の値を渡しています"),
+                told!(
+                    "more than one value is given to `{name}`, which is `{ty}` and no array",
+                    "配列でない `{ty}` の `{name}` に複数の値を渡しています"
+                ),
             )
             .with_label(told!("counts values, not components", "成分ではなく値の個数です"))
             .with_related(&set.shader.file, set.variable.name_span, told!("declared here", "ここで宣言されています"))

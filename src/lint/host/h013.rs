@@ -1,11 +1,11 @@
 //! H013: a look-up before the program is linked.
 
-use crate::diagnostic::{Code, Severity, told};
-use tree_sitter::Node;
 use super::HostFile;
 use super::index::Index;
 use super::program::is_call;
 use super::syntax::{ancestors, arguments, bare, span};
+use crate::diagnostic::{Code, Severity, told};
+use tree_sitter::Node;
 
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
@@ -20,14 +20,18 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports `glGetUniformLocation` and `glGetAttribLocation` for a program that is made in the same block, and linked only behind the look-up.",
         why: "Before linking a program has no locations: the call fails with GL_INVALID_OPERATION and gives -1.",
-        bad: &[
-            Example { name: "link.cpp", text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glLinkProgram(program);\n  glUniform1f(place, 1.0f);\n}\n" },
-        ],
-        good: &[
-            Example { name: "link.cpp", text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniform1f(place, 1.0f);\n}\n" },
-        ],
+        bad: &[Example {
+            name: "link.cpp",
+            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glLinkProgram(program);\n  glUniform1f(place, 1.0f);\n}\n",
+        }],
+        good: &[Example {
+            name: "link.cpp",
+            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniform1f(place, 1.0f);\n}\n",
+        }],
         fix: "There is no fix: what uses the location has to move as well.",
-        references: &["OpenGL 3.2 core specification, section 2.11.4: INVALID_OPERATION when the program is not successfully linked"],
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.4: INVALID_OPERATION when the program is not successfully linked",
+        ],
         ja: Japanese {
             summary: "プログラムのリンク前に変数の位置を求めています",
             what: "同じブロックで作られ、その後でリンクされるプログラムについて、リンクより前にある `glGetUniformLocation` と `glGetAttribLocation` を報告します。",
@@ -44,9 +48,14 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
     }
     let Some(index) = Index::new(host) else { return };
     for &link in index.calls.iter().filter(|c| is_call(host, **c, "glLinkProgram")) {
-        let (Some(block), Some(program)) = (block_of(link), arguments(link).first().map(|a| host.text(bare(*a)))) else { continue };
+        let (Some(block), Some(program)) = (block_of(link), arguments(link).first().map(|a| host.text(bare(*a))))
+        else {
+            continue;
+        };
         let made = index.writes.iter().find(|w| {
-            host.text(w.target) == program && is_call(host, w.value, "glCreateProgram") && block_of(w.target).is_some_and(|b| b.id() == block.id())
+            host.text(w.target) == program
+                && is_call(host, w.value, "glCreateProgram")
+                && block_of(w.target).is_some_and(|b| b.id() == block.id())
         });
         let Some(made) = made.filter(|m| m.target.start_byte() < link.start_byte()) else { continue };
         let linked_before = index.calls.iter().any(|c| {
@@ -66,14 +75,21 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
             }
             findings.push(
                 findings
-                    .at(&host.file, span(call), told!("`{program}` is not linked yet", "`{program}` はまだリンクされていません"))
+                    .at(
+                        &host.file,
+                        span(call),
+                        told!("`{program}` is not linked yet", "`{program}` はまだリンクされていません"),
+                    )
                     .with_label(told!("gives -1", "-1 になります"))
                     .with_related(&host.file, span(link), told!("linked here", "ここでリンクされます"))
                     .with_why(told!(
                         "locations are given when a program is linked; before that the call is GL_INVALID_OPERATION",
                         "位置はリンク時に決まります。その前の呼び出しは GL_INVALID_OPERATION になります"
                     ))
-                    .with_help(told!("ask for the location after glLinkProgram", "glLinkProgram の後で位置を求めてください")),
+                    .with_help(told!(
+                        "ask for the location after glLinkProgram",
+                        "glLinkProgram の後で位置を求めてください"
+                    )),
             );
         }
     }
@@ -81,5 +97,15 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
 
 /// The block that a node stands in directly, not in a loop or condition of it.
 fn block_of(node: Node<'_>) -> Option<Node<'_>> {
-    ancestors(node).find(|n| matches!(n.kind(), "compound_statement" | "lambda_expression" | "if_statement" | "for_statement" | "while_statement" | "case_statement"))
+    ancestors(node).find(|n| {
+        matches!(
+            n.kind(),
+            "compound_statement"
+                | "lambda_expression"
+                | "if_statement"
+                | "for_statement"
+                | "while_statement"
+                | "case_statement"
+        )
+    })
 }

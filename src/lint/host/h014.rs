@@ -1,15 +1,15 @@
 //! H014: a binding after the program was linked.
 
-use crate::diagnostic::{Code, Safety, Severity, told};
-use tree_sitter::Node;
 use super::HostFile;
 use super::index::Index;
+use super::index::within;
 use super::program::is_call;
 use super::syntax::{arguments, bare, enclosing_function, span};
-use super::index::within;
-use crate::text::{Edit, Span};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::{Edit, Span};
+use tree_sitter::Node;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -21,14 +21,18 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports `glBindAttribLocation` and `glBindFragDataLocation` behind the `glLinkProgram` of the same program in the same block, when the file does not link it again.",
         why: "Bindings take effect when a program is linked. The call raises no GL error and changes nothing.",
-        bad: &[
-            Example { name: "link.cpp", text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  glBindAttribLocation(program, 0, \"position\");\n}\n" },
-        ],
-        good: &[
-            Example { name: "link.cpp", text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glBindAttribLocation(program, 0, \"position\");\n  glLinkProgram(program);\n}\n" },
-        ],
+        bad: &[Example {
+            name: "link.cpp",
+            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  glBindAttribLocation(program, 0, \"position\");\n}\n",
+        }],
+        good: &[Example {
+            name: "link.cpp",
+            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glBindAttribLocation(program, 0, \"position\");\n  glLinkProgram(program);\n}\n",
+        }],
         fix: "Moves the call before `glLinkProgram`. Unsafe: locations change.",
-        references: &["OpenGL 3.2 core specification, section 2.11.3: bindings have no effect until the program is linked"],
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.3: bindings have no effect until the program is linked",
+        ],
         ja: Japanese {
             summary: "プログラムのリンク後に glBindAttribLocation または glBindFragDataLocation を呼んでいます",
             what: "同じブロックで同じプログラムの `glLinkProgram` より後にある `glBindAttribLocation` と `glBindFragDataLocation` のうち、そのファイルで再びリンクされないものを報告します。",
@@ -44,7 +48,9 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
         return;
     }
     let Some(index) = Index::new(host) else { return };
-    let statement = |call: Node<'_>| call.parent().filter(|p| p.kind() == "expression_statement").map(|p| (span(p), p.parent().map(|b| b.id())));
+    let statement = |call: Node<'_>| {
+        call.parent().filter(|p| p.kind() == "expression_statement").map(|p| (span(p), p.parent().map(|b| b.id())))
+    };
     for &call in &index.calls {
         let bind = ["glBindAttribLocation", "glBindFragDataLocation"].into_iter().find(|f| is_call(host, call, f));
         let (Some(bind), Some((place, block))) = (bind, statement(call)) else { continue };
@@ -54,7 +60,10 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
             .calls
             .iter()
             .copied()
-            .filter(|c| is_call(host, *c, "glLinkProgram") && arguments(*c).first().is_some_and(|a| host.text(bare(*a)) == program))
+            .filter(|c| {
+                is_call(host, *c, "glLinkProgram")
+                    && arguments(*c).first().is_some_and(|a| host.text(bare(*a)) == program)
+            })
             .collect();
         let (&[link], Some(function)) = (links.as_slice(), enclosing_function(call)) else { continue };
         let Some((link_place, link_block)) = statement(link) else { continue };
@@ -79,7 +88,11 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
         let alone = text[line_start..line_end].trim() == host.file.slice(place)
             && text[link_line..link_place.start].trim().is_empty();
         let mut found = findings
-            .at(&host.file, span(call), told!("`{bind}` comes after `{program}` is linked", "`{bind}` が `{program}` のリンクより後にあります"))
+            .at(
+                &host.file,
+                span(call),
+                told!("`{bind}` comes after `{program}` is linked", "`{bind}` が `{program}` のリンクより後にあります"),
+            )
             .with_label(told!("has no effect", "効果がありません"))
             .with_related(&host.file, span(link), told!("linked here", "ここでリンクされます"))
             .with_why(told!(
@@ -92,7 +105,11 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
                 Edit::insert(link_line, &text[line_start..line_end]),
                 Edit::delete(Span::new(line_start, line_end)),
             ];
-            found = found.with_fix(told!("move it before glLinkProgram", "glLinkProgram の前に移す"), Safety::Unsafe, edits);
+            found = found.with_fix(
+                told!("move it before glLinkProgram", "glLinkProgram の前に移す"),
+                Safety::Unsafe,
+                edits,
+            );
         }
         findings.push(found);
     }

@@ -1,12 +1,12 @@
 //! H019: a matrix set by a function for another size.
 
-use crate::diagnostic::{Code, Safety, Severity, told};
 use super::HostFile;
 use super::settings::settings;
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::types::Type;
-use crate::text::Edit;
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::Edit;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -19,17 +19,37 @@ pub const RULE: Rule = Rule {
         what: "Reports `glUniformMatrix` functions, and setters by name, whose columns and rows are not those of the uniform, functions for vectors on a matrix and the other way round, and counts above 1 for a matrix that is no array.",
         why: "The call fails with GL_INVALID_OPERATION, and the uniform keeps its old value.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n" },
-            Example { name: "lamp.cpp", text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix3fv(place, 1, GL_FALSE, m);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix3fv(place, 1, GL_FALSE, m);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n" },
-            Example { name: "lamp.cpp", text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix4fv(place, 1, GL_FALSE, m);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix4fv(place, 1, GL_FALSE, m);\n}\n",
+            },
         ],
         fix: "Calls the function for the size of the matrix. Unsafe: the call had no effect before, and the array has to hold that many values. A count becomes 1.",
-        references: &["OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match"],
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match",
+        ],
         ja: Japanese {
             summary: "行列を別の大きさ用の関数、または 1 より大きい個数で設定しています",
             what: "列数と行数が uniform と違う `glUniformMatrix` 系の関数と、名前で値を設定する関数、行列に対するベクトル用の関数とその逆、および配列でない行列に 1 より大きい個数を渡す呼び出しを報告します。",
@@ -80,7 +100,10 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                     .at(
                         &host.file,
                         place,
-                        told!("more than one matrix is given to `{name}`, which is no array", "配列でない `{name}` に複数の行列を渡しています"),
+                        told!(
+                            "more than one matrix is given to `{name}`, which is no array",
+                            "配列でない `{name}` に複数の行列を渡しています"
+                        ),
                     )
                     .with_label(told!("counts matrices", "行列の個数です"))
                     .with_related(&set.shader.file, set.variable.name_span, declared)

@@ -1,12 +1,12 @@
 //! H023: a draw mode that the geometry shader does not take.
 
-use crate::diagnostic::{Code, Severity, told};
-use crate::glsl::Stage;
-use crate::glsl::interface::InputPrimitive;
 use super::HostFile;
 use super::index::Index;
 use super::program::{ProgramSource, is_call, resolve, whole};
 use super::syntax::{arguments, bare, callee, span};
+use crate::diagnostic::{Code, Severity, told};
+use crate::glsl::Stage;
+use crate::glsl::interface::InputPrimitive;
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
@@ -21,16 +21,40 @@ pub const RULE: Rule = Rule {
         what: "Reports `glDrawArrays`, `glDrawElements` and the like whose mode does not give the primitive that the geometry stage takes, in files that use one program only. It stays silent with a tessellation stage.",
         why: "The draw call fails with GL_INVALID_OPERATION, and nothing is drawn.",
         bad: &[
-            Example { name: "shell.vert", text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n" },
-            Example { name: "shell.geom", text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n" },
-            Example { name: "shell.frag", text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n" },
-            Example { name: "draw.cpp", text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_LINES, 0, 12);\n}\n" },
+            Example {
+                name: "shell.vert",
+                text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
+            },
+            Example {
+                name: "shell.geom",
+                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+            },
+            Example {
+                name: "shell.frag",
+                text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_LINES, 0, 12);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "shell.vert", text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n" },
-            Example { name: "shell.geom", text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n" },
-            Example { name: "shell.frag", text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n" },
-            Example { name: "draw.cpp", text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_TRIANGLES, 0, 12);\n}\n" },
+            Example {
+                name: "shell.vert",
+                text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
+            },
+            Example {
+                name: "shell.geom",
+                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+            },
+            Example {
+                name: "shell.frag",
+                text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_TRIANGLES, 0, 12);\n}\n",
+            },
         ],
         fix: "There is no fix: the mode or the geometry shader may be wrong.",
         references: &["OpenGL 3.2 core specification, section 2.12.1 (Geometry Shader Input Primitives)"],
@@ -74,7 +98,8 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         return;
     }
     for &call in &index.calls {
-        let draws = callee(call, &host.file).is_some_and(|(f, _)| f.starts_with("glDraw") || f.starts_with("glMultiDraw"));
+        let draws =
+            callee(call, &host.file).is_some_and(|(f, _)| f.starts_with("glDraw") || f.starts_with("glMultiDraw"));
         let Some(mode) = arguments(call).first().map(|a| bare(*a)).filter(|_| draws) else { continue };
         let text = host.text(mode);
         let Some(primitive) = primitive(text).filter(|p| *p != input.value) else { continue };
@@ -82,14 +107,24 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let given = primitive.name();
         findings.push(
             findings
-                .at(&host.file, span(mode), told!("`{text}` gives {given}, but the geometry shader takes {wanted}", "`{text}` は {given} ですが、ジオメトリシェーダが受け取るのは {wanted} です"))
+                .at(
+                    &host.file,
+                    span(mode),
+                    told!(
+                        "`{text}` gives {given}, but the geometry shader takes {wanted}",
+                        "`{text}` は {given} ですが、ジオメトリシェーダが受け取るのは {wanted} です"
+                    ),
+                )
                 .with_label(told!("GL_INVALID_OPERATION", "GL_INVALID_OPERATION になります"))
                 .with_related(&shader.file, input.span, told!("the input primitive", "入力プリミティブ"))
                 .with_why(told!(
                     "the mode has to give the input primitive of the geometry shader; otherwise nothing is drawn",
                     "描画の種類はジオメトリシェーダの入力プリミティブに合わせる必要があり、合わないと何も描かれません"
                 ))
-                .with_help(told!("draw with a mode of {wanted}, or change the layout", "{wanted} の種類で描くか、layout を変えてください")),
+                .with_help(told!(
+                    "draw with a mode of {wanted}, or change the layout",
+                    "{wanted} の種類で描くか、layout を変えてください"
+                )),
         );
     }
 }

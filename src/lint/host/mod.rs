@@ -1,6 +1,7 @@
 //! C and C++ host code: its syntax tree and the rules on it.
 
 mod attach;
+mod attributes;
 mod creation;
 mod embedded;
 mod feeds;
@@ -9,13 +10,16 @@ pub(super) mod h001;
 pub(super) mod h002;
 pub(super) mod h003;
 pub(super) mod h004;
+pub(super) mod h005;
 pub(super) mod h006;
 pub(super) mod h007;
 pub(super) mod h008;
+pub(super) mod h009;
 pub(super) mod h010;
 pub(super) mod h011;
 pub(super) mod h013;
 pub(super) mod h014;
+pub(super) mod h015;
 pub(super) mod h016;
 pub(super) mod h019;
 pub(super) mod h021;
@@ -24,8 +28,9 @@ pub(super) mod h023;
 pub(super) mod h029;
 pub(super) mod h030;
 mod index;
-mod attributes;
 mod literal;
+#[cfg(test)]
+mod look_alikes;
 mod lookup;
 mod marks;
 mod presets;
@@ -49,8 +54,8 @@ use lookup::Lookup;
 use programs::HostPrograms;
 
 pub(super) use literal::Literal;
-pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use program::{ShaderRef, named_shaders};
+pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use syntax::quoted_includes;
 
 /// A host file with its syntax tree.

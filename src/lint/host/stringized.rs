@@ -28,10 +28,8 @@ pub fn find(host: &HostFile, root: Node<'_>) -> Vec<Candidate> {
     if !text.contains("#define") && !text.contains("# define") {
         return Vec::new();
     }
-    let macros: Vec<Stringizer> = descendants(root)
-        .filter(|n| n.kind() == "preproc_function_def")
-        .filter_map(|n| stringizer(host, n))
-        .collect();
+    let macros: Vec<Stringizer> =
+        descendants(root).filter(|n| n.kind() == "preproc_function_def").filter_map(|n| stringizer(host, n)).collect();
     let mut found = Vec::new();
     for stringizer in &macros {
         for (at, _) in text.match_indices(stringizer.name.as_str()) {

@@ -21,14 +21,8 @@ use super::project::ShaderFile;
 pub(super) use find::find;
 
 /// The stages in the order of the pipeline.
-const PIPELINE: [Stage; 6] = [
-    Stage::Vertex,
-    Stage::TessControl,
-    Stage::TessEvaluation,
-    Stage::Geometry,
-    Stage::Fragment,
-    Stage::Compute,
-];
+const PIPELINE: [Stage; 6] =
+    [Stage::Vertex, Stage::TessControl, Stage::TessEvaluation, Stage::Geometry, Stage::Fragment, Stage::Compute];
 
 /// How a program is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
