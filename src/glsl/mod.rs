@@ -57,11 +57,11 @@ impl Stage {
         let mut parts = file.rsplit('.');
         let of = |part: &str| {
             Some(match part.to_ascii_lowercase().as_str() {
-                "vert" | "vs" | "vsh" | "vertex" => Self::Vertex,
+                "vert" | "vs" | "vsh" | "vertex" | "vertexshader" => Self::Vertex,
                 "tesc" | "tcs" => Self::TessControl,
                 "tese" | "tes" => Self::TessEvaluation,
-                "geom" | "gs" | "gsh" | "geo" | "geometry" => Self::Geometry,
-                "frag" | "fs" | "fsh" | "fragment" => Self::Fragment,
+                "geom" | "gs" | "gsh" | "geo" | "geometry" | "geometryshader" => Self::Geometry,
+                "frag" | "fs" | "fsh" | "fragment" | "fragmentshader" => Self::Fragment,
                 "comp" | "cs" | "compute" => Self::Compute,
                 _ => return None,
             })
@@ -69,8 +69,10 @@ impl Stage {
         let last = parts.next()?;
         let before = parts.next()?;
         if last.eq_ignore_ascii_case("glsl") {
-            // The first part of the name is no extension: `vs.glsl` is a library called `vs`.
-            let stage = parts.next().and_then(|_| of(before));
+            // The first part of the name is no extension: `vs.glsl` is a library called `vs`. The whole
+            // word for a stage is clear: `vertex.glsl`.
+            let whole = ["vertex", "geometry", "fragment"].iter().any(|w| before.eq_ignore_ascii_case(w));
+            let stage = if parts.next().is_some() || whole { of(before) } else { None };
             return Some(stage.unwrap_or(Self::Library));
         }
         of(last)

@@ -17,11 +17,25 @@ use super::program::{self, Program};
 use super::range::Observed;
 
 /// Endings of shader files that a folder is searched for.
-pub const SHADER_EXTENSIONS: &[&str] =
-    &[
-        "vert", "frag", "geom", "glsl", "vs", "fs", "gs", "comp", "tesc", "tese", "tcs", "tes", "vsh", "fsh",
-        "vertexshader", "fragmentshader", "geometryshader",
-    ];
+pub const SHADER_EXTENSIONS: &[&str] = &[
+    "vert",
+    "frag",
+    "geom",
+    "glsl",
+    "vs",
+    "fs",
+    "gs",
+    "comp",
+    "tesc",
+    "tese",
+    "tcs",
+    "tes",
+    "vsh",
+    "fsh",
+    "vertexshader",
+    "fragmentshader",
+    "geometryshader",
+];
 
 /// Endings of host files that a folder is searched for.
 pub const HOST_EXTENSIONS: &[&str] = &["cpp", "cc", "cxx", "c", "h", "hpp", "hxx", "hh"];
@@ -212,19 +226,27 @@ impl Project {
                     project.shaders.insert(path, *shader);
                 }
                 Some(Read::Host(host)) => {
-                    project.hosts.insert(path, *host);
+                    project.hosts.insert(path, host.with_wrappers(&config.wrappers));
                 }
                 None => {}
             }
         }
-        for (path, host) in &project.hosts {
-            for (index, embedded) in host.embedded().iter().enumerate() {
-                let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
-                let mut shader = ShaderFile::new(&Input { file, reported: host.reported }, embedded.stage);
-                shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
-                project.embedded.insert((path.clone(), index), shader);
-            }
-        }
+        let hosts: Vec<(&String, &HostFile)> = project.hosts.iter().collect();
+        let embedded: Vec<((String, usize), ShaderFile)> = hosts
+            .into_par_iter()
+            .flat_map_iter(|(path, host)| {
+                host.embedded().iter().enumerate().map(move |(index, embedded)| {
+                    let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
+                    let input = if host.reported { Input::new(file) } else { Input::context(file) };
+                    let mut shader = ShaderFile::new(&input, embedded.stage);
+                    // One rule tells what is wrong; all else follows from it.
+                    shader.reported &= embedded.run_on().is_none();
+                    shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
+                    ((path.clone(), index), shader)
+                })
+            })
+            .collect();
+        project.embedded.extend(embedded);
         project
     }
 

@@ -19,12 +19,14 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports inputs of fragment shaders that are, or contain, integers or doubles, without `flat`, from version 1.30 on. Members of blocks are looked at as well.",
         why: "Integers cannot be interpolated, and the language asks for `flat`. The shader does not compile.",
-        bad: &[
-            Example { name: "tiles.frag", text: "#version 150 core\nin int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n" },
-        ],
-        good: &[
-            Example { name: "tiles.frag", text: "#version 150 core\nflat in int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n" },
-        ],
+        bad: &[Example {
+            name: "tiles.frag",
+            text: "#version 150 core\nin int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n",
+        }],
+        good: &[Example {
+            name: "tiles.frag",
+            text: "#version 150 core\nflat in int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n",
+        }],
         fix: "Writes `flat`. Safe: the shader did not compile, and no other qualifier is allowed.",
         references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs): integer fragment inputs have to be flat"],
         ja: Japanese {
@@ -73,7 +75,11 @@ fn report(
     };
     findings.push(
         findings
-            .at(&file.file, place, told!("`{name}` is `{ty}`, but not `flat`", "`{name}` は `{ty}` ですが、`flat` ではありません"))
+            .at(
+                &file.file,
+                place,
+                told!("`{name}` is `{ty}`, but not `flat`", "`{name}` は `{ty}` ですが、`flat` ではありません"),
+            )
             .with_label(told!("cannot be interpolated", "補間できません"))
             .with_why(told!(
                 "integer and double inputs of a fragment shader have to be `flat`; the shader does not compile",
@@ -110,11 +116,14 @@ mod tests {
 
     #[test]
     fn only_fragment_inputs_of_whole_numbers_are_told() {
-        let fragment = |input: &str| format!("#version 330 core\n{input}\nout vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n");
+        let fragment =
+            |input: &str| format!("#version 330 core\n{input}\nout vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n");
         for told in ["in int a;", "smooth in uvec2 a;", "in B { vec2 p; int a; } b;", "in int a[2];"] {
             assert_eq!(codes("a.frag", &fragment(told)), ["I005"], "{told}");
         }
-        for silent in ["flat in int a;", "in vec4 a;", "flat in B { int a; } b;", "in B { flat int a; } b;", "uniform int a;"] {
+        for silent in
+            ["flat in int a;", "in vec4 a;", "flat in B { int a; } b;", "in B { flat int a; } b;", "uniform int a;"]
+        {
             assert!(codes("a.frag", &fragment(silent)).is_empty(), "{silent}");
         }
         assert!(codes("a.vert", "#version 330 core\nin int a;\nvoid main() { gl_Position = vec4(a); }\n").is_empty());

@@ -51,7 +51,9 @@ fn shader<'t>(index: &Index<'t>, object: Node<'t>) -> Option<ShaderRef> {
             && enclosing_function(**c).map(|f| f.id()) == function
             && arguments(**c).first().is_some_and(|a| host.text(bare(*a)) == name)
             && index.writes.iter().all(|w| {
-                host.text(w.target) != name || w.target.start_byte() < value.start_byte() || w.target.start_byte() > c.start_byte()
+                host.text(w.target) != name
+                    || w.target.start_byte() < value.start_byte()
+                    || w.target.start_byte() > c.start_byte()
             })
     });
     let call = *sources.next()?;

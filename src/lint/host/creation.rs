@@ -6,9 +6,7 @@ use crate::glsl::Stage;
 use crate::text::Span;
 
 use super::HostFile;
-use super::syntax::{
-    Write, arguments, bare, callee, descendants, enclosing_function, root_object, span, write,
-};
+use super::syntax::{Write, arguments, bare, callee, descendants, enclosing_function, root_object, span, write};
 
 /// A text to look for.
 pub struct Source<'a> {
@@ -144,7 +142,8 @@ pub fn dominating<'w, 't>(
         .filter(|w| w.target.end_byte() <= place.start_byte() && host.text(w.target) == name)
         .filter(|w| enclosing_function(w.target).map(|f| f.id()) == function)
         .next_back()?;
-    let block = super::syntax::ancestors(last.target).find(|n| matches!(n.kind(), "compound_statement" | "translation_unit"))?;
+    let block = super::syntax::ancestors(last.target)
+        .find(|n| matches!(n.kind(), "compound_statement" | "translation_unit"))?;
     let direct = super::syntax::ancestors(last.target)
         .take_while(|n| n.id() != block.id())
         .all(|n| !matches!(n.kind(), "if_statement" | "for_statement" | "while_statement" | "case_statement"));

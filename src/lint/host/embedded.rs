@@ -29,6 +29,27 @@ pub struct Embedded {
     pub place: Span,
 }
 
+impl Embedded {
+    /// Where the line of `#version` goes on though it should end: a literal without line break.
+    pub fn run_on(&self) -> Option<usize> {
+        let text = &self.literal.text;
+        let start = text.find("#version")?;
+        let line = text[start..].lines().next()?;
+        let rest = line["#version".len()..].trim_start();
+        let digits = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+        let number = line.len() - digits.len();
+        let mut end = start + number;
+        for profile in ["core", "compatibility", "es"] {
+            if let Some(after) = digits.trim_start().strip_prefix(profile) {
+                end = start + line.len() - after.len();
+            }
+        }
+        let after = text[end..start + line.len()].trim_start();
+        let comment = after.starts_with("//") || after.starts_with("/*");
+        (!after.is_empty() && !comment).then_some(start + line.len() - after.len())
+    }
+}
+
 /// A literal that may be a shader.
 pub struct Candidate {
     /// The text and its places.

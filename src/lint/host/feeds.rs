@@ -4,7 +4,8 @@ use tree_sitter::Node;
 
 use super::HostFile;
 use super::index::{Index, within};
-use super::syntax::{ancestors, arguments, bare, callee, wrapped, write};
+use super::syntax::{ancestors, arguments, bare, callee, span, wrapped, write};
+use crate::text::Span;
 
 /// Uses of a location, as far as they can be followed in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,30 +33,63 @@ impl Feeds {
     }
 }
 
+/// A call that gets a location.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct User {
+    /// The function.
+    pub function: String,
+    /// Place of its name.
+    pub function_span: Span,
+    /// Its arguments.
+    pub arguments: Vec<Span>,
+    /// Index of the argument that is the location.
+    pub position: usize,
+}
+
 /// Follows the result of `call`: directly into a call, or through the one variable it is kept in.
 pub fn feeds<'t>(index: &Index<'t>, call: Node<'t>) -> Feeds {
-    let host = index.host;
-    let value = wrapped(call);
-    let Some(parent) = value.parent() else { return Feeds::default() };
-    if parent.kind() == "argument_list" {
-        return parent.parent().map_or_else(Feeds::default, |user| role(host, user, value));
-    }
-    let Some(kept) = write(parent) else { return Feeds::default() };
-    let variable = host.text(kept.target);
-    let Some(scope) = scope(index, kept.target, variable, kept.declares) else { return Feeds::default() };
-    // With a second value in the same variable it is not known which one a use means.
-    if index.values(scope, variable).count() != 1 {
-        return Feeds::default();
-    }
     let mut feeds = Feeds::default();
-    for &user in index.calls.iter().filter(|c| within(scope, **c)) {
-        for argument in arguments(user) {
-            if host.text(bare(argument)) == variable {
-                feeds.add(role(host, user, argument));
-            }
-        }
+    for (user, argument) in followed(index, call) {
+        feeds.add(role(index.host, user, argument));
     }
     feeds
+}
+
+/// The calls that get the result of `call`, as far as it can be followed.
+pub fn users<'t>(index: &Index<'t>, call: Node<'t>) -> Vec<User> {
+    let described = followed(index, call).into_iter().filter_map(|(user, argument)| {
+        let (function, name) = callee(user, &index.host.file)?;
+        let all = arguments(user);
+        Some(User {
+            function: function.to_owned(),
+            function_span: span(name),
+            position: all.iter().position(|a| a.id() == argument.id())?,
+            arguments: all.into_iter().map(span).collect(),
+        })
+    });
+    described.collect()
+}
+
+/// Calls, each with the argument that is the result of `call`.
+fn followed<'t>(index: &Index<'t>, call: Node<'t>) -> Vec<(Node<'t>, Node<'t>)> {
+    let host = index.host;
+    let value = wrapped(call);
+    let Some(parent) = value.parent() else { return Vec::new() };
+    if parent.kind() == "argument_list" {
+        return parent.parent().map(|user| (user, value)).into_iter().collect();
+    }
+    let Some(kept) = write(parent) else { return Vec::new() };
+    let variable = host.text(kept.target);
+    let Some(scope) = scope(index, kept.target, variable, kept.declares) else { return Vec::new() };
+    // With a second value in the same variable it is not known which one a use means.
+    if index.values(scope, variable).count() != 1 {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for &user in index.calls.iter().filter(|c| within(scope, **c)) {
+        found.extend(arguments(user).into_iter().filter(|a| host.text(bare(*a)) == variable).map(|a| (user, a)));
+    }
+    found
 }
 
 /// What the call `user` does with `argument` as a location.

@@ -1,6 +1,6 @@
 //! H001: the location of an attribute is asked for as that of a uniform.
 
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
@@ -60,7 +60,7 @@ const SHADER: &str = "#version 150 core\nin vec4 p0, p1;\nuniform float t;\nunif
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     for lookup in host.lookups() {
-        if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
+        if lookup.kind != LookupKind::Uniform || lookup.is_reserved() || lookup.wrapped {
             continue;
         }
         let Some(program) = resolve(host, project, &lookup.source) else { continue };
@@ -74,14 +74,18 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let right = LookupKind::Attribute.function();
         findings.push(
             findings
-                .at(&host.file, lookup.function, format!("`{name}` is an attribute, but is looked up as a uniform"))
-                .with_label("gives -1 here")
-                .with_related(&shader.file, variable.name_span, format!("`{name}` is declared `in` here"))
-                .with_why(
+                .at(&host.file, lookup.function, told!(
+                        "`{name}` is an attribute, but is looked up as a uniform",
+                        "`{name}` は頂点属性ですが、uniform として位置を求めています"
+                    ))
+                .with_label(told!("gives -1 here", "ここでは -1 になります"))
+                .with_related(&shader.file, variable.name_span, told!("`{name}` is declared `in` here", "`{name}` はここで `in` と宣言されています"))
+                .with_why(told!(
                     "glGetUniformLocation knows no attributes: it gives -1 without a GL error, and the \
                      attribute never gets its array",
-                )
-                .with_fix(format!("call `{right}`"), safety, vec![Edit::replace(lookup.function, right)]),
+                    "glGetUniformLocation は頂点属性を知りません。GL エラーなしに -1 を返し、頂点属性に配列が結び付きません"
+                ))
+                .with_fix(told!("call `{right}`", "`{right}` を呼ぶ"), safety, vec![Edit::replace(lookup.function, right)]),
         );
     }
 }

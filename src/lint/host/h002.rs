@@ -1,6 +1,6 @@
 //! H002: the location of a uniform is asked for as that of an attribute.
 
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
@@ -58,7 +58,7 @@ const SHADER: &str = "#version 150 core\nin vec4 p0, p1;\nuniform float t;\nunif
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     for lookup in host.lookups() {
-        if lookup.kind == LookupKind::Uniform || lookup.is_reserved() {
+        if lookup.kind == LookupKind::Uniform || lookup.is_reserved() || lookup.wrapped {
             continue;
         }
         let Some(program) = resolve(host, project, &lookup.source) else { continue };
@@ -68,23 +68,41 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             continue;
         }
         let found = findings
-            .at(&host.file, lookup.function, format!("`{name}` is a uniform, but is looked up as an attribute"))
-            .with_related(&shader.file, variable.name_span, format!("`{name}` is declared `uniform` here"));
+            .at(
+                &host.file,
+                lookup.function,
+                told!(
+                    "`{name}` is a uniform, but is looked up as an attribute",
+                    "`{name}` は uniform ですが、頂点属性として位置を求めています"
+                ),
+            )
+            .with_related(
+                &shader.file,
+                variable.name_span,
+                told!("`{name}` is declared `uniform` here", "`{name}` はここで `uniform` と宣言されています"),
+            );
         let right = LookupKind::Uniform.function();
         findings.push(if lookup.kind == LookupKind::BindAttribute {
             found
-                .with_label("binds nothing")
-                .with_why("glBindAttribLocation of a name that is no attribute has no effect, and raises no GL error")
-                .with_help(format!("remove the call; `{name}` is set with a glUniform function"))
+                .with_label(told!("binds nothing", "何にも結び付きません"))
+                .with_why(told!(
+                    "glBindAttribLocation of a name that is no attribute has no effect, and raises no GL error",
+                    "頂点属性でない名前の glBindAttribLocation は効果がなく、GL エラーにもなりません"
+                ))
+                .with_help(told!(
+                    "remove the call; `{name}` is set with a glUniform function",
+                    "この呼び出しを消してください。`{name}` には glUniform 系の関数で値を設定します"
+                ))
         } else {
             let safety = if lookup.feeds.only_uniform() { Safety::Safe } else { Safety::Unsafe };
             found
-                .with_label("gives -1 here")
-                .with_why(
+                .with_label(told!("gives -1 here", "ここでは -1 になります"))
+                .with_why(told!(
                     "glGetAttribLocation knows no uniforms: it gives -1 without a GL error, and glUniform \
                      functions ignore the location -1",
-                )
-                .with_fix(format!("call `{right}`"), safety, vec![Edit::replace(lookup.function, right)])
+                    "glGetAttribLocation は uniform を知りません。GL エラーなしに -1 を返し、glUniform 系の関数は位置 -1 を無視します"
+                ))
+                .with_fix(told!("call `{right}`", "`{right}` を呼ぶ"), safety, vec![Edit::replace(lookup.function, right)])
         });
     }
 }

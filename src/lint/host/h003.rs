@@ -1,6 +1,6 @@
 //! H003: a uniform is looked up by a name that no stage declares.
 
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::{Edit, Span};
@@ -8,7 +8,7 @@ use crate::text::{Edit, Span};
 use super::HostFile;
 use super::lookup::LookupKind;
 use super::program::resolve;
-use super::suggest::nearest;
+use super::suggest::{list, list_in_japanese, nearest};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -66,28 +66,48 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let name = lookup.base_name();
         // A block's member has no location either, but its name is known.
         let declared = program.uniform(name).is_some() || program.in_block(name);
-        if !program.is_complete() || declared || program.attribute(name).is_some() {
+        let attribute = program.attribute(name).is_some() && !lookup.wrapped;
+        if !program.is_complete() || declared || attribute {
             continue;
         }
+        let place = program.names();
         let mut found = findings
-            .at(&host.file, lookup.literal_span(), format!("no uniform of {} is called `{name}`", program.names()))
-            .with_label("gives -1")
-            .with_why(
+            .at(
+                &host.file,
+                lookup.literal_span(),
+                told!("no uniform of {place} is called `{name}`", "{place} に `{name}` という uniform はありません"),
+            )
+            .with_label(told!("gives -1", "-1 になります"))
+            .with_why(told!(
                 "glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1",
-            );
+                "glGetUniformLocation は GL エラーなしに -1 を返し、glUniform 系の関数は位置 -1 を無視します"
+            ));
         if let Some(meant) = nearest(name, program.uniforms()) {
             if let Some((shader, variable)) = program.uniform(meant) {
-                found = found.with_related(&shader.file, variable.name_span, format!("`{meant}` is declared here"));
+                found = found.with_related(
+                    &shader.file,
+                    variable.name_span,
+                    told!("`{meant}` is declared here", "`{meant}` はここで宣言されています"),
+                );
             }
             let place = Span::new(lookup.name_span.start, lookup.name_span.start + name.len());
-            found = found.with_fix(format!("write `{meant}`"), Safety::Unsafe, vec![Edit::replace(place, meant)]);
+            found = found.with_fix(
+                told!("write `{meant}`", "`{meant}` と書く"),
+                Safety::Unsafe,
+                vec![Edit::replace(place, meant)],
+            );
         }
         let mut all: Vec<&str> = program.uniforms().collect();
         all.sort_unstable();
         all.dedup();
         findings.push(found.with_help(match all.as_slice() {
-            [] => "the program has no uniform outside blocks".to_owned(),
-            all => format!("the uniforms are {}", super::suggest::list(all)),
+            [] => {
+                told!("the program has no uniform outside blocks", "プログラムにはブロックの外の uniform がありません")
+            }
+            all => {
+                let (en, ja) = (list(all), list_in_japanese(all));
+                told!("the uniforms are {en}", "uniform は {ja} です")
+            }
         }));
     }
 }

@@ -1,6 +1,6 @@
 //! H004: an attribute is looked up by a name that the vertex stage does not declare.
 
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
@@ -8,7 +8,7 @@ use crate::text::Edit;
 use super::HostFile;
 use super::lookup::LookupKind;
 use super::program::resolve;
-use super::suggest::{list, nearest};
+use super::suggest::{list, list_in_japanese, nearest};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -78,27 +78,42 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         }
         let only = if names.len() == 1 { free.first().copied() } else { None };
         let place = vertex.file.name();
-        let label = if lookup.kind == LookupKind::Attribute { "gives -1" } else { "binds nothing" };
+        let label = if lookup.kind == LookupKind::Attribute {
+            told!("gives -1", "-1 になります")
+        } else {
+            told!("binds nothing", "何にも結び付きません")
+        };
         let mut found = findings
-            .at(&host.file, lookup.literal_span(), format!("no attribute of {place} is called `{name}`"))
+            .at(&host.file, lookup.literal_span(), told!("no attribute of {place} is called `{name}`", "{place} に `{name}` という頂点属性はありません"))
             .with_label(label)
             .with_why(match lookup.kind {
-                LookupKind::BindAttribute => "glBindAttribLocation of a name that is no attribute has no effect",
-                LookupKind::Attribute | LookupKind::Uniform => {
-                    "glGetAttribLocation gives -1 without a GL error, and glVertexAttribPointer refuses the location -1"
-                }
+                LookupKind::BindAttribute => told!(
+                    "glBindAttribLocation of a name that is no attribute has no effect",
+                    "頂点属性でない名前の glBindAttribLocation は効果がありません"
+                ),
+                LookupKind::Attribute | LookupKind::Uniform => told!(
+                    "glGetAttribLocation gives -1 without a GL error, and glVertexAttribPointer refuses the location -1",
+                    "glGetAttribLocation は GL エラーなしに -1 を返し、glVertexAttribPointer は位置 -1 を受け付けません"
+                ),
             })
             .with_help(match names.as_slice() {
-                [] => format!("{place} has no attribute"),
-                [one] => format!("the only attribute is `{one}`"),
-                all => format!("the attributes are {}", list(all)),
+                [] => told!("{place} has no attribute", "{place} に頂点属性はありません"),
+                [one] => told!("the only attribute is `{one}`", "頂点属性は `{one}` だけです"),
+                all => {
+                    let (en, ja) = (list(all), list_in_japanese(all));
+                    told!("the attributes are {en}", "頂点属性は {ja} です")
+                }
             });
         if let Some(meant) = near.or(only) {
             if let Some(variable) = interface.input(meant) {
-                found = found.with_related(&vertex.file, variable.name_span, format!("`{meant}` is declared here"));
+                found = found.with_related(
+                    &vertex.file,
+                    variable.name_span,
+                    told!("`{meant}` is declared here", "`{meant}` はここで宣言されています"),
+                );
             }
             let edit = Edit::replace(lookup.name_span, meant);
-            found = found.with_fix(format!("write `{meant}`"), Safety::Unsafe, vec![edit]);
+            found = found.with_fix(told!("write `{meant}`", "`{meant}` と書く"), Safety::Unsafe, vec![edit]);
         }
         findings.push(found);
     }

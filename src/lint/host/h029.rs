@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use tree_sitter::Node;
 
-use crate::diagnostic::{Code, Safety, Severity};
+use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
@@ -69,13 +69,14 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let edits = uses.iter().filter_map(|&u| base(u)).map(|b| Edit::replace(span(b), *array)).collect();
         findings.push(
             findings
-                .at(&host.file, span(place), format!("`{name}` is filled, but the array is declared as `{array}`"))
-                .with_label("declared nowhere")
-                .with_related(&host.file, span(*declared), format!("`{array}` is declared here and never filled"))
-                .with_why(format!(
-                    "`{name}` has no declaration, so that this does not compile, and nothing is ever written to `{array}`"
+                .at(&host.file, span(place), told!("`{name}` is filled, but the array is declared as `{array}`", "`{name}` に書き込んでいますが、宣言された配列は `{array}` です"))
+                .with_label(told!("declared nowhere", "宣言がありません"))
+                .with_related(&host.file, span(*declared), told!("`{array}` is declared here and never filled", "`{array}` はここで宣言され、書き込まれていません"))
+                .with_why(told!(
+                    "`{name}` has no declaration, so that this does not compile, and nothing is ever written to `{array}`",
+                    "`{name}` は宣言がないのでコンパイルできず、`{array}` には何も書き込まれません"
                 ))
-                .with_fix(format!("fill `{array}`"), Safety::Unsafe, edits),
+                .with_fix(told!("fill `{array}`", "`{array}` に書き込む"), Safety::Unsafe, edits),
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use tree_sitter::Node;
 
-use crate::diagnostic::{Code, Severity};
+use crate::diagnostic::{Code, Severity, told};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
@@ -64,23 +64,28 @@ fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
         if call.has_error() || !strip || adds_two(host, root, count) {
             continue;
         }
-        let (message, subject) = if function == "glMultiDrawArrays" {
-            ("the first and the last segment of every strip are not drawn", "a strip")
+        let message = if function == "glMultiDrawArrays" {
+            told!(
+                "the first and the last segment of every strip are not drawn",
+                "どの折れ線でも最初と最後の区間が描かれません"
+            )
         } else {
-            ("the first and the last segment of the strip are not drawn", "the strip")
+            told!("the first and the last segment of the strip are not drawn", "折れ線の最初と最後の区間が描かれません")
         };
         findings.push(
             findings
                 .at(&host.file, span(mode), message)
-                .with_label("m nodes give m - 3 segments")
-                .with_why(format!(
-                    "the first and the last node of {subject} with adjacency are only neighbours: of the m - 1 \
-                     segments between m nodes, m - 3 are drawn"
+                .with_label(told!("m nodes give m - 3 segments", "節点 m 個で m - 3 区間"))
+                .with_why(told!(
+                    "the first and the last node of a strip with adjacency are only neighbours: of the m - 1 \
+                     segments between m nodes, m - 3 are drawn",
+                    "隣接頂点つきの折れ線の最初と最後の節点は隣接頂点にすぎません。節点 m 個の間の m - 1 区間のうち、描かれるのは m - 3 区間です"
                 ))
-                .with_help(
+                .with_help(told!(
                     "store the first and the last node twice and add 2 to the count, unless the data does that \
                      already",
-                ),
+                    "データがまだそうなっていなければ、最初と最後の節点を二度ずつ格納し、個数に 2 を足してください"
+                )),
         );
     }
 }

@@ -5,10 +5,13 @@ use tree_sitter::Node;
 use crate::text::Span;
 
 use super::HostFile;
-use super::feeds::{Feeds, feeds};
+use super::feeds::{Feeds, User, feeds, users};
 use super::index::Index;
+use super::presets::PRESETS;
 use super::program::{ProgramSource, source};
-use super::syntax::{arguments, callee, plain_string, span};
+use super::setter::Setter;
+use super::syntax::{arguments, bare, callee, plain_string, span};
+use crate::lint::config::Wrapped;
 
 /// What is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +61,14 @@ pub struct Lookup {
     pub source: ProgramSource,
     /// What the location is used for.
     pub feeds: Feeds,
+    /// The calls that get the location.
+    pub users: Vec<User>,
+    /// True for a function that wraps the one of OpenGL.
+    pub wrapped: bool,
+    /// What the wrapper sets the uniform with, when it does and that is clear.
+    pub sets: Option<Setter>,
+    /// True when only the beginning of the name is known: `"bones[" + i + "]"`.
+    pub partial: bool,
 }
 
 impl Lookup {
@@ -80,7 +91,76 @@ impl Lookup {
 /// All look-ups of a file, in the order of the text.
 pub fn find(host: &HostFile) -> Vec<Lookup> {
     let Some(index) = Index::new(host) else { return Vec::new() };
-    index.calls.iter().filter_map(|&call| lookup(&index, call)).collect()
+    index.calls.iter().filter_map(|&call| lookup(&index, call).or_else(|| wrapped(&index, call))).collect()
+}
+
+/// A look-up, or a setter by name, through a function that wraps that of OpenGL: a preset, or one that
+/// the configuration names. The program is that of the object, or of the first argument of a plain
+/// function; one that only lies beside the host file is not taken for it.
+fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
+    let host = index.host;
+    let function = call.child_by_field_name("function")?;
+    let object = function.child_by_field_name("argument").filter(|_| function.kind() == "field_expression");
+    let name_node = function.child_by_field_name("field").or_else(|| function.child_by_field_name("name"));
+    let name_node = name_node.unwrap_or(function);
+    let called = host.text(name_node);
+    let all = arguments(call);
+    let configured = host.wrappers.iter().find(|w| w.function == called);
+    let (kind, at, sets) = match configured {
+        Some(w) => (w.kind, w.argument, w.sets.as_deref().and_then(Setter::of_type)),
+        None => {
+            let preset = PRESETS.iter().find(|p| p.method == called && object.is_some())?;
+            (preset.kind, 0, preset.like.and_then(Setter::of_function))
+        }
+    };
+    let kind = match kind {
+        Wrapped::UniformLocation | Wrapped::SetUniform => LookupKind::Uniform,
+        Wrapped::AttributeLocation => LookupKind::Attribute,
+        Wrapped::LoadProgram => return None,
+    };
+    let (name, name_span, partial) = name(index, *all.get(at)?)?;
+    let program = object.or_else(|| all.first().copied().filter(|_| at > 0))?;
+    let source = match source(index, call, program) {
+        ProgramSource::Named(shaders) if !call.has_error() => ProgramSource::Named(shaders),
+        ProgramSource::Named(_) | ProgramSource::Beside | ProgramSource::Unknown => ProgramSource::Unknown,
+    };
+    Some(Lookup {
+        kind,
+        function: span(name_node),
+        name,
+        name_span,
+        source,
+        feeds: Feeds::default(),
+        users: Vec::new(),
+        wrapped: true,
+        sets,
+        partial,
+    })
+}
+
+/// A name in a literal, or the beginning of one that goes on with an index or a member.
+fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
+    let file = &index.host.file;
+    if let Some((name, place)) = plain_string(argument, file) {
+        return Some((name.to_owned(), place, false));
+    }
+    let mut node = bare(argument);
+    // `(…).c_str()`
+    if let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
+        node = bare(inner);
+    }
+    if node.kind() != "binary_expression" {
+        return None;
+    }
+    while node.kind() == "binary_expression" {
+        node = bare(node.child_by_field_name("left")?);
+    }
+    // `std::string("bones[")`
+    if let (Some(_), &[only]) = (node.child_by_field_name("function"), arguments(node).as_slice()) {
+        node = bare(only);
+    }
+    let (name, place) = plain_string(node, file)?;
+    name.contains(['[', '.']).then(|| (name.to_owned(), place, true))
 }
 
 fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
@@ -91,14 +171,18 @@ fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
     if call.has_error() || arguments.len() != kind.arity() {
         return None;
     }
-    let (name, name_span) = plain_string(*arguments.last()?, file)?;
+    let (name, name_span, partial) = name(index, *arguments.last()?)?;
     Some(Lookup {
         kind,
         function: span(function_node),
-        name: name.to_owned(),
+        name,
         name_span,
         source: source(index, call, arguments[0]),
         feeds: feeds(index, call),
+        users: users(index, call),
+        wrapped: false,
+        sets: None,
+        partial,
     })
 }
 

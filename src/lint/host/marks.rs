@@ -17,8 +17,15 @@ pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
     let compute = has(&["local_size_x", "gl_GlobalInvocationID", "gl_LocalInvocationID"]);
     let control = has(&["gl_out"]) || (has(&["gl_InvocationID"]) && !geometry);
     let evaluation = has(&["gl_TessCoord"]);
-    let fragment =
-        has(&["gl_FragColor", "gl_FragData", "gl_FragCoord", "gl_FrontFacing", "gl_PointCoord", "gl_FragDepth", "discard"]);
+    let fragment = has(&[
+        "gl_FragColor",
+        "gl_FragData",
+        "gl_FragCoord",
+        "gl_FrontFacing",
+        "gl_PointCoord",
+        "gl_FragDepth",
+        "discard",
+    ]);
     let later = geometry || control || evaluation;
     let vertex = has(&["attribute", "gl_VertexID", "gl_InstanceID", "gl_Vertex", "ftransform"])
         || (has(&["gl_Position"]) && !later && !has(&["gl_in"]));
@@ -120,7 +127,10 @@ mod tests {
             ("layout(local_size_x = 1) in; void main() { }", Ok(Some(Stage::Compute))),
             ("void main() { gl_Position = gl_TessCoord.xyzz; }", Ok(Some(Stage::TessEvaluation))),
             ("out vec4 c; void main() { c = vec4(1.0); }", Ok(None)),
-            ("#ifdef V\nvoid main() { gl_Position = x; }\n#else\nvoid main() { gl_FragColor = x; }\n#endif", Err(Mixed)),
+            (
+                "#ifdef V\nvoid main() { gl_Position = x; }\n#else\nvoid main() { gl_FragColor = x; }\n#endif",
+                Err(Mixed),
+            ),
         ] {
             assert_eq!(stage(text), expected, "{text}");
         }

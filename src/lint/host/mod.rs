@@ -1,6 +1,7 @@
 //! C and C++ host code: its syntax tree and the rules on it.
 
 mod attach;
+mod attributes;
 mod creation;
 mod embedded;
 mod feeds;
@@ -9,14 +10,34 @@ pub(super) mod h001;
 pub(super) mod h002;
 pub(super) mod h003;
 pub(super) mod h004;
+pub(super) mod h005;
+pub(super) mod h006;
+pub(super) mod h007;
+pub(super) mod h008;
+pub(super) mod h009;
+pub(super) mod h010;
+pub(super) mod h011;
+pub(super) mod h013;
+pub(super) mod h014;
+pub(super) mod h015;
+pub(super) mod h016;
+pub(super) mod h019;
+pub(super) mod h021;
+pub(super) mod h022;
+pub(super) mod h023;
 pub(super) mod h029;
 pub(super) mod h030;
 mod index;
 mod literal;
+#[cfg(test)]
+mod look_alikes;
 mod lookup;
 mod marks;
+mod presets;
 mod program;
 mod programs;
+mod setter;
+mod settings;
 mod stringized;
 mod suggest;
 pub(super) mod syntax;
@@ -26,6 +47,7 @@ use std::sync::OnceLock;
 
 use tree_sitter::{Node, Parser, Tree};
 
+use crate::lint::config::Wrapper;
 use crate::text::{SourceFile, Span};
 
 use embedded::Embedded;
@@ -33,8 +55,8 @@ use lookup::Lookup;
 use programs::HostPrograms;
 
 pub(super) use literal::Literal;
-pub(super) use suggest::{list, nearest};
 pub(super) use program::{ShaderRef, named_shaders};
+pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use syntax::quoted_includes;
 
 /// A host file with its syntax tree.
@@ -43,6 +65,8 @@ pub struct HostFile {
     pub file: SourceFile,
     /// False when the file is only there to be looked things up in.
     pub reported: bool,
+    /// Functions of the project that wrap those of OpenGL.
+    wrappers: Vec<Wrapper>,
     tree: HostTree,
     lookups: OnceLock<Vec<Lookup>>,
     embedded: OnceLock<Vec<Embedded>>,
@@ -58,7 +82,14 @@ impl HostFile {
 
     /// The same with a tree of this text that is there already.
     pub(super) fn with_tree(file: &SourceFile, reported: bool, tree: HostTree) -> Self {
-        Self { tree, file: file.clone(), reported, lookups: OnceLock::new(), embedded: OnceLock::new(), programs: OnceLock::new() }
+        Self { tree, file: file.clone(), reported, wrappers: Vec::new(), lookups: OnceLock::new(), embedded: OnceLock::new(), programs: OnceLock::new() }
+    }
+
+    /// The same file in a project with wrappers of its own.
+    #[must_use]
+    pub fn with_wrappers(mut self, wrappers: &[Wrapper]) -> Self {
+        self.wrappers = wrappers.to_vec();
+        self
     }
 
     /// The root of the tree; none when the parser gave up.

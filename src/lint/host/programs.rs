@@ -4,7 +4,7 @@ use super::HostFile;
 use super::attach::attached;
 use super::index::Index;
 use super::program::{ProgramSource, ShaderRef, is_call, one_each, whole};
-use super::syntax::{arguments, ancestors};
+use super::syntax::{ancestors, arguments};
 
 /// The programs of a host file, and the shaders that it names.
 #[derive(Clone, Debug, Default)]
@@ -24,8 +24,7 @@ pub fn find(host: &HostFile) -> HostPrograms {
     if text.contains("GL_PROGRAM_SEPARABLE") || text.contains("glCreateShaderProgram") {
         return HostPrograms { linked: Vec::new(), named };
     }
-    let mut linked: Vec<Vec<ShaderRef>> =
-        index.groups.iter().filter(|g| g.closed).map(|g| g.names.clone()).collect();
+    let mut linked: Vec<Vec<ShaderRef>> = index.groups.iter().filter(|g| g.closed).map(|g| g.names.clone()).collect();
     for &call in index.calls.iter().filter(|c| is_call(host, **c, "glLinkProgram")) {
         if let Some(shaders) = arguments(call).first().and_then(|program| attached(&index, call, *program)) {
             linked.push(shaders);
@@ -65,13 +64,13 @@ fn by_method(index: &Index<'_>) -> Vec<Vec<ShaderRef>> {
         }
         let object = index.host.text(object);
         let own = super::syntax::enclosing_function(call).map(|f| f.id());
-        let groups: Vec<_> =
-            index.groups.iter().filter(|g| g.receiver == Some(object) && g.function == own).collect();
+        let groups: Vec<_> = index.groups.iter().filter(|g| g.receiver == Some(object) && g.function == own).collect();
         let links = index.calls.iter().filter(|c| {
             c.child_by_field_name("function").is_some_and(|f| index.host.text(f) == index.host.text(function))
                 && super::syntax::enclosing_function(**c).map(|f| f.id()) == own
         });
-        let conditional = ancestors(call).take_while(|n| n.kind() != "function_definition").any(|n| n.kind() == "if_statement");
+        let conditional =
+            ancestors(call).take_while(|n| n.kind() != "function_definition").any(|n| n.kind() == "if_statement");
         if links.count() == 1 && !conditional && groups.iter().all(|g| g.closed) {
             found.push(groups.iter().flat_map(|g| g.names.iter().cloned()).collect());
         }

@@ -28,10 +28,8 @@ pub fn find(host: &HostFile, root: Node<'_>) -> Vec<Candidate> {
     if !text.contains("#define") && !text.contains("# define") {
         return Vec::new();
     }
-    let macros: Vec<Stringizer> = descendants(root)
-        .filter(|n| n.kind() == "preproc_function_def")
-        .filter_map(|n| stringizer(host, n))
-        .collect();
+    let macros: Vec<Stringizer> =
+        descendants(root).filter(|n| n.kind() == "preproc_function_def").filter_map(|n| stringizer(host, n)).collect();
     let mut found = Vec::new();
     for stringizer in &macros {
         for (at, _) in text.match_indices(stringizer.name.as_str()) {
@@ -43,11 +41,11 @@ pub fn find(host: &HostFile, root: Node<'_>) -> Vec<Candidate> {
 
 fn stringizer(host: &HostFile, definition: Node<'_>) -> Option<Stringizer> {
     let name = host.text(definition.child_by_field_name("name")?).to_owned();
-    let parameters: Vec<&str> = elements(definition.child_by_field_name("parameters")?)
-        .into_iter()
-        .map(|p| host.text(p))
-        .map(|p| if p == "..." { "__VA_ARGS__" } else { p })
-        .collect();
+    let list = definition.child_by_field_name("parameters")?;
+    let mut parameters: Vec<&str> = elements(list).into_iter().map(|p| host.text(p)).filter(|p| *p != "...").collect();
+    if host.text(list).contains("...") {
+        parameters.push("__VA_ARGS__");
+    }
     let mut rest = host.text(definition.child_by_field_name("value")?).trim();
     let mut parts = Vec::new();
     while !rest.is_empty() {

@@ -35,6 +35,15 @@ pub fn list(names: &[&str]) -> String {
     }
 }
 
+/// As [`list`], in Japanese.
+pub fn list_in_japanese(names: &[&str]) -> String {
+    const MOST: usize = 10;
+    let quoted: Vec<String> = names.iter().take(MOST).map(|n| format!("`{n}`")).collect();
+    let more = names.len().saturating_sub(MOST);
+    let rest = if more > 0 { format!(" ほか {more} 個") } else { String::new() };
+    quoted.join("、") + &rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

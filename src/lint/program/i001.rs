@@ -1,15 +1,15 @@
 //! I001: an input that the stage before does not write.
 
 use crate::diagnostic::{Code, Safety, Severity, told};
-use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::glsl::interface::{Storage, Variable};
-use crate::lint::host::{list, nearest};
+use crate::lint::host::{list, list_in_japanese, nearest};
+use crate::lint::project::Project;
 use crate::lint::project::ShaderFile;
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::{Known, Program, stage_in_japanese};
 use super::link::{block as block_of, consumer, in_block, input_type, is_built_in, is_used, output_type, producer};
+use super::{Known, Program, stage_in_japanese};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -22,15 +22,30 @@ pub const RULE: Rule = Rule {
         what: "Reports inputs that are used in a stage, and that the stage before it in the program does not declare as outputs: by location where both have one, by name otherwise. Programs come from host code, from `shadercheck.toml`, and from shaders of one name in one folder. It stays silent when a stage is not known.",
         why: "The program does not link, or, with drivers that link it, the value is undefined. A letter that differs between the two stages is the usual cause.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 nn;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(nn), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 nn;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(nn), 1.0);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
         ],
         fix: "Writes the name of the one output of the same type that resembles it and that nobody reads, if there is one. Unsafe: another output may be meant.",
-        references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs)", "OpenGL 3.2 core specification, section 2.11.6 (Varying Variables)"],
+        references: &[
+            "OpenGL Shading Language 1.50, section 4.3.4 (Inputs)",
+            "OpenGL 3.2 core specification, section 2.11.6 (Varying Variables)",
+        ],
         ja: Japanese {
             summary: "前のステージのどの出力も書き込まない入力です",
             what: "ステージで使われている入力のうち、プログラムの前のステージに対応する出力がないものを報告します。対応は、両方に location があれば location で、なければ名前で決まります。プログラムは、ホストのコード、`shadercheck.toml`、および同じフォルダにある同名のシェーダから求めます。不明なステージがあるときは報告しません。",
@@ -55,7 +70,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             let (name, stage, place) = (&input.name, from.shader.stage().name(), from.file.name());
             let ja_stage = stage_in_japanese(from.shader.stage());
             let outputs: Vec<&str> = from.shader.interface().outputs.iter().map(|v| v.name.as_str()).collect();
-            let all = list(&outputs);
+            let (all, ja_all) = (list(&outputs), list_in_japanese(&outputs));
             let mut found = findings
                 .at(
                     &to.file,
@@ -73,7 +88,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                 .with_help(if outputs.is_empty() {
                     told!("{place} has no output", "{place} には出力がありません")
                 } else {
-                    told!("the outputs of {place} are {all}", "{place} の出力は {all} です")
+                    told!("the outputs of {place} are {all}", "{place} の出力は {ja_all} です")
                 });
             if let Some(meant) = meant(from, to, input) {
                 let title = &meant.name;
@@ -129,13 +144,13 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
 fn bypasses(program: &Program<'_>, input: &Variable) -> bool {
     let shaders = program.shaders();
     let earlier = shaders.len().saturating_sub(2);
-    shaders[..earlier].iter().any(|s| {
-        s.shader.interface().output(&input.name).is_some() || in_block(s, Storage::Out, &input.name)
-    })
+    shaders[..earlier]
+        .iter()
+        .any(|s| s.shader.interface().output(&input.name).is_some() || in_block(s, Storage::Out, &input.name))
 }
 
 /// The one output of the same type that resembles an input and that nobody reads.
-pub fn meant<'p>(from: &'p ShaderFile, to: &ShaderFile, input: &Variable) -> Option<&'p Variable> {
+fn meant<'p>(from: &'p ShaderFile, to: &ShaderFile, input: &Variable) -> Option<&'p Variable> {
     let wanted = input_type(to, &input.ty, &input.qualifiers)?;
     let free = from.shader.interface().outputs.iter().filter(|o| {
         let same = output_type(from, &o.ty, &o.qualifiers).is_some_and(|t| t == wanted);

@@ -18,12 +18,24 @@ pub const RULE: Rule = Rule {
         what: "Reports inputs whose type differs from that of the output that they meet. In a geometry or tessellation stage the type of one element counts: a `vec3` of the vertex stage meets a `vec3[]`.",
         why: "The program does not link: the types of an output and its input have to be the same.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec4 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n.xyz), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n.xyz), 1.0);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
         ],
         fix: "There is no fix: which of the two types is meant is not known.",
         references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs)"],

@@ -1,13 +1,12 @@
 //! I003: an output that nobody reads.
 
 use crate::diagnostic::{Code, Severity, told};
+use crate::glsl::interface::Storage;
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
-use crate::glsl::interface::Storage;
 
-use super::i001::meant;
+use super::link::{consumer, in_block, input_type, is_built_in, is_patch, output_type, producer};
 use super::{Known, Program, stage_in_japanese};
-use super::link::{consumer, in_block, is_built_in, is_patch, producer};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -20,12 +19,24 @@ pub const RULE: Rule = Rule {
         what: "Reports outputs that the next stage does not declare as inputs. It stays silent where a shader belongs to several programs, where host code names the output (as for transform feedback), and where an input without output resembles it: that one is told by I001.",
         why: "The value is computed and never read. Often it is left over, or the line that should use it is missing.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nout vec3 light;\nvoid main(void)\n{\n  n = normal;\n  light = vec3(0.0, 4.0, 2.0) - position.xyz;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nout vec3 light;\nvoid main(void)\n{\n  n = normal;\n  light = vec3(0.0, 4.0, 2.0) - position.xyz;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
         ],
         fix: "There is no fix: what computes the value would have to be removed as well.",
         references: &["OpenGL Shading Language 1.50, section 4.3.6 (Outputs)"],
@@ -50,9 +61,15 @@ fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) 
         for output in from.shader.interface().outputs.iter().filter(|v| !is_built_in(&v.name)) {
             let read = consumer(from, to, output).is_some() || in_block(to, Storage::In, &output.name);
             let captured = || project.hosts().any(|h| h.file.text().contains(&format!("\"{}\"", output.name)));
+            // An input that lacks its output was perhaps meant to read this one.
             let candidate = || {
-                let lost = interface.inputs.iter().filter(|i| producer(from, to, i).is_none());
-                lost.filter_map(|i| meant(from, to, i)).any(|m| m.name == output.name)
+                let mut lost =
+                    interface.inputs.iter().filter(|i| !is_built_in(&i.name) && producer(from, to, i).is_none());
+                lost.any(|i| {
+                    let types =
+                        (input_type(to, &i.ty, &i.qualifiers), output_type(from, &output.ty, &output.qualifiers));
+                    types.0.is_some() && types.0 == types.1
+                })
             };
             if read || is_patch(&output.qualifiers) || captured() || candidate() {
                 continue;
@@ -64,10 +81,7 @@ fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) 
                     .at(
                         &from.file,
                         output.name_span,
-                        told!(
-                            "the {stage} stage does not read `{name}`",
-                            "{ja_stage}は `{name}` を読みません"
-                        ),
+                        told!("the {stage} stage does not read `{name}`", "{ja_stage}は `{name}` を読みません"),
                     )
                     .with_label(told!("goes nowhere", "どこにも渡りません"))
                     .with_why(told!(

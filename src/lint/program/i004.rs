@@ -1,10 +1,10 @@
 //! I004: an output and its input with different interpolation.
 
 use crate::diagnostic::{Code, Safety, Severity, told};
-use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::glsl::Stage;
+use crate::lint::project::Project;
 use crate::lint::project::ShaderFile;
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
 use super::Program;
@@ -21,15 +21,30 @@ pub const RULE: Rule = Rule {
         what: "Reports outputs whose interpolation (`smooth`, `flat`, `noperspective`) is not that of the fragment input that they go to, in versions before 4.40. Without a qualifier a variable is `smooth`.",
         why: "Before GLSL 4.40 the qualifiers have to be the same, and the program does not link. From 4.40 on that of the fragment stage counts.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nflat in vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nflat in vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nflat out vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nflat in vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nflat out vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nflat in vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
         ],
         fix: "Gives the output the qualifier of the input, which alone counts in later versions. Unsafe: the other qualifier may be meant.",
-        references: &["OpenGL Shading Language 4.30, section 4.5 (Interpolation Qualifiers): qualifiers have to match", "OpenGL Shading Language 4.40, section 4.5: the qualifier of the fragment stage counts"],
+        references: &[
+            "OpenGL Shading Language 4.30, section 4.5 (Interpolation Qualifiers): qualifiers have to match",
+            "OpenGL Shading Language 4.40, section 4.5: the qualifier of the fragment stage counts",
+        ],
         ja: Japanese {
             summary: "出力と入力の補間方法が違います",
             what: "補間の修飾子（`smooth`, `flat`, `noperspective`）が、受け取るフラグメントシェーダの入力と違う出力を報告します。4.40 より前の版が対象です。修飾子がなければ `smooth` です。",
@@ -63,7 +78,11 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                     ),
                 )
                 .with_label(told!("written as `{had}`", "`{had}` として書かれます"))
-                .with_related(&to.file, input.name_span, told!("read as `{has}` here", "ここで `{has}` として読まれます"))
+                .with_related(
+                    &to.file,
+                    input.name_span,
+                    told!("read as `{has}` here", "ここで `{has}` として読まれます"),
+                )
                 .with_why(told!(
                     "before GLSL 4.40 both have to be the same, or the program does not link",
                     "GLSL 4.40 より前では両方が同じでなければ、プログラムはリンクできません"

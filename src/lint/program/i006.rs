@@ -5,7 +5,7 @@ use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 use super::Program;
-use super::link::{agree};
+use super::link::agree;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -18,15 +18,29 @@ pub const RULE: Rule = Rule {
         what: "Reports uniforms of one name that stages of one program declare with different types.",
         why: "All stages share one set of uniforms: one name is one variable. The program does not link.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nuniform float gain;\nout vec3 n;\nvoid main(void)\n{\n  n = normal * gain;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 n;\nuniform vec3 gain;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n) * gain, 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nuniform float gain;\nout vec3 n;\nvoid main(void)\n{\n  n = normal * gain;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nuniform vec3 gain;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n) * gain, 1.0);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nuniform float gain;\nout vec3 n;\nvoid main(void)\n{\n  n = normal * gain;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 150 core\nin vec3 n;\nuniform float gain;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n) * gain, 1.0);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nuniform float gain;\nout vec3 n;\nvoid main(void)\n{\n  n = normal * gain;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nuniform float gain;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n) * gain, 1.0);\n}\n",
+            },
         ],
         fix: "There is no fix: which type is meant is not known.",
-        references: &["OpenGL Shading Language 1.50, section 4.3.5 (Uniform): all stages share one name space of uniforms"],
+        references: &[
+            "OpenGL Shading Language 1.50, section 4.3.5 (Uniform): all stages share one name space of uniforms",
+        ],
         ja: Japanese {
             summary: "uniform の型が二つのステージで違います",
             what: "同じプログラムのステージが、同じ名前の uniform を違う型で宣言しているものを報告します。",

@@ -1,13 +1,13 @@
 //! I007: a value that does not pass the geometry stage.
 
 use crate::diagnostic::{Code, Severity, told};
-use crate::lint::project::Project;
-use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::glsl::Stage;
 use crate::glsl::interface::Storage;
+use crate::lint::project::Project;
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
-use super::{Known, Program};
 use super::link::{in_block, is_built_in, is_used, producer};
+use super::{Known, Program};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -20,19 +20,45 @@ pub const RULE: Rule = Rule {
         what: "Reports fragment inputs of programs with a geometry stage that the vertex stage writes, and the geometry stage does not hand on.",
         why: "A geometry stage makes new vertices: what it does not write does not reach the fragments. The program does not link, or the value is undefined.",
         bad: &[
-            Example { name: "shell.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "shell.geom", text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 n[];\nout vec3 facing;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    facing = n[i];\n    EmitVertex();\n  }\n}\n" },
-            Example { name: "shell.frag", text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n" },
-            Example { name: "draw.cpp", text: "void setUp()\n{\n  GLuint program = load(\"shell.vert\", \"shell.geom\", \"shell.frag\");\n}\n" },
+            Example {
+                name: "shell.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "shell.geom",
+                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 n[];\nout vec3 facing;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    facing = n[i];\n    EmitVertex();\n  }\n}\n",
+            },
+            Example {
+                name: "shell.frag",
+                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void setUp()\n{\n  GLuint program = load(\"shell.vert\", \"shell.geom\", \"shell.frag\");\n}\n",
+            },
         ],
         good: &[
-            Example { name: "shell.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "shell.geom", text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 n[];\nout vec3 facing;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    facing = n[i];\n    EmitVertex();\n  }\n}\n" },
-            Example { name: "shell.frag", text: "#version 150 core\nin vec3 facing;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(facing), 1.0);\n}\n" },
-            Example { name: "draw.cpp", text: "void setUp()\n{\n  GLuint program = load(\"shell.vert\", \"shell.geom\", \"shell.frag\");\n}\n" },
+            Example {
+                name: "shell.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "shell.geom",
+                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 n[];\nout vec3 facing;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    facing = n[i];\n    EmitVertex();\n  }\n}\n",
+            },
+            Example {
+                name: "shell.frag",
+                text: "#version 150 core\nin vec3 facing;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(facing), 1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void setUp()\n{\n  GLuint program = load(\"shell.vert\", \"shell.geom\", \"shell.frag\");\n}\n",
+            },
         ],
         fix: "There is no fix: the geometry stage needs an input array and an output of another name, and the fragment stage that name.",
-        references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs): inputs of a stage are outputs of the stage before"],
+        references: &[
+            "OpenGL Shading Language 1.50, section 4.3.4 (Inputs): inputs of a stage are outputs of the stage before",
+        ],
         ja: Japanese {
             summary: "フラグメントシェーダの入力を頂点シェーダが書いていますが、間のジオメトリシェーダが書いていません",
             what: "ジオメトリシェーダのあるプログラムで、頂点シェーダは書くがジオメトリシェーダが渡していないフラグメントシェーダの入力を報告します。",
@@ -51,7 +77,8 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
         if from.shader.stage() != Stage::Geometry || to.shader.stage() != Stage::Fragment {
             continue;
         }
-        let earlier = program.shaders().iter().filter(|s| !matches!(s.shader.stage(), Stage::Geometry | Stage::Fragment));
+        let earlier =
+            program.shaders().iter().filter(|s| !matches!(s.shader.stage(), Stage::Geometry | Stage::Fragment));
         let earlier: Vec<_> = earlier.collect();
         for input in &to.shader.interface().inputs {
             let handed_on = producer(from, to, input).is_some() || in_block(from, Storage::Out, &input.name);
@@ -69,10 +96,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                     .at(
                         &to.file,
                         input.name_span,
-                        told!(
-                            "`{name}` does not pass the geometry stage",
-                            "`{name}` はジオメトリシェーダを通りません"
-                        ),
+                        told!("`{name}` does not pass the geometry stage", "`{name}` はジオメトリシェーダを通りません"),
                     )
                     .with_label(told!("not written by {place}", "{place} が書いていません"))
                     .with_related(&shader.file, output.name_span, told!("written here", "ここで書かれます"))

@@ -1,13 +1,13 @@
 //! I008: fragment outputs without locations.
 
 use crate::diagnostic::{Code, Safety, Severity, told};
+use crate::glsl::{Profile, Stage};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
-use crate::glsl::{Profile, Stage};
 use crate::text::Edit;
 
+use super::link::is_built_in;
 use super::{Known, Program};
-use super::link::{is_built_in};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -20,17 +20,37 @@ pub const RULE: Rule = Rule {
         what: "Reports fragment outputs without `layout(location = …)` in shaders that have several, when no host file of the run calls `glBindFragDataLocation`. Only programs that host code makes are looked at.",
         why: "The linker gives the numbers, in an order that the specification leaves open. On another driver the colours go to other buffers.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 330 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 330 core\nin vec3 n;\nout vec4 color;\nout vec4 facing;\nvoid main(void)\n{\n  color = vec4(1.0);\n  facing = vec4(normalize(n), 1.0);\n}\n" },
-            Example { name: "draw.cpp", text: "void setUp()\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 330 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 330 core\nin vec3 n;\nout vec4 color;\nout vec4 facing;\nvoid main(void)\n{\n  color = vec4(1.0);\n  facing = vec4(normalize(n), 1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void setUp()\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 330 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 330 core\nin vec3 n;\nlayout(location = 0) out vec4 color;\nlayout(location = 1) out vec4 facing;\nvoid main(void)\n{\n  color = vec4(1.0);\n  facing = vec4(normalize(n), 1.0);\n}\n" },
-            Example { name: "draw.cpp", text: "void setUp()\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 330 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 330 core\nin vec3 n;\nlayout(location = 0) out vec4 color;\nlayout(location = 1) out vec4 facing;\nvoid main(void)\n{\n  color = vec4(1.0);\n  facing = vec4(normalize(n), 1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void setUp()\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n}\n",
+            },
         ],
         fix: "Numbers the outputs in the order of the text, from version 3.30 on. Unsafe: another order may be meant.",
-        references: &["OpenGL 3.3 core specification, section 3.9.2 (Shader Execution, Shader Outputs): locations without binding are assigned by the linker"],
+        references: &[
+            "OpenGL 3.3 core specification, section 3.9.2 (Shader Execution, Shader Outputs): locations without binding are assigned by the linker",
+        ],
         ja: Japanese {
             summary: "フラグメントの出力が複数あり、どのバッファに書くかが決まっていません",
             what: "出力が複数あるフラグメントシェーダのうち、`layout(location = …)` のない出力を報告します。ホストのファイルが `glBindFragDataLocation` を呼ばない場合に限ります。ホストのコードが作るプログラムだけを調べます。",

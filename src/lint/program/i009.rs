@@ -1,9 +1,9 @@
 //! I009: blocks of one name that differ.
 
 use crate::diagnostic::{Code, Severity, Told, told};
+use crate::glsl::interface::{Block, Storage};
 use crate::lint::project::Project;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
-use crate::glsl::interface::{Block, Storage};
 
 use super::Program;
 use super::link::{agree, block as block_of, is_built_in};
@@ -19,15 +19,29 @@ pub const RULE: Rule = Rule {
         what: "Reports blocks of one name whose members differ between two stages in number, name, order or type: uniform and storage blocks, and output blocks with the input block that they go to. Names of instances may differ.",
         why: "Stages meet by the name of the block, and its members have to be the same; otherwise the program does not link.",
         bad: &[
-            Example { name: "lamp.vert", text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin vec4 position;\nout float far;\nvoid main(void)\n{\n  far = length(position - place);\n  gl_Position = position + color;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec3 color;\n};\nin float far;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(color / far, place.w);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin vec4 position;\nout float far;\nvoid main(void)\n{\n  far = length(position - place);\n  gl_Position = position + color;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec3 color;\n};\nin float far;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(color / far, place.w);\n}\n",
+            },
         ],
         good: &[
-            Example { name: "lamp.vert", text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin vec4 position;\nout float far;\nvoid main(void)\n{\n  far = length(position - place);\n  gl_Position = position + color;\n}\n" },
-            Example { name: "lamp.frag", text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin float far;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(color.rgb / far, place.w);\n}\n" },
+            Example {
+                name: "lamp.vert",
+                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin vec4 position;\nout float far;\nvoid main(void)\n{\n  far = length(position - place);\n  gl_Position = position + color;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin float far;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(color.rgb / far, place.w);\n}\n",
+            },
         ],
         fix: "There is no fix: which of the two is meant is not known.",
-        references: &["OpenGL Shading Language 3.30, section 4.3.7 (Interface Blocks): blocks of one name have to match"],
+        references: &[
+            "OpenGL Shading Language 3.30, section 4.3.7 (Interface Blocks): blocks of one name have to match",
+        ],
         ja: Japanese {
             summary: "ブロックのメンバが、プログラムの別のステージと違います",
             what: "同じ名前のブロックのうち、二つのステージでメンバの数、名前、順序、型のいずれかが違うものを報告します。uniform ブロックとストレージブロック、および出力ブロックとそれを受け取る入力ブロックを調べます。インスタンス名は違ってもかまいません。",
@@ -50,9 +64,9 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                 Storage::Uniform | Storage::Buffer => {
                     shaders[..i].iter().find_map(|s| block_of(s, block.storage, name).map(|b| (s, b)))
                 }
-                Storage::In => {
-                    i.checked_sub(1).and_then(|before| block_of(shaders[before], Storage::Out, name).map(|b| (&shaders[before], b)))
-                }
+                Storage::In => i
+                    .checked_sub(1)
+                    .and_then(|before| block_of(shaders[before], Storage::Out, name).map(|b| (&shaders[before], b))),
                 Storage::Out | Storage::Shared | Storage::Const | Storage::Global => None,
             };
             let Some((there, first)) = other else { continue };
@@ -64,7 +78,10 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                     .at(
                         &shader.file,
                         block.name.span,
-                        told!("the block `{name}` is not that of {place}: {en}", "ブロック `{name}` が {place} のものと違います: {ja}"),
+                        told!(
+                            "the block `{name}` is not that of {place}: {en}",
+                            "ブロック `{name}` が {place} のものと違います: {ja}"
+                        ),
                     )
                     .with_label(told!("differs", "違いがあります"))
                     .with_related(&there.file, first.name.span, told!("the other one", "もう一方のブロック"))

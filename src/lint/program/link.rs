@@ -53,9 +53,9 @@ pub fn block<'p>(shader: &'p ShaderFile, storage: Storage, name: &str) -> Option
 /// True when a block of `storage` has a member of that name, or is called so.
 pub fn in_block(shader: &ShaderFile, storage: Storage, name: &str) -> bool {
     let blocks = shader.shader.interface().blocks.iter();
-    blocks.filter(|b| b.storage == storage).any(|b| {
-        b.members.iter().any(|m| m.name.name == name) || b.instance.as_ref().is_some_and(|i| i.name == name)
-    })
+    blocks
+        .filter(|b| b.storage == storage)
+        .any(|b| b.members.iter().any(|m| m.name.name == name) || b.instance.as_ref().is_some_and(|i| i.name == name))
 }
 
 /// True for names of the language, which no stage declares.

@@ -21,14 +21,8 @@ use super::project::ShaderFile;
 pub(super) use find::find;
 
 /// The stages in the order of the pipeline.
-const PIPELINE: [Stage; 6] = [
-    Stage::Vertex,
-    Stage::TessControl,
-    Stage::TessEvaluation,
-    Stage::Geometry,
-    Stage::Fragment,
-    Stage::Compute,
-];
+const PIPELINE: [Stage; 6] =
+    [Stage::Vertex, Stage::TessControl, Stage::TessEvaluation, Stage::Geometry, Stage::Fragment, Stage::Compute];
 
 /// How a program is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +127,7 @@ impl<'p> Program<'p> {
 }
 
 /// The stage in Japanese, as a noun.
-fn stage_in_japanese(stage: Stage) -> &'static str {
+pub(super) fn stage_in_japanese(stage: Stage) -> &'static str {
     match stage {
         Stage::Vertex => "頂点シェーダ",
         Stage::TessControl => "テッセレーション制御シェーダ",

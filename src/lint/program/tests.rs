@@ -74,8 +74,14 @@ fn a_program_is_known_for_certain_or_not_at_all() {
         ("load(\"a.vert\", \"b.frag\", nullptr);", 1),
         ("load(\"a.vert\", \"b.frag\", geometry);", 0),
         ("use({ \"a.vert\", \"b.frag\" });", 0),
-        ("GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, compile(\"b.frag\")); glLinkProgram(p);", 1),
-        ("GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, other()); glLinkProgram(p);", 0),
+        (
+            "GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, compile(\"b.frag\")); glLinkProgram(p);",
+            1,
+        ),
+        (
+            "GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, other()); glLinkProgram(p);",
+            0,
+        ),
         ("prog.compileShader(\"a.vert\"); prog.compileShader(\"b.frag\"); prog.link();", 1),
         ("prog.compileShader(\"a.vert\"); prog.compileShader(name); prog.link();", 0),
         ("glProgramParameteri(p, GL_PROGRAM_SEPARABLE, 1); load(\"a.vert\", \"b.frag\");", 0),

@@ -193,7 +193,7 @@ const NAMES: [&str; 4] = ["a", "b", "c", "x"];
 
 impl Tree {
     fn random(random: &mut Random, depth: usize, inputs: usize) -> Self {
-        let mut below = |random: &mut Random| Box::new(Self::random(random, depth.saturating_sub(1), inputs));
+        let below = |random: &mut Random| Box::new(Self::random(random, depth.saturating_sub(1), inputs));
         match random.below(if depth == 0 { 2 } else { 9 }) {
             0 => Self::Number((random.below(41) as f64 - 20.0) / 4.0),
             1 | 2 => Self::Input(random.below(inputs)),

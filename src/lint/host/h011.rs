@@ -1,0 +1,116 @@
+//! H011: a sampler set with something else than a unit.
+
+use super::HostFile;
+use super::settings::settings;
+use crate::diagnostic::{Code, Safety, Severity, told};
+use crate::glsl::types::{OpaqueKind, Type};
+use crate::lint::project::Project;
+use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::Edit;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H011"),
+    name: "sampler-setter",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a sampler is set with something else than the number of a texture unit",
+    page: Page {
+        what: "Reports samplers that are set by another function than `glUniform1i` and `glUniform1iv`, and those that are given `GL_TEXTURE0` and the like instead of the number of the unit.",
+        why: "Only `glUniform1i` and `glUniform1iv` may set a sampler; others fail with GL_INVALID_OPERATION. The value is the number of the unit: `GL_TEXTURE0` is 33984, far above the number of units.",
+        bad: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nuniform sampler2D image;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c * texture(image, c.xy);\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"image\");\n  glUniform1i(place, GL_TEXTURE0);\n}\n",
+            },
+        ],
+        good: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nuniform sampler2D image;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c * texture(image, c.xy);\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"image\");\n  glUniform1i(place, 0);\n}\n",
+            },
+        ],
+        fix: "Writes the number of the unit for `GL_TEXTURE0` and the like. Unsafe: the call failed before.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.5 (Samplers): only Uniform1i and Uniform1iv, with the number of a unit",
+        ],
+        ja: Japanese {
+            summary: "サンプラに、テクスチャユニットの番号でないものを設定しています",
+            what: "`glUniform1i` と `glUniform1iv` 以外の関数で設定しているサンプラ、およびユニットの番号ではなく `GL_TEXTURE0` などを渡しているものを報告します。",
+            why: "サンプラを設定できるのは `glUniform1i` と `glUniform1iv` だけで、ほかは GL_INVALID_OPERATION で失敗します。値はユニットの番号です。`GL_TEXTURE0` は 33984 で、ユニットの数をはるかに超えます。",
+            fix: "`GL_TEXTURE0` などをユニットの番号に書き換えます。元の呼び出しは失敗していたので unsafe です。",
+        },
+    },
+    check: Check::Host(check),
+};
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    for set in settings(host, project) {
+        if !matches!(set.element(), Type::Opaque(o) if matches!(o.kind, OpaqueKind::Sampler)) {
+            continue;
+        }
+        let (function, name) = (&set.function, &set.lookup.name);
+        let declared = (&set.shader.file, set.variable.name_span);
+        if !set.setter.fits(set.ty) {
+            findings.push(
+                findings
+                    .at(
+                        &host.file,
+                        set.place,
+                        told!(
+                            "`{function}` cannot set the sampler `{name}`",
+                            "`{function}` ではサンプラ `{name}` を設定できません"
+                        ),
+                    )
+                    .with_label(told!("GL_INVALID_OPERATION", "GL_INVALID_OPERATION になります"))
+                    .with_related(declared.0, declared.1, told!("a sampler", "サンプラです"))
+                    .with_why(told!(
+                        "a sampler holds the number of a texture unit, and only glUniform1i and glUniform1iv set it",
+                        "サンプラの値はテクスチャユニットの番号で、glUniform1i と glUniform1iv だけで設定できます"
+                    ))
+                    .with_help(told!(
+                        "call glUniform1i with the number of the unit",
+                        "ユニットの番号を glUniform1i で設定してください"
+                    )),
+            );
+            continue;
+        }
+        let Some(value) = set.value() else { continue };
+        let text = host.file.slice(value);
+        let Some(unit) = text.strip_prefix("GL_TEXTURE").filter(|n| n.parse::<u8>().is_ok()) else { continue };
+        findings.push(
+            findings
+                .at(
+                    &host.file,
+                    value,
+                    told!(
+                        "`{text}` is not the number of a texture unit",
+                        "`{text}` はテクスチャユニットの番号ではありません"
+                    ),
+                )
+                .with_label(told!("the unit is {unit}", "ユニットの番号は {unit} です"))
+                .with_related(declared.0, declared.1, told!("a sampler", "サンプラです"))
+                .with_why(told!(
+                    "`{text}` is the name that glActiveTexture takes; a sampler takes the number {unit}",
+                    "`{text}` は glActiveTexture に渡す名前です。サンプラには番号 {unit} を渡します"
+                ))
+                .with_fix(told!("write `{unit}`", "`{unit}` と書く"), Safety::Unsafe, vec![Edit::replace(value, unit)]),
+        );
+    }
+}
