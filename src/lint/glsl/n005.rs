@@ -3,12 +3,13 @@
 use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::Shader;
 use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind};
+use crate::glsl::symbols::SymbolId;
 use crate::lint::project::{Project, ShaderFile};
 use crate::lint::range::Visit;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
+use super::numeric::{bare, calls, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -21,7 +22,8 @@ pub const RULE: Rule = Rule {
         what: "Reports `normalize(v)` when the text shows that all components of `v` can be 0: constants, results of \
                `max`, `clamp` or `step` that end at 0, declared ranges, a vector less itself. With `--strict`, \
                `normalize(cross(a, b))` is reported, which is 0 for parallel vectors; with `--heuristic`, \
-               `normalize(a - b)`, which is 0 where both are equal.",
+               the difference of two elements of one array, such as neighbours on a \
+               curve, which is 0 where both are equal.",
         why: "The zero vector has no direction: `normalize` divides by its length, and the result is NaN.",
         bad: &[Example {
             name: "edge.frag",
@@ -38,7 +40,7 @@ pub const RULE: Rule = Rule {
         references: &["GLSL 4.60 specification, section 8.5 \"Geometric Functions\""],
         ja: Japanese {
             summary: "`normalize` に零ベクトルが渡されることがあります",
-            what: "`v` のすべての成分が 0 になりうることが本文から分かる `normalize(v)` を報告します。定数、0 で止まる `max`・`clamp`・`step` の結果、宣言した範囲、自分自身を引いたベクトルなどです。`--strict` では、平行なベクトルで 0 になる `normalize(cross(a, b))` も、`--heuristic` では、両者が等しいところで 0 になる `normalize(a - b)` も報告します。",
+            what: "`v` のすべての成分が 0 になりうることが本文から分かる `normalize(v)` を報告します。定数、0 で止まる `max`・`clamp`・`step` の結果、宣言した範囲、自分自身を引いたベクトルなどです。`--strict` では、平行なベクトルで 0 になる `normalize(cross(a, b))` も、`--heuristic` では、曲線上の隣り合う点のように同じ配列の 2 つの要素の差も、両者が等しいと 0 になるので報告します。",
             why: "零ベクトルには向きがありません。`normalize` は長さで割るので、結果は NaN になります。",
             fix: "変数またはその成分であれば、零ベクトルをそのまま残すようにします。unsafe: 長さが 0 のところで結果が変わります。",
         },
@@ -60,10 +62,26 @@ fn suspicious(shader: &Shader, arg: ExprId) -> Option<Level> {
     match &shader.expr(bare(shader, arg)).kind {
         ExprKind::Call { callee: Callee::Name(name), args: _ } if name.name == "cross" => Some(Level::Strict),
         ExprKind::Binary { op: BinaryOp::Sub, op_span: _, left, right } => {
-            let varies = |id: ExprId| constant(shader, id).is_none() && shader.symbol_of(bare(shader, id)).is_some();
-            (varies(*left) && varies(*right)).then_some(Level::Heuristic)
+            let (a, b) = (root(shader, *left)?, root(shader, *right)?);
+            (a == b).then_some(Level::Heuristic)
         }
         _ => None,
+    }
+}
+
+/// The array of which an expression is an element, or a member of one.
+fn root(shader: &Shader, id: ExprId) -> Option<SymbolId> {
+    let mut id = bare(shader, id);
+    let mut element = false;
+    loop {
+        id = match &shader.expr(id).kind {
+            ExprKind::Index { base, index: _ } => {
+                element = true;
+                bare(shader, *base)
+            }
+            ExprKind::Field { base, field: _ } => bare(shader, *base),
+            _ => return shader.symbol_of(id).filter(|_| element),
+        };
     }
 }
 
@@ -113,7 +131,7 @@ mod tests {
             "v = normalize(vec3(declared, 0.0, 0.0));",
         ]);
         rings("N005", Level::Strict, &["v = normalize(cross(p, q));", "v = normalize(cross(normalize(n), vec3(0.0, 1.0, 0.0)));"]);
-        rings("N005", Level::Heuristic, &["v = normalize(p - q);"]);
+        rings("N005", Level::Heuristic, &["vec3 k[2] = vec3[](p, q); v = normalize(k[1] - k[0]);"]);
     }
 
     #[test]
@@ -124,6 +142,7 @@ mod tests {
             "v = normalize(vec3(p.xy, 1.0));",
             "v = normalize(max(p, 0.01));",
             "v = normalize(p + q);",
+            "v = normalize(p - q);",
             "v = normalize(abs(p));",
         ]);
         silent("N005", Level::Strict, &["vec3 d = max(p, 0.0); if (length(d) > 0.0) v = normalize(d);"]);

@@ -59,12 +59,12 @@ fn off(weights: &[f64], may_be_half: bool) -> Option<f64> {
     let sum: f64 = weights.iter().sum();
     let half = 2.0 * sum - weights.first()?;
     let sums = if may_be_half { vec![sum, half] } else { vec![sum] };
-    // Decimal digits: a sum just at the limit is inside.
-    if sums.iter().any(|s| (s - 1.0).abs() <= EXACT + 1e-9) {
+    // The weights are rounded to binary32: a sum just at the limit is inside.
+    if sums.iter().any(|s| (s - 1.0).abs() <= EXACT + 1e-6) {
         return None;
     }
     let nearest = sums.into_iter().min_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))?;
-    ((nearest - 1.0).abs() <= NEAR + 1e-9).then_some(nearest)
+    ((nearest - 1.0).abs() <= NEAR + 1e-6).then_some(nearest)
 }
 
 fn constants(shader: &Shader, args: &[ExprId]) -> Option<Vec<f64>> {

@@ -39,8 +39,12 @@ impl State {
             (true, false) => return other.survive(ended.and(on), before),
             (false, true) => return self.survive(ended.and(on), before),
         };
-        for (symbol, theirs) in other.vars {
+        let mut symbols: Vec<SymbolId> = one.vars.keys().chain(other.vars.keys()).copied().collect();
+        symbols.sort_unstable();
+        symbols.dedup();
+        for symbol in symbols {
             let ours = one.vars.remove(&symbol).unwrap_or_else(|| begin(symbol));
+            let theirs = other.vars.get(&symbol).cloned().unwrap_or_else(|| begin(symbol));
             let joined = if ours == theirs { ours } else { ours.join(&theirs).depending(on) };
             one.vars.insert(symbol, joined);
         }

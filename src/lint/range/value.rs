@@ -244,7 +244,8 @@ impl Value {
 
     /// What all components depend on.
     pub fn sources(&self) -> Sources {
-        self.parts.iter().fold(self.rest, |all, p| all.and(p.sources))
+        let Some(first) = self.parts.first() else { return self.rest };
+        self.parts.iter().fold(first.sources, |all, p| all.and(p.sources))
     }
 
     /// What is possible in either.
