@@ -1,5 +1,9 @@
 //! Rules on shaders.
 
+pub(in crate::lint) mod t011;
+pub(super) mod p003;
+pub(super) mod p002;
+pub(super) mod p001;
 pub(super) mod d016;
 pub(super) mod d011;
 pub(super) mod d010;
