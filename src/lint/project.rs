@@ -140,11 +140,13 @@ pub struct ShaderFile {
 impl ShaderFile {
     fn new(input: &Input, stage: Stage) -> Self {
         let parsed = Shader::parse(&input.file, stage);
+        let claimed = |d| super::glsl::t011::claim(&parsed.shader, d);
+        let front_end = parsed.diagnostics.into_iter().map(claimed).collect();
         Self {
             file: input.file.clone(),
             reported: input.reported,
             shader: parsed.shader,
-            front_end: parsed.diagnostics,
+            front_end,
             conditional: is_conditional(input.file.text()),
             origin: None,
             observed: OnceLock::new(),

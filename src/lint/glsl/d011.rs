@@ -19,11 +19,11 @@ pub const RULE: Rule = Rule {
         why: "Until the end of the inner scope the name means another variable: a write that was meant for the \
             outer one is lost.",
         bad: &[Example { name: "sum.frag", text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    float s = float(i);\n    color \
-            = vec4(s);\n  }\n  color = vec4(s);\n}\n" }],
+            main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    float s = float(i);\n    s *= \
+            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n" }],
         good: &[Example { name: "sum.frag", text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    s += float(i);\n  }\n  color = \
-            vec4(s);\n}\n" }],
+            main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    s += float(i);\n    s *= \
+            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n" }],
         fix: "No fix: which of the two variables is meant is not known.",
         references: &["GLSL 4.60 specification, section 4.2.2 \"Scoping\""],
         ja: Japanese {

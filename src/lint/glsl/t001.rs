@@ -154,7 +154,9 @@ mod tests {
         let text = format!(
             "#version 150 core\nin vec4 q;\nout vec4 c;\nvoid main(void)\n{{\n  {statement}\n  gl_Position = q;\n  c = q;\n}}\n"
         );
-        run(&[Input::new(SourceFile::new("a.vert", text))])
+        let mut found = run(&[Input::new(SourceFile::new("a.vert", text))]);
+        found.retain(|d| d.code.0 != "D006");
+        found
     }
 
     fn fixed(statement: &str) -> (Safety, String) {
