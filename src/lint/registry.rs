@@ -6,6 +6,9 @@ use super::{glsl, host};
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[
     &glsl::g002::RULE,
+    &glsl::g007::RULE,
+    &glsl::g008::RULE,
+    &glsl::g009::RULE,
     &host::h001::RULE,
     &host::h002::RULE,
     &host::h003::RULE,
@@ -14,6 +17,25 @@ pub const RULES: &[&Rule] = &[
     &host::h030::RULE,
     &glsl::n014::RULE,
     &glsl::t001::RULE,
+    &glsl::t002::RULE,
+    &glsl::t003::RULE,
+    &glsl::t004::RULE,
+    &glsl::t008::RULE,
+    &glsl::t009::RULE,
+    &glsl::t010::RULE,
+    &glsl::t012::RULE,
+    &glsl::t016::RULE,
+    &glsl::t018::RULE,
+    &glsl::v001::RULE,
+    &glsl::v002::RULE,
+    &glsl::v003::RULE,
+    &glsl::v004::RULE,
+    &glsl::v005::RULE,
+    &glsl::v006::RULE,
+    &glsl::v007::RULE,
+    &glsl::v008::RULE,
+    &glsl::v009::RULE,
+    &glsl::v010::RULE,
 ];
 
 /// The rule with this code or name; letters may be small or capital.
@@ -41,7 +63,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::lint::{Input, run};
+    use crate::lint::{Input, Level, Selection, Settings, run_with};
     use crate::text::SourceFile;
 
     #[test]
@@ -80,7 +102,16 @@ mod tests {
         for rule in RULES {
             let lint = |files: &[crate::lint::Example]| {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
-                run(&inputs)
+                // The rule at its level, beside the rules that always run.
+                let settings = Settings {
+                    selection: Selection::default().at(rule.level),
+                    ..Settings::default()
+                };
+                let mut found = run_with(&inputs, &settings);
+                found.retain(|d| {
+                    d.code == rule.code || by_code(d.code.0).is_none_or(|other| other.level == Level::Default)
+                });
+                found
             };
             let bad = lint(rule.page.bad);
             let codes: Vec<&str> = bad.iter().map(|d| d.code.0).collect();
