@@ -18,11 +18,11 @@ pub const RULE: Rule = Rule {
         why: "A geometry shader gets the values of all vertices of a primitive, one element for each: the shader does not compile.",
         bad: &[Example {
             name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 normal;\nout vec3 n;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    n = normal;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
+            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 normal;\nout float n;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    n = dot(normal[i], normal[i]);\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
         }],
         good: &[Example {
             name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 normal[];\nout vec3 n;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    n = normal[i];\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
+            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 normal[];\nout float n;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    n = dot(normal[i], normal[i]);\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
         }],
         fix: "`[]` is put behind the name. Safe when every use has an index already; otherwise unsafe, because the uses need an index then.",
         references: &["GLSL 4.60 specification, section 4.3.4 \"Input Variables\""],

@@ -26,7 +26,7 @@ pub const RULE: Rule = Rule {
         }],
         good: &[Example {
             name: "a.frag",
-            text: "#version 150 core\nin vec3 normal;\nout vec4 color;\nvoid main(void)\n{\n  vec3 n = normalize(normal);\n  color = vec4(n, 1.0);\n}\n",
+            text: "#version 150 core\nin vec3 normal;\nout vec4 color;\nvoid main(void)\n{\n  vec3 normal_ = normal;\n  normal_ = normalize(normal_);\n  color = vec4(normal_, 1.0);\n}\n",
         }],
         fix: "An input that is used in one function only is copied into a local variable at the start of that function, and the copy is used instead. Safe: the text did not compile, and has one sensible reading. Otherwise there is no fix.",
         references: &["GLSL 4.60 specification, section 4.3.4 \"Input Variables\"", "GLSL 4.60 specification, section 4.3.5 \"Uniform Variables\""],

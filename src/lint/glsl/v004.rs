@@ -23,7 +23,7 @@ pub const RULE: Rule = Rule {
         }],
         good: &[Example {
             name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 result = position;\n  gl_Position = result;\n}\n",
+            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 output_ = position;\n  gl_Position = output_;\n}\n",
         }],
         fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. For names of the interface there is no fix.",
         references: &["GLSL 4.60 specification, section 3.6 \"Keywords\"", "GLSL 4.60 specification, section 3.7 \"Identifiers\""],
