@@ -2,8 +2,10 @@
 //! version of desktop GLSL and of GLSL ES that has them, and the extensions that add them.
 
 use super::ast::Ident;
-use super::{Extension, Profile, Version};
-use crate::diagnostic::{Told, told};
+use super::sink::Sink;
+use super::{Extension, Profile, Version, errors};
+use crate::diagnostic::{Lang, Told, told};
+use crate::text::Span;
 
 /// No version has it.
 pub(crate) const NEVER: u32 = u32::MAX;
@@ -40,7 +42,6 @@ pub(crate) enum Feature {
     InitializerLists,
     Interpolation,
     Invariant,
-    LayoutBinding,
     LayoutLocation,
     LayoutLocationUniform,
     LayoutLocationVarying,
@@ -95,17 +96,6 @@ impl Feature {
                 (420, NEVER, &["ARB_shading_language_420pack"])
             }
             Self::MixedQualifiers => (420, 310, &["ARB_shading_language_420pack"]),
-            Self::LayoutBinding => (
-                420,
-                310,
-                &[
-                    "ARB_shading_language_420pack",
-                    "ARB_shader_atomic_counters",
-                    "ARB_shader_storage_buffer_object",
-                    "ARB_shader_image_load_store",
-                    "EXT_shader_framebuffer_fetch",
-                ],
-            ),
             Self::LayoutLocation => (330, 300, &["ARB_explicit_attrib_location", "ARB_separate_shader_objects"]),
             Self::LayoutLocationUniform => (430, 310, &["ARB_explicit_uniform_location"]),
             Self::LayoutLocationVarying => {
@@ -144,7 +134,6 @@ impl Feature {
             Self::ScalarSwizzles => told!("a swizzle of a scalar", "スカラのスウィズル"),
             Self::VectorLength => told!("`.length()` of a vector or matrix", "ベクトル・行列の `.length()`"),
             Self::MixedQualifiers => told!("this order of qualifiers", "この順序の修飾子"),
-            Self::LayoutBinding => told!("`layout(binding)`", "`layout(binding)`"),
             Self::LayoutLocation => told!("`layout(location)`", "`layout(location)`"),
             Self::LayoutLocationUniform => told!("`layout(location)` of a uniform", "uniform の `layout(location)`"),
             Self::LayoutLocationVarying => {
@@ -256,6 +245,35 @@ impl Language {
     /// `GLSL 1.20`, `GLSL ES 3.00`.
     pub(crate) fn name(&self) -> String {
         name(self.number, self.es())
+    }
+
+    /// Tells that something came later than this version.
+    pub(crate) fn lacks(&self, sink: &mut Sink, what: &Told, since: Since, span: Span) {
+        let (en, ja) = (what.in_lang(Lang::En), what.in_lang(Lang::Ja));
+        let wanted = self.wanted(since);
+        let (wanted_en, wanted_ja) = (wanted.in_lang(Lang::En), wanted.in_lang(Lang::Ja));
+        let version = self.name();
+        // Only an extension brings it.
+        let extension = wanted_en.starts_with('`');
+        let code = if extension { errors::EXTENSION } else { errors::NEEDS_VERSION };
+        let message = Told::new(format!("{en} needs {wanted_en}"), format!("{ja}には {wanted_ja} が必要です"));
+        let help = if extension {
+            let name = wanted_en.trim_matches('`');
+            told!(
+                "put `#extension {name} : enable` behind `#version`",
+                "`#version` の後に `#extension {name} : enable` を書いてください"
+            )
+        } else {
+            Told::new(
+                format!("declare {wanted_en}, or write it without this"),
+                format!("{wanted_ja} を宣言するか、これを使わずに書いてください"),
+            )
+        };
+        let d = sink
+            .start(code, span, message)
+            .with_label(told!("this shader is {version}", "このシェーダは {version} です"))
+            .with_help(help);
+        sink.push(d);
     }
 
     /// What has to be there for something: "GLSL 1.30", "GLSL 4.20 or `GL_ARB_…`".

@@ -170,6 +170,12 @@ pub struct Token {
     pub place: TokenPlace,
 }
 
+/// True when the version and stage of a shader have a built-in function of that name.
+pub fn is_builtin_function(shader: &Shader, name: &str) -> bool {
+    let language = language::Language::new(shader.version(), shader.extensions());
+    !builtin::functions(name).is_empty() && builtin::function_absent(name, shader.stage(), &language).is_none()
+}
+
 /// A shader and what is wrong with it.
 #[derive(Clone, Debug)]
 pub struct Parsed {

@@ -140,7 +140,9 @@ mod tests {
     fn refused(globals: &str, body: &str) -> Vec<String> {
         let text = format!("#version 430\nin vec4 p;\n{globals}\nvoid main() {{ {body} gl_Position = p; }}\n");
         let parsed = Shader::parse(&SourceFile::new("t.vert", text), Stage::Vertex);
-        assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+        // Misplaced statements and recursion are errors of the front end already.
+        let known = ["E045", "E046"];
+        assert!(parsed.diagnostics.iter().all(|d| known.contains(&d.code.0)), "{:?}", parsed.diagnostics);
         let told = lower(&parsed.shader, &Target::Stage).err().unwrap_or_default();
         told.iter().map(|d| format!("{} {}", d.file.position(d.span.start), d.message)).collect()
     }

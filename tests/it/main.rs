@@ -7,6 +7,7 @@ mod blame;
 mod calibrate;
 mod check_cli;
 mod geometry;
+mod glsl_differential;
 mod interp;
 mod json;
 mod lint_cli;

@@ -25,31 +25,7 @@ impl Checker<'_> {
 
     /// Tells that something came later than this version.
     pub(super) fn lacks(&mut self, what: Told, since: Since, span: Span) {
-        use crate::diagnostic::Lang;
-        let (en, ja) = (what.in_lang(Lang::En), what.in_lang(Lang::Ja));
-        let wanted = self.language.wanted(since);
-        let (wanted_en, wanted_ja) = (wanted.in_lang(Lang::En), wanted.in_lang(Lang::Ja));
-        let version = self.language.name();
-        // Only an extension brings it.
-        let extension = wanted_en.starts_with('`');
-        let code = if extension { errors::EXTENSION } else { errors::NEEDS_VERSION };
-        let message = Told::new(format!("{en} needs {wanted_en}"), format!("{ja}には {wanted_ja} が必要です"));
-        let d = self
-            .sink
-            .start(code, span, message)
-            .with_label(told!("this shader is {version}", "このシェーダは {version} です"));
-        let help = if extension {
-            Told::new(
-                format!("put `#extension {}` behind `#version`", enable(wanted_en)),
-                format!("`#version` の後に `#extension {}` を書いてください", enable(wanted_ja)),
-            )
-        } else {
-            Told::new(
-                format!("declare {wanted_en}, or write it without this"),
-                format!("{wanted_ja} を宣言するか、これを使わずに書いてください"),
-            )
-        };
-        self.sink.push(d.with_help(help));
+        self.language.lacks(self.sink, &what, since, span);
     }
 
     /// True when the expression is constant by the rules of the language.
@@ -173,8 +149,4 @@ impl Checker<'_> {
             }
         }
     }
-}
-
-fn enable(wanted: &str) -> String {
-    format!("{} : enable", wanted.trim_matches('`'))
 }

@@ -32,7 +32,7 @@ const KEYS: &[(&str, bool, Since)] = &[
     ("location", true, (330, 300, &["ARB_explicit_attrib_location", "ARB_separate_shader_objects", "EXT_separate_shader_objects", "ARB_explicit_uniform_location"])),
     ("index", true, (330, u32::MAX, &["ARB_explicit_attrib_location"])),
     ("component", true, (440, u32::MAX, &[])),
-    ("binding", true, (420, 310, &["ARB_shading_language_420pack", "ARB_shader_storage_buffer_object"])),
+    ("binding", true, (420, 310, &["ARB_shading_language_420pack", "ARB_shader_atomic_counters", "ARB_shader_storage_buffer_object", "ARB_shader_image_load_store"])),
     ("offset", true, (420, 310, &[])),
     ("align", true, (440, u32::MAX, &[])),
     ("shared packed row_major column_major", false, (140, 300, &["ARB_uniform_buffer_object"])),

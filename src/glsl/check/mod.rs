@@ -1,12 +1,14 @@
 //! Names, types and the stage interface of a syntax tree. Follows the order of the text, because
 //! a name is known from its declaration on (GLSL 4.60 specification, section 4.2).
 
+mod block;
 mod call;
 mod constant;
 mod declaration;
 mod declared;
 mod expression;
 mod functions;
+mod index;
 mod layouts;
 mod lvalue;
 mod operator;

@@ -7,11 +7,12 @@ use super::super::ast::{
 use super::super::errors;
 use super::super::lexer::Lex;
 use super::{Ident, Parser, Read, Told};
+use crate::diagnostic::told;
 
 impl Parser<'_> {
     pub(super) fn qualifiers(&mut self) -> Read<Qualifiers> {
         let mut list = Vec::new();
-        while self.words.qualifier(self.word()) {
+        while self.words.qualifier(self.word()) || self.late_qualifier() {
             let start = self.span();
             let word = self.word().to_owned();
             self.advance();
@@ -47,6 +48,24 @@ impl Parser<'_> {
             list.push(Qualifier { kind, span: self.since(start) });
         }
         Ok(Qualifiers { list })
+    }
+
+    /// Tells a qualifier of a later version that stands where one can only be meant, and takes it as one.
+    fn late_qualifier(&mut self) -> bool {
+        let word = self.word().to_owned();
+        let Some(since) = self.words.late_qualifier(&word) else { return false };
+        let next = self.word_at(1);
+        let meant = if word == "layout" {
+            self.peek_at(1) == Lex::LParen
+        } else {
+            self.words.qualifier(next) || self.words.built_in_type(next)
+        };
+        if meant {
+            let span = self.span();
+            self.words.language().lacks(self.sink, &told!("`{word}`", "`{word}` "), since, span);
+            self.words.enable(&[word.as_str()]);
+        }
+        meant
     }
 
     fn layout(&mut self) -> Read<Vec<LayoutEntry>> {

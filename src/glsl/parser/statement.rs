@@ -1,6 +1,7 @@
 //! Statements.
 
 use super::super::ast::{Condition, Declaration, QualifiedNames, Stmt, StmtKind};
+use super::super::language::Feature;
 use super::super::lexer::Lex;
 use super::{Parser, Read, Told};
 use crate::text::Span;
@@ -29,6 +30,12 @@ impl Parser<'_> {
             _ => {}
         }
         let word = self.word().to_owned();
+        if word == "switch" && !self.words.keyword(&word) && self.peek_at(1) == Lex::LParen {
+            let span = self.span();
+            let feature = Feature::Switch;
+            self.words.language().lacks(self.sink, &feature.told(), feature.since(), span);
+            self.words.enable(&["switch", "case", "default"]);
+        }
         if !self.words.keyword(&word) {
             return self.simple(&word);
         }

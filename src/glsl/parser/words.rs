@@ -161,6 +161,22 @@ impl Words {
         row.is_some() && !self.keyword(word)
     }
 
+    /// The language.
+    pub(crate) fn language(&self) -> &Language {
+        &self.language
+    }
+
+    /// Makes words keywords that a later version has, after that has been told.
+    pub(crate) fn enable(&mut self, words: &[&str]) {
+        self.names.retain(|n| !words.contains(n));
+    }
+
+    /// When a qualifier came that is a name in this version; none when it is no such word.
+    pub(crate) fn late_qualifier(&self, word: &str) -> Option<Since> {
+        let known = QUALIFIERS.contains(&word) && self.is_late(word);
+        LATE.iter().find(|(late, _)| known && *late == word).map(|(_, since)| *since)
+    }
+
     fn is_late(&self, word: &str) -> bool {
         self.names.contains(&word) || type_since(word).is_some_and(|since| !self.language.since(since))
     }

@@ -82,7 +82,9 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
         let place = if directive {
             this.directive(line);
             // The directives of the outermost #if are no part of what it leaves out.
-            if active || this.active() || this.outer_active() { TokenPlace::Directive } else { TokenPlace::Inactive }
+            let word = line.get(1).map(|p| this.slice(p)).unwrap_or_default();
+            let conditional = matches!(word.as_str(), "if" | "ifdef" | "ifndef" | "elif" | "else" | "endif");
+            if active || this.active() || (conditional && this.outer_active()) { TokenPlace::Directive } else { TokenPlace::Inactive }
         } else if active {
             this.text(line);
             TokenPlace::Text

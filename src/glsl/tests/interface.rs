@@ -116,8 +116,8 @@ fn constants_in_layouts_and_macros_are_folded() {
 #[test]
 fn qualifiers_keep_their_spans_and_values() {
     let source =
-        "#version 330\nlayout(location = 2) flat in highp int k;\ninvariant centroid out vec4 o;\nvoid main() {}";
-    let shader = clean(source, Stage::Vertex);
+        "#version 410\nlayout(location = 2) flat in highp int k;\ninvariant centroid out vec4 o;\nvoid main() {}";
+    let shader = clean(source, Stage::TessEvaluation);
     let k = shader.interface().input("k").unwrap();
     let location = k.qualifiers.layout_entry("location").unwrap();
     assert_eq!(text(&shader, location.span), "location = 2");

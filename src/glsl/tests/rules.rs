@@ -15,7 +15,7 @@ fn one(stage: Stage, source: &str, want: &str) {
 fn features_belong_to_versions() {
     use Stage::{Fragment, Vertex};
     for (stage, old, new, body, want) in [
-        (Vertex, "120", "130", "int f(int a) { return a % 2; }", "V002 this integer operator needs GLSL 1.30"),
+        (Vertex, "120", "130", "int f(int a) { return a % 2; }", "V002 this integer operator needs GLSL 1.30 or `GL_EXT_gpu_shader4`"),
         (Vertex, "110", "120", "float f() { float a[2]; return float(a.length()); }", "V002 `.length()` needs GLSL 1.20"),
         (Vertex, "130", "400", "double d;", "V002 `double` needs GLSL 4.00 or `GL_ARB_gpu_shader_fp64`"),
         (Vertex, "150", "330", "layout(location = 1) in vec4 p;", "V002 `layout(location)` needs GLSL 3.30 or `GL_ARB_explicit_attrib_location`"),
