@@ -139,6 +139,8 @@ fn a_baseline_hides_what_it_knows_and_tells_what_is_gone() {
     // A file that does not exist any more takes its findings with it.
     fs::remove_file(place.join("s/b.vert")).unwrap();
     assert!(lint(place, "s --baseline known.json").expect(0).err.contains("N014 in s/b.vert"));
+    let ran = lint(place, "s/a.vert --write-baseline no/such/known.json").expect(2);
+    assert!(ran.err.contains("no/such/known.json: cannot be written"), "{}", ran.err);
     write(&folder, "known.json", b"{}");
     assert!(lint(place, "s --baseline known.json").expect(2).err.contains("--write-baseline"));
 }

@@ -22,7 +22,7 @@ usage: cargo xtask <task> [arguments]
   test [ARGS]...    set the machine up, then run the whole suite of tests; ARGS go to the test runner
                     (without any, documentation tests run as well and unreferenced snapshots fail)
   tidy              tests of the project's own structure, unreferenced snapshots, shared builds
-  bench [ARGS]...   set the machine up, then print how fast the gate is; with --against-script
+  bench [ARGS]...   set the machine up, then print how fast gate and linter are; with --against-script
                     [--samples N] [--rounds N] [--program FILE], beside a test written by hand with
                     moderngl and numpy, in a Python environment that is thrown away
   soundness [--samples N] [--seed N]

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -67,9 +68,31 @@ impl Known {
         Ok(covered)
     }
 
+    /// Replaces the file in one step, so that it is never half written.
     fn save(&self, baseline: &Baseline) -> Result<()> {
-        fs::write(&self.path, baseline.to_text()).with_context(|| format!("{}: cannot be written", self.path.display()))
+        let failed = || format!("{}: cannot be written", self.path.display());
+        let mut file = tempfile::NamedTempFile::new_in(&self.folder).with_context(failed)?;
+        file.write_all(baseline.to_text().as_bytes()).with_context(failed)?;
+        if let Ok(metadata) = fs::metadata(&self.path) {
+            file.as_file().set_permissions(metadata.permissions()).with_context(failed)?;
+        } else {
+            readable(&file).with_context(failed)?;
+        }
+        file.persist(&self.path).map_err(|error| error.error).with_context(failed)?;
+        Ok(())
     }
+}
+
+/// Temporary files are for their owner alone; a new baseline is for all who read the project.
+fn readable(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
+    }
+    #[cfg(not(unix))]
+    let _ = file;
+    Ok(())
 }
 
 fn real(path: &Path) -> PathBuf {
