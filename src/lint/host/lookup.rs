@@ -8,7 +8,7 @@ use super::HostFile;
 use super::feeds::{Feeds, User, feeds, users};
 use super::index::Index;
 use super::presets::PRESETS;
-use super::program::{ProgramSource, source};
+use super::program::{ProgramSource, own_source, source};
 use super::setter::Setter;
 use super::syntax::{arguments, bare, callee, plain_string, span};
 use crate::lint::config::Wrapped;
@@ -96,7 +96,7 @@ pub fn find(host: &HostFile) -> Vec<Lookup> {
 
 /// A look-up, or a setter by name, through a function that wraps that of OpenGL: a preset, or one that
 /// the configuration names. The program is that of the object, or of the first argument of a plain
-/// function; one that only lies beside the host file is not taken for it.
+/// function, and is known by what is done with it in this file.
 fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
     let host = index.host;
     let function = call.child_by_field_name("function")?;
@@ -120,10 +120,9 @@ fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
     };
     let (name, name_span, partial) = name(index, *all.get(at)?)?;
     let program = object.or_else(|| all.first().copied().filter(|_| at > 0))?;
-    let source = match source(index, call, program) {
-        ProgramSource::Named(shaders) if !call.has_error() => ProgramSource::Named(shaders),
-        ProgramSource::Named(_) | ProgramSource::Beside | ProgramSource::Unknown => ProgramSource::Unknown,
-    };
+    // Any object may be passed in: only what is done with this one counts.
+    let known = own_source(index, call, program).filter(|_| !call.has_error());
+    let source = known.unwrap_or(ProgramSource::Unknown);
     Some(Lookup {
         kind,
         function: span(name_node),
