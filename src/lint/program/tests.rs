@@ -94,6 +94,11 @@ fn a_program_is_known_for_certain_or_not_at_all() {
             "GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, other()); glLinkProgram(p);",
             0,
         ),
+        ("compile(\"a.vert\"); compile(\"b.frag\"); GLuint p = glCreateProgram(); attach(p); glLinkProgram(p);", 0),
+        (
+            "GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, compile(\"b.frag\")); glAttachShader(p, third); glLinkProgram(p);",
+            0,
+        ),
         ("prog.compileShader(\"a.vert\"); prog.compileShader(\"b.frag\"); prog.link();", 1),
         ("prog.compileShader(\"a.vert\"); prog.compileShader(name); prog.link();", 0),
         ("glProgramParameteri(p, GL_PROGRAM_SEPARABLE, 1); load(\"a.vert\", \"b.frag\");", 0),
