@@ -6,11 +6,11 @@ use crate::text::Span;
 
 use super::HostFile;
 use super::feeds::{Feeds, User, feeds, users};
-use super::index::Index;
+use super::index::{Index, within};
 use super::presets::PRESETS;
 use super::program::{ProgramSource, own_source, source};
 use super::setter::Setter;
-use super::syntax::{arguments, bare, callee, plain_string, span};
+use super::syntax::{arguments, bare, callee, enclosing_function, plain_string, span};
 use crate::lint::config::Wrapped;
 
 /// What is looked up.
@@ -143,10 +143,47 @@ fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
     if let Some((name, place)) = plain_string(argument, file) {
         return Some((name.to_owned(), place, false));
     }
+    let node = unwrapped(argument);
+    let (name, place) = match node.kind() {
+        "identifier" => beginning(index, node)?,
+        _ => begins(index, node)?,
+    };
+    name.contains(['[', '.']).then_some((name, place, true))
+}
+
+/// The object of methods that only convert: `(…).c_str()`, `QString("…").arg(i)`.
+fn unwrapped(argument: Node<'_>) -> Node<'_> {
     let mut node = bare(argument);
-    // `(…).c_str()`
-    if let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
+    while let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
         node = bare(inner);
+    }
+    node
+}
+
+/// How the text begins that a variable holds: by its one value in the function, or by the one call that
+/// prints into it.
+fn beginning(index: &Index<'_>, variable: Node<'_>) -> Option<(String, Span)> {
+    let host = index.host;
+    let function = enclosing_function(variable)?;
+    let name = host.text(variable);
+    let mut values = index.values(function, name);
+    if let Some(only) = values.next() {
+        let is_last = values.next().is_none() && only.target.end_byte() < variable.start_byte();
+        return if is_last { begins(index, unwrapped(only.value)) } else { None };
+    }
+    let mut prints = index.calls.iter().filter(|c| {
+        let prints = callee(**c, &host.file).is_some_and(|(f, _)| ["sprintf", "snprintf", "sprintf_s"].contains(&f));
+        prints && within(function, **c) && arguments(**c).first().is_some_and(|a| host.text(bare(*a)) == name)
+    });
+    let call = *prints.next().filter(|_| prints.next().is_none())?;
+    formatted(index, call)
+}
+
+/// How the text of an expression begins: a sum that starts with a literal, or a call that fills one in.
+fn begins(index: &Index<'_>, expression: Node<'_>) -> Option<(String, Span)> {
+    let mut node = expression;
+    if node.kind() == "call_expression" {
+        return formatted(index, node);
     }
     if node.kind() != "binary_expression" {
         return None;
@@ -158,8 +195,15 @@ fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
     if let (Some(_), &[only]) = (node.child_by_field_name("function"), arguments(node).as_slice()) {
         node = bare(only);
     }
-    let (name, place) = plain_string(node, file)?;
-    name.contains(['[', '.']).then(|| (name.to_owned(), place, true))
+    plain_string(node, &index.host.file).map(|(name, place)| (name.to_owned(), place))
+}
+
+/// The text before the first place to fill in, of `format("bones[{}]", i)` and the like.
+fn formatted(index: &Index<'_>, call: Node<'_>) -> Option<(String, Span)> {
+    let all = arguments(call);
+    let (text, place) = all.iter().find_map(|a| plain_string(*a, &index.host.file))?;
+    let end = text.find(['%', '{'])?;
+    Some((text[..end].to_owned(), Span::new(place.start, place.start + end)))
 }
 
 fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
