@@ -175,7 +175,14 @@ fn faults(name: &str, text: &str) -> usize {
     let file = SourceFile::new(name, text);
     match language_of(name) {
         Some(Language::Shader(stage)) => crate::glsl::Shader::parse(&file, stage).diagnostics.len(),
-        Some(Language::Host) => HostFile::new(&file, true).error_count(),
+        Some(Language::Host) => {
+            let host = HostFile::new(&file, true);
+            let shaders = host.embedded().iter().map(|e| {
+                let text = SourceFile::new(e.name.as_str(), e.literal.text.as_str());
+                crate::glsl::Shader::parse(&text, e.stage).diagnostics.len()
+            });
+            host.error_count().saturating_add(shaders.sum())
+        }
         None => 0,
     }
 }

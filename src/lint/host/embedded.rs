@@ -238,4 +238,32 @@ mod tests {
         let fix = found[0].fix.as_ref().unwrap();
         assert_eq!(found[0].file.slice(fix.edits[0].span), "3.1416");
     }
+
+    #[test]
+    fn a_text_that_breaks_off_anywhere_does_no_harm() {
+        let text = "#define GLSL(v, x) \"#version \" #v \"\\n\" #x\nconst char *頂点 = GLSL(150, in vec4 p;\nvoid main() { gl_Position = p; });\n\
+                    const char *fs = \"#version 150 core\" \"out vec4 c; // 色\\n\" \"void main() { c = vec4(3.14); }\\n\";\n\
+                    const char *g = R\"x(#version 150\nvoid main() { 頂 })x\";\n\
+                    void f() { Shader s(\"a.vert\", \"a.frag\"); s.setVec3((\"l[\" + i + \"].m\").c_str(), v);\n\
+                    GLuint p = glCreateProgram(); glAttachShader(p, make(GL_VERTEX_SHADER, 頂点)); glLinkProgram(p);\n\
+                    glBindAttribLocation(p, 0, \"p\"); glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 2, 0); }\n";
+        for (end, _) in text.char_indices() {
+            for d in run(&[Input::new(SourceFile::new("m.cpp", &text[..end]))]) {
+                let edits = d.fix.iter().flat_map(|f| &f.edits).map(|e| e.span);
+                for span in edits.chain([d.span]) {
+                    assert!(d.file.text().get(span.range()).is_some(), "cut at {end}: {d:#?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_fix_lands_in_the_literal() {
+        use crate::diagnostic::Safety;
+        use crate::lint::Settings;
+        let text = "const char *fs = \"#version 150 core\\n\"\n  \"in int m;\\n\"\n  \"out vec4 c;\\n\" \"void main() { c = vec4(m); }\\n\";\n";
+        let outcome =
+            crate::lint::fix::fix(&[Input::new(SourceFile::new("m.cpp", text))], &Settings::default(), Safety::Safe);
+        assert_eq!(outcome.files[0].after.text(), text.replace("in int m", "flat in int m"));
+    }
 }

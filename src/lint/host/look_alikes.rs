@@ -101,6 +101,32 @@ fn helper_methods_are_known_by_their_shape() {
 }
 
 #[test]
+fn names_with_an_index_are_known_by_their_beginning() {
+    for (array, expected) in [("lights", &[][..]), ("lamps", &["H003"][..])] {
+        for name in [
+            format!("(\"{array}[\" + std::to_string(i) + \"].gain\").c_str()"),
+            format!("QString(\"{array}[%1].gain\").arg(i)"),
+            format!("std::format(\"{array}[{{}}].gain\", i).c_str()"),
+        ] {
+            let look = format!("glGetUniformLocation(s.id, {name});");
+            assert_eq!(codes(&look), expected, "{look}");
+        }
+        let kept = format!("std::string n = \"{array}[\" + i + \"].gain\"; glGetUniformLocation(s.id, n.c_str());");
+        assert_eq!(codes(&kept), expected, "{kept}");
+        let printed = format!("char n[9]; snprintf(n, 9, \"{array}[%d].gain\", i); glGetUniformLocation(s.id, n);");
+        assert_eq!(codes(&printed), expected, "{printed}");
+    }
+    for silent in [
+        "std::string n = \"lam\"; n += \"ps\"; glGetUniformLocation(s.id, n.c_str());",
+        "glGetUniformLocation(s.id, (prefix + \"[0]\").c_str());",
+        "glGetUniformLocation(s.id, format(\"{}[0]\", name));",
+        "char n[9]; sprintf(n, \"a[%d]\", i); sprintf(n, \"lights[%d]\", i); glGetUniformLocation(s.id, n);",
+    ] {
+        assert!(codes(silent).is_empty(), "{silent}");
+    }
+}
+
+#[test]
 fn wrappers_of_the_configuration_are_followed() {
     let wrapper =
         Wrapper { function: "upload".into(), kind: Wrapped::SetUniform, argument: 1, sets: Some("vec3".into()) };

@@ -6,11 +6,11 @@ use crate::text::Span;
 
 use super::HostFile;
 use super::feeds::{Feeds, User, feeds, users};
-use super::index::Index;
+use super::index::{Index, within};
 use super::presets::PRESETS;
-use super::program::{ProgramSource, source};
+use super::program::{ProgramSource, own_source, source};
 use super::setter::Setter;
-use super::syntax::{arguments, bare, callee, plain_string, span};
+use super::syntax::{arguments, bare, callee, enclosing_function, plain_string, span};
 use crate::lint::config::Wrapped;
 
 /// What is looked up.
@@ -96,7 +96,7 @@ pub fn find(host: &HostFile) -> Vec<Lookup> {
 
 /// A look-up, or a setter by name, through a function that wraps that of OpenGL: a preset, or one that
 /// the configuration names. The program is that of the object, or of the first argument of a plain
-/// function; one that only lies beside the host file is not taken for it.
+/// function, and is known by what is done with it in this file.
 fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
     let host = index.host;
     let function = call.child_by_field_name("function")?;
@@ -120,10 +120,9 @@ fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
     };
     let (name, name_span, partial) = name(index, *all.get(at)?)?;
     let program = object.or_else(|| all.first().copied().filter(|_| at > 0))?;
-    let source = match source(index, call, program) {
-        ProgramSource::Named(shaders) if !call.has_error() => ProgramSource::Named(shaders),
-        ProgramSource::Named(_) | ProgramSource::Beside | ProgramSource::Unknown => ProgramSource::Unknown,
-    };
+    // Any object may be passed in: only what is done with this one counts.
+    let known = own_source(index, call, program).filter(|_| !call.has_error());
+    let source = known.unwrap_or(ProgramSource::Unknown);
     Some(Lookup {
         kind,
         function: span(name_node),
@@ -144,10 +143,47 @@ fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
     if let Some((name, place)) = plain_string(argument, file) {
         return Some((name.to_owned(), place, false));
     }
+    let node = unwrapped(argument);
+    let (name, place) = match node.kind() {
+        "identifier" => beginning(index, node)?,
+        _ => begins(index, node)?,
+    };
+    name.contains(['[', '.']).then_some((name, place, true))
+}
+
+/// The object of methods that only convert: `(…).c_str()`, `QString("…").arg(i)`.
+fn unwrapped(argument: Node<'_>) -> Node<'_> {
     let mut node = bare(argument);
-    // `(…).c_str()`
-    if let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
+    while let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
         node = bare(inner);
+    }
+    node
+}
+
+/// How the text begins that a variable holds: by its one value in the function, or by the one call that
+/// prints into it.
+fn beginning(index: &Index<'_>, variable: Node<'_>) -> Option<(String, Span)> {
+    let host = index.host;
+    let function = enclosing_function(variable)?;
+    let name = host.text(variable);
+    let mut values = index.values(function, name);
+    if let Some(only) = values.next() {
+        let is_last = values.next().is_none() && only.target.end_byte() < variable.start_byte();
+        return if is_last { begins(index, unwrapped(only.value)) } else { None };
+    }
+    let mut prints = index.calls.iter().filter(|c| {
+        let prints = callee(**c, &host.file).is_some_and(|(f, _)| ["sprintf", "snprintf", "sprintf_s"].contains(&f));
+        prints && within(function, **c) && arguments(**c).first().is_some_and(|a| host.text(bare(*a)) == name)
+    });
+    let call = *prints.next().filter(|_| prints.next().is_none())?;
+    formatted(index, call)
+}
+
+/// How the text of an expression begins: a sum that starts with a literal, or a call that fills one in.
+fn begins(index: &Index<'_>, expression: Node<'_>) -> Option<(String, Span)> {
+    let mut node = expression;
+    if node.kind() == "call_expression" {
+        return formatted(index, node);
     }
     if node.kind() != "binary_expression" {
         return None;
@@ -159,8 +195,15 @@ fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
     if let (Some(_), &[only]) = (node.child_by_field_name("function"), arguments(node).as_slice()) {
         node = bare(only);
     }
-    let (name, place) = plain_string(node, file)?;
-    name.contains(['[', '.']).then(|| (name.to_owned(), place, true))
+    plain_string(node, &index.host.file).map(|(name, place)| (name.to_owned(), place))
+}
+
+/// The text before the first place to fill in, of `format("bones[{}]", i)` and the like.
+fn formatted(index: &Index<'_>, call: Node<'_>) -> Option<(String, Span)> {
+    let all = arguments(call);
+    let (text, place) = all.iter().find_map(|a| plain_string(*a, &index.host.file))?;
+    let end = text.find(['%', '{'])?;
+    Some((text[..end].to_owned(), Span::new(place.start, place.start + end)))
 }
 
 fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {

@@ -69,27 +69,30 @@ pub fn resolve<'p>(host: &HostFile, project: &'p Project, source: &ProgramSource
 }
 
 /// Where the shaders of the program in a look-up are named: `call` is the look-up and `program` the
-/// expression for its program.
+/// expression for its program. What is not known of the program itself is asked of the file as a whole.
 pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> ProgramSource {
+    own_source(index, call, program).unwrap_or_else(|| whole(index))
+}
+
+/// As [`source`], from what is done with the program itself; none when that says nothing.
+pub fn own_source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Option<ProgramSource> {
     match loader(index, call, program) {
         Loader::Value(value) => {
             let inside = span(value);
             let mut all = index.groups.iter().filter(|g| inside.contains(g.start)).peekable();
             if all.peek().is_some() {
-                return named(index.host, all.flat_map(|g| g.names.iter().cloned()).collect());
+                return Some(named(index.host, all.flat_map(|g| g.names.iter().cloned()).collect()));
             }
             // Made from something with a name that is no file: load("phong").
             if descendants(value).any(|n| n.kind().ends_with("string_literal")) {
-                return ProgramSource::Unknown;
+                return Some(ProgramSource::Unknown);
             }
         }
-        Loader::Several => return ProgramSource::Unknown,
+        Loader::Several => return Some(ProgramSource::Unknown),
         Loader::Unknown => {}
     }
-    if let Some(shaders) = attached(index, call, program).or_else(|| given(index, call, program)) {
-        return named(index.host, shaders);
-    }
-    whole(index)
+    let shaders = attached(index, call, program).or_else(|| given(index, call, program))?;
+    Some(named(index.host, shaders))
 }
 
 /// The program of a file that is about one program as a whole, and names all that it loads.

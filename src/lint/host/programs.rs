@@ -36,10 +36,13 @@ pub fn find(host: &HostFile) -> HostPrograms {
         p.dedup();
     });
     linked.retain(|p| p.len() > 1 && one_each(host, p));
-    // A file about one program, though how its stages come together is not seen.
+    // A file about one program that attaches as many shaders as it names, though which one goes where is
+    // not seen.
     let links = index.call_count("glLinkProgram").max(index.call_count("glCreateProgram"));
     if let (true, ProgramSource::Named(all)) = (linked.is_empty() && links == 1, whole(&index)) {
-        linked.push(all);
+        if index.call_count("glAttachShader") == all.len() {
+            linked.push(all);
+        }
     }
     linked.sort_unstable();
     linked.dedup();

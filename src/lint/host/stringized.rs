@@ -125,7 +125,7 @@ fn trimmed(text: &str, place: Span) -> Span {
 /// The string literal that ends right before `at`.
 fn literal_before(host: &HostFile, at: usize) -> Option<Node<'_>> {
     let end = host.file.text()[..at].trim_end().len();
-    let last = end.checked_sub(1).filter(|l| host.file.text()[*l..].starts_with('"'))?;
+    let last = end.checked_sub(1).filter(|_| host.file.text()[..end].ends_with('"'))?;
     let node = host.root()?.descendant_for_byte_range(last, end)?;
     std::iter::successors(Some(node), Node::parent)
         .take_while(|n| n.end_byte() == end)
@@ -137,7 +137,29 @@ fn literal_before(host: &HostFile, at: usize) -> Option<Node<'_>> {
 fn variable_before(text: &str, at: usize) -> Option<(String, Span)> {
     let head = text[..at].trim_end().strip_suffix('=')?.trim_end();
     let head = head.strip_suffix(']').and_then(|h| h.rfind('[').map(|o| h[..o].trim_end())).unwrap_or(head);
-    let start = head.rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |i| i + 1);
-    let name = &head[start..];
-    (!name.is_empty() && head.is_char_boundary(start)).then(|| (name.to_owned(), Span::new(start, head.len())))
+    let name = head.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or("");
+    (!name.is_empty()).then(|| (name.to_owned(), Span::new(head.len() - name.len(), head.len())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_variable_before_an_invocation() {
+        let name = |text: &str| variable_before(text, text.len()).map(|v| v.0);
+        assert_eq!(name("const char *vs = ").as_deref(), Some("vs"));
+        assert_eq!(name("const char 頂点[] =").as_deref(), Some("頂点"));
+        assert_eq!(name("f(").as_deref(), None);
+        assert_eq!(name("頂 =").as_deref(), Some("頂"));
+        assert_eq!(name("、=").as_deref(), None);
+    }
+
+    #[test]
+    fn arguments_are_split_at_their_commas() {
+        let split = |text: &str, count| split(text, 0, count).map(|(all, end)| (all.len(), end));
+        assert_eq!(split("(150, vec2(1, 2), x) y", 2), Some((2, 20)));
+        assert_eq!(split("(a; b)", 1), Some((1, 6)));
+        assert_eq!(split("(a; b", 1), None);
+    }
 }

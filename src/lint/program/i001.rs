@@ -8,7 +8,9 @@ use crate::lint::project::ShaderFile;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::link::{block as block_of, consumer, in_block, input_type, is_built_in, is_used, output_type, producer};
+use super::link::{
+    block as block_of, consumer, in_block, input_type, is_built_in, is_read, is_used, output_type, producer,
+};
 use super::{Known, Program, stage_in_japanese};
 
 /// The rule.
@@ -108,8 +110,8 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             let known = block_of(from, Storage::Out, &block.name.name).is_some()
                 || block.qualifiers.layout_entry("location").is_some()
                 || block.members.iter().any(|m| loose(&m.name.name));
-            let used = block.symbol.is_some_and(|s| to.shader.uses_of(s).next().is_some())
-                || block.members.iter().any(|m| m.symbol.is_some_and(|s| to.shader.uses_of(s).next().is_some()));
+            let used = block.symbol.is_some_and(|s| is_read(to, s))
+                || block.members.iter().any(|m| m.symbol.is_some_and(|s| is_read(to, s)));
             if known || !used || program.shaders().len() > 2 && program.how_known() == Known::ByName {
                 continue;
             }

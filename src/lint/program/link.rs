@@ -1,9 +1,12 @@
 //! How the outputs of a stage meet the inputs of the next one.
 
-use crate::glsl::Stage;
+use std::collections::BTreeSet;
+
 use crate::glsl::ast::{AuxiliaryQualifier, Interpolation, QualifierKind, Qualifiers};
 use crate::glsl::interface::{Block, Storage, Variable};
+use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ArraySize, Type};
+use crate::glsl::{Stage, Token, TokenKind, TokenPlace};
 use crate::lint::project::ShaderFile;
 
 /// The `layout(location = n)` of a variable, when it is a plain number.
@@ -131,7 +134,38 @@ pub fn keyword(interpolation: Interpolation) -> &'static str {
     }
 }
 
-/// True when a variable is used in an expression.
+/// True when a variable is used in a function that `main` reaches: linkers drop the others.
 pub fn is_used(shader: &ShaderFile, variable: &Variable) -> bool {
-    shader.shader.uses_of(variable.symbol).next().is_some()
+    is_read(shader, variable.symbol)
+}
+
+/// As [`is_used`], for any symbol.
+pub fn is_read(shader: &ShaderFile, symbol: SymbolId) -> bool {
+    let mut uses = shader.shader.uses_of(symbol).peekable();
+    if uses.peek().is_none() {
+        return false;
+    }
+    let reached = reached(shader);
+    uses.any(|u| u.function.is_none_or(|f| reached.contains(shader.shader.function_info(f).name.name.as_str())))
+}
+
+/// Names of the functions that `main` calls, itself and through others. Names in directives count as
+/// called: a macro may be used anywhere.
+fn reached(shader: &ShaderFile) -> BTreeSet<&str> {
+    let text = |t: &Token| shader.file.slice(t.span);
+    let words = || shader.shader.tokens().iter().filter(|t| t.kind == TokenKind::Word);
+    let in_directives = words().filter(|t| t.place == TokenPlace::Directive).map(text);
+    let mut todo: Vec<&str> = in_directives.chain(["main"]).collect();
+    let mut found: BTreeSet<&str> = BTreeSet::new();
+    while let Some(name) = todo.pop() {
+        if shader.shader.function(name).is_none() || !found.insert(name) {
+            continue;
+        }
+        for (_, function) in shader.shader.functions().filter(|(_, f)| f.name.name == name) {
+            let item = function.definition.and_then(|d| shader.shader.unit().items.get(d));
+            let Some(place) = item.map(|i| i.span) else { continue };
+            todo.extend(words().filter(|t| place.contains(t.span.start)).map(text));
+        }
+    }
+    found
 }

@@ -60,6 +60,18 @@ fn what_does_not_meet_is_told_once() {
 }
 
 #[test]
+fn an_input_that_only_a_function_without_calls_reads_is_left_alone() {
+    let f = |main: &str| {
+        format!(
+            "#version 330 core\nin vec3 a;\nout vec4 c;\nvec4 f() {{ return vec4(a, 1.0); }}\nvec4 g() {{ return f(); }}\nvoid main() {{ c = {main}; }}\n"
+        )
+    };
+    let told = |main: &str| codes(&[("a.vert", &vertex("", "")), ("a.frag", &f(main))]);
+    assert!(told("vec4(1.0)").is_empty());
+    assert_eq!(told("g()"), ["I001"]);
+}
+
+#[test]
 fn a_program_is_known_for_certain_or_not_at_all() {
     let v = vertex("", "");
     let f = fragment("in vec3 a;", "a, 1.0");
@@ -80,6 +92,11 @@ fn a_program_is_known_for_certain_or_not_at_all() {
         ),
         (
             "GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, other()); glLinkProgram(p);",
+            0,
+        ),
+        ("compile(\"a.vert\"); compile(\"b.frag\"); GLuint p = glCreateProgram(); attach(p); glLinkProgram(p);", 0),
+        (
+            "GLuint p = glCreateProgram(); glAttachShader(p, compile(\"a.vert\")); glAttachShader(p, compile(\"b.frag\")); glAttachShader(p, third); glLinkProgram(p);",
             0,
         ),
         ("prog.compileShader(\"a.vert\"); prog.compileShader(\"b.frag\"); prog.link();", 1),
