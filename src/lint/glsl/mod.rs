@@ -19,6 +19,6 @@ pub(super) mod n015;
 pub(super) mod n018;
 pub(super) mod n019;
 pub(super) mod n022;
-pub(super) mod t001;
 mod numeric;
+pub(super) mod t001;
 mod walk;

@@ -103,11 +103,41 @@ fn reference(name: &str, a: &[f64]) -> f64 {
 }
 
 const FUNCTIONS: &[(&str, usize)] = &[
-    ("abs", 1), ("sign", 1), ("floor", 1), ("ceil", 1), ("trunc", 1), ("round", 1), ("roundEven", 1), ("fract", 1),
-    ("mod", 2), ("min", 2), ("max", 2), ("clamp", 3), ("mix", 3), ("step", 2), ("smoothstep", 3), ("sqrt", 1),
-    ("inversesqrt", 1), ("exp", 1), ("exp2", 1), ("log", 1), ("log2", 1), ("pow", 2), ("sin", 1), ("cos", 1),
-    ("tan", 1), ("asin", 1), ("acos", 1), ("atan", 1), ("atan", 2), ("tanh", 1), ("radians", 1), ("degrees", 1),
-    ("length", 1), ("distance", 2), ("dot", 2),
+    ("abs", 1),
+    ("sign", 1),
+    ("floor", 1),
+    ("ceil", 1),
+    ("trunc", 1),
+    ("round", 1),
+    ("roundEven", 1),
+    ("fract", 1),
+    ("mod", 2),
+    ("min", 2),
+    ("max", 2),
+    ("clamp", 3),
+    ("mix", 3),
+    ("step", 2),
+    ("smoothstep", 3),
+    ("sqrt", 1),
+    ("inversesqrt", 1),
+    ("exp", 1),
+    ("exp2", 1),
+    ("log", 1),
+    ("log2", 1),
+    ("pow", 2),
+    ("sin", 1),
+    ("cos", 1),
+    ("tan", 1),
+    ("asin", 1),
+    ("acos", 1),
+    ("atan", 1),
+    ("atan", 2),
+    ("tanh", 1),
+    ("radians", 1),
+    ("degrees", 1),
+    ("length", 1),
+    ("distance", 2),
+    ("dot", 2),
 ];
 
 /// Random points of random intervals at which a result is not inside, up to the rounding of binary64.
@@ -193,7 +223,7 @@ const NAMES: [&str; 4] = ["a", "b", "c", "x"];
 
 impl Tree {
     fn random(random: &mut Random, depth: usize, inputs: usize) -> Self {
-        let mut below = |random: &mut Random| Box::new(Self::random(random, depth.saturating_sub(1), inputs));
+        let below = |random: &mut Random| Box::new(Self::random(random, depth.saturating_sub(1), inputs));
         match random.below(if depth == 0 { 2 } else { 9 }) {
             0 => Self::Number((random.below(41) as f64 - 20.0) / 4.0),
             1 | 2 => Self::Input(random.below(inputs)),
