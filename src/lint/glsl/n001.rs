@@ -70,7 +70,11 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let (Some((level, range)), [base, exponent]) = (hazard(observed, call.id), call.args) else { continue };
         let (lo, hi) = ends(&range);
         let mut found = findings
-            .at(&file.file, shader.expr(*base).span, told!("the base of `pow` can be negative", "`pow` の底が負になりえます"))
+            .at(
+                &file.file,
+                shader.expr(*base).span,
+                told!("the base of `pow` can be negative", "`pow` の底が負になりえます"),
+            )
             .with_label(told!("from {lo} to {hi}", "{lo} から {hi} まで"))
             .with_why(told!(
                 "`pow` of a negative number is undefined, whatever the exponent is; most devices give NaN",
@@ -84,7 +88,11 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             let edit = Edit::replace(shader.expr(call.id).span, in_place(shader, call.id, product));
             found = found.with_fix(told!("write a product", "積で書く"), Safety::Unsafe, vec![edit]);
         } else if let Some(edits) = around(shader, call.id, *base, "max(", ", 0.0)") {
-            found = found.with_fix(told!("keep the base from being negative", "底が負にならないようにする"), Safety::Unsafe, edits);
+            found = found.with_fix(
+                told!("keep the base from being negative", "底が負にならないようにする"),
+                Safety::Unsafe,
+                edits,
+            );
         }
         findings.push_at(level, found);
     }

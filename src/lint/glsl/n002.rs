@@ -89,7 +89,8 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         if constant(shader, *exponent).is_none()
             && let Some(edits) = around(shader, call.id, *exponent, "max(", ", 1e-4)")
         {
-            found = found.with_fix(told!("keep the exponent above 0", "指数を 0 より大きく保つ"), Safety::Unsafe, edits);
+            found =
+                found.with_fix(told!("keep the exponent above 0", "指数を 0 より大きく保つ"), Safety::Unsafe, edits);
         }
         findings.push_at(level, found);
     }
@@ -102,25 +103,33 @@ mod tests {
 
     #[test]
     fn a_zero_base_with_a_zero_exponent_is_told() {
-        rings("N002", Level::Default, &[
-            "r = pow(max(s, 0.0), declared);",
-            "r = pow(clamp(s, 0.0, 1.0), -2.0);",
-            "r = pow(0.0, 0.0);",
-            "v = pow(max(p, 0.0), vec3(declared));",
-        ]);
+        rings(
+            "N002",
+            Level::Default,
+            &[
+                "r = pow(max(s, 0.0), declared);",
+                "r = pow(clamp(s, 0.0, 1.0), -2.0);",
+                "r = pow(0.0, 0.0);",
+                "v = pow(max(p, 0.0), vec3(declared));",
+            ],
+        );
         rings("N002", Level::Heuristic, &["r = pow(max(s, 0.0), t);"]);
     }
 
     #[test]
     fn positive_bases_and_exponents_are_not() {
-        silent("N002", Level::Heuristic, &[
-            "r = pow(max(s, 0.0), 32.0);",
-            "r = pow(max(s, 0.001), t);",
-            "r = pow(max(s, 0.0), declared + 1.0);",
-            "r = pow(max(s, 0.0), max(t, 1.0));",
-            "if (t > 0.0) r = pow(max(s, 0.0), t);",
-            "r = pow(s, -1.0);",
-        ]);
+        silent(
+            "N002",
+            Level::Heuristic,
+            &[
+                "r = pow(max(s, 0.0), 32.0);",
+                "r = pow(max(s, 0.001), t);",
+                "r = pow(max(s, 0.0), declared + 1.0);",
+                "r = pow(max(s, 0.0), max(t, 1.0));",
+                "if (t > 0.0) r = pow(max(s, 0.0), t);",
+                "r = pow(s, -1.0);",
+            ],
+        );
     }
 
     #[test]

@@ -95,19 +95,24 @@ mod tests {
 
     #[test]
     fn large_exponents_of_small_bases_are_told() {
-        rings("N003", Level::Heuristic, &[
-            "r = pow(max(s, 0.0), 128.0);",
-            "r = pow(clamp(s, 0.0, 1.0), 64.0 + declared);",
-        ]);
+        rings(
+            "N003",
+            Level::Heuristic,
+            &["r = pow(max(s, 0.0), 128.0);", "r = pow(clamp(s, 0.0, 1.0), 64.0 + declared);"],
+        );
     }
 
     #[test]
     fn others_are_not() {
-        silent("N003", Level::Heuristic, &[
-            "r = pow(max(s, 0.0), 32.0);",
-            "r = pow(clamp(s, 0.9, 1.0), 128.0);",
-            "r = pow(max(s, 0.0), t);",
-            "r = pow(max(s, 0.0), declared);",
-        ]);
+        silent(
+            "N003",
+            Level::Heuristic,
+            &[
+                "r = pow(max(s, 0.0), 32.0);",
+                "r = pow(clamp(s, 0.9, 1.0), 128.0);",
+                "r = pow(max(s, 0.0), t);",
+                "r = pow(max(s, 0.0), declared);",
+            ],
+        );
     }
 }

@@ -5,8 +5,8 @@ use crate::lint::project::{Project, ShaderFile};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
-use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 use super::n001::{factors, hazard};
+use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -85,19 +85,27 @@ mod tests {
 
     #[test]
     fn small_whole_exponents_are_told() {
-        rings("N004", Level::Strict, &["r = pow(s, 2.0);", "r = pow(length(p), 3.0);", "const float k = 4.0; r = pow(s, k);"]);
+        rings(
+            "N004",
+            Level::Strict,
+            &["r = pow(s, 2.0);", "r = pow(length(p), 3.0);", "const float k = 4.0; r = pow(s, k);"],
+        );
     }
 
     #[test]
     fn others_are_not() {
-        silent("N004", Level::Heuristic, &[
-            "r = pow(s, 2.5);",
-            "r = pow(s, 5.0);",
-            "r = pow(s, t);",
-            "r = pow(2.0, 3.0);",
-            "r = pow(2.0, s);",
-            "r = pow(sin(s), 2.0);",
-        ]);
+        silent(
+            "N004",
+            Level::Heuristic,
+            &[
+                "r = pow(s, 2.5);",
+                "r = pow(s, 5.0);",
+                "r = pow(s, t);",
+                "r = pow(2.0, 3.0);",
+                "r = pow(2.0, s);",
+                "r = pow(sin(s), 2.0);",
+            ],
+        );
     }
 
     #[test]

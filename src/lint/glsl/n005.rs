@@ -106,12 +106,19 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
                 "`normalize` of the zero vector divides 0 by 0, which gives NaN",
                 "零ベクトルを `normalize` すると 0 を 0 で割ることになり、NaN になります"
             ))
-            .with_help(told!("normalise only where the length is not 0", "長さが 0 でないところだけで正規化してください"));
+            .with_help(told!(
+                "normalise only where the length is not 0",
+                "長さが 0 でないところだけで正規化してください"
+            ));
         let vector = bare(shader, *arg);
         if is_simple(shader, vector) && is_plain(shader, &[call.id, *arg]) {
             let v = shader.text_of(vector);
-            let edit = Edit::replace(shader.expr(call.id).span, in_place(shader, call.id, format!("length({v}) > 0.0 ? normalize({v}) : {v}")));
-            found = found.with_fix(told!("keep the zero vector", "零ベクトルはそのまま残す"), Safety::Unsafe, vec![edit]);
+            let edit = Edit::replace(
+                shader.expr(call.id).span,
+                in_place(shader, call.id, format!("length({v}) > 0.0 ? normalize({v}) : {v}")),
+            );
+            found =
+                found.with_fix(told!("keep the zero vector", "零ベクトルはそのまま残す"), Safety::Unsafe, vec![edit]);
         }
         findings.push_at(level, found);
     }
@@ -124,27 +131,39 @@ mod tests {
 
     #[test]
     fn vectors_that_can_be_zero_are_told() {
-        rings("N005", Level::Default, &[
-            "v = normalize(vec3(0.0));",
-            "v = normalize(clamp(p, 0.0, 1.0));",
-            "v = normalize(step(0.5, p));",
-            "v = normalize(vec3(declared, 0.0, 0.0));",
-        ]);
-        rings("N005", Level::Strict, &["v = normalize(cross(p, q));", "v = normalize(cross(normalize(n), vec3(0.0, 1.0, 0.0)));"]);
+        rings(
+            "N005",
+            Level::Default,
+            &[
+                "v = normalize(vec3(0.0));",
+                "v = normalize(clamp(p, 0.0, 1.0));",
+                "v = normalize(step(0.5, p));",
+                "v = normalize(vec3(declared, 0.0, 0.0));",
+            ],
+        );
+        rings(
+            "N005",
+            Level::Strict,
+            &["v = normalize(cross(p, q));", "v = normalize(cross(normalize(n), vec3(0.0, 1.0, 0.0)));"],
+        );
         rings("N005", Level::Heuristic, &["vec3 k[2] = vec3[](p, q); v = normalize(k[1] - k[0]);"]);
     }
 
     #[test]
     fn others_are_not() {
-        silent("N005", Level::Heuristic, &[
-            "v = normalize(p);",
-            "v = normalize(vec3(0.0, 1.0, 0.0));",
-            "v = normalize(vec3(p.xy, 1.0));",
-            "v = normalize(max(p, 0.01));",
-            "v = normalize(p + q);",
-            "v = normalize(p - q);",
-            "v = normalize(abs(p));",
-        ]);
+        silent(
+            "N005",
+            Level::Heuristic,
+            &[
+                "v = normalize(p);",
+                "v = normalize(vec3(0.0, 1.0, 0.0));",
+                "v = normalize(vec3(p.xy, 1.0));",
+                "v = normalize(max(p, 0.01));",
+                "v = normalize(p + q);",
+                "v = normalize(p - q);",
+                "v = normalize(abs(p));",
+            ],
+        );
         silent("N005", Level::Strict, &["vec3 d = max(p, 0.0); if (length(d) > 0.0) v = normalize(d);"]);
     }
 

@@ -97,29 +97,37 @@ mod tests {
 
     #[test]
     fn arguments_beyond_one_are_told() {
-        rings("N006", Level::Default, &[
-            "r = acos(dot(normalize(p), normalize(q)));",
-            "vec3 d = normalize(p); r = asin(d.y);",
-            "r = acos(declared);",
-            "r = acos(2.0 * sin(s));",
-            "float c = dot(normalize(p), normalize(q)); if (t > 0.0) r = acos(c);",
-        ]);
+        rings(
+            "N006",
+            Level::Default,
+            &[
+                "r = acos(dot(normalize(p), normalize(q)));",
+                "vec3 d = normalize(p); r = asin(d.y);",
+                "r = acos(declared);",
+                "r = acos(2.0 * sin(s));",
+                "float c = dot(normalize(p), normalize(q)); if (t > 0.0) r = acos(c);",
+            ],
+        );
         rings("N006", Level::Strict, &["r = asin(sin(s) + cos(s));"]);
     }
 
     #[test]
     fn others_are_not() {
-        silent("N006", Level::Heuristic, &[
-            "r = acos(s);",
-            "r = acos(clamp(dot(normalize(p), normalize(q)), -1.0, 1.0));",
-            "r = acos(min(max(s, -1.0), 1.0));",
-            "r = asin(sin(s));",
-            "r = acos(0.5);",
-            "r = acos(2.0 * fract(s) - 1.0);",
-            "r = acos(texture(image, p.xy).r);",
-            "float c = dot(normalize(p), normalize(q)); if (c < 1.0 && c > -1.0) r = acos(c);",
-            "float c = dot(normalize(p), normalize(q)); if (abs(c) >= 1.0) { v = q; } else { r = acos(c * s); }",
-        ]);
+        silent(
+            "N006",
+            Level::Heuristic,
+            &[
+                "r = acos(s);",
+                "r = acos(clamp(dot(normalize(p), normalize(q)), -1.0, 1.0));",
+                "r = acos(min(max(s, -1.0), 1.0));",
+                "r = asin(sin(s));",
+                "r = acos(0.5);",
+                "r = acos(2.0 * fract(s) - 1.0);",
+                "r = acos(texture(image, p.xy).r);",
+                "float c = dot(normalize(p), normalize(q)); if (c < 1.0 && c > -1.0) r = acos(c);",
+                "float c = dot(normalize(p), normalize(q)); if (abs(c) >= 1.0) { v = q; } else { r = acos(c * s); }",
+            ],
+        );
     }
 
     #[test]

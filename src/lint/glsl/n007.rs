@@ -68,7 +68,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
                 .at(
                     &file.file,
                     shader.expr(call.id).span,
-                    told!("`{name}` loses half of its digits near -1 and 1", "`{name}` は -1 と 1 の近くで桁の半分を失います"),
+                    told!(
+                        "`{name}` loses half of its digits near -1 and 1",
+                        "`{name}` は -1 と 1 の近くで桁の半分を失います"
+                    ),
                 )
                 .with_label(told!("inexact for angles near the ends", "端に近い角度では不正確です"))
                 .with_why(told!(
@@ -95,12 +98,16 @@ mod tests {
 
     #[test]
     fn others_are_not() {
-        silent("N007", Level::Heuristic, &[
-            "r = acos(clamp(s, -0.9, 0.9));",
-            "r = acos(0.5 * sin(s));",
-            "r = acos(-1.0);",
-            "r = acos(dot(normalize(p), normalize(q)));",
-            "r = atan(s, t);",
-        ]);
+        silent(
+            "N007",
+            Level::Heuristic,
+            &[
+                "r = acos(clamp(s, -0.9, 0.9));",
+                "r = acos(0.5 * sin(s));",
+                "r = acos(-1.0);",
+                "r = acos(dot(normalize(p), normalize(q)));",
+                "r = atan(s, t);",
+            ],
+        );
     }
 }

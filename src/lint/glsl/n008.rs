@@ -91,34 +91,42 @@ mod tests {
 
     #[test]
     fn arguments_outside_the_domain_are_told() {
-        rings("N008", Level::Default, &[
-            "r = sqrt(sin(s));",
-            "float c = dot(normalize(p), normalize(q)); r = sqrt(1.0 - c * c);",
-            "r = log(max(s, 0.0));",
-            "r = inversesqrt(clamp(s, 0.0, 1.0));",
-            "r = log2(declared);",
-            "r = sqrt(declared - 1.0);",
-        ]);
+        rings(
+            "N008",
+            Level::Default,
+            &[
+                "r = sqrt(sin(s));",
+                "float c = dot(normalize(p), normalize(q)); r = sqrt(1.0 - c * c);",
+                "r = log(max(s, 0.0));",
+                "r = inversesqrt(clamp(s, 0.0, 1.0));",
+                "r = log2(declared);",
+                "r = sqrt(declared - 1.0);",
+            ],
+        );
         rings("N008", Level::Strict, &["r = log(length(p));", "r = sqrt(sin(s) + cos(s));", "r = log(fract(s));"]);
     }
 
     #[test]
     fn others_are_not() {
-        silent("N008", Level::Heuristic, &[
-            "r = sqrt(s);",
-            "r = log(s);",
-            "r = sqrt(dot(p, p));",
-            "r = sqrt(p.x * p.x + p.y * p.y);",
-            "r = sqrt(max(sin(s), 0.0));",
-            "r = sqrt(declared); r += log(declared + 1.0);",
-            "r = log(exp(s) + 1.0);",
-            "r = sqrt(1.0 - pow(clamp(s, 0.0, 1.0), 2.0));",
-            "float d = t * t - 4.0 * s; if (d < 0.0) discard; r = sqrt(d);",
-            "float a = sin(s); float b = sin(t); if (a > b) r = sqrt(a - b);",
-            "float a = sin(s); float b = a * 2.0; if (a > 0.0) r = 1.0;",
-            "float c = sin(s); r = sqrt(1.0 - c * c);",
-            "r = sqrt(-2.0 * log(clamp(s, 0.01, 1.0)));",
-        ]);
+        silent(
+            "N008",
+            Level::Heuristic,
+            &[
+                "r = sqrt(s);",
+                "r = log(s);",
+                "r = sqrt(dot(p, p));",
+                "r = sqrt(p.x * p.x + p.y * p.y);",
+                "r = sqrt(max(sin(s), 0.0));",
+                "r = sqrt(declared); r += log(declared + 1.0);",
+                "r = log(exp(s) + 1.0);",
+                "r = sqrt(1.0 - pow(clamp(s, 0.0, 1.0), 2.0));",
+                "float d = t * t - 4.0 * s; if (d < 0.0) discard; r = sqrt(d);",
+                "float a = sin(s); float b = sin(t); if (a > b) r = sqrt(a - b);",
+                "float a = sin(s); float b = a * 2.0; if (a > 0.0) r = 1.0;",
+                "float c = sin(s); r = sqrt(1.0 - c * c);",
+                "r = sqrt(-2.0 * log(clamp(s, 0.01, 1.0)));",
+            ],
+        );
     }
 
     #[test]

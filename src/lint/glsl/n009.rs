@@ -99,35 +99,43 @@ mod tests {
 
     #[test]
     fn divisors_that_can_be_zero_are_told() {
-        rings("N009", Level::Default, &[
-            "r = 1.0 / max(s, 0.0);",
-            "r = s / 0.0;",
-            "r = s / declared;",
-            "r /= clamp(s, 0.0, 1.0);",
-            "v = p / max(q, 0.0);",
-            "int i = 7; int j = 0; r = float(i / j);",
-            "r = mod(s, 0.0);",
-            "for (int i = 0; i < 4; ++i) r += 1.0 / float(i);",
-            "for (int i = 0; i < 4; ++i) r += float(7 % i);",
-        ]);
+        rings(
+            "N009",
+            Level::Default,
+            &[
+                "r = 1.0 / max(s, 0.0);",
+                "r = s / 0.0;",
+                "r = s / declared;",
+                "r /= clamp(s, 0.0, 1.0);",
+                "v = p / max(q, 0.0);",
+                "int i = 7; int j = 0; r = float(i / j);",
+                "r = mod(s, 0.0);",
+                "for (int i = 0; i < 4; ++i) r += 1.0 / float(i);",
+                "for (int i = 0; i < 4; ++i) r += float(7 % i);",
+            ],
+        );
         rings("N009", Level::Strict, &["r = cos(s) / sin(t);", "r = 1.0 / dot(normalize(p), normalize(q));"]);
     }
 
     #[test]
     fn others_are_not() {
-        silent("N009", Level::Heuristic, &[
-            "r = s / t;",
-            "v = p / length(p);",
-            "r = 1.0 / (1.0 + max(s, 0.0));",
-            "r = s / max(t, 1e-6);",
-            "float d = max(s, 0.0); if (d > 0.0) r = 1.0 / d;",
-            "float d = max(s, 0.0); if (d != 0.0) r = 1.0 / d;",
-            "float d = max(s, 0.0); r = d == 0.0 ? 0.0 : 1.0 / d;",
-            "for (int i = 1; i < 4; ++i) r += 1.0 / float(i);",
-            "for (int i = 0; i < 4; ++i) r += float(i) / 4.0;",
-            "int n = 0; for (int i = 0; i < 4; ++i) { if (p.x > float(i)) ++n; } if (n > 0) r = 1.0 / float(n);",
-            "r = 1.0 / (0.1 + s * s);",
-            "float sum = 0.0; for (int i = 0; i < 4; ++i) sum += 1.0; r = 1.0 / sum;",
-        ]);
+        silent(
+            "N009",
+            Level::Heuristic,
+            &[
+                "r = s / t;",
+                "v = p / length(p);",
+                "r = 1.0 / (1.0 + max(s, 0.0));",
+                "r = s / max(t, 1e-6);",
+                "float d = max(s, 0.0); if (d > 0.0) r = 1.0 / d;",
+                "float d = max(s, 0.0); if (d != 0.0) r = 1.0 / d;",
+                "float d = max(s, 0.0); r = d == 0.0 ? 0.0 : 1.0 / d;",
+                "for (int i = 1; i < 4; ++i) r += 1.0 / float(i);",
+                "for (int i = 0; i < 4; ++i) r += float(i) / 4.0;",
+                "int n = 0; for (int i = 0; i < 4; ++i) { if (p.x > float(i)) ++n; } if (n > 0) r = 1.0 / float(n);",
+                "r = 1.0 / (0.1 + s * s);",
+                "float sum = 0.0; for (int i = 0; i < 4; ++i) sum += 1.0; r = 1.0 / sum;",
+            ],
+        );
     }
 }

@@ -46,7 +46,9 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     for call in calls(shader, &["atan"]) {
         let [arg] = call.args else { continue };
         let quotient = bare(shader, *arg);
-        let ExprKind::Binary { op: BinaryOp::Div, op_span: _, left, right } = shader.expr(quotient).kind else { continue };
+        let ExprKind::Binary { op: BinaryOp::Div, op_span: _, left, right } = shader.expr(quotient).kind else {
+            continue;
+        };
         let mut divisors = observed.visits(quotient).iter().filter_map(|v| v.operands.get(1)).flat_map(|v| &v.parts);
         let positive = divisors.clone().next().is_some() && divisors.all(|r| r.lo > 0.0);
         if positive || constant(shader, right).is_some() {
@@ -85,13 +87,17 @@ mod tests {
 
     #[test]
     fn others_are_not() {
-        silent("N010", Level::Heuristic, &[
-            "r = atan(p.y, p.x);",
-            "r = atan(s);",
-            "r = atan(s / 2.0);",
-            "r = atan(s / max(t, 0.1));",
-            "r = atan(s * t);",
-        ]);
+        silent(
+            "N010",
+            Level::Heuristic,
+            &[
+                "r = atan(p.y, p.x);",
+                "r = atan(s);",
+                "r = atan(s / 2.0);",
+                "r = atan(s / max(t, 0.1));",
+                "r = atan(s * t);",
+            ],
+        );
     }
 
     #[test]

@@ -90,7 +90,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             let (a, b, c) = (shader.text_of(*first), shader.text_of(*second), shader.text_of(*third));
             let whole = shader.expr(call.id).span;
             let (title, text) = if smooth {
-                (told!("subtract from 1", "1 から引く"), in_place(shader, call.id, format!("1.0 - smoothstep({b}, {a}, {c})")))
+                (
+                    told!("subtract from 1", "1 から引く"),
+                    in_place(shader, call.id, format!("1.0 - smoothstep({b}, {a}, {c})")),
+                )
             } else {
                 (told!("swap the limits", "下限と上限を入れ替える"), format!("clamp({a}, {c}, {b})"))
             };
@@ -107,26 +110,34 @@ mod tests {
 
     #[test]
     fn reversed_ends_are_told() {
-        rings("N011", Level::Default, &[
-            "r = clamp(s, 1.0, 0.0);",
-            "r = smoothstep(1.0, 0.5, s);",
-            "r = smoothstep(0.5, 0.5, s);",
-            "v = smoothstep(vec3(0.5), vec3(0.6, 0.4, 0.7), p);",
-            "r = clamp(s, 2.0 + abs(t), 1.0);",
-            "float w = 0.1; r = smoothstep(0.5 + w, 0.5 - w, s);",
-        ]);
+        rings(
+            "N011",
+            Level::Default,
+            &[
+                "r = clamp(s, 1.0, 0.0);",
+                "r = smoothstep(1.0, 0.5, s);",
+                "r = smoothstep(0.5, 0.5, s);",
+                "v = smoothstep(vec3(0.5), vec3(0.6, 0.4, 0.7), p);",
+                "r = clamp(s, 2.0 + abs(t), 1.0);",
+                "float w = 0.1; r = smoothstep(0.5 + w, 0.5 - w, s);",
+            ],
+        );
     }
 
     #[test]
     fn others_are_not() {
-        silent("N011", Level::Heuristic, &[
-            "r = clamp(s, 0.0, 1.0);",
-            "r = clamp(s, 1.0, 1.0);",
-            "r = clamp(s, t, 1.0);",
-            "r = smoothstep(t, s, p.x);",
-            "r = smoothstep(0.5 - fwidth(s), 0.5 + fwidth(s), s);",
-            "r = smoothstep(0.0, declared, s);",
-        ]);
+        silent(
+            "N011",
+            Level::Heuristic,
+            &[
+                "r = clamp(s, 0.0, 1.0);",
+                "r = clamp(s, 1.0, 1.0);",
+                "r = clamp(s, t, 1.0);",
+                "r = smoothstep(t, s, p.x);",
+                "r = smoothstep(0.5 - fwidth(s), 0.5 + fwidth(s), s);",
+                "r = smoothstep(0.0, declared, s);",
+            ],
+        );
     }
 
     #[test]

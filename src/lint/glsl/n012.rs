@@ -84,24 +84,32 @@ mod tests {
 
     #[test]
     fn weights_beyond_the_ends_are_told() {
-        rings("N012", Level::Strict, &[
-            "v = mix(p, q, sin(s));",
-            "v = mix(p, q, 1.5);",
-            "v = mix(p, q, declared);",
-            "v = mix(p, q, normalize(n));",
-        ]);
+        rings(
+            "N012",
+            Level::Strict,
+            &[
+                "v = mix(p, q, sin(s));",
+                "v = mix(p, q, 1.5);",
+                "v = mix(p, q, declared);",
+                "v = mix(p, q, normalize(n));",
+            ],
+        );
     }
 
     #[test]
     fn others_are_not() {
-        silent("N012", Level::Heuristic, &[
-            "v = mix(p, q, s);",
-            "v = mix(p, q, 0.5 + 0.5 * sin(s));",
-            "v = mix(p, q, clamp(s, 0.0, 1.0));",
-            "v = mix(p, q, max(dot(normalize(p), normalize(n)), 0.0));",
-            "v = mix(p, q, bvec3(true, false, s > 0.0));",
-            "v = mix(p, q, smoothstep(0.0, 1.0, s));",
-        ]);
+        silent(
+            "N012",
+            Level::Heuristic,
+            &[
+                "v = mix(p, q, s);",
+                "v = mix(p, q, 0.5 + 0.5 * sin(s));",
+                "v = mix(p, q, clamp(s, 0.0, 1.0));",
+                "v = mix(p, q, max(dot(normalize(p), normalize(n)), 0.0));",
+                "v = mix(p, q, bvec3(true, false, s > 0.0));",
+                "v = mix(p, q, smoothstep(0.0, 1.0, s));",
+            ],
+        );
     }
 
     #[test]

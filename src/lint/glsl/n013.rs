@@ -70,7 +70,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             .at(
                 &file.file,
                 shader.expr(*arg).span,
-                told!("`{text}` looks like degrees, and `{name}` takes radians", "`{text}` は度のようですが、`{name}` の引数はラジアンです"),
+                told!(
+                    "`{text}` looks like degrees, and `{name}` takes radians",
+                    "`{text}` は度のようですが、`{name}` の引数はラジアンです"
+                ),
             )
             .with_label(told!("degrees?", "度？"))
             .with_why(told!(
@@ -92,20 +95,28 @@ mod tests {
 
     #[test]
     fn degrees_are_told() {
-        rings("N013", Level::Heuristic, &["r = sin(90.0);", "r = tan(-45.0);", "float angleDeg = s; r = cos(angleDeg);"]);
+        rings(
+            "N013",
+            Level::Heuristic,
+            &["r = sin(90.0);", "r = tan(-45.0);", "float angleDeg = s; r = cos(angleDeg);"],
+        );
         let text = shader("uniform float rotation_degrees;", "r = cos(rotation_degrees);");
         assert_eq!(lint("N013", Level::Heuristic, &text).len(), 1);
     }
 
     #[test]
     fn radians_are_not() {
-        silent("N013", Level::Heuristic, &[
-            "r = sin(1.5707963);",
-            "r = sin(radians(90.0));",
-            "r = cos(10.0);",
-            "r = sin(90.0 * s);",
-            "float degenerate = s; r = sin(degenerate);",
-        ]);
+        silent(
+            "N013",
+            Level::Heuristic,
+            &[
+                "r = sin(1.5707963);",
+                "r = sin(radians(90.0));",
+                "r = cos(10.0);",
+                "r = sin(90.0 * s);",
+                "float degenerate = s; r = sin(degenerate);",
+            ],
+        );
     }
 
     #[test]

@@ -117,27 +117,35 @@ mod tests {
 
     #[test]
     fn numbers_that_do_not_fit_are_told() {
-        rings("N015", Level::Default, &[
-            "r = 1e40;",
-            "r = -3.5e38;",
-            "r = 1.0e-50;",
-            "int i = 1 << 32; r = float(i);",
-            "int i = 7; i >>= 40; r = float(i);",
-            "const int k = 33; int i = int(s) << k; r = float(i);",
-        ]);
+        rings(
+            "N015",
+            Level::Default,
+            &[
+                "r = 1e40;",
+                "r = -3.5e38;",
+                "r = 1.0e-50;",
+                "int i = 1 << 32; r = float(i);",
+                "int i = 7; i >>= 40; r = float(i);",
+                "const int k = 33; int i = int(s) << k; r = float(i);",
+            ],
+        );
         let found = lint("N015", Level::Default, &shader("#define BIG 1e40", "r = BIG;"));
         assert_eq!(found.len(), 1);
     }
 
     #[test]
     fn others_are_not() {
-        silent("N015", Level::Heuristic, &[
-            "r = 3.4e38;",
-            "r = 1e-40;",
-            "r = 0.0e99;",
-            "int i = 1 << 31; r = float(i);",
-            "int i = 1 << int(s); r = float(i);",
-        ]);
+        silent(
+            "N015",
+            Level::Heuristic,
+            &[
+                "r = 3.4e38;",
+                "r = 1e-40;",
+                "r = 0.0e99;",
+                "int i = 1 << 31; r = float(i);",
+                "int i = 1 << int(s); r = float(i);",
+            ],
+        );
         let text = shader("", "double d = 1e300lf; r = float(d);").replace("330", "400");
         assert!(lint("N015", Level::Heuristic, &text).is_empty());
     }

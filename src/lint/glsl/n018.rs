@@ -130,25 +130,33 @@ mod tests {
 
     #[test]
     fn sums_near_one_are_told() {
-        rings("N018", Level::Heuristic, &[
-            "float w[3] = float[3](0.25, 0.5, 0.2); r = w[0];",
-            "float w[3] = float[](0.2, 0.3, 0.06); r = w[1];",
-            "r = dot(p, vec3(0.3, 0.6, 0.2));",
-        ]);
+        rings(
+            "N018",
+            Level::Heuristic,
+            &[
+                "float w[3] = float[3](0.25, 0.5, 0.2); r = w[0];",
+                "float w[3] = float[](0.2, 0.3, 0.06); r = w[1];",
+                "r = dot(p, vec3(0.3, 0.6, 0.2));",
+            ],
+        );
         let found = lint("N018", Level::Heuristic, &shader("", "r = dot(p, vec3(0.3, 0.59, 0.12));"));
         assert_eq!(found[0].message, "these weights add up to 1.01");
     }
 
     #[test]
     fn others_are_not() {
-        silent("N018", Level::Heuristic, &[
-            "float w[3] = float[3](0.25, 0.5, 0.25); r = w[0];",
-            "float w[5] = float[](0.227027, 0.1945946, 0.1216216, 0.054054, 0.016216); r = w[0];",
-            "float o[3] = float[](0.0, 1.3846153846, 3.2307692308); r = o[1];",
-            "r = dot(p, vec3(0.2126, 0.7152, 0.0722));",
-            "r = dot(p, vec3(12.9898, 78.233, 37.7));",
-            "r = dot(p, normalize(vec3(1.0, 0.05, 0.01)));",
-            "float w[2] = float[](0.5, 0.45); r = w[0];",
-        ]);
+        silent(
+            "N018",
+            Level::Heuristic,
+            &[
+                "float w[3] = float[3](0.25, 0.5, 0.25); r = w[0];",
+                "float w[5] = float[](0.227027, 0.1945946, 0.1216216, 0.054054, 0.016216); r = w[0];",
+                "float o[3] = float[](0.0, 1.3846153846, 3.2307692308); r = o[1];",
+                "r = dot(p, vec3(0.2126, 0.7152, 0.0722));",
+                "r = dot(p, vec3(12.9898, 78.233, 37.7));",
+                "r = dot(p, normalize(vec3(1.0, 0.05, 0.01)));",
+                "float w[2] = float[](0.5, 0.45); r = w[0];",
+            ],
+        );
     }
 }

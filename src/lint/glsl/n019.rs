@@ -38,7 +38,9 @@ pub const RULE: Rule = Rule {
                    gl_Position = vec4(vertex, 1.0);\n}\n",
         }],
         fix: "No fix: what is meant is a guess.",
-        references: &["J. F. Hughes et al., Computer Graphics: Principles and Practice, chapter 11: homogeneous coordinates"],
+        references: &[
+            "J. F. Hughes et al., Computer Graphics: Principles and Practice, chapter 11: homogeneous coordinates",
+        ],
         ja: Japanese {
             summary: "射影したベクトルを `w` で割らずに使っているか、`w` が変換するものに合っていません",
             what: "射影行列（名前に `proj`、`mvp`、`clip` を含むもの）との積である局所変数の `vec4` のうち、成分が使われるのに `w` が一度も使われないものを報告します。また、行列と `vec4(位置, 0.0)` や `vec4(法線, 1.0)` との積を、ベクトルの名前から報告します。名前による推測なので、`--heuristic` のときだけ報告します。",
@@ -119,7 +121,10 @@ fn undivided(file: &ShaderFile, findings: &mut Findings<'_>) {
                 .at(
                     &file.file,
                     shader.expr(*first).span,
-                    told!("`{name}` is projected, but never divided by its `w`", "`{name}` は射影されていますが、`w` で割られていません"),
+                    told!(
+                        "`{name}` is projected, but never divided by its `w`",
+                        "`{name}` は射影されていますが、`w` で割られていません"
+                    ),
                 )
                 .with_label(told!("not yet a place", "まだ位置ではありません"))
                 .with_why(told!(
@@ -151,10 +156,16 @@ fn wrong_w(file: &ShaderFile, findings: &mut Findings<'_>) {
         let position = has_word(name, &["position", "pos", "vertex", "vert"]);
         let message = match (constant(shader, *w), direction, position) {
             (Some(1.0), true, false) => {
-                told!("`{name}` looks like a direction, but has `w = 1`", "`{name}` は方向のようですが、`w = 1` になっています")
+                told!(
+                    "`{name}` looks like a direction, but has `w = 1`",
+                    "`{name}` は方向のようですが、`w = 1` になっています"
+                )
             }
             (Some(0.0), false, true) => {
-                told!("`{name}` looks like a position, but has `w = 0`", "`{name}` は位置のようですが、`w = 0` になっています")
+                told!(
+                    "`{name}` looks like a position, but has `w = 0`",
+                    "`{name}` は位置のようですが、`w = 0` になっています"
+                )
             }
             _ => continue,
         };
@@ -166,7 +177,10 @@ fn wrong_w(file: &ShaderFile, findings: &mut Findings<'_>) {
                     "a matrix moves what has `w = 1` and only turns and scales what has `w = 0`",
                     "行列による平行移動は `w = 1` のものだけに働き、`w = 0` のものは回転と拡大縮小だけを受けます"
                 ))
-                .with_help(told!("use 1.0 for positions and 0.0 for directions", "位置には 1.0、方向には 0.0 を使ってください")),
+                .with_help(told!(
+                    "use 1.0 for positions and 0.0 for directions",
+                    "位置には 1.0、方向には 0.0 を使ってください"
+                )),
         );
     }
 }

@@ -97,7 +97,8 @@ fn look(shader: &Shader, observed: &Observed, id: ExprId, roots: &[ExprId]) -> O
     }
     match &shader.expr(bare(shader, right)).kind {
         ExprKind::Call { callee: Callee::Name(name), args } if name.name == "cos" && args.len() == 1 => {
-            let text = simple(bare(shader, args[0])).map(|x| in_place(shader, id, format!("2.0 * sin(0.5 * {x}) * sin(0.5 * {x})")));
+            let text = simple(bare(shader, args[0]))
+                .map(|x| in_place(shader, id, format!("2.0 * sin(0.5 * {x}) * sin(0.5 * {x})")));
             let form = told!("`2.0 * sin(0.5 * x) * sin(0.5 * x)`", "`2.0 * sin(0.5 * x) * sin(0.5 * x)`");
             Some(Found { place: id, form, text })
         }
@@ -113,8 +114,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let mut all = observed.visits(id).iter().filter_map(|v| v.operands.first()).flat_map(|v| &v.parts);
         all.all(|r| r.lo >= 0.0 || r.lo.is_infinite())
     };
-    let roots: Vec<ExprId> =
-        calls(shader, &["sqrt"]).filter(|c| inside(c.id)).filter_map(|c| Some(bare(shader, *c.args.first()?))).collect();
+    let roots: Vec<ExprId> = calls(shader, &["sqrt"])
+        .filter(|c| inside(c.id))
+        .filter_map(|c| Some(bare(shader, *c.args.first()?)))
+        .collect();
     for (id, expr) in shader.arena().iter() {
         if shader.fold(id).is_some() {
             continue;
@@ -125,7 +128,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             .at(
                 &file.file,
                 shader.expr(place).span,
-                told!("this difference cancels where both sides are nearly equal", "両辺がほぼ等しいところで桁落ちします"),
+                told!(
+                    "this difference cancels where both sides are nearly equal",
+                    "両辺がほぼ等しいところで桁落ちします"
+                ),
             )
             .with_label(told!("loses digits", "桁が失われます"))
             .with_why(told!(
@@ -150,26 +156,34 @@ mod tests {
 
     #[test]
     fn differences_that_cancel_are_told() {
-        rings("N022", Level::Strict, &[
-            "r = 1.0 - cos(s);",
-            "r = sqrt(1.0 - s * s);",
-            "r = s * s - t * t;",
-            "v = p * p - q * q;",
-            "float c = clamp(s, 0.0, 1.0); r = sqrt(1.0 - c * c);",
-        ]);
+        rings(
+            "N022",
+            Level::Strict,
+            &[
+                "r = 1.0 - cos(s);",
+                "r = sqrt(1.0 - s * s);",
+                "r = s * s - t * t;",
+                "v = p * p - q * q;",
+                "float c = clamp(s, 0.0, 1.0); r = sqrt(1.0 - c * c);",
+            ],
+        );
     }
 
     #[test]
     fn others_are_not() {
-        silent("N022", Level::Heuristic, &[
-            "r = 1.0 - sin(s);",
-            "r = 1.0 - s * s;",
-            "r = s * s - 4.0 * t;",
-            "float c = clamp(s, 0.0, 0.5); r = sqrt(1.0 - c * c);",
-            "float a = clamp(s, 1.0, 3.0); r = 1.0 - cos(a);",
-            "r = 2.0 - cos(s);",
-            "r = s * t - t * s;",
-        ]);
+        silent(
+            "N022",
+            Level::Heuristic,
+            &[
+                "r = 1.0 - sin(s);",
+                "r = 1.0 - s * s;",
+                "r = s * s - 4.0 * t;",
+                "float c = clamp(s, 0.0, 0.5); r = sqrt(1.0 - c * c);",
+                "float a = clamp(s, 1.0, 3.0); r = 1.0 - cos(a);",
+                "r = 2.0 - cos(s);",
+                "r = s * t - t * s;",
+            ],
+        );
     }
 
     #[test]

@@ -61,7 +61,9 @@ pub fn in_place(shader: &Shader, id: ExprId, text: String) -> String {
         let binds = match &user.kind {
             ExprKind::Index { base, index: _ } | ExprKind::Field { base, field: _ } => *base == id,
             ExprKind::Method { base, method: _, args: _ } => *base == id,
-            ExprKind::Unary { .. } | ExprKind::Postfix { .. } | ExprKind::Binary { .. } | ExprKind::Ternary { .. } => true,
+            ExprKind::Unary { .. } | ExprKind::Postfix { .. } | ExprKind::Binary { .. } | ExprKind::Ternary { .. } => {
+                true
+            }
             ExprKind::Literal(_)
             | ExprKind::Name(_)
             | ExprKind::Paren(_)

@@ -53,7 +53,9 @@ impl Call<'_> {
     }
 
     fn within(&self, lo: f64, hi: f64, by: Evidence) -> Value {
-        Value::new(vec![Range::of(lo, hi, by, self.sources()); self.components])
+        let mut range = Range::of(lo, hi, by, self.sources());
+        range.nan = self.args.iter().flat_map(|a| &a.parts).any(|p| p.nan);
+        Value::new(vec![range; self.components])
     }
 
     fn unknown(&self) -> Value {
@@ -90,9 +92,7 @@ impl Call<'_> {
             "step" => self.each2(step),
             "smoothstep" => self.each3(smoothstep),
             "sqrt" => self.each1(|x| t::from(x, 0.0, f64::sqrt, &[0.0, 1.0])),
-            "inversesqrt" => {
-                self.each1(|x| t::div(Range::exactly(1.0), t::from(x, 0.0, f64::sqrt, &[0.0, 1.0])))
-            }
+            "inversesqrt" => self.each1(|x| t::div(Range::exactly(1.0), t::from(x, 0.0, f64::sqrt, &[0.0, 1.0]))),
             "exp" => self.each1(|x| t::exponential(x, f64::exp)),
             "exp2" => self.each1(|x| t::exponential(x, f64::exp2)),
             "log" => self.each1(|x| t::from(x, 0.0, f64::ln, &[0.0])),
@@ -221,7 +221,8 @@ pub fn length(v: &Value) -> Range {
     }
     let squares = v.parts.iter().map(|x| t::square(*x)).reduce(t::add);
     let sum = squares.unwrap_or_else(|| Range::unknown(v.sources()));
-    let lowest = v.parts.iter().map(|x| t::square(*x)).map(|s| if s.lo == 0.0 { s.lo_by } else { Evidence::Bound }).min();
+    let lowest =
+        v.parts.iter().map(|x| t::square(*x)).map(|s| if s.lo == 0.0 { s.lo_by } else { Evidence::Bound }).min();
     let mut r = t::from(sum, 0.0, f64::sqrt, &[0.0, 1.0]);
     if r.lo == 0.0 {
         r.lo_by = lowest.unwrap_or_default();
@@ -262,10 +263,20 @@ pub fn variable(name: &str, component: usize) -> Option<(f64, f64, Evidence)> {
     let infinity = f64::INFINITY;
     Some(match (name, component) {
         ("gl_FragCoord", 0 | 1) => (0.5, infinity, Evidence::Stated),
-        ("gl_FragCoord", 2) | ("gl_PointCoord" | "gl_TessCoord" | "gl_SamplePosition", _) => (0.0, 1.0, Evidence::Nature),
+        ("gl_FragCoord", 2) | ("gl_PointCoord" | "gl_TessCoord" | "gl_SamplePosition", _) => {
+            (0.0, 1.0, Evidence::Nature)
+        }
         (
-            "gl_VertexID" | "gl_InstanceID" | "gl_PrimitiveID" | "gl_PrimitiveIDIn" | "gl_InvocationID" | "gl_SampleID"
-            | "gl_WorkGroupID" | "gl_LocalInvocationID" | "gl_GlobalInvocationID" | "gl_LocalInvocationIndex",
+            "gl_VertexID"
+            | "gl_InstanceID"
+            | "gl_PrimitiveID"
+            | "gl_PrimitiveIDIn"
+            | "gl_InvocationID"
+            | "gl_SampleID"
+            | "gl_WorkGroupID"
+            | "gl_LocalInvocationID"
+            | "gl_GlobalInvocationID"
+            | "gl_LocalInvocationIndex",
             _,
         ) => (0.0, infinity, Evidence::Stated),
         ("gl_FrontFacing" | "gl_HelperInvocation", _) => (0.0, 1.0, Evidence::Bound),

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::glsl::{Const, Shader};
 use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind, ItemKind, UnaryOp};
 use crate::glsl::interface::Storage;
 use crate::glsl::symbols::{CallTarget, Direction, FunctionId, Symbol, SymbolId, SymbolKind};
 use crate::glsl::types::{ScalarType, Type};
+use crate::glsl::{Const, Shader};
 use crate::lint::config::Config;
 
 use super::builtin::{self, Call};
@@ -86,7 +86,8 @@ impl<'s> Machine<'s> {
             }
         }
         let start = self.state.clone();
-        let mut roots: Vec<FunctionId> = shader.functions().filter(|(_, f)| f.name.name == "main").map(|(i, _)| i).collect();
+        let mut roots: Vec<FunctionId> =
+            shader.functions().filter(|(_, f)| f.name.name == "main").map(|(i, _)| i).collect();
         roots.extend(shader.functions().filter(|(_, f)| f.name.name != "main").map(|(i, _)| i));
         for root in roots {
             if self.reached.contains(&root) {
@@ -94,7 +95,8 @@ impl<'s> Machine<'s> {
             }
             self.state = start.clone();
             let params = shader.function_info(root).params.iter();
-            let args = params.map(|p| p.symbol.map_or_else(|| Value::opaque(Sources::ALL), |s| self.beginning(s))).collect();
+            let args =
+                params.map(|p| p.symbol.map_or_else(|| Value::opaque(Sources::ALL), |s| self.beginning(s))).collect();
             self.enter(root, args);
         }
     }
@@ -269,7 +271,11 @@ impl<'s> Machine<'s> {
             element.made_from = base.made_from;
             return element;
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index that does not fit is none")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "an index that does not fit is none"
+        )]
         let part = at.part(0).and_then(|r| r.single()).filter(|i| *i >= 0.0).and_then(|i| base.parts.get(i as usize));
         let range = part.copied().or_else(|| base.hull()).unwrap_or_else(|| Range::unknown(sources));
         let range = Range { sources, ..range };
@@ -307,9 +313,7 @@ impl<'s> Machine<'s> {
         match op {
             UnaryOp::Plus => value,
             UnaryOp::Minus => Value { parts: value.parts.iter().map(|p| t::neg(*p)).collect(), ..value },
-            UnaryOp::Not => {
-                Value::new(value.parts.iter().map(|p| t::sub(Range::exactly(1.0), *p)).collect())
-            }
+            UnaryOp::Not => Value::new(value.parts.iter().map(|p| t::sub(Range::exactly(1.0), *p)).collect()),
             UnaryOp::Complement => unknown_of(self.shader.type_of(id), value.sources()),
             UnaryOp::Increment | UnaryOp::Decrement => {
                 self.step(operand, &value, op == UnaryOp::Increment);
@@ -334,10 +338,12 @@ impl<'s> Machine<'s> {
                 if a.part(0).and_then(|r| r.single()).is_some_and(|v| v != whole) {
                     return a;
                 }
-                let keep = (self.state.facts.clone(), self.state.path);
+                let before = self.state.clone();
                 self.assume(left, op == BinaryOp::And);
                 let b = self.eval(right);
-                (self.state.facts, self.state.path) = keep;
+                let then = std::mem::take(&mut self.state);
+                let (shader, config, path) = (self.shader, self.config, before.path);
+                self.state = then.meet(before, path, a.sources(), |s| beginning(shader, config, s));
                 b
             }
             _ => self.eval(right),
@@ -373,7 +379,8 @@ impl<'s> Machine<'s> {
                 }
                 let same = matches!(args, [a, b] if self.same(*a, *b));
                 self.record(id, values.clone());
-                let selects = name.name == "mix" && matches!(shader.type_of(args[args.len() - 1]).scalar(), Some(ScalarType::Bool));
+                let selects = name.name == "mix"
+                    && matches!(shader.type_of(args[args.len() - 1]).scalar(), Some(ScalarType::Bool));
                 if selects && let [a, b, c] = values.as_slice() {
                     return a.join(b).depending(c.sources());
                 }

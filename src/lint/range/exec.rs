@@ -93,11 +93,8 @@ impl<'s> Machine<'s> {
                 self.end();
             }
             StmtKind::Case(e) => drop(self.eval(*e)),
-            StmtKind::Empty
-            | StmtKind::Precision(_)
-            | StmtKind::Qualified(_)
-            | StmtKind::Default
-            | StmtKind::Error => {}
+            StmtKind::Empty | StmtKind::Precision(_) | StmtKind::Qualified(_) | StmtKind::Default | StmtKind::Error => {
+            }
         }
     }
 
@@ -165,7 +162,13 @@ impl<'s> Machine<'s> {
     }
 
     /// Runs a loop until nothing changes, then once more for the record.
-    fn cycle(&mut self, condition: Option<ExprId>, declared: Option<&'s Declaration>, step: Option<ExprId>, body: &'s Stmt) {
+    fn cycle(
+        &mut self,
+        condition: Option<ExprId>,
+        declared: Option<&'s Declaration>,
+        step: Option<ExprId>,
+        body: &'s Stmt,
+    ) {
         let recording = std::mem::replace(&mut self.recording, false);
         let mut head = self.state.clone();
         head.facts.clear();

@@ -55,7 +55,14 @@ impl Machine<'_> {
         if a.lo > b.lo || (strictly && a.lo == b.lo) {
             (above.lo, above.lo_by) = (if strictly { -before(-a.lo, integer) } else { a.lo }, Evidence::Bound);
         }
-        let narrowed = self.learn(low, below).and(self.learn(high, above));
+        // A comparison with NaN is false, whatever the other side is.
+        let mut narrowed = Sources::NONE;
+        if holds || !b.nan {
+            narrowed = narrowed.and(self.learn(low, below));
+        }
+        if holds || !a.nan {
+            narrowed = narrowed.and(self.learn(high, above));
+        }
         self.difference(low, high, strictly);
         narrowed
     }

@@ -153,25 +153,17 @@ pub fn div(a: Range, b: Range) -> Range {
 pub fn monotone(x: Range, rising: bool, f: impl Fn(f64) -> f64) -> Range {
     let [l, h] = ends(&x).map(|(v, by)| (f(v), by));
     let (lo, hi) = if rising { (l, h) } else { (h, l) };
-    outwards(Range {
-        lo: lo.0,
-        hi: hi.0,
-        lo_by: lo.1,
-        hi_by: hi.1,
-        nan: x.nan,
-        nonzero: false,
-        sources: x.sources,
-    })
+    outwards(Range { lo: lo.0, hi: hi.0, lo_by: lo.1, hi_by: hi.1, nan: x.nan, nonzero: false, sources: x.sources })
 }
 
 /// As [`monotone`], of a function of the device that may be off by a few units in the last place. Ends
 /// in `exact` are met as they are.
 fn inexact(x: Range, f: impl Fn(f64) -> f64, exact: &[f64]) -> Range {
     let mut r = monotone(x, true, f);
-    if !exact.contains(&r.lo) {
+    if r.lo.is_finite() && !exact.contains(&r.lo) {
         r.lo -= (r.lo.abs() * UNIT_SLACK).max(f64::from(f32::MIN_POSITIVE));
     }
-    if !exact.contains(&r.hi) {
+    if r.hi.is_finite() && !exact.contains(&r.hi) {
         r.hi += (r.hi.abs() * UNIT_SLACK).max(f64::from(f32::MIN_POSITIVE));
     }
     r
@@ -263,7 +255,15 @@ pub fn stepped(x: Range, f: fn(f64) -> f64) -> Range {
 
 /// `sign(x)`
 pub fn sign(x: Range) -> Range {
-    let of = |v: f64| if v > 0.0 { 1.0 } else if v < 0.0 { -1.0 } else { 0.0 };
+    let of = |v: f64| {
+        if v > 0.0 {
+            1.0
+        } else if v < 0.0 {
+            -1.0
+        } else {
+            0.0
+        }
+    };
     let mut r = monotone(x, true, of);
     let known = if x.is_finite() { Evidence::Bound } else { Evidence::Nature };
     r.lo_by = r.lo_by.max(known);
@@ -304,11 +304,8 @@ pub fn from(x: Range, least: f64, f: fn(f64) -> f64, exact: &[f64]) -> Range {
         return Range::unknown(x.sources);
     }
     let outside = x.lo < least;
-    let inside = Range {
-        lo: x.lo.max(least),
-        lo_by: if outside { x.lo_by.min(Evidence::Nature) } else { x.lo_by },
-        ..x
-    };
+    let inside =
+        Range { lo: x.lo.max(least), lo_by: if outside { x.lo_by.min(Evidence::Nature) } else { x.lo_by }, ..x };
     let mut r = inexact(inside, f, exact);
     r.nan |= outside;
     r
@@ -382,7 +379,9 @@ pub fn mix(a: Range, b: Range, t: Range) -> Range {
     }
     let mut r = a.join(b);
     let from = |end: f64| {
-        let at = |met: bool, x: &Range, t_by: Evidence| if met && (x.lo == end || x.hi == end) { t_by } else { Evidence::Bound };
+        let at = |met: bool, x: &Range, t_by: Evidence| {
+            if met && (x.lo == end || x.hi == end) { t_by } else { Evidence::Bound }
+        };
         at(t.lo == 0.0, &a, t.lo_by).max(at(t.hi == 1.0, &b, t.hi_by))
     };
     let apart = a.sources.apart_from(t.sources) && b.sources.apart_from(t.sources);
