@@ -1,5 +1,7 @@
 //! Rules on shaders.
 
+pub(super) mod d018;
+pub(super) mod d017;
 pub(in crate::lint) mod t011;
 pub(super) mod p003;
 pub(super) mod p002;
