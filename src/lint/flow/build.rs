@@ -33,7 +33,7 @@ pub fn graph(shader: &Shader, root: FunctionId) -> Option<Graph> {
     let mut builder = Builder {
         shader,
         declared,
-        graph: Graph { root, blocks: vec![Block::default()], exit: 0, slots: Vec::new(), functions: Vec::new() },
+        graph: Graph { blocks: vec![Block::default()], exit: 0, slots: Vec::new(), functions: Vec::new() },
         slots: HashMap::new(),
         current: 0,
         frames: Vec::new(),
@@ -52,15 +52,16 @@ pub fn graph(shader: &Shader, root: FunctionId) -> Option<Graph> {
 fn is_followed(shader: &Shader, id: SymbolId) -> bool {
     let symbol = shader.symbol(id);
     let outputs = shader.stage() != Stage::TessControl;
-    let of_block = |index: usize| outputs && shader.interface().blocks.get(index).is_some_and(|b| b.storage == Storage::Out);
+    let of_block =
+        |index: usize| outputs && shader.interface().blocks.get(index).is_some_and(|b| b.storage == Storage::Out);
     !symbol.read_only
         && match symbol.kind {
             SymbolKind::Local | SymbolKind::Param(_) | SymbolKind::Global(Storage::Global) => true,
             SymbolKind::Global(Storage::Out) | SymbolKind::Builtin => outputs,
             SymbolKind::BlockMember(index) | SymbolKind::BlockInstance(index) => of_block(index),
-            SymbolKind::Global(
-                Storage::In | Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const,
-            ) => false,
+            SymbolKind::Global(Storage::In | Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const) => {
+                false
+            }
         }
 }
 

@@ -10,8 +10,6 @@ mod emit;
 mod graph;
 mod live;
 mod place;
-#[cfg(test)]
-mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -197,9 +195,8 @@ fn is_inside(shader: &Shader, symbol: SymbolId, function: FunctionId) -> bool {
     match shader.symbol(symbol).kind {
         SymbolKind::Local => body.zip(place).is_some_and(|(b, p)| b.contains(p.start)),
         SymbolKind::Param(_) => info.params.iter().any(|p| p.symbol == Some(symbol)),
-        SymbolKind::Builtin
-        | SymbolKind::Global(_)
-        | SymbolKind::BlockMember(_)
-        | SymbolKind::BlockInstance(_) => false,
+        SymbolKind::Builtin | SymbolKind::Global(_) | SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_) => {
+            false
+        }
     }
 }

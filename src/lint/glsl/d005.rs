@@ -29,7 +29,9 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nin vec2 position;\nvoid main(void)\n{\n  gl_Position = vec4(position, 0.0, 1.0);\n}\n",
         }],
         fix: "No fix: the missing value is not known.",
-        references: &["GLSL 1.50 specification, sections 7.1 \"Vertex Shader Special Variables\" and 4.3.6 \"Outputs\""],
+        references: &[
+            "GLSL 1.50 specification, sections 7.1 \"Vertex Shader Special Variables\" and 4.3.6 \"Outputs\"",
+        ],
         ja: Japanese {
             summary: "位置や色の一部の成分だけが書き込まれています",
             what: "`gl_Position` とフラグメントシェーダの出力のうち、一部の成分だけが書き込まれ、残りはどこでも書き込まれないものを報告します。その他の出力は、次のステージが書き込まれた成分だけを使うかもしれないので報告しません。",
@@ -52,17 +54,14 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let name = &symbol.name;
         let letters = flow::letters(&symbol.ty, missing).unwrap_or_default();
         let found = findings
-                .at(
-                    &file.file,
-                    write,
-                    told!("`{name}.{letters}` is never written", "`{name}.{letters}` に書き込みがありません"),
-                )
-                .with_label(told!("only a part is written", "一部だけの書き込み"))
-                .with_why(told!(
-                    "a component that is not written is undefined",
-                    "書き込まれない成分の値は未定義です"
-                ))
-                .with_help(told!("write all components of `{name}`", "`{name}` の全成分に書き込んでください"));
+            .at(
+                &file.file,
+                write,
+                told!("`{name}.{letters}` is never written", "`{name}.{letters}` に書き込みがありません"),
+            )
+            .with_label(told!("only a part is written", "一部だけの書き込み"))
+            .with_why(told!("a component that is not written is undefined", "書き込まれない成分の値は未定義です"))
+            .with_help(told!("write all components of `{name}`", "`{name}` の全成分に書き込んでください"));
         // A frame buffer without blending does without alpha.
         let alpha = shader.stage() == Stage::Fragment && letters == "w";
         findings.push(if alpha { Diagnostic { severity: Severity::Info, ..found } } else { found });

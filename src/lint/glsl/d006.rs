@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Severity, told};
 use crate::glsl::ast::StmtKind;
-use crate::glsl::symbols::SymbolKind;
+use crate::glsl::symbols::{Access, SymbolKind};
 use crate::glsl::{TokenKind, TokenPlace};
 use crate::lint::project::ShaderFile;
 use crate::text::Span;
@@ -24,10 +24,16 @@ pub const RULE: Rule = Rule {
                leaves out, or in a macro, is not reported. Parameters are left to D016, functions and structures to \
                D017.",
         why: "It costs nothing at run time, but often a similar name was meant: the value computed here goes nowhere.",
-        bad: &[Example { name: "shade.frag", text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid main(void)\n\
-            {\n  vec3 m = normalize(n);\n  color = vec4(n, 1.0);\n}\n" }],
-        good: &[Example { name: "shade.frag", text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  vec3 m = normalize(n);\n  color = vec4(m, 1.0);\n}\n" }],
+        bad: &[Example {
+            name: "shade.frag",
+            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid main(void)\n\
+            {\n  vec3 m = normalize(n);\n  color = vec4(n, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "shade.frag",
+            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid \
+            main(void)\n{\n  vec3 m = normalize(n);\n  color = vec4(m, 1.0);\n}\n",
+        }],
         fix: "No fix: what is unused may be what should be used.",
         references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
         ja: Japanese {
@@ -49,8 +55,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let mut unused: Vec<(Span, &str, bool)> = Vec::new();
     for (id, symbol) in shader.symbols().filter(|(_, s)| s.kind == SymbolKind::Local) {
         let Some(span) = symbol.span else { continue };
-        let read = shader.uses_of(id).any(|u| u.access == crate::glsl::symbols::Access::Read)
-            || shader.uses_of(id).any(|u| u.access.reads() && is_needed(file, u.expr));
+        let read = shader.uses_of(id).any(|u| u.access == Access::Read || is_needed(file, u.expr));
         if !read {
             let written = shader.is_written(id);
             unused.push((span, &symbol.name, written));
@@ -86,7 +91,7 @@ pub(super) fn hidden_words(file: &ShaderFile) -> BTreeSet<&str> {
     hidden.map(|t| file.file.slice(t.span)).collect()
 }
 
-/// True when a compound assignment or `++` on a name is more than a statement of its own.
+/// True when a name is not just what a statement of its own assigns to, increments or decrements.
 fn is_needed(file: &ShaderFile, name: crate::glsl::ast::ExprId) -> bool {
     let shader = &file.shader;
     let span = shader.expr(name).span;
@@ -112,7 +117,9 @@ mod tests {
     use super::super::testing::messages;
 
     fn told(outer: &str, body: &str) -> Vec<String> {
-        let text = format!("#version 150 core\nuniform int n;\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n");
+        let text = format!(
+            "#version 150 core\nuniform int n;\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n"
+        );
         messages("D006", "a.frag", &text)
     }
 
@@ -128,6 +135,8 @@ mod tests {
         for (outer, body) in [
             ("", "float x = 1.0; c.x = x;"),
             ("", "int i = 0; c.x = float(i++);"),
+            ("", "bool b; if (b = n > 0) c.x = 1.0;"),
+            ("void f(out float x) { x = 1.0; }", "float x; f(x);"),
             ("", "for (int i = 0; i < n; ++i) c.x += 1.0;"),
             ("", "vec3 v; v.x = 1.0; c.y = v.x;"),
             ("void f() { }", "f();"),

@@ -22,10 +22,16 @@ pub const RULE: Rule = Rule {
             name that also occurs in text that an `#if` leaves out, or in a macro, is not reported.",
         why: "Compilers drop it, so that it costs nothing. It may be left over, or a call may be missing; many \
             shaders keep functions to choose from.",
-        bad: &[Example { name: "tone.frag", text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
-            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(c, 1.0);\n}\n" }],
-        good: &[Example { name: "tone.frag", text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
-            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(tone(c), 1.0);\n}\n" }],
+        bad: &[Example {
+            name: "tone.frag",
+            text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
+            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(c, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "tone.frag",
+            text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
+            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(tone(c), 1.0);\n}\n",
+        }],
         fix: "No fix: what is unused may be what should be used.",
         references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
         ja: Japanese {
@@ -93,7 +99,8 @@ mod tests {
     use super::super::testing::messages;
 
     fn told(outer: &str, body: &str) -> Vec<String> {
-        let text = format!("#version 150 core\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n");
+        let text =
+            format!("#version 150 core\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n");
         messages("D017", "a.frag", &text)
     }
 

@@ -18,11 +18,17 @@ pub const RULE: Rule = Rule {
         what: "Reports what D004 reports, for the outputs of a shader that another stage reads. The next stage may \
             know by the same condition that the value is not there, and not read it.",
         why: "On the other path the value is undefined, and so is what it is interpolated with.",
-        bad: &[Example { name: "sky.vert", text: "#version 150 core\nin vec4 position;\nuniform bool sky;\nout vec3 \
-            ray;\nvoid main(void)\n{\n  if (sky) ray = position.xyz;\n  gl_Position = position;\n}\n" }],
-        good: &[Example { name: "sky.vert", text: "#version 150 core\nin vec4 position;\nuniform bool sky;\nout \
+        bad: &[Example {
+            name: "sky.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform bool sky;\nout vec3 \
+            ray;\nvoid main(void)\n{\n  if (sky) ray = position.xyz;\n  gl_Position = position;\n}\n",
+        }],
+        good: &[Example {
+            name: "sky.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform bool sky;\nout \
             vec3 ray;\nvoid main(void)\n{\n  ray = sky ? position.xyz : vec3(0.0);\n  gl_Position = position;\n\
-            }\n" }],
+            }\n",
+        }],
         fix: "No fix: write a value before the branch, or add the other branch.",
         references: &["GLSL 1.50 specification, section 4.3.6 \"Outputs\""],
         ja: Japanese {
