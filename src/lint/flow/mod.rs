@@ -7,6 +7,7 @@
 mod assign;
 mod build;
 mod emit;
+mod evaluate;
 mod graph;
 mod live;
 mod place;

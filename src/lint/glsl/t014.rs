@@ -22,12 +22,14 @@ pub const RULE: Rule = Rule {
         bad: &[Example {
             name: "flag.frag",
             text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
-            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b = true) color = vec4(1.0);\n}\n",
+            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b = true) color = vec4(1.0);\n  \
+            color.a = b ? 1.0 : 0.5;\n}\n",
         }],
         good: &[Example {
             name: "flag.frag",
             text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
-            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b == true) color = vec4(1.0);\n}\n",
+            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b == true) color = vec4(1.0);\n  \
+            color.a = b ? 1.0 : 0.5;\n}\n",
         }],
         fix: "Writes `==`. Unsafe: the assignment may be meant.",
         references: &["GLSL 4.60 specification, section 6.2 \"Selection\""],

@@ -22,12 +22,12 @@ pub const RULE: Rule = Rule {
         bad: &[Example {
             name: "cut.frag",
             text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(1.0);\n  if (a > 0.5);\n  {\n    color = vec4(0.0);\n  }\n}\n",
+            {\n  color = vec4(1.0);\n  if (a > 0.5);\n  {\n    color *= 0.5;\n  }\n}\n",
         }],
         good: &[Example {
             name: "cut.frag",
             text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(1.0);\n  if (a > 0.5)\n  {\n    color = vec4(0.0);\n  }\n}\n",
+            {\n  color = vec4(1.0);\n  if (a > 0.5)\n  {\n    color *= 0.5;\n  }\n}\n",
         }],
         fix: "Removes the `;`. Unsafe: what follows becomes the body.",
         references: &["GLSL 4.60 specification, section 6 \"Statements and Structure\""],
