@@ -18,6 +18,8 @@ pub const RULES: &[&Rule] = &[
     &glsl::d011::RULE,
     &glsl::d015::RULE,
     &glsl::d016::RULE,
+    &glsl::d017::RULE,
+    &glsl::d018::RULE,
     &glsl::g001::RULE,
     &glsl::g002::RULE,
     &glsl::g003::RULE,

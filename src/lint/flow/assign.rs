@@ -108,7 +108,13 @@ pub fn unassigned(shader: &Shader, graph: &Graph) -> Vec<Unassigned> {
                 let mask = missing(&state[event.slot]);
                 if mask != 0 {
                     let written = state[event.slot].may & event.mask;
-                    let never = if all { mask & !written } else if written == 0 { mask } else { 0 };
+                    let never = if all {
+                        mask & !written
+                    } else if written == 0 {
+                        mask
+                    } else {
+                        0
+                    };
                     let certainty = if never != 0 || comes_first(graph, &dominators, at, index, event.slot, mask) {
                         Certainty::Always
                     } else if likely.as_ref().is_some_and(|l| missing(&l[event.slot]) != 0)
@@ -153,11 +159,7 @@ fn comes_first(
             let writes = match event.kind {
                 Kind::Write { .. } => event.slot == slot && event.mask & mask != 0,
                 Kind::Copy { .. } => event.slot == slot,
-                Kind::Declare
-                | Kind::Read { .. }
-                | Kind::Emit
-                | Kind::EndPrimitive
-                | Kind::NoReturn { .. } => false,
+                Kind::Declare | Kind::Read { .. } | Kind::Emit | Kind::EndPrimitive | Kind::NoReturn { .. } => false,
             };
             !writes || if other == at { index < i } else { dominators[other].has(at) }
         })

@@ -2,22 +2,18 @@
 
 use std::collections::HashMap;
 
-use crate::glsl::ast::{
-    BinaryOp, Block as Body, Callee, Condition, Declaration, ExprId, ExprKind, Literal, Stmt, StmtKind, UnaryOp,
-};
+use crate::glsl::ast::{BinaryOp, Block as Body, Condition, Declaration, ExprId, ExprKind, Stmt, StmtKind};
 use crate::glsl::interface::Storage;
-use crate::glsl::symbols::{CallTarget, Direction, FunctionId, SymbolId, SymbolKind};
+use crate::glsl::symbols::{Direction, FunctionId, SymbolId, SymbolKind};
 use crate::glsl::types::Type;
 use crate::glsl::{Const, Shader, Stage};
 use crate::text::Span;
 
 use super::graph::{Block, Edge, Event, Graph, Kind, Slot, Store};
-use super::place::{full, place};
+use super::place::full;
 
 /// Graphs with more blocks or events are given up.
 const MOST: usize = 6_000;
-/// Levels of operators that are followed.
-const DEEPEST: u32 = 400;
 
 /// The graph of a function; none when it recurses, calls what has no body, or is too large. Global
 /// variables have no value at the start of `main`, unless they are initialised, and have one at the start
@@ -33,7 +29,7 @@ pub fn graph(shader: &Shader, root: FunctionId) -> Option<Graph> {
     let mut builder = Builder {
         shader,
         declared,
-        graph: Graph { root, blocks: vec![Block::default()], exit: 0, slots: Vec::new(), functions: Vec::new() },
+        graph: Graph { blocks: vec![Block::default()], exit: 0, slots: Vec::new(), functions: Vec::new() },
         slots: HashMap::new(),
         current: 0,
         frames: Vec::new(),
@@ -52,43 +48,44 @@ pub fn graph(shader: &Shader, root: FunctionId) -> Option<Graph> {
 fn is_followed(shader: &Shader, id: SymbolId) -> bool {
     let symbol = shader.symbol(id);
     let outputs = shader.stage() != Stage::TessControl;
-    let of_block = |index: usize| outputs && shader.interface().blocks.get(index).is_some_and(|b| b.storage == Storage::Out);
+    let of_block =
+        |index: usize| outputs && shader.interface().blocks.get(index).is_some_and(|b| b.storage == Storage::Out);
     !symbol.read_only
         && match symbol.kind {
             SymbolKind::Local | SymbolKind::Param(_) | SymbolKind::Global(Storage::Global) => true,
             SymbolKind::Global(Storage::Out) | SymbolKind::Builtin => outputs,
             SymbolKind::BlockMember(index) | SymbolKind::BlockInstance(index) => of_block(index),
-            SymbolKind::Global(
-                Storage::In | Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const,
-            ) => false,
+            SymbolKind::Global(Storage::In | Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const) => {
+                false
+            }
         }
 }
 
-struct Frame {
-    function: FunctionId,
-    copy: u32,
-    exit: usize,
-    breaks: Vec<usize>,
-    continues: Vec<usize>,
+pub(super) struct Frame {
+    pub(super) function: FunctionId,
+    pub(super) copy: u32,
+    pub(super) exit: usize,
+    pub(super) breaks: Vec<usize>,
+    pub(super) continues: Vec<usize>,
 }
 
-struct Builder<'s> {
-    shader: &'s Shader,
-    declared: HashMap<Span, SymbolId>,
-    graph: Graph,
-    slots: HashMap<(SymbolId, u32), usize>,
-    current: usize,
-    frames: Vec<Frame>,
-    copies: u32,
-    loops: u32,
-    events: usize,
+pub(super) struct Builder<'s> {
+    pub(super) shader: &'s Shader,
+    pub(super) declared: HashMap<Span, SymbolId>,
+    pub(super) graph: Graph,
+    pub(super) slots: HashMap<(SymbolId, u32), usize>,
+    pub(super) current: usize,
+    pub(super) frames: Vec<Frame>,
+    pub(super) copies: u32,
+    pub(super) loops: u32,
+    pub(super) events: usize,
     /// The variable whose next value is being computed.
-    assigning: Option<SymbolId>,
-    failed: bool,
+    pub(super) assigning: Option<SymbolId>,
+    pub(super) failed: bool,
 }
 
 impl<'s> Builder<'s> {
-    fn block(&mut self) -> usize {
+    pub(super) fn block(&mut self) -> usize {
         if self.graph.blocks.len() >= MOST {
             self.failed = true;
             return 0;
@@ -97,19 +94,19 @@ impl<'s> Builder<'s> {
         self.graph.blocks.len() - 1
     }
 
-    fn edge(&mut self, from: usize, to: usize, weak: bool) {
+    pub(super) fn edge(&mut self, from: usize, to: usize, weak: bool) {
         self.graph.blocks[from].next.push(Edge { to, weak });
     }
 
     /// Goes on in a new block behind the current one.
-    fn go_on(&mut self) -> usize {
+    pub(super) fn go_on(&mut self) -> usize {
         let next = self.block();
         self.edge(self.current, next, false);
         self.current = next;
         next
     }
 
-    fn event(&mut self, kind: Kind, slot: usize, mask: u64, span: Span, expr: Option<ExprId>) {
+    pub(super) fn event(&mut self, kind: Kind, slot: usize, mask: u64, span: Span, expr: Option<ExprId>) {
         self.events += 1;
         if self.events > MOST * 4 {
             self.failed = true;
@@ -118,7 +115,7 @@ impl<'s> Builder<'s> {
         }
     }
 
-    fn slot(&mut self, symbol: SymbolId) -> Option<usize> {
+    pub(super) fn slot(&mut self, symbol: SymbolId) -> Option<usize> {
         if !is_followed(self.shader, symbol) {
             return None;
         }
@@ -174,7 +171,7 @@ impl<'s> Builder<'s> {
         self.body(body, &info.return_type);
     }
 
-    fn body(&mut self, body: &'s Body, returns: &Type) {
+    pub(super) fn body(&mut self, body: &'s Body, returns: &Type) {
         self.statements(&body.statements);
         if *returns != Type::Void {
             let root = self.frames.len() == 1;
@@ -434,211 +431,5 @@ impl<'s> Builder<'s> {
             frame.breaks.pop();
         }
         self.current = after;
-    }
-
-    /// Evaluates an expression whose value is used as a whole.
-    fn value(&mut self, id: ExprId) {
-        self.read(id, true);
-    }
-
-    fn read(&mut self, id: ExprId, all: bool) {
-        if self.failed || self.shader.arena().depth(id) > DEEPEST {
-            self.failed = true;
-            return;
-        }
-        let shader = self.shader;
-        let expr = shader.expr(id);
-        match &expr.kind {
-            ExprKind::Literal(
-                Literal::Bool(_) | Literal::Int(_) | Literal::Uint(_) | Literal::Float(_) | Literal::Double(_),
-            ) => {}
-            ExprKind::Error => self.failed = true,
-            ExprKind::Paren(inner) => self.read(*inner, all),
-            ExprKind::Name(_) | ExprKind::Index { .. } | ExprKind::Field { .. } => match place(shader, id) {
-                Some(place) => {
-                    self.indices(id);
-                    let Some(slot) = self.slot(place.root) else { return };
-                    let numeric = shader.type_of(id).components().is_some();
-                    let accumulates = self.assigning == Some(place.root) && self.loops > self.graph.slots[slot].loops;
-                    let kind = Kind::Read { all: all && numeric && place.exact, accumulates };
-                    self.event(kind, slot, place.mask, expr.span, Some(id));
-                }
-                None => expr.children().into_iter().for_each(|c| self.value(c)),
-            },
-            // Only the length of the array is asked for.
-            ExprKind::Method { base, method: _, args: _ } => self.indices(*base),
-            ExprKind::Call { callee, args } => self.call(id, callee, args),
-            ExprKind::Unary { op: UnaryOp::Increment | UnaryOp::Decrement, op_span: _, operand }
-            | ExprKind::Postfix { increment: _, op_span: _, operand } => {
-                self.compute(*operand, |this| this.value(*operand));
-                self.write(*operand, Store::Assigned, id);
-            }
-            ExprKind::Unary {
-                op: UnaryOp::Plus | UnaryOp::Minus | UnaryOp::Not | UnaryOp::Complement,
-                op_span: _,
-                operand,
-            } => self.value(*operand),
-            ExprKind::Binary { op: BinaryOp::And | BinaryOp::Or, op_span: _, left, right } => {
-                self.value(*left);
-                let head = self.current;
-                self.go_on();
-                self.value(*right);
-                let after = self.go_on();
-                self.edge(head, after, false);
-            }
-            ExprKind::Binary { op: _, op_span: _, left, right } => {
-                self.value(*left);
-                self.value(*right);
-            }
-            ExprKind::Comma { left, right } => {
-                self.value(*left);
-                self.read(*right, all);
-            }
-            ExprKind::Assign { op, op_span: _, target, value } => {
-                if op.is_none() {
-                    self.indices(*target);
-                }
-                self.compute(*target, |this| {
-                    if op.is_some() {
-                        this.value(*target);
-                    }
-                    this.value(*value);
-                });
-                self.write(*target, Store::Assigned, id);
-            }
-            ExprKind::Ternary { condition, yes, no } => {
-                self.value(*condition);
-                let head = self.current;
-                self.go_on();
-                self.read(*yes, all);
-                let after_yes = self.current;
-                self.current = self.block();
-                self.edge(head, self.current, false);
-                self.read(*no, all);
-                self.go_on();
-                self.edge(after_yes, self.current, false);
-            }
-            ExprKind::List(items) => items.iter().for_each(|i| self.value(*i)),
-        }
-    }
-
-    /// Does something that computes the next value of `target`.
-    fn compute(&mut self, target: ExprId, run: impl FnOnce(&mut Self)) {
-        let root = place(self.shader, target).map(|p| p.root);
-        let outer = std::mem::replace(&mut self.assigning, root);
-        run(self);
-        self.assigning = outer;
-    }
-
-    /// Evaluates the indices inside a place, and not the place.
-    fn indices(&mut self, id: ExprId) {
-        match self.shader.expr(id).kind {
-            ExprKind::Index { base, index } => {
-                self.indices(base);
-                self.value(index);
-            }
-            ExprKind::Field { base, field: _ } => self.indices(base),
-            ExprKind::Paren(inner) => self.indices(inner),
-            ExprKind::Name(_) => {}
-            _ => self.value(id),
-        }
-    }
-
-    fn write(&mut self, target: ExprId, store: Store, by: ExprId) {
-        let Some(place) = place(self.shader, target) else { return };
-        let Some(slot) = self.slot(place.root) else { return };
-        let span = self.shader.expr(target).span;
-        self.event(Kind::Write { exact: place.exact, store }, slot, place.mask, span, Some(by));
-    }
-
-    fn call(&mut self, id: ExprId, callee: &'s Callee, args: &[ExprId]) {
-        let shader = self.shader;
-        match shader.callee(id) {
-            None => self.failed = true,
-            Some(CallTarget::Constructor(_)) => args.iter().for_each(|a| self.value(*a)),
-            Some(CallTarget::Builtin(directions)) => {
-                for (&arg, direction) in args.iter().zip(directions) {
-                    match direction {
-                        Direction::In => self.value(arg),
-                        Direction::Out => self.indices(arg),
-                        // The memory behind an image or a counter.
-                        Direction::InOut => self.value(arg),
-                    }
-                }
-                for (&arg, direction) in args.iter().zip(directions) {
-                    if *direction != Direction::In {
-                        self.write(arg, Store::Passed, id);
-                    }
-                }
-                let Callee::Name(name) = callee else { return };
-                let kind = match name.name.as_str() {
-                    "EmitVertex" | "EmitStreamVertex" => Kind::Emit,
-                    "EndPrimitive" | "EndStreamPrimitive" => Kind::EndPrimitive,
-                    _ => return,
-                };
-                self.event(kind, 0, 0, shader.expr(id).span, Some(id));
-            }
-            Some(CallTarget::User(function)) => self.inline(id, *function, args),
-        }
-    }
-
-    fn inline(&mut self, id: ExprId, function: FunctionId, args: &[ExprId]) {
-        let shader = self.shader;
-        let info = shader.function_info(function);
-        let body = shader.function_syntax(info).and_then(|f| f.body.as_ref());
-        let (Some(body), false) = (body, self.frames.iter().any(|f| f.function == function)) else {
-            self.failed = true;
-            return;
-        };
-        // A variable that is passed as a whole is copied, and so is what is not known about it.
-        let mut passed = Vec::new();
-        for (&arg, param) in args.iter().zip(&info.params) {
-            let whole = match param.direction {
-                Direction::In => {
-                    self.read(arg, false);
-                    None
-                }
-                Direction::Out | Direction::InOut => {
-                    self.indices(arg);
-                    let place = place(shader, arg).filter(|p| p.exact && p.mask == full(&shader.symbol(p.root).ty));
-                    place.filter(|p| shader.symbol(p.root).ty == param.ty).and_then(|p| self.slot(p.root))
-                }
-            };
-            passed.push(whole);
-        }
-        self.copies += 1;
-        let (copy, exit) = (self.copies, self.block());
-        self.frames.push(Frame { function, copy, exit, breaks: Vec::new(), continues: Vec::new() });
-        if !self.graph.functions.contains(&function) {
-            self.graph.functions.push(function);
-        }
-        let assigning = self.assigning.take();
-        let mut back = Vec::new();
-        for (param, whole) in info.params.iter().zip(&passed) {
-            let Some(slot) = param.symbol.and_then(|s| self.slot(s)) else {
-                back.push(None);
-                continue;
-            };
-            let kind = match (param.direction, whole) {
-                (Direction::Out, _) => Kind::Declare,
-                (Direction::InOut, Some(from)) => Kind::Copy { from: *from },
-                (Direction::In | Direction::InOut, _) => Kind::Write { exact: true, store: Store::Passed },
-            };
-            self.event(kind, slot, full(&param.ty), param.span, None);
-            back.push(Some(slot));
-        }
-        self.body(body, &info.return_type);
-        self.frames.pop();
-        self.assigning = assigning;
-        let span = shader.expr(id).span;
-        for (((&arg, param), whole), slot) in args.iter().zip(&info.params).zip(passed).zip(back) {
-            match (param.direction, whole, slot) {
-                (Direction::In, ..) => {}
-                (Direction::InOut, Some(to), Some(from)) => {
-                    self.event(Kind::Copy { from }, to, full(&param.ty), span, Some(id));
-                }
-                (Direction::Out | Direction::InOut, ..) => self.write(arg, Store::Passed, id),
-            }
-        }
     }
 }

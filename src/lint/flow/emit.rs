@@ -49,11 +49,7 @@ impl State {
             }
             // Of what is passed to a function and back, nothing is known.
             Kind::Copy { .. } => self.slots[event.slot].stale = 0,
-            Kind::Declare
-            | Kind::Write { .. }
-            | Kind::Read { .. }
-            | Kind::EndPrimitive
-            | Kind::NoReturn { .. } => {}
+            Kind::Declare | Kind::Write { .. } | Kind::Read { .. } | Kind::EndPrimitive | Kind::NoReturn { .. } => {}
         }
     }
 }
@@ -83,9 +79,8 @@ pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
             }
         }
     }
-    let set = |slot: usize| {
-        graph.events().find(|e| e.slot == slot && matches!(e.kind, Kind::Write { .. })).map(|e| e.span)
-    };
+    let set =
+        |slot: usize| graph.events().find(|e| e.slot == slot && matches!(e.kind, Kind::Write { .. })).map(|e| e.span);
     let mut found: BTreeMap<SymbolId, Stale> = BTreeMap::new();
     for (at, block) in graph.blocks.iter().enumerate() {
         let (Some(mut state), Some(mut known)) = (states[at].clone(), assigned[at].clone()) else { continue };

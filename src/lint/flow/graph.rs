@@ -7,8 +7,6 @@ use crate::text::Span;
 /// Paths through a function. Called functions are part of it, once for each call.
 #[derive(Clone, Debug)]
 pub struct Graph {
-    /// The function that is entered.
-    pub root: FunctionId,
     /// The blocks; the first one is entered.
     pub blocks: Vec<Block>,
     /// The block behind a normal return.

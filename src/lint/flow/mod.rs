@@ -7,11 +7,10 @@
 mod assign;
 mod build;
 mod emit;
+mod evaluate;
 mod graph;
 mod live;
 mod place;
-#[cfg(test)]
-mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -197,9 +196,8 @@ fn is_inside(shader: &Shader, symbol: SymbolId, function: FunctionId) -> bool {
     match shader.symbol(symbol).kind {
         SymbolKind::Local => body.zip(place).is_some_and(|(b, p)| b.contains(p.start)),
         SymbolKind::Param(_) => info.params.iter().any(|p| p.symbol == Some(symbol)),
-        SymbolKind::Builtin
-        | SymbolKind::Global(_)
-        | SymbolKind::BlockMember(_)
-        | SymbolKind::BlockInstance(_) => false,
+        SymbolKind::Builtin | SymbolKind::Global(_) | SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_) => {
+            false
+        }
     }
 }

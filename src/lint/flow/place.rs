@@ -1,9 +1,9 @@
 //! Which components of which variable an expression names.
 
-use crate::glsl::{Const, Shader};
 use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::Type;
+use crate::glsl::{Const, Shader};
 
 /// Most components of a variable that are followed one by one.
 const MOST: u32 = 64;

@@ -82,9 +82,7 @@ impl<'s> Contexts<'s> {
             let result = shader.type_of(parent);
             match &shader.expr(parent).kind {
                 ExprKind::Paren(_) | ExprKind::Unary { op: UnaryOp::Minus | UnaryOp::Plus, .. } => id = parent,
-                ExprKind::Binary {
-                    op: BinaryOp::Add | BinaryOp::Sub | BinaryOp::Mul | BinaryOp::Div, ..
-                } => {
+                ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub | BinaryOp::Mul | BinaryOp::Div, .. } => {
                     if is_floating(result) {
                         return Some(Context::Converted);
                     }
@@ -132,9 +130,37 @@ impl<'s> Contexts<'s> {
 
 /// Built-in functions all of whose arguments are floats when the result is one.
 const NUMERIC: &[&str] = &[
-    "radians", "degrees", "sin", "cos", "tan", "asin", "acos", "atan", "pow", "exp", "log", "exp2", "log2", "sqrt",
-    "inversesqrt", "abs", "sign", "floor", "ceil", "fract", "mod", "min", "max", "clamp", "mix", "step", "smoothstep",
-    "length", "distance", "dot", "normalize",
+    "radians",
+    "degrees",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "pow",
+    "exp",
+    "log",
+    "exp2",
+    "log2",
+    "sqrt",
+    "inversesqrt",
+    "abs",
+    "sign",
+    "floor",
+    "ceil",
+    "fract",
+    "mod",
+    "min",
+    "max",
+    "clamp",
+    "mix",
+    "step",
+    "smoothstep",
+    "length",
+    "distance",
+    "dot",
+    "normalize",
 ];
 
 /// The text of a decimal integer literal without suffix that stands in the text itself.

@@ -159,7 +159,8 @@ mod tests {
 
     #[test]
     fn a_local_variable_gets_a_zero() {
-        let text = "#version 150 core\nvoid main(void)\n{\n  vec4 p, q[2], r;\n  r.x = 0.0;\n  gl_Position = p + r;\n}\n";
+        let text =
+            "#version 150 core\nvoid main(void)\n{\n  vec4 p, q[2], r;\n  r.x = 0.0;\n  gl_Position = p + r;\n}\n";
         let told = found("D001", "a.vert", text);
         let edits: EditList = told.iter().flat_map(|d| d.fix.clone().unwrap().edits).collect();
         let fixed = edits.apply(text).unwrap().text;

@@ -110,10 +110,7 @@ mod tests {
         assert_eq!(told("a.frag", "out vec4 c; void f() { c = vec4(1.0); }", ""), ["output `c` is never written"]);
         assert_eq!(told("a.frag", "out vec4 c;", "if (false) c = vec4(1.0);"), ["output `c` is never written"]);
         assert_eq!(told("a.vert", "", ""), ["this vertex shader writes no output"]);
-        assert_eq!(
-            told("a.vert", "out V { vec3 n; } v;", "gl_Position = vec4(1.0);"),
-            ["output `v` is never written"]
-        );
+        assert_eq!(told("a.vert", "out V { vec3 n; } v;", "gl_Position = vec4(1.0);"), ["output `v` is never written"]);
     }
 
     #[test]

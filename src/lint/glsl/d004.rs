@@ -15,8 +15,8 @@ pub const RULE: Rule = Rule {
     level: Level::Default,
     summary: "an output is written on some paths to the end of `main` and not on others",
     page: Page {
-        what: "Reports outputs that are written in one branch, and on another path to the end of `main` not at all. \
-               Paths that end in `discard` do not count. Neither does the missing last branch of an `else if` chain, \
+        what: "Reports outputs of fragment shaders, and built-in outputs of other stages, that are written in one \
+               branch, and on another path to the end of `main` not at all. Other outputs are left to D018. Paths that end in `discard` do not count. Neither does the missing last branch of an `else if` chain, \
                of a comparison with a constant or of a `switch`, nor a loop without a round: these may name all cases.",
         why: "On the other path the output is undefined: it may keep the value of the primitive before, or change \
               from frame to frame.",
@@ -37,7 +37,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "出力変数に、書き込まれる経路と書き込まれない経路があります",
-            what: "ある分岐では書き込まれ、`main` の終わりに至る別の経路では書き込まれない出力変数を報告します。`discard` で終わる経路は数えません。`else if` の列や定数との比較や `switch` の書かれていない最後の場合と、1 回も回らないループも、すべての場合を挙げているかもしれないので数えません。",
+            what: "ある分岐では書き込まれ、`main` の終わりに至る別の経路では書き込まれない、フラグメントシェーダの出力変数と他のステージの組み込み出力変数を報告します。その他の出力変数は D018 が扱います。`discard` で終わる経路は数えません。`else if` の列や定数との比較や `switch` の書かれていない最後の場合と、1 回も回らないループも、すべての場合を挙げているかもしれないので数えません。",
             why: "書き込まれない経路では出力が未定義です。前のプリミティブの値が残ったり、フレームごとに変わったりします。",
             fix: "修正はありません。分岐の前で値を書き込むか、もう一方の分岐を加えてください。",
         },
@@ -46,11 +46,16 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    tell(file, findings, |name| file.shader.stage() == Stage::Fragment || name.starts_with("gl_"));
+}
+
+/// Reports the outputs of those names that are written on some paths only.
+pub(super) fn tell(file: &ShaderFile, findings: &mut Findings<'_>, wanted: impl Fn(&str) -> bool) {
     let shader = &file.shader;
     if shader.stage() == Stage::Geometry {
         return;
     }
-    for output in &file.flow().outputs {
+    for output in file.flow().outputs.iter().filter(|o| wanted(&shader.symbol(o.symbol).name)) {
         let missing = output.written & !output.surely;
         let (true, Some(write)) = (missing != 0, output.write) else { continue };
         let name = part(shader, output.symbol, missing);

@@ -1,6 +1,6 @@
 //! D005: some components of an output are never written.
 
-use crate::diagnostic::{Code, Severity, told};
+use crate::diagnostic::{Code, Diagnostic, Severity, told};
 use crate::glsl::Stage;
 use crate::glsl::types::Type;
 use crate::lint::flow;
@@ -18,21 +18,24 @@ pub const RULE: Rule = Rule {
         what: "Reports `gl_Position` and outputs of fragment shaders of which some components are written and others \
                nowhere. Other outputs are left alone, because the next stage may use only what is written.",
         why: "The rest is undefined. A position is divided by its fourth component; blending and the frame buffer \
-              use the alpha of a colour.",
+              use the alpha of a colour. Where only alpha is missing, this is told as information: a frame buffer \
+              without blending does without it.",
         bad: &[Example {
-            name: "shade.frag",
-            text: "#version 150 core\nin vec3 shade;\nout vec4 color;\nvoid main(void)\n{\n  color.rgb = shade;\n}\n",
+            name: "flat.vert",
+            text: "#version 150 core\nin vec2 position;\nvoid main(void)\n{\n  gl_Position.xy = position;\n}\n",
         }],
         good: &[Example {
-            name: "shade.frag",
-            text: "#version 150 core\nin vec3 shade;\nout vec4 color;\nvoid main(void)\n{\n  color = vec4(shade, 1.0);\n}\n",
+            name: "flat.vert",
+            text: "#version 150 core\nin vec2 position;\nvoid main(void)\n{\n  gl_Position = vec4(position, 0.0, 1.0);\n}\n",
         }],
         fix: "No fix: the missing value is not known.",
-        references: &["GLSL 1.50 specification, sections 7.1 \"Vertex Shader Special Variables\" and 4.3.6 \"Outputs\""],
+        references: &[
+            "GLSL 1.50 specification, sections 7.1 \"Vertex Shader Special Variables\" and 4.3.6 \"Outputs\"",
+        ],
         ja: Japanese {
             summary: "位置や色の一部の成分だけが書き込まれています",
             what: "`gl_Position` とフラグメントシェーダの出力のうち、一部の成分だけが書き込まれ、残りはどこでも書き込まれないものを報告します。その他の出力は、次のステージが書き込まれた成分だけを使うかもしれないので報告しません。",
-            why: "残りの成分は未定義です。位置は第 4 成分で割られ、色のアルファ値はブレンディングやフレームバッファで使われます。",
+            why: "残りの成分は未定義です。位置は第 4 成分で割られ、色のアルファ値はブレンディングやフレームバッファで使われます。アルファ値だけがない場合は、ブレンディングなしなら支障がないので情報として報告します。",
             fix: "修正はありません。欠けている値は分かりません。",
         },
     },
@@ -50,20 +53,18 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         };
         let name = &symbol.name;
         let letters = flow::letters(&symbol.ty, missing).unwrap_or_default();
-        findings.push(
-            findings
-                .at(
-                    &file.file,
-                    write,
-                    told!("`{name}.{letters}` is never written", "`{name}.{letters}` に書き込みがありません"),
-                )
-                .with_label(told!("only a part is written", "一部だけの書き込み"))
-                .with_why(told!(
-                    "a component that is not written is undefined",
-                    "書き込まれない成分の値は未定義です"
-                ))
-                .with_help(told!("write all components of `{name}`", "`{name}` の全成分に書き込んでください")),
-        );
+        let found = findings
+            .at(
+                &file.file,
+                write,
+                told!("`{name}.{letters}` is never written", "`{name}.{letters}` に書き込みがありません"),
+            )
+            .with_label(told!("only a part is written", "一部だけの書き込み"))
+            .with_why(told!("a component that is not written is undefined", "書き込まれない成分の値は未定義です"))
+            .with_help(told!("write all components of `{name}`", "`{name}` の全成分に書き込んでください"));
+        // A frame buffer without blending does without alpha.
+        let alpha = shader.stage() == Stage::Fragment && letters == "w";
+        findings.push(if alpha { Diagnostic { severity: Severity::Info, ..found } } else { found });
     }
 }
 

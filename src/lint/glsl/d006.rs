@@ -1,11 +1,11 @@
-//! D006: a variable, function or structure that nothing uses.
+//! D006: a local variable that nothing uses.
 
 use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Severity, told};
-use crate::glsl::ast::{ItemKind, StmtKind, TypeKind};
-use crate::glsl::symbols::SymbolKind;
-use crate::glsl::{Stage, TokenKind, TokenPlace};
+use crate::glsl::ast::StmtKind;
+use crate::glsl::symbols::{Access, SymbolKind};
+use crate::glsl::{TokenKind, TokenPlace};
 use crate::lint::project::ShaderFile;
 use crate::text::Span;
 
@@ -15,24 +15,30 @@ use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 /// The rule.
 pub const RULE: Rule = Rule {
     code: Code("D006"),
-    name: "unused-declaration",
+    name: "unused-variable",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "a local variable, function or structure is declared and not used",
+    summary: "a local variable is declared and not used",
     page: Page {
-        what: "Reports local variables whose value is never read, functions that `main` does not reach, and \
-            structures that nothing names. A name that also occurs in text that an `#if` leaves out, or in a macro, \
-            is not reported. Unused parameters are left to D016.",
+        what: "Reports local variables whose value is never read. A name that also occurs in text that an `#if` \
+               leaves out, or in a macro, is not reported. Parameters are left to D016, functions and structures to \
+               D017.",
         why: "It costs nothing at run time, but often a similar name was meant: the value computed here goes nowhere.",
-        bad: &[Example { name: "shade.frag", text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid main(void)\n\
-            {\n  vec3 m = normalize(n);\n  color = vec4(n, 1.0);\n}\n" }],
-        good: &[Example { name: "shade.frag", text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  vec3 m = normalize(n);\n  color = vec4(m, 1.0);\n}\n" }],
+        bad: &[Example {
+            name: "shade.frag",
+            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid main(void)\n\
+            {\n  vec3 m = normalize(n);\n  color = vec4(n, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "shade.frag",
+            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid \
+            main(void)\n{\n  vec3 m = normalize(n);\n  color = vec4(m, 1.0);\n}\n",
+        }],
         fix: "No fix: what is unused may be what should be used.",
         references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
         ja: Japanese {
-            summary: "使われない局所変数、関数、構造体が宣言されています",
-            what: "値が一度も読まれない局所変数、`main` から呼ばれない関数、どこにも名前の出てこない構造体を報告します。`#if` で除かれた部分やマクロに同じ名前があるものは報告しません。使われない引数は D016 が扱います。",
+            summary: "使われない局所変数が宣言されています",
+            what: "値が一度も読まれない局所変数を報告します。`#if` で除かれた部分やマクロに同じ名前があるものは報告しません。使われない引数は D016、関数と構造体は D017 が扱います。",
             why: "実行時の負担にはなりませんが、似た名前と取り違えていることがよくあります。ここで計算した値はどこにも使われません。",
             fix: "修正はありません。使われていないものが、使うべきものかもしれません。",
         },
@@ -46,42 +52,24 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         return;
     }
     let hidden = hidden_words(file);
-    let mut unused: Vec<(Span, String, [&str; 2], bool)> = Vec::new();
+    let mut unused: Vec<(Span, &str, bool)> = Vec::new();
     for (id, symbol) in shader.symbols().filter(|(_, s)| s.kind == SymbolKind::Local) {
         let Some(span) = symbol.span else { continue };
-        let read = shader.uses_of(id).any(|u| u.access == crate::glsl::symbols::Access::Read)
-            || shader.uses_of(id).any(|u| u.access.reads() && is_needed(file, u.expr));
+        let read = shader.uses_of(id).any(|u| u.access == Access::Read || is_needed(file, u.expr));
         if !read {
             let written = shader.is_written(id);
-            unused.push((span, symbol.name.clone(), ["variable", "変数"], written));
+            unused.push((span, &symbol.name, written));
         }
     }
-    if let (Some(reached), true) = (&file.flow().reached, shader.stage() != Stage::Library) {
-        for (id, function) in shader.functions().filter(|(id, f)| f.definition.is_some() && !reached.contains(id)) {
-            // Of functions that call each other, the one that nothing calls is told.
-            let called = shader.arena().iter().any(|(e, _)| {
-                shader.callee(e) == Some(&crate::glsl::symbols::CallTarget::User(id))
-            });
-            if !called {
-                unused.push((function.name.span, function.name.name.clone(), ["function", "関数"], false));
-            }
-        }
-        for name in structures(file) {
-            let words = shader.tokens().iter().filter(|t| t.kind == TokenKind::Word);
-            if words.filter(|t| file.file.slice(t.span) == name.1).count() == 1 {
-                unused.push((name.0, name.1, ["structure", "構造体"], false));
-            }
-        }
-    }
-    for (span, name, [en, ja], written) in unused {
+    for (span, name, written) in unused {
         // A name that a macro wrote is no name of this text.
-        if hidden.contains(name.as_str()) || file.file.slice(span) != name {
+        if hidden.contains(name) || file.file.slice(span) != name {
             continue;
         }
         let message = if written {
-            told!("{en} `{name}` is written and never read", "{ja} `{name}` は書き込まれるだけで、読まれていません")
+            told!("variable `{name}` is written and never read", "変数 `{name}` は書き込まれるだけで、読まれていません")
         } else {
-            told!("{en} `{name}` is not used", "{ja} `{name}` は使われていません")
+            told!("variable `{name}` is not used", "変数 `{name}` は使われていません")
         };
         findings.push(
             findings
@@ -103,7 +91,7 @@ pub(super) fn hidden_words(file: &ShaderFile) -> BTreeSet<&str> {
     hidden.map(|t| file.file.slice(t.span)).collect()
 }
 
-/// True when a compound assignment or `++` on a name is more than a statement of its own.
+/// True when a name is not just what a statement of its own assigns to, increments or decrements.
 fn is_needed(file: &ShaderFile, name: crate::glsl::ast::ExprId) -> bool {
     let shader = &file.shader;
     let span = shader.expr(name).span;
@@ -124,26 +112,14 @@ fn is_needed(file: &ShaderFile, name: crate::glsl::ast::ExprId) -> bool {
     !alone
 }
 
-/// Names and places of the structures at file scope.
-fn structures(file: &ShaderFile) -> Vec<(Span, String)> {
-    let items = file.shader.unit().items.iter();
-    let declared = items.filter_map(|item| match &item.kind {
-        ItemKind::Declaration(d) if d.declarators.is_empty() => Some(&d.ty),
-        _ => None,
-    });
-    let named = declared.filter_map(|ty| match &ty.kind {
-        TypeKind::Struct(s) => s.name.as_ref(),
-        TypeKind::Named(_) => None,
-    });
-    named.map(|n| (n.span, n.name.clone())).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::testing::messages;
 
     fn told(outer: &str, body: &str) -> Vec<String> {
-        let text = format!("#version 150 core\nuniform int n;\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n");
+        let text = format!(
+            "#version 150 core\nuniform int n;\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n"
+        );
         messages("D006", "a.frag", &text)
     }
 
@@ -152,8 +128,6 @@ mod tests {
         assert_eq!(told("", "float x = 1.0;"), ["variable `x` is not used"]);
         assert_eq!(told("", "float x = 1.0; x = 2.0;"), ["variable `x` is written and never read"]);
         assert_eq!(told("", "float x = 1.0; x += 2.0;"), ["variable `x` is written and never read"]);
-        assert_eq!(told("void f() { } void g() { f(); }", ""), ["function `g` is not used"]);
-        assert_eq!(told("struct S { float a; };", ""), ["structure `S` is not used"]);
     }
 
     #[test]
@@ -161,13 +135,15 @@ mod tests {
         for (outer, body) in [
             ("", "float x = 1.0; c.x = x;"),
             ("", "int i = 0; c.x = float(i++);"),
+            ("", "bool b; if (b = n > 0) c.x = 1.0;"),
+            ("void f(out float x) { x = 1.0; }", "float x; f(x);"),
             ("", "for (int i = 0; i < n; ++i) c.x += 1.0;"),
             ("", "vec3 v; v.x = 1.0; c.y = v.x;"),
             ("void f() { }", "f();"),
             ("struct S { float a; };", "S s = S(1.0); c.x = s.a;"),
             ("void f(float x) { }", "f(1.0);"),
             ("#define USE x", "float x = 1.0; c.x = USE;"),
-            ("#ifdef A\nvoid g() { f(); }\n#endif\nvoid f() { }", ""),
+            ("#ifdef A\nfloat f(float x) { return x; }\n#endif", "float x = 1.0;"),
         ] {
             assert_eq!(told(outer, body), [""; 0], "{outer} {body}");
         }

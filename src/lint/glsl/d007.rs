@@ -20,10 +20,16 @@ pub const RULE: Rule = Rule {
         why: "The linker drops it: `glGetUniformLocation` and `glGetAttribLocation` give -1 for its name, and what \
             the host sets goes nowhere. Declarations shared by several shaders have the same effect, and do no \
             harm.",
-        bad: &[Example { name: "light.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform \
-            mat4 mg;\nvoid main(void)\n{\n  gl_Position = mc * position;\n}\n" }],
-        good: &[Example { name: "light.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\n\
-            uniform mat4 mg;\nvoid main(void)\n{\n  gl_Position = mc * (mg * position);\n}\n" }],
+        bad: &[Example {
+            name: "light.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform \
+            mat4 mg;\nvoid main(void)\n{\n  gl_Position = mc * position;\n}\n",
+        }],
+        good: &[Example {
+            name: "light.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\n\
+            uniform mat4 mg;\nvoid main(void)\n{\n  gl_Position = mc * (mg * position);\n}\n",
+        }],
         fix: "No fix: what is unused may be what should be used.",
         references: &["OpenGL 3.2 core specification, section 2.11.4 \"Uniform Variables\": active uniforms"],
         ja: Japanese {
@@ -76,7 +82,9 @@ mod tests {
     #[test]
     fn inactive_names_are_told() {
         let told = |outer: &str, body: &str| {
-            let text = format!("#version 150 core\nin vec4 p;\n{outer}\nvoid main(void)\n{{\n  gl_Position = p;\n  {body}\n}}\n");
+            let text = format!(
+                "#version 150 core\nin vec4 p;\n{outer}\nvoid main(void)\n{{\n  gl_Position = p;\n  {body}\n}}\n"
+            );
             messages("D007", "a.vert", &text)
         };
         assert_eq!(told("uniform mat4 m;", ""), ["uniform `m` is not used"]);

@@ -47,7 +47,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             .at(
                 &file.file,
                 info.name.span,
-                told!("`{name}` can end without returning a `{ty}`", "`{name}` は `{ty}` を返さずに終わることがあります"),
+                told!(
+                    "`{name}` can end without returning a `{ty}`",
+                    "`{name}` は `{ty}` を返さずに終わることがあります"
+                ),
             )
             .with_label(told!("returns a `{ty}`", "`{ty}` を返す関数"))
             .with_why(told!(

@@ -72,7 +72,11 @@ mod tests {
     use super::super::testing::messages;
 
     fn told(outer: &str) -> Vec<String> {
-        messages("D009", "a.frag", &format!("#version 150 core\nout vec4 c;\n{outer}\nvoid main(void) {{ c = vec4(1.0); }}\n"))
+        messages(
+            "D009",
+            "a.frag",
+            &format!("#version 150 core\nout vec4 c;\n{outer}\nvoid main(void) {{ c = vec4(1.0); }}\n"),
+        )
     }
 
     #[test]

@@ -22,10 +22,16 @@ pub const RULE: Rule = Rule {
             statements behind `return`, `break`, `continue` or `discard`. Initialisers are not reported, nor \
             variables that are never read at all, which D006 tells.",
         why: "What was written here is lost: another variable may be meant, or the later write is too much.",
-        bad: &[Example { name: "mix.frag", text: "#version 150 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(a, 1.0);\n  color = vec4(b, 1.0);\n}\n" }],
-        good: &[Example { name: "mix.frag", text: "#version 150 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(a, 1.0);\n  color += vec4(b, 1.0);\n}\n" }],
+        bad: &[Example {
+            name: "mix.frag",
+            text: "#version 150 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid \
+            main(void)\n{\n  color = vec4(a, 1.0);\n  color = vec4(b, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "mix.frag",
+            text: "#version 150 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid \
+            main(void)\n{\n  color = vec4(a, 1.0);\n  color += vec4(b, 1.0);\n}\n",
+        }],
         fix: "No fix: which of the two writes is meant is not known.",
         references: &["GLSL 4.60 specification, sections 5.8 \"Assignments\" and 6.4 \"Jumps\""],
         ja: Japanese {
@@ -60,10 +66,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                     "on every path the value is overwritten or dropped before it is read",
                     "どの経路でも、読まれる前に上書きされるか捨てられます"
                 ))
-                .with_help(told!(
-                    "remove the assignment, or use its value",
-                    "代入を削除するか、値を使ってください"
-                )),
+                .with_help(told!("remove the assignment, or use its value", "代入を削除するか、値を使ってください")),
         );
     }
     if !file.is_sound() {
@@ -90,16 +93,18 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                     "the statement before it goes elsewhere on every path",
                     "直前の文で必ず別の場所に移ります"
                 ))
-                .with_help(told!("remove it, or make the jump before it conditional", "削除するか、前のジャンプを条件付きにしてください")),
+                .with_help(told!(
+                    "remove it, or make the jump before it conditional",
+                    "削除するか、前のジャンプを条件付きにしてください"
+                )),
         );
     }
 }
 
 /// The first statement behind a jump of the same block. A `break` there only closes a `case`.
 fn behind_jump(list: &[Stmt]) -> Option<Span> {
-    let jump = |s: &Stmt| {
-        matches!(s.kind, StmtKind::Return(_) | StmtKind::Break | StmtKind::Continue | StmtKind::Discard)
-    };
+    let jump =
+        |s: &Stmt| matches!(s.kind, StmtKind::Return(_) | StmtKind::Break | StmtKind::Continue | StmtKind::Discard);
     let at = list.iter().position(jump)?;
     let idle = |s: &&Stmt| {
         matches!(s.kind, StmtKind::Break | StmtKind::Return(None) | StmtKind::Empty | StmtKind::Declaration(_))
@@ -116,7 +121,9 @@ mod tests {
     use super::super::testing::messages;
 
     fn told(body: &str) -> usize {
-        let text = format!("#version 150 core\nuniform int n;\nin vec4 q;\nout vec4 c;\nvoid set(out float a) {{ a = 1.0; }}\nvoid add(inout float a) {{ a += 1.0; }}\nvoid main(void)\n{{\n  float x = q.x;\n  {body}\n}}\n");
+        let text = format!(
+            "#version 150 core\nuniform int n;\nin vec4 q;\nout vec4 c;\nvoid set(out float a) {{ a = 1.0; }}\nvoid add(inout float a) {{ a += 1.0; }}\nvoid main(void)\n{{\n  float x = q.x;\n  {body}\n}}\n"
+        );
         messages("D010", "a.frag", &text).len()
     }
 

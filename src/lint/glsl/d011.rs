@@ -3,8 +3,8 @@
 use crate::diagnostic::{Code, Severity, told};
 use crate::glsl::ast::{Block, Condition, Declaration, Function, ItemKind, Stmt, StmtKind};
 use crate::lint::project::ShaderFile;
-use crate::text::Span;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::Span;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -18,12 +18,18 @@ pub const RULE: Rule = Rule {
             parameter or a global variable of the shader already has.",
         why: "Until the end of the inner scope the name means another variable: a write that was meant for the \
             outer one is lost.",
-        bad: &[Example { name: "sum.frag", text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
+        bad: &[Example {
+            name: "sum.frag",
+            text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
             main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    float s = float(i);\n    s *= \
-            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n" }],
-        good: &[Example { name: "sum.frag", text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
+            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n",
+        }],
+        good: &[Example {
+            name: "sum.frag",
+            text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
             main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    s += float(i);\n    s *= \
-            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n" }],
+            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n",
+        }],
         fix: "No fix: which of the two variables is meant is not known.",
         references: &["GLSL 4.60 specification, section 4.2.2 \"Scoping\""],
         ja: Japanese {
@@ -51,14 +57,21 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             let name = file.file.slice(span);
             findings.push(
                 findings
-                    .at(&file.file, span, told!("`{name}` hides an outer `{name}`", "`{name}` が外側の `{name}` を隠しています"))
+                    .at(
+                        &file.file,
+                        span,
+                        told!("`{name}` hides an outer `{name}`", "`{name}` が外側の `{name}` を隠しています"),
+                    )
                     .with_label(told!("another variable from here on", "ここから先は別の変数"))
                     .with_related(&file.file, outer, told!("the outer one", "外側の変数"))
                     .with_why(told!(
                         "what is written to the name in here does not reach the outer variable",
                         "この中での書き込みは外側の変数に届きません"
                     ))
-                    .with_help(told!("choose another name, or use the outer variable", "別の名前にするか、外側の変数を使ってください")),
+                    .with_help(told!(
+                        "choose another name, or use the outer variable",
+                        "別の名前にするか、外側の変数を使ってください"
+                    )),
             );
         }
     }
@@ -136,7 +149,9 @@ mod tests {
     #[test]
     fn names_of_outer_scopes_are_told() {
         let told = |function: &str| {
-            let text = format!("#version 150 core\nuniform float u;\n{function}\nvoid main(void) {{ gl_Position = vec4(u); }}\n");
+            let text = format!(
+                "#version 150 core\nuniform float u;\n{function}\nvoid main(void) {{ gl_Position = vec4(u); }}\n"
+            );
             messages("D011", "a.vert", &text).len()
         };
         for function in [

@@ -18,10 +18,16 @@ pub const RULE: Rule = Rule {
             without a name says that it is not used, and is not reported.",
         why: "Another variable may be meant, often a global one of a similar name. Many a parameter is kept \
             on purpose, so that functions can be exchanged.",
-        bad: &[Example { name: "f.frag", text: "#version 150 core\nin float x;\nout vec4 color;\nfloat twice(float \
-            a, float b) { return a * 2.0; }\nvoid main(void)\n{\n  color = vec4(twice(x, 1.0));\n}\n" }],
-        good: &[Example { name: "f.frag", text: "#version 150 core\nin float x;\nout vec4 color;\nfloat twice(float \
-            a, float) { return a * 2.0; }\nvoid main(void)\n{\n  color = vec4(twice(x, 1.0));\n}\n" }],
+        bad: &[Example {
+            name: "f.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nfloat twice(float \
+            a, float b) { return a * 2.0; }\nvoid main(void)\n{\n  color = vec4(twice(x, 1.0));\n}\n",
+        }],
+        good: &[Example {
+            name: "f.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nfloat twice(float \
+            a, float) { return a * 2.0; }\nvoid main(void)\n{\n  color = vec4(twice(x, 1.0));\n}\n",
+        }],
         fix: "No fix: removing a parameter changes every call.",
         references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\""],
         ja: Japanese {
@@ -55,7 +61,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                     .at(
                         &file.file,
                         span,
-                        told!("`{function}` does not use its parameter `{name}`", "`{function}` は引数 `{name}` を使っていません"),
+                        told!(
+                            "`{function}` does not use its parameter `{name}`",
+                            "`{function}` は引数 `{name}` を使っていません"
+                        ),
                     )
                     .with_label(told!("never used", "未使用"))
                     .with_why(told!(
@@ -74,9 +83,7 @@ mod tests {
 
     #[test]
     fn parameters_that_are_not_used_are_told() {
-        let told = |function: &str| {
-            messages("D016", "a.glsl", &format!("#version 150 core\n{function}\n")).len()
-        };
+        let told = |function: &str| messages("D016", "a.glsl", &format!("#version 150 core\n{function}\n")).len();
         assert_eq!(told("float f(float a, float b) { return a; }"), 1);
         assert_eq!(told("float f(float a, float b) { return b * a; }"), 0);
         assert_eq!(told("float f(float, float b) { return b; }"), 0);

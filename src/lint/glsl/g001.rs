@@ -19,14 +19,23 @@ pub const RULE: Rule = Rule {
         what: "Reports a `max_vertices` below the number of vertices that `main` emits on every run: loops with \
             constant bounds are counted, and what stands behind a condition only as far as each branch emits.",
         why: "What is emitted beyond the declared number is undefined. It is usually dropped without a message.",
-        bad: &[Example { name: "quad.geom", text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
+        bad: &[Example {
+            name: "quad.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
             max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 4; ++i)\n  {\n    gl_Position = \
-            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n" }],
-        good: &[Example { name: "quad.geom", text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
+            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "quad.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
             max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 4; ++i)\n  {\n    gl_Position = \
-            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n" }],
+            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n",
+        }],
         fix: "Declares the number that can be emitted. Unsafe: the vertices that were dropped appear.",
-        references: &["OpenGL 3.2 core specification, section 2.12.4 \"Geometry Shader Execution Environment\"", "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
+        references: &[
+            "OpenGL 3.2 core specification, section 2.12.4 \"Geometry Shader Execution Environment\"",
+            "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\"",
+        ],
         ja: Japanese {
             summary: "ジオメトリシェーダが `max_vertices` より多い頂点を出力しています",
             what: "`main` が必ず出力する頂点数より小さい `max_vertices` を報告します。回数が定数で決まるループは数え、条件の後ろは、どの分岐でも出力される分だけを数えます。",

@@ -23,14 +23,20 @@ pub const RULE: Rule = Rule {
             reported.",
         why: "The strips of the rounds are joined: lines connect the end of one with the start of the next, \
             triangles fill the gap. If that is meant, the loop is right as it is.",
-        bad: &[Example { name: "normals.geom", text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+        bad: &[Example {
+            name: "normals.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
             max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = \
             gl_in[i].gl_Position;\n    EmitVertex();\n    gl_Position = gl_in[i].gl_Position + vec4(0.0, 1.0, 0.0, \
-            0.0);\n    EmitVertex();\n  }\n}\n" }],
-        good: &[Example { name: "normals.geom", text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            0.0);\n    EmitVertex();\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "normals.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
             max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = \
             gl_in[i].gl_Position;\n    EmitVertex();\n    gl_Position = gl_in[i].gl_Position + vec4(0.0, 1.0, 0.0, \
-            0.0);\n    EmitVertex();\n    EndPrimitive();\n  }\n}\n" }],
+            0.0);\n    EmitVertex();\n    EndPrimitive();\n  }\n}\n",
+        }],
         fix: "No fix: where a strip ends is not known.",
         references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
         ja: Japanese {

@@ -17,11 +17,17 @@ pub const RULE: Rule = Rule {
         what: "Reports geometry stages from whose `main` no call of `EmitVertex` can be reached. A stage that \
             can write to memory is left alone.",
         why: "Nothing is passed on: what goes through this stage is not drawn.",
-        bad: &[Example { name: "pass.geom", text: "#version 150 core\nlayout (points) in;\nlayout (points, \
-            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n}\n" }],
-        good: &[Example { name: "pass.geom", text: "#version 150 core\nlayout (points) in;\nlayout (points, \
+        bad: &[Example {
+            name: "pass.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
+            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n}\n",
+        }],
+        good: &[Example {
+            name: "pass.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
             max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n\
-            }\n" }],
+            }\n",
+        }],
         fix: "No fix: it is not known where a vertex is complete.",
         references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
         ja: Japanese {

@@ -16,14 +16,22 @@ pub const RULE: Rule = Rule {
             or in the next round of a loop, without being set on any path in between.",
         why: "After `EmitVertex` all outputs are undefined. Many drivers keep the values, others do not: every \
             vertex needs all of its outputs.",
-        bad: &[Example { name: "color.geom", text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+        bad: &[Example {
+            name: "color.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
             max_vertices = 2) out;\nin vec3 c[];\nout vec3 shade;\nvoid main(void)\n{\n  shade = c[0];\n  for (int \
-            i = 0; i < 2; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n" }],
-        good: &[Example { name: "color.geom", text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            i = 0; i < 2; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "color.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
             max_vertices = 2) out;\nin vec3 c[];\nout vec3 shade;\nvoid main(void)\n{\n  for (int i = 0; i < 2; \
-            ++i)\n  {\n    shade = c[0];\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n" }],
+            ++i)\n  {\n    shade = c[0];\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+        }],
         fix: "No fix: move the write into the loop, or repeat it before each `EmitVertex`.",
-        references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\": after EmitVertex the values of output variables are undefined"],
+        references: &[
+            "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\": after EmitVertex the values of output variables are undefined",
+        ],
         ja: Japanese {
             summary: "出力変数が `EmitVertex` の後で設定し直されていません",
             what: "ジオメトリシェーダの出力変数のうち、ある `EmitVertex` の前に設定され、その後どの経路でも設定されないまま、次の `EmitVertex` やループの次の回で出力されるものを報告します。",

@@ -1,8 +1,8 @@
 //! G006: a strip that has no primitive.
 
 use crate::diagnostic::{Code, Severity, told};
-use crate::lint::project::ShaderFile;
 use crate::lint::flow::vertices_needed;
+use crate::lint::project::ShaderFile;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 /// The rule.
@@ -16,14 +16,20 @@ pub const RULE: Rule = Rule {
         what: "Reports strips of a geometry stage that end, by `EndPrimitive` or with `main`, after at least one \
             vertex and on every path before the second vertex of a line or the third of a triangle.",
         why: "An incomplete primitive is dropped without a message: nothing is drawn.",
-        bad: &[Example { name: "edge.geom", text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+        bad: &[Example {
+            name: "edge.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
             max_vertices = 3) out;\nvoid main(void)\n{\n  gl_Position = \
             gl_in[0].gl_Position;\n  EmitVertex();\n  EndPrimitive();\n  gl_Position = \
-            gl_in[1].gl_Position;\n  EmitVertex();\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n}\n" }],
-        good: &[Example { name: "edge.geom", text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            gl_in[1].gl_Position;\n  EmitVertex();\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n}\n",
+        }],
+        good: &[Example {
+            name: "edge.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
             max_vertices = 2) out;\nvoid main(void)\n{\n  gl_Position = \
             gl_in[0].gl_Position;\n  EmitVertex();\n  gl_Position = \
-            gl_in[1].gl_Position;\n  EmitVertex();\n  EndPrimitive();\n}\n" }],
+            gl_in[1].gl_Position;\n  EmitVertex();\n  EndPrimitive();\n}\n",
+        }],
         fix: "No fix: the missing vertices are not known.",
         references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
         ja: Japanese {

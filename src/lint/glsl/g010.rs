@@ -16,12 +16,18 @@ pub const RULE: Rule = Rule {
             position that is not set again after an earlier `EmitVertex` is told by G005.",
         why: "The position that `main` of the vertex stage wrote is in `gl_in`, and is not passed on by itself: the \
             vertex has an undefined position.",
-        bad: &[Example { name: "pass.geom", text: "#version 150 core\nlayout (points) in;\nlayout (points, \
+        bad: &[Example {
+            name: "pass.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
             max_vertices = 1) out;\nvoid main(void)\n{\n  EmitVertex();\n  gl_Position = gl_in[0].gl_Position;\n\
-            }\n" }],
-        good: &[Example { name: "pass.geom", text: "#version 150 core\nlayout (points) in;\nlayout (points, \
+            }\n",
+        }],
+        good: &[Example {
+            name: "pass.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
             max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n\
-            }\n" }],
+            }\n",
+        }],
         fix: "No fix: the position is not known.",
         references: &["GLSL 1.50 specification, section 7.2 \"Geometry Shader Special Variables\""],
         ja: Japanese {
@@ -77,7 +83,9 @@ mod tests {
         };
         assert_eq!(told("c = vec3(1.0); EmitVertex();"), 1);
         assert_eq!(told("EmitVertex(); at(0); at(1);"), 1);
-        for body in ["at(0);", "gl_Position.xy = vec2(0.0); EmitVertex();", "if (b) gl_Position = vec4(0.0); EmitVertex();"] {
+        for body in
+            ["at(0);", "gl_Position.xy = vec2(0.0); EmitVertex();", "if (b) gl_Position = vec4(0.0); EmitVertex();"]
+        {
             assert_eq!(told(body), 0, "{body}");
         }
     }

@@ -13,6 +13,8 @@ pub(super) mod d010;
 pub(super) mod d011;
 pub(super) mod d015;
 pub(super) mod d016;
+pub(super) mod d017;
+pub(super) mod d018;
 pub(super) mod g001;
 pub(super) mod g002;
 pub(super) mod g003;

@@ -21,12 +21,18 @@ pub const RULE: Rule = Rule {
         what: "Reports calls of `inverse` whose argument is made of uniforms and constants only.",
         why: "The result is the same for all vertices or fragments of a draw call, but is computed for each of \
             them: some hundred operations for a `mat4`. The host can do it once, and in higher precision.",
-        bad: &[Example { name: "n.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 \
+        bad: &[Example {
+            name: "n.vert",
+            text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 \
             mc;\nuniform mat4 mw;\nout vec3 n;\nvoid main(void)\n{\n  n = mat3(transpose(inverse(mw))) * \
-            normal;\n  gl_Position = mc * position;\n}\n" }],
-        good: &[Example { name: "n.vert", text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform \
+            normal;\n  gl_Position = mc * position;\n}\n",
+        }],
+        good: &[Example {
+            name: "n.vert",
+            text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform \
             mat4 mc;\nuniform mat3 mg;\nout vec3 n;\nvoid main(void)\n{\n  n = mg * normal;\n  gl_Position = mc * \
-            position;\n}\n" }],
+            position;\n}\n",
+        }],
         fix: "No fix: the host has to set another uniform.",
         references: &["Golub and Van Loan, Matrix Computations, section 3.2: operation counts of elimination"],
         ja: Japanese {
@@ -101,13 +107,19 @@ mod tests {
     #[test]
     fn inverses_of_uniforms_are_told() {
         let told = |statement: &str| {
-            let text = format!("#version 150 core\nin vec4 p;\nuniform mat4 a;\nuniform B {{ mat4 b; }};\nuniform C {{ mat4 m[3]; }} c;\nvoid main(void)\n{{\n  mat4 l = a;\n  gl_Position = p;\n  l = {statement};\n}}\n");
+            let text = format!(
+                "#version 150 core\nin vec4 p;\nuniform mat4 a;\nuniform B {{ mat4 b; }};\nuniform C {{ mat4 m[3]; }} c;\nvoid main(void)\n{{\n  mat4 l = a;\n  gl_Position = p;\n  l = {statement};\n}}\n"
+            );
             messages("P001", "a.vert", &text).len()
         };
-        for statement in ["inverse(a)", "transpose(inverse(b))", "inverse(a * b)", "inverse(c.m[1])", "mat4(inverse(mat3(a)))"] {
+        for statement in
+            ["inverse(a)", "transpose(inverse(b))", "inverse(a * b)", "inverse(c.m[1])", "mat4(inverse(mat3(a)))"]
+        {
             assert_eq!(told(statement), 1, "{statement}");
         }
-        for statement in ["inverse(l)", "inverse(a * p.x)", "inverse(c.m[int(p.x)])", "transpose(a)", "inverse(mat4(1.0))"] {
+        for statement in
+            ["inverse(l)", "inverse(a * p.x)", "inverse(c.m[int(p.x)])", "transpose(a)", "inverse(mat4(1.0))"]
+        {
             assert_eq!(told(statement), 0, "{statement}");
         }
     }

@@ -5,27 +5,36 @@ use crate::glsl::Shader;
 use crate::glsl::ast::{BinaryOp, ExprId, ExprKind};
 use crate::glsl::types::Type;
 use crate::lint::project::ShaderFile;
-use crate::text::Edit;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::Edit;
 
 /// The rule.
 pub const RULE: Rule = Rule {
     code: Code("P002"),
     name: "matrix-chain-order",
     severity: Severity::Info,
-    level: Level::Default,
+    level: Level::Strict,
     summary: "matrices are multiplied with each other before the vector",
     page: Page {
         what: "Reports `a * b * v`, with matrices `a` and `b` and a vector `v`, without parentheses. The product is \
             formed from the left. Where the product of the matrices stands in parentheses, it is taken as meant.",
         why: "Two 4x4 matrices take 64 multiplications, a matrix and a vector 16: `p * w * v` takes 80, and `p * (w \
             * v)` 32. A compiler must not change the order, because the rounding changes with it.",
-        bad: &[Example { name: "p.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mp;\nuniform \
-            mat4 mw;\nvoid main(void)\n{\n  gl_Position = mp * mw * position;\n}\n" }],
-        good: &[Example { name: "p.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mp;\nuniform \
-            mat4 mw;\nvoid main(void)\n{\n  gl_Position = mp * (mw * position);\n}\n" }],
+        bad: &[Example {
+            name: "p.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform mat4 mp;\nuniform \
+            mat4 mw;\nvoid main(void)\n{\n  gl_Position = mp * mw * position;\n}\n",
+        }],
+        good: &[Example {
+            name: "p.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform mat4 mp;\nuniform \
+            mat4 mw;\nvoid main(void)\n{\n  gl_Position = mp * (mw * position);\n}\n",
+        }],
         fix: "Puts the vector's products into parentheses. Unsafe: the rounding changes.",
-        references: &["GLSL 4.60 specification, section 5.9 \"Expressions\"", "Cormen et al., Introduction to Algorithms, section 14.2: matrix-chain multiplication"],
+        references: &[
+            "GLSL 4.60 specification, section 5.9 \"Expressions\"",
+            "Cormen et al., Introduction to Algorithms, section 14.2: matrix-chain multiplication",
+        ],
         ja: Japanese {
             summary: "ベクトルより先に行列どうしが掛けられています",
             what: "行列 `a`, `b` とベクトル `v` の積が括弧なしで `a * b * v` と書かれているものを報告します。積は左から計算されます。行列どうしの積が括弧に入っていれば、意図したものとみなします。",
@@ -120,7 +129,9 @@ mod tests {
     use crate::text::EditList;
 
     fn fixed(expr: &str) -> Option<(String, String)> {
-        let text = format!("#version 150 core\nin vec4 v;\nuniform mat4 a;\nuniform mat4 b;\nuniform mat4 c;\nuniform float s;\nvoid main(void)\n{{\n  gl_Position = {expr};\n}}\n");
+        let text = format!(
+            "#version 150 core\nin vec4 v;\nuniform mat4 a;\nuniform mat4 b;\nuniform mat4 c;\nuniform float s;\nvoid main(void)\n{{\n  gl_Position = {expr};\n}}\n"
+        );
         let told = found("P002", "a.vert", &text);
         let first = told.first()?;
         let edits: EditList = first.fix.clone()?.edits.into_iter().collect();
@@ -135,7 +146,10 @@ mod tests {
         let wanted = |count: &str, text: &str| (count.to_owned(), text.to_owned());
         assert_eq!(told("a * b * v"), wanted("80 multiplications instead of 32", "a * (b * v)"));
         assert_eq!(told("a * b * c * v"), wanted("144 multiplications instead of 48", "a * (b * (c * v))"));
-        assert_eq!(told("a * b * vec4(v.xyz, 1.0) + v"), wanted("80 multiplications instead of 32", "a * (b * vec4(v.xyz, 1.0)) + v"));
+        assert_eq!(
+            told("a * b * vec4(v.xyz, 1.0) + v"),
+            wanted("80 multiplications instead of 32", "a * (b * vec4(v.xyz, 1.0)) + v")
+        );
         for expr in ["a * (b * v)", "(a * b) * v", "a * v", "v * a * b", "a * s * v", "a * v * s", "a * b * c[0] + v"] {
             assert_eq!(fixed(expr).is_some(), expr.starts_with("a * b * c"), "{expr}");
         }

@@ -4,25 +4,31 @@ use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::ast::{BinaryOp, ExprId, ExprKind};
 use crate::glsl::types::Type;
 use crate::lint::project::ShaderFile;
-use crate::text::Edit;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::Edit;
 
 /// The rule.
 pub const RULE: Rule = Rule {
     code: Code("P003"),
     name: "scalar-matrix-vector-order",
     severity: Severity::Info,
-    level: Level::Default,
+    level: Level::Strict,
     summary: "a scalar scales a whole matrix before the vector",
     page: Page {
         what: "Reports `m * s * v` and `s * m * v`, with a matrix `m`, a scalar `s` and a vector `v`, without \
             parentheses. The product is formed from the left.",
         why: "The scalar is multiplied into every entry of the matrix: 16 multiplications for a 4x4 matrix, where \
             the vector has 4 components.",
-        bad: &[Example { name: "p.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mw;\nvoid \
-            main(void)\n{\n  gl_Position = mw * 2.0 * position;\n}\n" }],
-        good: &[Example { name: "p.vert", text: "#version 150 core\nin vec4 position;\nuniform mat4 mw;\nvoid \
-            main(void)\n{\n  gl_Position = mw * (2.0 * position);\n}\n" }],
+        bad: &[Example {
+            name: "p.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform mat4 mw;\nvoid \
+            main(void)\n{\n  gl_Position = mw * 2.0 * position;\n}\n",
+        }],
+        good: &[Example {
+            name: "p.vert",
+            text: "#version 150 core\nin vec4 position;\nuniform mat4 mw;\nvoid \
+            main(void)\n{\n  gl_Position = mw * (2.0 * position);\n}\n",
+        }],
         fix: "Puts the last two factors into parentheses. Unsafe: the rounding changes.",
         references: &["GLSL 4.60 specification, section 5.9 \"Expressions\""],
         ja: Japanese {
@@ -75,7 +81,11 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let spans = [second, vector].map(|e| shader.expr(e));
         if !expr.from_macro && spans.iter().all(|e| !e.from_macro) {
             let edits = vec![Edit::insert(spans[0].span.start, "("), Edit::insert(spans[1].span.end, ")")];
-            found = found.with_fix(told!("multiply the last two first", "後ろの 2 因子を先に掛ける"), Safety::Unsafe, edits);
+            found = found.with_fix(
+                told!("multiply the last two first", "後ろの 2 因子を先に掛ける"),
+                Safety::Unsafe,
+                edits,
+            );
         }
         findings.push(found);
     }
@@ -88,7 +98,9 @@ mod tests {
     #[test]
     fn scaled_matrices_are_told() {
         let told = |expr: &str| {
-            let text = format!("#version 150 core\nin vec4 v;\nuniform mat4 a;\nuniform float s;\nvoid main(void)\n{{\n  gl_Position = {expr};\n}}\n");
+            let text = format!(
+                "#version 150 core\nin vec4 v;\nuniform mat4 a;\nuniform float s;\nvoid main(void)\n{{\n  gl_Position = {expr};\n}}\n"
+            );
             messages("P003", "a.vert", &text).len()
         };
         for expr in ["a * s * v", "s * a * v", "a * 2.0 * vec4(v.xyz, 1.0)"] {

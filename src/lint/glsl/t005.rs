@@ -21,10 +21,16 @@ pub const RULE: Rule = Rule {
             float: by an implicit conversion, by a constructor, or as an operand of a float. A quotient that stays \
             an integer is not reported.",
         why: "The division is done in integers: `1 / 2` is 0, and becomes 0.0.",
-        bad: &[Example { name: "half.frag", text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
-            h = 1 / 2;\n  color = vec4(h);\n}\n" }],
-        good: &[Example { name: "half.frag", text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
-            h = 1.0 / 2.0;\n  color = vec4(h);\n}\n" }],
+        bad: &[Example {
+            name: "half.frag",
+            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
+            h = 1 / 2;\n  color = vec4(h);\n}\n",
+        }],
+        good: &[Example {
+            name: "half.frag",
+            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
+            h = 1.0 / 2.0;\n  color = vec4(h);\n}\n",
+        }],
         fix: "Writes both literals with `.0`. Unsafe: the value changes.",
         references: &["GLSL 4.60 specification, section 5.9 \"Expressions\""],
         ja: Japanese {
@@ -66,11 +72,16 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let literal = |id| {
             let expr = shader.expr(id);
             let decimal = shader.text_of(id).bytes().all(|b| b.is_ascii_digit());
-            (matches!(expr.kind, ExprKind::Literal(Literal::Int(_))) && !expr.from_macro && decimal).then_some(expr.span)
+            (matches!(expr.kind, ExprKind::Literal(Literal::Int(_))) && !expr.from_macro && decimal)
+                .then_some(expr.span)
         };
         if let (Some(left), Some(right), false) = (literal(left), literal(right), expr.from_macro) {
             let edits = vec![Edit::insert(left.end, ".0"), Edit::insert(right.end, ".0")];
-            found = found.with_fix(told!("write the literals as floats", "リテラルに `.0` を付ける"), Safety::Unsafe, edits);
+            found = found.with_fix(
+                told!("write the literals as floats", "リテラルに `.0` を付ける"),
+                Safety::Unsafe,
+                edits,
+            );
         }
         findings.push(found);
     }
@@ -81,7 +92,9 @@ mod tests {
     use super::super::testing::messages;
 
     fn told(statement: &str) -> usize {
-        let text = format!("#version 150 core\nuniform int n;\nconst int k = 3;\nout vec4 c;\nfloat f(float x) {{ return x; }}\nvoid main(void)\n{{\n  float x = 1.0; int i = 0; c = vec4(0.0);\n  {statement}\n}}\n");
+        let text = format!(
+            "#version 150 core\nuniform int n;\nconst int k = 3;\nout vec4 c;\nfloat f(float x) {{ return x; }}\nvoid main(void)\n{{\n  float x = 1.0; int i = 0; c = vec4(0.0);\n  {statement}\n}}\n"
+        );
         messages("T005", "a.frag", &text).len()
     }
 
@@ -104,7 +117,15 @@ mod tests {
 
     #[test]
     fn integers_and_exact_quotients_are_not() {
-        for statement in ["i = 1/2;", "x = 4/2;", "x = 1.0/2;", "i = 7 / k * 2;", "x = float(n / 2);", "c[1/2] = x;", "if (n > 7 / 2) x = 1.0;"] {
+        for statement in [
+            "i = 1/2;",
+            "x = 4/2;",
+            "x = 1.0/2;",
+            "i = 7 / k * 2;",
+            "x = float(n / 2);",
+            "c[1/2] = x;",
+            "if (n > 7 / 2) x = 1.0;",
+        ] {
             assert_eq!(told(statement), 0, "{statement}");
         }
     }

@@ -19,10 +19,16 @@ pub const RULE: Rule = Rule {
             function of the shader as floats. Constructors such as `vec4(1)` convert by definition, and are not \
             reported; arguments of built-in functions are left to T017.",
         why: "GLSL 1.10 and GLSL ES have no such conversion, and some drivers refuse it in shaders of newer versions.",
-        bad: &[Example { name: "scale.frag", text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
-            h = 2;\n  color = vec4(h);\n}\n" }],
-        good: &[Example { name: "scale.frag", text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  \
-            float h = 2.0;\n  color = vec4(h);\n}\n" }],
+        bad: &[Example {
+            name: "scale.frag",
+            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
+            h = 2;\n  color = vec4(h);\n}\n",
+        }],
+        good: &[Example {
+            name: "scale.frag",
+            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  \
+            float h = 2.0;\n  color = vec4(h);\n}\n",
+        }],
         fix: "Appends `.0`. Safe: the value is the same.",
         references: &["GLSL 4.60 specification, section 4.1.10 \"Implicit Conversions\""],
         ja: Japanese {
@@ -69,20 +75,35 @@ mod tests {
     use super::super::testing::messages;
 
     fn told(statement: &str) -> usize {
-        let text = format!("#version 150 core\nuniform int n;\n#define K 3\nout vec4 c;\nfloat f(float x) {{ return x; }}\nvoid main(void)\n{{\n  float x = 1.0; int i = 0; c = vec4(0.0);\n  {statement}\n}}\n");
+        let text = format!(
+            "#version 150 core\nuniform int n;\n#define K 3\nout vec4 c;\nfloat f(float x) {{ return x; }}\nvoid main(void)\n{{\n  float x = 1.0; int i = 0; c = vec4(0.0);\n  {statement}\n}}\n"
+        );
         messages("T006", "a.frag", &text).len()
     }
 
     #[test]
     fn converted_literals_are_told() {
-        for statement in ["x = 2;", "float y = 3;", "x = x * 2;", "c = c / 2;", "x = f(2);", "x += (1);", "x = -1;", "c *= 2;"] {
+        for statement in
+            ["x = 2;", "float y = 3;", "x = x * 2;", "c = c / 2;", "x = f(2);", "x += (1);", "x = -1;", "c *= 2;"]
+        {
             assert_eq!(told(statement), 1, "{statement}");
         }
     }
 
     #[test]
     fn integers_and_constructors_are_not() {
-        for statement in ["i = 2;", "c = vec4(1);", "x = float(2);", "x = 2.0;", "c[1] = 1.0;", "x = pow(x, 2);", "x = K;", "if (n == 1) x = 1.0;", "x = float(n + 1);", "ivec2 v = ivec2(1) + 2;"] {
+        for statement in [
+            "i = 2;",
+            "c = vec4(1);",
+            "x = float(2);",
+            "x = 2.0;",
+            "c[1] = 1.0;",
+            "x = pow(x, 2);",
+            "x = K;",
+            "if (n == 1) x = 1.0;",
+            "x = float(n + 1);",
+            "ivec2 v = ivec2(1) + 2;",
+        ] {
             assert_eq!(told(statement), 0, "{statement}");
         }
     }

@@ -3,8 +3,8 @@
 use crate::diagnostic::{Code, Safety, Severity, told};
 use crate::glsl::{Profile, TokenKind, TokenPlace};
 use crate::lint::project::ShaderFile;
-use crate::text::{Edit, Span};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::text::{Edit, Span};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -17,12 +17,21 @@ pub const RULE: Rule = Rule {
         what: "Reports float literals with the suffix `f` or `F` in shaders that state version 1.10, or 1.00 of \
             GLSL ES. A file without a version is left alone: the host may put one before it.",
         why: "The suffix came with GLSL 1.20 and GLSL ES 3.00. Older compilers refuse it.",
-        bad: &[Example { name: "old.frag", text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0f);\n\
-            }\n" }],
-        good: &[Example { name: "old.frag", text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0);\n\
-            }\n" }],
+        bad: &[Example {
+            name: "old.frag",
+            text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0f);\n\
+            }\n",
+        }],
+        good: &[Example {
+            name: "old.frag",
+            text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0);\n\
+            }\n",
+        }],
         fix: "Removes the suffix. Safe: the value is the same.",
-        references: &["GLSL 1.20 specification, section 4.1.4 \"Floats\"", "GLSL ES 1.00 specification, section 4.1.4 \"Floats\""],
+        references: &[
+            "GLSL 1.20 specification, section 4.1.4 \"Floats\"",
+            "GLSL ES 1.00 specification, section 4.1.4 \"Floats\"",
+        ],
         ja: Japanese {
             summary: "浮動小数点リテラルに、この版にはない接尾辞 `f` が付いています",
             what: "版を 1.10 または GLSL ES 1.00 と明記したシェーダで、接尾辞 `f` や `F` の付いた浮動小数点リテラルを報告します。版の指定がないファイルは、ホストが前に付けるかもしれないので報告しません。",
@@ -51,7 +60,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                 .at(
                     &file.file,
                     token.span,
-                    told!("`{text}` has a suffix that this version does not know", "`{text}` の接尾辞はこの版にはありません"),
+                    told!(
+                        "`{text}` has a suffix that this version does not know",
+                        "`{text}` の接尾辞はこの版にはありません"
+                    ),
                 )
                 .with_label(told!("suffix", "接尾辞"))
                 .with_why(told!(
@@ -70,7 +82,9 @@ mod tests {
     #[test]
     fn only_old_versions_lack_the_suffix() {
         let told = |version: &str, value: &str| {
-            let text = format!("{version}precision mediump float;\nvoid main(void)\n{{\n  gl_FragColor = vec4({value});\n}}\n");
+            let text = format!(
+                "{version}precision mediump float;\nvoid main(void)\n{{\n  gl_FragColor = vec4({value});\n}}\n"
+            );
             messages("T007", "a.frag", &text).len()
         };
         assert_eq!(told("#version 100\n", "1.0f"), 1);

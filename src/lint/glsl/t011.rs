@@ -1,13 +1,13 @@
 //! T011: a type or function of HLSL.
 
-use crate::diagnostic::{Code, Diagnostic, Severity, told};
 use crate::diagnostic::Safety;
+use crate::diagnostic::{Code, Diagnostic, Severity, told};
 use crate::glsl::Shader;
 use crate::glsl::ast::{Callee, ExprKind};
 use crate::glsl::{TokenKind, TokenPlace, errors};
 use crate::lint::project::ShaderFile;
-use crate::text::Edit;
 use crate::lint::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::text::Edit;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -21,14 +21,23 @@ pub const RULE: Rule = Rule {
             `float4x4`, `saturate`, `lerp`, `frac`, `ddx`, `mul` and others. A name that the shader declares itself \
             is not reported.",
         why: "GLSL has the same under another name, and no compiler of GLSL knows this one.",
-        bad: &[Example { name: "mix.frag", text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(lerp(0.0, 1.0, x));\n}\n" }],
-        good: &[Example { name: "mix.frag", text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(mix(0.0, 1.0, x));\n}\n" }],
+        bad: &[Example {
+            name: "mix.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(lerp(0.0, 1.0, x));\n}\n",
+        }],
+        good: &[Example {
+            name: "mix.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(mix(0.0, 1.0, x));\n}\n",
+        }],
         fix: "Writes the GLSL name everywhere in the file, and `clamp(x, 0.0, 1.0)` for `saturate(x)`. Safe: the \
             text did not compile, and has one reading. There is no fix where GLSL has no exact counterpart, as for \
             `mul`, whose meaning depends on how matrices are stored.",
-        references: &["Microsoft, HLSL reference, \"Intrinsic Functions\" and \"Vector Type\"", "GLSL 4.60 specification, chapters 4 and 8"],
+        references: &[
+            "Microsoft, HLSL reference, \"Intrinsic Functions\" and \"Vector Type\"",
+            "GLSL 4.60 specification, chapters 4 and 8",
+        ],
         ja: Japanese {
             summary: "GLSL では別の名前になる、HLSL の型や関数です",
             what: "未知の型や関数のエラーのうち、HLSL に同じ名前があるもの（`float3`、`float4x4`、`saturate`、`lerp`、`frac`、`ddx`、`mul` など）に説明を加えます。シェーダ自身が宣言している名前は報告しません。",
@@ -68,7 +77,9 @@ fn counterpart(name: &str) -> Option<Counterpart> {
             "write `x - y * trunc(x / y)`; `mod` differs for negative numbers",
             "`x - y * trunc(x / y)` と書きます。`mod` は負の数で結果が異なります",
         ),
-        "tex2D" | "tex2Dlod" | "texCUBE" => rewritten("sample with `texture(sampler, coordinate)`", "`texture(sampler, coordinate)` で参照します"),
+        "tex2D" | "tex2Dlod" | "texCUBE" => {
+            rewritten("sample with `texture(sampler, coordinate)`", "`texture(sampler, coordinate)` で参照します")
+        }
         "clip" => rewritten("write `if (x < 0.0) discard;`", "`if (x < 0.0) discard;` と書きます"),
         "rcp" => rewritten("write `1.0 / x`", "`1.0 / x` と書きます"),
         "mad" => rewritten("write `a * b + c`", "`a * b + c` と書きます"),

@@ -1,8 +1,8 @@
 //! T013: floats that are compared for equality.
 
 use crate::diagnostic::{Code, Severity, told};
-use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use crate::glsl::Shader;
+use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use crate::lint::project::ShaderFile;
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
@@ -19,10 +19,16 @@ pub const RULE: Rule = Rule {
             reported.",
         why: "Two ways to compute a value differ by rounding, and from device to device: what is equal on one is \
             not on the other.",
-        bad: &[Example { name: "hit.frag", text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
-            void main(void)\n{\n  color = vec4(a == b ? 1.0 : 0.0);\n}\n" }],
-        good: &[Example { name: "hit.frag", text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
-            void main(void)\n{\n  color = vec4(abs(a - b) < 1e-5 ? 1.0 : 0.0);\n}\n" }],
+        bad: &[Example {
+            name: "hit.frag",
+            text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
+            void main(void)\n{\n  color = vec4(a == b ? 1.0 : 0.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "hit.frag",
+            text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
+            void main(void)\n{\n  color = vec4(abs(a - b) < 1e-5 ? 1.0 : 0.0);\n}\n",
+        }],
         fix: "No fix: how near is near enough is not known.",
         references: &["GLSL 4.60 specification, section 4.7.1 \"Range and Precision\""],
         ja: Japanese {
@@ -38,7 +44,8 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     for (_, expr) in shader.arena().iter() {
-        let ExprKind::Binary { op: op @ (BinaryOp::Equal | BinaryOp::NotEqual), op_span, left, right } = expr.kind else {
+        let ExprKind::Binary { op: op @ (BinaryOp::Equal | BinaryOp::NotEqual), op_span, left, right } = expr.kind
+        else {
             continue;
         };
         let floating = |id| shader.type_of(id).scalar().is_some_and(|s| s.is_floating());
@@ -85,7 +92,9 @@ mod tests {
     #[test]
     fn exact_comparisons_of_computed_floats_are_told() {
         let told = |condition: &str| {
-            let text = format!("#version 150 core\nin vec3 a;\nin vec3 b;\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  c = vec4({condition} ? 1.0 : 0.0);\n}}\n");
+            let text = format!(
+                "#version 150 core\nin vec3 a;\nin vec3 b;\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  c = vec4({condition} ? 1.0 : 0.0);\n}}\n"
+            );
             messages("T013", "a.frag", &text).len()
         };
         for condition in ["a == b", "a.x != b.x", "length(a) == length(b)"] {

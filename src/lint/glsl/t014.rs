@@ -19,10 +19,18 @@ pub const RULE: Rule = Rule {
         what: "Reports `=` as the condition of `if`, `while`, `for`, `do` and `?:`. An assignment in parentheses of \
             its own, `while ((b = next()))`, is taken as meant.",
         why: "The condition is the assigned value, and the variable is overwritten. `==` is what is usually meant.",
-        bad: &[Example { name: "flag.frag", text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
-            main(void)\n{\n  bool b = lit;\n  color = vec4(0.0);\n  if (b = true) color = vec4(1.0);\n}\n" }],
-        good: &[Example { name: "flag.frag", text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
-            main(void)\n{\n  bool b = lit;\n  color = vec4(0.0);\n  if (b == true) color = vec4(1.0);\n}\n" }],
+        bad: &[Example {
+            name: "flag.frag",
+            text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
+            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b = true) color = vec4(1.0);\n  \
+            color.a = b ? 1.0 : 0.5;\n}\n",
+        }],
+        good: &[Example {
+            name: "flag.frag",
+            text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
+            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b == true) color = vec4(1.0);\n  \
+            color.a = b ? 1.0 : 0.5;\n}\n",
+        }],
         fix: "Writes `==`. Unsafe: the assignment may be meant.",
         references: &["GLSL 4.60 specification, section 6.2 \"Selection\""],
         ja: Japanese {
@@ -78,13 +86,20 @@ mod tests {
     #[test]
     fn assignments_in_conditions_are_told() {
         let told = |body: &str| {
-            let text = format!("#version 150 core\nuniform bool u;\nout vec4 c;\nvoid main(void)\n{{\n  bool b = u; c = vec4(0.0);\n  {body}\n}}\n");
+            let text = format!(
+                "#version 150 core\nuniform bool u;\nout vec4 c;\nvoid main(void)\n{{\n  bool b = u; c = vec4(0.0);\n  {body}\n}}\n"
+            );
             messages("T014", "a.frag", &text).len()
         };
         for body in ["if (b = true) c = vec4(1.0);", "while (b = u) break;", "for (; b = u; ) break;"] {
             assert_eq!(told(body), 1, "{body}");
         }
-        for body in ["if (b == true) c = vec4(1.0);", "while ((b = u)) break;", "c.x = (b = u) ? 1.0 : 0.0;", "b = u; if (b) c = vec4(1.0);"] {
+        for body in [
+            "if (b == true) c = vec4(1.0);",
+            "while ((b = u)) break;",
+            "c.x = (b = u) ? 1.0 : 0.0;",
+            "b = u; if (b) c = vec4(1.0);",
+        ] {
             assert_eq!(told(body), 0, "{body}");
         }
     }

@@ -19,10 +19,16 @@ pub const RULE: Rule = Rule {
         what: "Reports `if (c);`, and loops whose body is `;` in front of a block. A loop that does its work in its \
             head and stands alone is not reported.",
         why: "The `;` is the whole body: what follows does not depend on the condition, or runs once behind the loop.",
-        bad: &[Example { name: "cut.frag", text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(1.0);\n  if (a > 0.5);\n  {\n    color = vec4(0.0);\n  }\n}\n" }],
-        good: &[Example { name: "cut.frag", text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(1.0);\n  if (a > 0.5)\n  {\n    color = vec4(0.0);\n  }\n}\n" }],
+        bad: &[Example {
+            name: "cut.frag",
+            text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(1.0);\n  if (a > 0.5);\n  {\n    color *= 0.5;\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "cut.frag",
+            text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(1.0);\n  if (a > 0.5)\n  {\n    color *= 0.5;\n  }\n}\n",
+        }],
         fix: "Removes the `;`. Unsafe: what follows becomes the body.",
         references: &["GLSL 4.60 specification, section 6 \"Statements and Structure\""],
         ja: Japanese {
@@ -68,7 +74,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                 "what stands behind the `;` does not belong to the condition",
                 "`;` の後ろの文は条件とは関係なく実行されます"
             ))
-            .with_help(told!("remove the `;`, or write the body as `{{}}`", "`;` を削除するか、本体を `{{}}` と書いてください"));
+            .with_help(told!(
+                "remove the `;`, or write the body as `{{}}`",
+                "`;` を削除するか、本体を `{{}}` と書いてください"
+            ));
         if followed {
             found = found.with_fix(told!("remove the `;`", "`;` を削除する"), Safety::Unsafe, vec![Edit::delete(span)]);
         }
@@ -94,7 +103,9 @@ mod tests {
     #[test]
     fn empty_bodies_are_told() {
         let told = |body: &str| {
-            let text = format!("#version 150 core\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  int i = 0; c = vec4(0.0);\n  {body}\n}}\n");
+            let text = format!(
+                "#version 150 core\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  int i = 0; c = vec4(0.0);\n  {body}\n}}\n"
+            );
             messages("T015", "a.frag", &text).len()
         };
         for body in [

@@ -20,12 +20,21 @@ pub const RULE: Rule = Rule {
             `ldexp`, are not reported.",
         why: "The call is found only by implicit conversion. Where a function exists for integers, floats and \
             doubles, drivers disagree about which one is meant, and GLSL ES has no conversion at all.",
-        bad: &[Example { name: "power.frag", text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(max(x, 0));\n}\n" }],
-        good: &[Example { name: "power.frag", text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(max(x, 0.0));\n}\n" }],
+        bad: &[Example {
+            name: "power.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
+            main(void)\n{\n  color = vec4(max(x, 0));\n}\n",
+        }],
+        good: &[Example {
+            name: "power.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
+            main(void)\n{\n  color = vec4(max(x, 0.0));\n}\n",
+        }],
         fix: "Appends `.0`. Safe: the value is the same.",
-        references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\": resolution of overloads", "GLSL 4.60 specification, section 4.1.10 \"Implicit Conversions\""],
+        references: &[
+            "GLSL 4.60 specification, section 6.1 \"Function Definitions\": resolution of overloads",
+            "GLSL 4.60 specification, section 4.1.10 \"Implicit Conversions\"",
+        ],
         ja: Japanese {
             summary: "浮動小数点数の組み込み関数に整数リテラルが渡されています",
             what: "`pow(x, 2)` や `max(x, 0)` のように、結果が浮動小数点数になる組み込み関数の引数に使われた整数リテラルを報告します。`textureLod` のオフセットや `ldexp` のように、もともと整数を取る引数は報告しません。",
@@ -70,7 +79,9 @@ mod tests {
     #[test]
     fn integers_among_floats_are_told() {
         let told = |statement: &str| {
-            let text = format!("#version 150 core\nuniform sampler2D s;\nuniform int n;\nin vec2 t;\nout vec4 c;\nvoid main(void)\n{{\n  float x = t.x; int i = n; c = vec4(0.0);\n  {statement}\n}}\n");
+            let text = format!(
+                "#version 150 core\nuniform sampler2D s;\nuniform int n;\nin vec2 t;\nout vec4 c;\nvoid main(void)\n{{\n  float x = t.x; int i = n; c = vec4(0.0);\n  {statement}\n}}\n"
+            );
             messages("T017", "a.frag", &text).len()
         };
         assert_eq!(told("x = pow(2, 3);"), 2);
