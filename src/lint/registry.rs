@@ -103,10 +103,7 @@ mod tests {
             let lint = |files: &[crate::lint::Example]| {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
                 // The rule at its level, beside the rules that always run.
-                let settings = Settings {
-                    selection: Selection::default().at(rule.level),
-                    ..Settings::default()
-                };
+                let settings = Settings { selection: Selection::default().at(rule.level), ..Settings::default() };
                 let mut found = run_with(&inputs, &settings);
                 found.retain(|d| {
                     d.code == rule.code || by_code(d.code.0).is_none_or(|other| other.level == Level::Default)

@@ -79,10 +79,7 @@ impl Checker<'_> {
             self.sink.error(
                 errors::INDEX,
                 span,
-                told!(
-                    "an array of blocks takes constant indices only",
-                    "ブロックの配列の添字は定数に限られます"
-                ),
+                told!("an array of blocks takes constant indices only", "ブロックの配列の添字は定数に限られます"),
                 told!("this index varies", "この添字は定数ではありません"),
             );
         }
