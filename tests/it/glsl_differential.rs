@@ -214,7 +214,7 @@ impl Generator {
                 },
             };
         }
-        let mut part = |g: &mut Self, ty: &str| g.expression(ty, depth - 1);
+        let part = |g: &mut Self, ty: &str| g.expression(ty, depth - 1);
         match (ty, self.below(5)) {
             ("bool", 0) => format!("({} < {})", part(self, "float"), part(self, "float")),
             ("bool", 1) => format!("({} == {})", part(self, "vec3"), part(self, "vec3")),

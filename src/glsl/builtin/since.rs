@@ -236,7 +236,8 @@ pub(crate) fn variable(name: &str, stage: Stage, language: &Language) -> Option<
     if matches!(name, "gl_FragColor" | "gl_FragData") && language.es() && language.number() >= 300 {
         return Some(Absent::Removed);
     }
-    look_up(VARIABLES, name, stage, language)
+    // The table of variables knows the stages.
+    look_up(VARIABLES, name, stage, language).filter(|why| *why != Absent::Stage)
 }
 
 /// True for a member of the block `gl_PerVertex`.
@@ -309,6 +310,9 @@ mod tests {
         assert_eq!(variable("gl_Vertex", Stage::Vertex, &old), None);
         assert!(matches!(variable("gl_Layer", Stage::Fragment, &core), Some(Absent::Later((430, ..)))));
         assert_eq!(variable("gl_Layer", Stage::Geometry, &core), None);
+        let tessellated = language(410, Profile::Core);
+        assert_eq!(variable("gl_in", Stage::TessEvaluation, &tessellated), None);
+        assert_eq!(variable("gl_InvocationID", Stage::TessControl, &tessellated), None);
     }
 
     #[test]

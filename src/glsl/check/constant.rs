@@ -50,7 +50,7 @@ impl Checker<'_> {
             // A sequence is no constant from 1.20 and ES 3.00 on.
             ExprKind::Comma { .. } => all() && !self.language.at_least(120, 300),
             ExprKind::Method { base, .. } => {
-                matches!(self.type_of(*base).index_count(), Some(_)) || self.type_of(*base).is_error()
+                self.type_of(*base).index_count().is_some() || self.type_of(*base).is_error()
             }
             ExprKind::Call { callee: _, args: _ } => match &self.out.calls[id.index()] {
                 Some(CallTarget::User(_)) => false,

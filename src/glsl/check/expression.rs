@@ -119,7 +119,7 @@ impl Checker<'_> {
             self.out.names[id.index()] = Some(symbol);
             if self.out.symbols[symbol.index()].kind == super::SymbolKind::Builtin
                 && let Some(why) = builtin::variable_absent(name, self.stage, &self.language)
-                && !self.lookup(name).is_some()
+                && self.lookup(name).is_none()
             {
                 self.absent(name, span, why);
             }

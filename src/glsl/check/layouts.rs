@@ -195,11 +195,7 @@ impl Checker<'_> {
         let stage = self.stage;
         let opaque = ty.is_some_and(Type::contains_opaque);
         match key {
-            "location" => match bearer {
-                Variable(In | Out) | Block(In | Out) | Member(In | Out) => true,
-                Variable(Uniform) => true,
-                _ => false,
-            },
+            "location" => matches!(bearer, Variable(In | Out | Uniform) | Block(In | Out) | Member(In | Out)),
             "index" => stage == Stage::Fragment && bearer == Variable(Out),
             "component" => matches!(bearer, Variable(In | Out) | Member(In | Out)),
             "binding" => {
@@ -222,11 +218,7 @@ impl Checker<'_> {
             "depth_any" | "depth_greater" | "depth_less" | "depth_unchanged" => {
                 stage == Stage::Fragment && bearer == Builtin
             }
-            "points" => match stage {
-                Stage::Geometry => matches!(bearer, Bearer::Stage(In | Out)),
-                _ => false,
-            },
-            "lines" | "lines_adjacency" | "triangles_adjacency" => {
+            "points" | "lines" | "lines_adjacency" | "triangles_adjacency" => {
                 stage == Stage::Geometry && matches!(bearer, Bearer::Stage(In | Out))
             }
             "triangles" => match stage {
