@@ -66,9 +66,17 @@ impl Feature {
             Self::ArraysOfArrays => (430, 310, &["ARB_arrays_of_arrays"]),
             Self::BitOperators | Self::UnsignedIntegers => (130, 300, &["EXT_gpu_shader4"]),
             Self::Switch => (130, 300, &[]),
-            Self::InOutStorage => {
-                (130, 300, &["ARB_explicit_attrib_location", "ARB_separate_shader_objects", "ARB_fragment_coord_conventions", "ARB_conservative_depth", "AMD_conservative_depth"])
-            }
+            Self::InOutStorage => (
+                130,
+                300,
+                &[
+                    "ARB_explicit_attrib_location",
+                    "ARB_separate_shader_objects",
+                    "ARB_fragment_coord_conventions",
+                    "ARB_conservative_depth",
+                    "AMD_conservative_depth",
+                ],
+            ),
             Self::Interpolation => (130, 300, &["EXT_gpu_shader4"]),
             Self::Centroid => (120, 300, &[]),
             Self::BlockInstances => (150, 300, &["ARB_uniform_buffer_object", "ARB_shader_storage_buffer_object"]),
@@ -312,11 +320,7 @@ mod tests {
     fn language(number: u32, profile: Profile, extensions: &[&str]) -> Language {
         let extensions: Vec<_> = extensions
             .iter()
-            .map(|e| Extension {
-                name: (*e).to_owned(),
-                behavior: "enable".to_owned(),
-                span: crate::text::Span::at(0),
-            })
+            .map(|e| Extension { name: (*e).to_owned(), behavior: "enable".to_owned(), span: crate::text::Span::at(0) })
             .collect();
         Language::new(&Version { number, profile, span: None }, &extensions)
     }

@@ -1,5 +1,5 @@
-//! Front end for desktop GLSL 1.10 to 4.60: text to tokens, syntax tree, symbols, types and the
-//! exact stage interface, with byte spans for everything. Broken input gives diagnostics and as
+//! Front end for GLSL 1.10 to 4.60 and GLSL ES 1.00 to 3.20: text to tokens, syntax tree, symbols, types
+//! and the exact stage interface, with byte spans for everything. Broken input gives diagnostics and as
 //! much of the rest as can be read.
 
 pub mod ast;

@@ -139,8 +139,8 @@ mod tests {
 
     use super::*;
     use crate::diagnostic::Diagnostic;
-    use crate::lint::tests::at_its_level;
     use crate::lint::Input;
+    use crate::lint::tests::at_its_level;
     use crate::text::SourceFile;
 
     #[test]

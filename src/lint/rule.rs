@@ -121,8 +121,7 @@ impl Rule {
                 let programs = project.programs();
                 let wanted: Vec<&Program<'_>> =
                     programs.iter().filter(|p| p.shaders().iter().any(|s| s.reported)).collect();
-                let silent: BTreeSet<&str> =
-                    project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
+                let silent: BTreeSet<&str> = project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
                 let mut found = Vec::new();
                 self.gather(&wanted, &mut found, |program, findings| check(program, project, findings));
                 into.extend(found.into_iter().filter(|(_, d): &(Level, Diagnostic)| !silent.contains(d.file.name())));

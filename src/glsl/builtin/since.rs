@@ -30,13 +30,7 @@ const FUNCTIONS: &[Row] = &[
         310,
         &["ARB_gpu_shader5", "ARB_shading_language_packing"],
     ),
-    (
-        "packSnorm2x16 unpackSnorm2x16 packHalf2x16 unpackHalf2x16",
-        "*",
-        420,
-        300,
-        &["ARB_shading_language_packing"],
-    ),
+    ("packSnorm2x16 unpackSnorm2x16 packHalf2x16 unpackHalf2x16", "*", 420, 300, &["ARB_shading_language_packing"]),
     ("packDouble2x32 unpackDouble2x32", "*", 400, NEVER, &["ARB_gpu_shader_fp64"]),
     (
         "uaddCarry usubBorrow umulExtended imulExtended bitfieldExtract bitfieldInsert bitfieldReverse bitCount \
@@ -46,13 +40,7 @@ const FUNCTIONS: &[Row] = &[
         310,
         &["ARB_gpu_shader5", "MESA_shader_integer_functions"],
     ),
-    (
-        "atomicCounter atomicCounterIncrement atomicCounterDecrement",
-        "*",
-        420,
-        310,
-        &["ARB_shader_atomic_counters"],
-    ),
+    ("atomicCounter atomicCounterIncrement atomicCounterDecrement", "*", 420, 310, &["ARB_shader_atomic_counters"]),
     (
         "atomicAdd atomicMin atomicMax atomicAnd atomicOr atomicXor atomicExchange atomicCompSwap",
         "*",
@@ -60,13 +48,7 @@ const FUNCTIONS: &[Row] = &[
         310,
         &["ARB_shader_storage_buffer_object", "ARB_compute_shader"],
     ),
-    (
-        "imageLoad imageStore",
-        "*",
-        420,
-        310,
-        &["ARB_shader_image_load_store"],
-    ),
+    ("imageLoad imageStore", "*", 420, 310, &["ARB_shader_image_load_store"]),
     (
         "imageAtomicAdd imageAtomicMin imageAtomicMax imageAtomicAnd imageAtomicOr imageAtomicXor \
          imageAtomicExchange imageAtomicCompSwap",
@@ -78,32 +60,14 @@ const FUNCTIONS: &[Row] = &[
     ("imageSize", "*", 430, 310, &["ARB_shader_image_size"]),
     ("textureSamples imageSamples", "*", 450, NEVER, &["ARB_shader_texture_image_samples"]),
     ("dFdx dFdy fwidth", "fk", 110, 300, &["OES_standard_derivatives"]),
-    (
-        "dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse",
-        "fk",
-        450,
-        NEVER,
-        &["ARB_derivative_control"],
-    ),
+    ("dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse", "fk", 450, NEVER, &["ARB_derivative_control"]),
     ("interpolateAtCentroid interpolateAtSample interpolateAtOffset", "f", 400, 320, &["ARB_gpu_shader5"]),
     ("noise1 noise2 noise3 noise4", "*", 110, NEVER, &[]),
     ("EmitVertex EndPrimitive", "g", 150, 320, &["OES_geometry_shader", "EXT_geometry_shader"]),
     ("EmitStreamVertex EndStreamPrimitive", "g", 400, NEVER, &["ARB_gpu_shader5"]),
-    (
-        "barrier",
-        "ck",
-        400,
-        310,
-        &["ARB_tessellation_shader", "ARB_compute_shader"],
-    ),
+    ("barrier", "ck", 400, 310, &["ARB_tessellation_shader", "ARB_compute_shader"]),
     ("memoryBarrier", "*", 420, 310, &["ARB_shader_image_load_store"]),
-    (
-        "memoryBarrierAtomicCounter memoryBarrierBuffer memoryBarrierImage",
-        "*",
-        430,
-        310,
-        &["ARB_compute_shader"],
-    ),
+    ("memoryBarrierAtomicCounter memoryBarrierBuffer memoryBarrierImage", "*", 430, 310, &["ARB_compute_shader"]),
     ("groupMemoryBarrier memoryBarrierShared", "k", 430, 310, &["ARB_compute_shader"]),
     ("anyInvocation allInvocations allInvocationsEqual", "*", 460, NEVER, &[]),
     ("anyInvocationARB allInvocationsARB allInvocationsEqualARB", "*", NEVER, NEVER, &["ARB_shader_group_vote"]),
@@ -138,13 +102,7 @@ const FUNCTIONS: &[Row] = &[
         NEVER,
         &["EXT_shader_texture_lod"],
     ),
-    (
-        "texture2DRect texture2DRectProj shadow2DRect shadow2DRectProj",
-        "*",
-        110,
-        NEVER,
-        &["ARB_texture_rectangle"],
-    ),
+    ("texture2DRect texture2DRectProj shadow2DRect shadow2DRectProj", "*", 110, NEVER, &["ARB_texture_rectangle"]),
     ("texture1DArray texture2DArray", "*", NEVER, NEVER, &["EXT_texture_array", "EXT_gpu_shader4"]),
     (
         "texture textureProj textureLod textureOffset texelFetch texelFetchOffset textureProjOffset \
@@ -194,21 +152,9 @@ const VARIABLES: &[Row] = &[
     ("gl_HelperInvocation", "*", 450, 310, &[]),
     ("gl_in", "g", 150, 320, &[]),
     ("gl_VertexIndex gl_InstanceIndex", "*", NEVER, NEVER, &["KHR_vulkan_glsl"]),
-    (
-        "gl_MaxClipDistances gl_MaxVaryingComponents",
-        "*",
-        130,
-        NEVER,
-        &[],
-    ),
+    ("gl_MaxClipDistances gl_MaxVaryingComponents", "*", 130, NEVER, &[]),
     ("gl_MinProgramTexelOffset gl_MaxProgramTexelOffset", "*", 130, 300, &[]),
-    (
-        "gl_MaxVertexUniformComponents gl_MaxVaryingFloats gl_MaxFragmentUniformComponents",
-        "*",
-        110,
-        NEVER,
-        &[],
-    ),
+    ("gl_MaxVertexUniformComponents gl_MaxVaryingFloats gl_MaxFragmentUniformComponents", "*", 110, NEVER, &[]),
     ("gl_MaxVertexUniformVectors gl_MaxFragmentUniformVectors", "*", 410, 100, &["ARB_ES2_compatibility"]),
     ("gl_MaxVaryingVectors", "*", 410, 100, &["ARB_ES2_compatibility"]),
 ];
@@ -268,9 +214,11 @@ pub(crate) fn function(name: &str, stage: Stage, language: &Language) -> Option<
     if name == "ftransform" && language.core() {
         return Some(Absent::Removed);
     }
-    let explicit = name.ends_with("Lod") && (name.contains("DLod") || name.contains("Proj") || name == "textureCubeLod");
+    let explicit =
+        name.ends_with("Lod") && (name.contains("DLod") || name.contains("Proj") || name == "textureCubeLod");
     let everywhere = language.enabled("ARB_shader_texture_lod") || (!language.es() && language.number() >= 130);
-    if explicit && everywhere && (name.starts_with("texture") || name.starts_with("shadow")) && name != "textureProjLod" {
+    if explicit && everywhere && (name.starts_with("texture") || name.starts_with("shadow")) && name != "textureProjLod"
+    {
         return None;
     }
     look_up(FUNCTIONS, name, stage, language)
@@ -288,7 +236,8 @@ pub(crate) fn variable(name: &str, stage: Stage, language: &Language) -> Option<
     if matches!(name, "gl_FragColor" | "gl_FragData") && language.es() && language.number() >= 300 {
         return Some(Absent::Removed);
     }
-    look_up(VARIABLES, name, stage, language)
+    // The table of variables knows the stages.
+    look_up(VARIABLES, name, stage, language).filter(|why| *why != Absent::Stage)
 }
 
 /// True for a member of the block `gl_PerVertex`.
@@ -301,9 +250,9 @@ pub(crate) fn type_since(name: &str) -> Option<Since> {
     let ty = Type::from_name(name)?;
     Some(match ty {
         Type::Scalar(ScalarType::Uint) | Type::Vector(ScalarType::Uint, _) => (130, 300, &["EXT_gpu_shader4"]),
-        Type::Scalar(ScalarType::Double) | Type::Vector(ScalarType::Double, _) | Type::Matrix(ScalarType::Double, ..) => {
-            (400, NEVER, &["ARB_gpu_shader_fp64"])
-        }
+        Type::Scalar(ScalarType::Double)
+        | Type::Vector(ScalarType::Double, _)
+        | Type::Matrix(ScalarType::Double, ..) => (400, NEVER, &["ARB_gpu_shader_fp64"]),
         Type::Matrix(..) if name.contains('x') => (120, 300, &[]),
         Type::Opaque(o) => match o.kind {
             OpaqueKind::AtomicCounter => (420, 310, &["ARB_shader_atomic_counters"]),
@@ -361,6 +310,9 @@ mod tests {
         assert_eq!(variable("gl_Vertex", Stage::Vertex, &old), None);
         assert!(matches!(variable("gl_Layer", Stage::Fragment, &core), Some(Absent::Later((430, ..)))));
         assert_eq!(variable("gl_Layer", Stage::Geometry, &core), None);
+        let tessellated = language(410, Profile::Core);
+        assert_eq!(variable("gl_in", Stage::TessEvaluation, &tessellated), None);
+        assert_eq!(variable("gl_InvocationID", Stage::TessControl, &tessellated), None);
     }
 
     #[test]

@@ -6,9 +6,7 @@ use super::super::ast::{
     Declaration, Ident, InterfaceBlock, QualifiedNames, QualifierKind, Qualifiers, StorageQualifier,
 };
 use super::super::fold::Const;
-use super::super::interface::{
-    Block, BlockMember, InputPrimitive, Located, OutputPrimitive, StageLayout, Storage,
-};
+use super::super::interface::{Block, BlockMember, InputPrimitive, Located, OutputPrimitive, StageLayout, Storage};
 use super::super::language::Feature;
 use super::super::symbols::SymbolKind;
 use super::super::types::{StructField, StructType, Type};
@@ -34,7 +32,14 @@ impl Checker<'_> {
         let word = block.qualifiers.storage();
         let stage = self.stage;
         let wrong = match word {
-            Some((StorageQualifier::Attribute | StorageQualifier::Varying | StorageQualifier::Const | StorageQualifier::InOut | StorageQualifier::Shared, _)) => true,
+            Some((
+                StorageQualifier::Attribute
+                | StorageQualifier::Varying
+                | StorageQualifier::Const
+                | StorageQualifier::InOut
+                | StorageQualifier::Shared,
+                _,
+            )) => true,
             Some((StorageQualifier::In, _)) => stage == Stage::Vertex,
             Some((StorageQualifier::Out, _)) => stage == Stage::Fragment,
             Some((StorageQualifier::Uniform | StorageQualifier::Buffer, _)) => false,
@@ -68,7 +73,8 @@ impl Checker<'_> {
 
     /// A block of built-in variables that is declared again.
     fn per_vertex_rules(&mut self, block: &InterfaceBlock, storage: Storage) {
-        let names: Vec<String> = block.members.iter().flat_map(|m| m.declarators.iter().map(|d| d.name.name.clone())).collect();
+        let names: Vec<String> =
+            block.members.iter().flat_map(|m| m.declarators.iter().map(|d| d.name.name.clone())).collect();
         let instance = block.instance.as_ref().map(|i| i.name.as_str());
         let wanted = match (self.stage, storage) {
             (Stage::Geometry | Stage::TessControl | Stage::TessEvaluation, Storage::In) => Some("gl_in"),
@@ -76,7 +82,10 @@ impl Checker<'_> {
             _ => None,
         };
         let why = if self.stage == Stage::Fragment || self.per_vertex.insert(storage, names).is_some() {
-            Some(told!("this block is declared once, outside fragment shaders", "このブロックの宣言は一度だけで、フラグメントシェーダにはありません"))
+            Some(told!(
+                "this block is declared once, outside fragment shaders",
+                "このブロックの宣言は一度だけで、フラグメントシェーダにはありません"
+            ))
         } else if instance != wanted || wanted.is_some() == block.dims.is_empty() {
             Some(match wanted {
                 Some(wanted) => told!("it ends with `{wanted}[]`", "`{wanted}[]` で終わる必要があります"),
@@ -93,14 +102,25 @@ impl Checker<'_> {
                 .then(|| told!("its members are used above", "メンバーが上で使われています"))
         };
         if let Some(why) = why.filter(|_| !self.language.is_open()) {
-            let message = told!("`gl_PerVertex` cannot be declared like this", "`gl_PerVertex` はこのように宣言できません");
-            let d = self.sink.start(errors::REDECLARATION, block.name.span, message).with_label(told!("this block", "このブロック"));
+            let message =
+                told!("`gl_PerVertex` cannot be declared like this", "`gl_PerVertex` はこのように宣言できません");
+            let d = self
+                .sink
+                .start(errors::REDECLARATION, block.name.span, message)
+                .with_label(told!("this block", "このブロック"));
             self.sink.push(d.with_why(why));
         }
     }
 
     /// Rules of a member of a block.
-    fn block_member_rules(&mut self, member: &Declaration, storage: Storage, name: &Ident, ty: &Type, block: &InterfaceBlock) {
+    fn block_member_rules(
+        &mut self,
+        member: &Declaration,
+        storage: Storage,
+        name: &Ident,
+        ty: &Type,
+        block: &InterfaceBlock,
+    ) {
         let opaque = ty.contains_opaque() && !self.language.is_open();
         if opaque {
             let message = told!("a block cannot hold `{ty}`", "ブロックに `{ty}` は入れられません");
@@ -113,8 +133,10 @@ impl Checker<'_> {
             self.qualifier(span, told!("the block has another storage", "ブロックの記憶域と違います"));
         }
         for q in &member.qualifiers.list {
-            if matches!(q.kind, QualifierKind::Interpolation(_) | QualifierKind::Auxiliary(_) | QualifierKind::Invariant)
-                && !matches!(storage, Storage::In | Storage::Out)
+            if matches!(
+                q.kind,
+                QualifierKind::Interpolation(_) | QualifierKind::Auxiliary(_) | QualifierKind::Invariant
+            ) && !matches!(storage, Storage::In | Storage::Out)
             {
                 self.qualifier(q.span, told!("it belongs to inputs and outputs", "入出力に付ける修飾子です"));
             }
@@ -150,13 +172,26 @@ impl Checker<'_> {
                     self.reserved_name(&name, false);
                     self.block_member_rules(member, storage, &name, &ty, block);
                 } else if builtin::variable(&name.name, self.stage, self.vertices).is_none()
-                    && !matches!(name.name.as_str(), "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance")
+                    && !matches!(
+                        name.name.as_str(),
+                        "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance"
+                    )
                 {
                     let text = &name.name;
-                    let message = told!("`gl_PerVertex` has no member `{text}`", "`gl_PerVertex` に `{text}` はありません");
-                    self.sink.error(errors::REDECLARATION, name.span, message, told!("unknown member", "未知のメンバー"));
+                    let message =
+                        told!("`gl_PerVertex` has no member `{text}`", "`gl_PerVertex` に `{text}` はありません");
+                    self.sink.error(
+                        errors::REDECLARATION,
+                        name.span,
+                        message,
+                        told!("unknown member", "未知のメンバー"),
+                    );
                 }
-                if let Some(first) = fields.iter().find(|f: &&StructField| f.name == name.name && block.instance.is_some()).map(|f| f.span) {
+                if let Some(first) = fields
+                    .iter()
+                    .find(|f: &&StructField| f.name == name.name && block.instance.is_some())
+                    .map(|f| f.span)
+                {
                     self.redefinition(&name, Some(first));
                 }
                 let runtime = storage == Storage::Buffer && at == last;
@@ -234,7 +269,13 @@ impl Checker<'_> {
                 if let Some(span) = names.qualifiers.span()
                     && names.qualifiers.layouts().next().is_some()
                 {
-                    self.qualifier(span, told!("it needs `in`, `out`, `uniform` or `buffer`", "`in`・`out`・`uniform`・`buffer` のいずれかが必要です"));
+                    self.qualifier(
+                        span,
+                        told!(
+                            "it needs `in`, `out`, `uniform` or `buffer`",
+                            "`in`・`out`・`uniform`・`buffer` のいずれかが必要です"
+                        ),
+                    );
                 }
             }
         }
@@ -264,7 +305,8 @@ impl Checker<'_> {
                     Some(Storage::In) => {
                         if let Some(value) = InputPrimitive::from_name(&key.to_ascii_lowercase()) {
                             if geometry.input.is_some_and(|old| old.value != value) {
-                                let message = told!("a second input primitive, `{key}`", "二つ目の入力プリミティブ `{key}` です");
+                                let message =
+                                    told!("a second input primitive, `{key}`", "二つ目の入力プリミティブ `{key}` です");
                                 self.sink.error(errors::LAYOUT, span, message, told!("second one", "二つ目"));
                                 continue;
                             }
@@ -278,7 +320,10 @@ impl Checker<'_> {
                         let geometry = &mut self.out.interface.geometry;
                         if let Some(value) = OutputPrimitive::from_name(key) {
                             if geometry.output.is_some_and(|old| old.value != value) {
-                                let message = told!("a second output primitive, `{key}`", "二つ目の出力プリミティブ `{key}` です");
+                                let message = told!(
+                                    "a second output primitive, `{key}`",
+                                    "二つ目の出力プリミティブ `{key}` です"
+                                );
                                 self.sink.error(errors::LAYOUT, span, message, told!("second one", "二つ目"));
                                 continue;
                             }
@@ -286,7 +331,8 @@ impl Checker<'_> {
                         } else if key == "max_vertices" {
                             let differs = |old: Located<u32>| number.is_some_and(|n| n.value != old.value);
                             if geometry.max_vertices.is_some_and(differs) {
-                                let message = told!("another `max_vertices` than above", "上と異なる `max_vertices` です");
+                                let message =
+                                    told!("another `max_vertices` than above", "上と異なる `max_vertices` です");
                                 self.sink.error(errors::LAYOUT, span, message, told!("second one", "二つ目"));
                                 continue;
                             }

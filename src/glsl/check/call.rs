@@ -5,9 +5,9 @@ use super::super::builtin::{self, Signature};
 use super::super::constructor::{Constructor, Fit};
 use super::super::errors;
 use super::super::fold::{self, Const};
+use super::super::language::{Feature, Language};
 use super::super::names::nearest;
 use super::super::symbols::{CallTarget, Direction, FunctionId};
-use super::super::language::{Feature, Language};
 use super::super::types::{ArraySize, Conversions, OpaqueKind, ScalarType, Type};
 use super::expression::{article, with_near};
 use super::{Checker, Entry};
@@ -39,7 +39,9 @@ impl Checker<'_> {
                     self.constructor(id, ty, name.span, args)
                 }
                 // Functions have names of their own in the first version.
-                Some(Entry::Variable(_)) if self.language.number() == 110 && self.functions.contains_key(&name.name) => {
+                Some(Entry::Variable(_))
+                    if self.language.number() == 110 && self.functions.contains_key(&name.name) =>
+                {
                     self.function_call(id, name, args)
                 }
                 // A variable of a subroutine type, or of one that is not known.
@@ -140,7 +142,10 @@ impl Checker<'_> {
             .start(
                 errors::TOO_FEW,
                 span,
-                told!("`{ty}` needs {needs} components, but gets {given}", "`{ty}` には {needs} 成分が必要ですが、{given} 成分しかありません"),
+                told!(
+                    "`{ty}` needs {needs} components, but gets {given}",
+                    "`{ty}` には {needs} 成分が必要ですが、{given} 成分しかありません"
+                ),
             )
             .with_label(told!("components are missing", "成分が足りません"))
             .with_why(told!(
@@ -159,7 +164,10 @@ impl Checker<'_> {
         let Some(at) = types.iter().position(|t| matches!(t, Type::Matrix(..))) else { return true };
         let span = self.arena.get(args[at]).span;
         if types.len() > 1 {
-            let message = told!("a matrix made of a matrix takes no other argument", "行列から行列を作るときは引数を一つだけ書きます");
+            let message = told!(
+                "a matrix made of a matrix takes no other argument",
+                "行列から行列を作るときは引数を一つだけ書きます"
+            );
             self.sink.error(errors::CONSTRUCTOR, span, message, told!("this is a matrix", "これは行列"));
             return false;
         }
@@ -224,7 +232,8 @@ impl Checker<'_> {
             }
             let language = self.language.clone();
             let fragment = matches!(self.stage, super::super::Stage::Fragment | super::super::Stage::Library);
-            let built_in = built_in.iter().filter(|s| absent.is_none() && available(&name.name, s, &language, fragment));
+            let built_in =
+                built_in.iter().filter(|s| absent.is_none() && available(&name.name, s, &language, fragment));
             candidates.extend(built_in.map(|Signature { params, result, bias: _ }| Candidate {
                 params: params.clone(),
                 result: result.clone(),
@@ -366,7 +375,8 @@ fn available(name: &str, signature: &Signature, language: &Language, fragment: b
     }
     let uses = |wanted: ScalarType| {
         let is = |t: &Type| {
-            t.scalar() == Some(wanted) || matches!(t, Type::Opaque(o) if o.scalar == wanted && o.kind != OpaqueKind::AtomicCounter)
+            t.scalar() == Some(wanted)
+                || matches!(t, Type::Opaque(o) if o.scalar == wanted && o.kind != OpaqueKind::AtomicCounter)
         };
         signature.params.iter().any(|p| is(&p.1)) || is(&signature.result)
     };
@@ -391,7 +401,9 @@ fn available(name: &str, signature: &Signature, language: &Language, fragment: b
                 language.since((450, 310, &["EXT_shader_integer_mix"]))
             }
         }
-        "outerProduct" | "transpose" | "matrixCompMult" => !language.es() || language.number() >= 300 || square(signature),
+        "outerProduct" | "transpose" | "matrixCompMult" => {
+            !language.es() || language.number() >= 300 || square(signature)
+        }
         _ => true,
     }
 }

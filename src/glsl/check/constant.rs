@@ -2,11 +2,11 @@
 
 use super::super::ast::{ExprId, ExprKind, UnaryOp};
 use super::super::builtin;
+use super::super::errors;
 use super::super::interface::Storage;
 use super::super::language::{Feature, Since};
 use super::super::symbols::{CallTarget, SymbolKind};
 use super::super::types::{ScalarType, Type};
-use super::super::errors;
 use super::Checker;
 use crate::diagnostic::{Told, told};
 use crate::text::Span;
@@ -50,7 +50,7 @@ impl Checker<'_> {
             // A sequence is no constant from 1.20 and ES 3.00 on.
             ExprKind::Comma { .. } => all() && !self.language.at_least(120, 300),
             ExprKind::Method { base, .. } => {
-                matches!(self.type_of(*base).index_count(), Some(_)) || self.type_of(*base).is_error()
+                self.type_of(*base).index_count().is_some() || self.type_of(*base).is_error()
             }
             ExprKind::Call { callee: _, args: _ } => match &self.out.calls[id.index()] {
                 Some(CallTarget::User(_)) => false,
@@ -140,7 +140,8 @@ impl Checker<'_> {
             builtin::Absent::Removed => {
                 let version = self.language.name();
                 let profile = if self.language.es() { "" } else { " core" };
-                let message = told!("{version}{profile} does not have `{name}`", "{version}{profile} に `{name}` はありません");
+                let message =
+                    told!("{version}{profile} does not have `{name}`", "{version}{profile} に `{name}` はありません");
                 let d = self.sink.start(errors::UNKNOWN_NAME, span, message);
                 self.sink.push(
                     d.with_label(told!("removed from the language", "言語から削除されました"))

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use super::super::ast::{
-    ArrayDim, Declaration, Declarator, ExprId, ExprKind, Function, Ident, Item, ItemKind,
-    QualifiedNames, QualifierKind, Qualifiers, StorageQualifier, StructSpecifier, TypeKind, TypeSpecifier,
+    ArrayDim, Declaration, Declarator, ExprId, ExprKind, Function, Ident, Item, ItemKind, QualifiedNames,
+    QualifierKind, Qualifiers, StorageQualifier, StructSpecifier, TypeKind, TypeSpecifier,
 };
 use super::super::fold::{self, Const};
 use super::super::interface::{Storage, Variable};
+use super::super::language::Feature;
 use super::super::names::nearest;
 use super::super::symbols::{Direction, FunctionId, FunctionInfo, ParamInfo, SymbolKind};
 use super::super::types::{ArraySize, StructField, StructType, Type};
-use super::super::language::Feature;
 use super::super::{Stage, builtin, errors, parser};
 use super::expression::with_near;
 use super::layouts::Bearer;
@@ -175,9 +175,16 @@ impl Checker<'_> {
     pub(super) fn member_rules(&mut self, member: &Declaration, bearer: Bearer) {
         self.qualifier_rules(&member.qualifiers);
         let anonymous = matches!(&member.ty.kind, TypeKind::Struct(s) if s.name.is_none());
-        if bearer != Bearer::Nothing && matches!(member.ty.kind, TypeKind::Struct(_)) || anonymous && self.language.number() == 120 {
+        if bearer != Bearer::Nothing && matches!(member.ty.kind, TypeKind::Struct(_))
+            || anonymous && self.language.number() == 120
+        {
             let message = told!("a structure cannot be defined here", "ここで構造体は定義できません");
-            self.sink.error(errors::VARIABLE_TYPE, member.ty.span, message, told!("define it before", "先に定義してください"));
+            self.sink.error(
+                errors::VARIABLE_TYPE,
+                member.ty.span,
+                message,
+                told!("define it before", "先に定義してください"),
+            );
         }
         if member.declarators.is_empty() {
             let message = told!("a member without a name", "名前のないメンバーです");
@@ -185,8 +192,16 @@ impl Checker<'_> {
         }
         if self.language.es() && matches!(member.ty.kind, TypeKind::Struct(_)) {
             let version = self.language.name();
-            let message = told!("{version} has no structure defined inside another", "{version} では構造体の中で構造体を定義できません");
-            self.sink.error(errors::VARIABLE_TYPE, member.ty.span, message, told!("define it before", "先に定義してください"));
+            let message = told!(
+                "{version} has no structure defined inside another",
+                "{version} では構造体の中で構造体を定義できません"
+            );
+            self.sink.error(
+                errors::VARIABLE_TYPE,
+                member.ty.span,
+                message,
+                told!("define it before", "先に定義してください"),
+            );
         }
         for declarator in &member.declarators {
             if let Some(initializer) = &declarator.initializer {
@@ -198,7 +213,10 @@ impl Checker<'_> {
         if bearer == Bearer::Nothing {
             for q in &member.qualifiers.list {
                 if !matches!(q.kind, QualifierKind::Precision(_)) {
-                    self.qualifier(q.span, told!("it does not belong to a member", "構造体のメンバーには付けられません"));
+                    self.qualifier(
+                        q.span,
+                        told!("it does not belong to a member", "構造体のメンバーには付けられません"),
+                    );
                 }
             }
         }
@@ -223,7 +241,8 @@ impl Checker<'_> {
         let given = self.expression(value);
         if !self.conversions.allow(&given, &ty) {
             let name = &name.name;
-            let message = told!("`{given}` cannot initialise `{ty} {name}`", "`{given}` で `{ty} {name}` は初期化できません");
+            let message =
+                told!("`{given}` cannot initialise `{ty} {name}`", "`{given}` で `{ty} {name}` は初期化できません");
             self.misfit(&given, &ty, self.arena.get(value).span, message);
             return (ty, None);
         }
@@ -360,8 +379,8 @@ impl Checker<'_> {
     /// Rules of one global variable, as it is declared.
     fn global_rules(&mut self, declarator: &Declarator, ty: &Type, storage: Storage, qualifiers: &Qualifiers) {
         let name = &declarator.name;
-        let again = name.name.starts_with("gl_")
-            && self.redeclared_builtin(name, ty, qualifiers.storage().map(|_| storage));
+        let again =
+            name.name.starts_with("gl_") && self.redeclared_builtin(name, ty, qualifiers.storage().map(|_| storage));
         self.reserved_name(name, again);
         let bearer = if again { Bearer::Builtin } else { Bearer::Variable(storage) };
         self.layout_rules(qualifiers, bearer, Some(ty));
@@ -370,7 +389,8 @@ impl Checker<'_> {
         }
         let per_vertex = matches!(
             (self.stage, storage),
-            (Stage::Geometry | Stage::TessControl | Stage::TessEvaluation, Storage::In) | (Stage::TessControl, Storage::Out)
+            (Stage::Geometry | Stage::TessControl | Stage::TessEvaluation, Storage::In)
+                | (Stage::TessControl, Storage::Out)
         );
         let patch = qualifiers
             .list

@@ -109,10 +109,18 @@ impl Checker<'_> {
         if let Some((word, span)) = word {
             match word {
                 StorageQualifier::Attribute if !matches!(stage, Stage::Vertex | Stage::Library) => {
-                    self.qualifier(span, told!("only vertex shaders have attributes", "attribute は頂点シェーダだけのものです"));
+                    self.qualifier(
+                        span,
+                        told!("only vertex shaders have attributes", "attribute は頂点シェーダだけのものです"),
+                    );
                 }
-                StorageQualifier::Attribute | StorageQualifier::Varying if self.language.es() && self.language.number() >= 300 => {
-                    self.qualifier(span, told!("GLSL ES 3.00 has `in` and `out` instead", "GLSL ES 3.00 では `in`・`out` を使います"));
+                StorageQualifier::Attribute | StorageQualifier::Varying
+                    if self.language.es() && self.language.number() >= 300 =>
+                {
+                    self.qualifier(
+                        span,
+                        told!("GLSL ES 3.00 has `in` and `out` instead", "GLSL ES 3.00 では `in`・`out` を使います"),
+                    );
                 }
                 StorageQualifier::In | StorageQualifier::Out => {
                     self.need(Feature::InOutStorage, span);
@@ -120,7 +128,10 @@ impl Checker<'_> {
                 StorageQualifier::InOut => {
                     self.qualifier(span, told!("it belongs to parameters", "引数に付ける修飾子です"));
                 }
-                StorageQualifier::Buffer | StorageQualifier::Shared | StorageQualifier::Const | StorageQualifier::Uniform => {}
+                StorageQualifier::Buffer
+                | StorageQualifier::Shared
+                | StorageQualifier::Const
+                | StorageQualifier::Uniform => {}
                 StorageQualifier::Attribute | StorageQualifier::Varying => {}
             }
         }
@@ -132,7 +143,13 @@ impl Checker<'_> {
         for q in &qualifiers.list {
             match &q.kind {
                 QualifierKind::Interpolation(_) if !linked && stage != Stage::Library => {
-                    self.qualifier(q.span, told!("it belongs to values that go from stage to stage", "ステージ間で渡す値に付ける修飾子です"));
+                    self.qualifier(
+                        q.span,
+                        told!(
+                            "it belongs to values that go from stage to stage",
+                            "ステージ間で渡す値に付ける修飾子です"
+                        ),
+                    );
                 }
                 QualifierKind::Interpolation(_)
                     if matches!(word, Some((StorageQualifier::Varying | StorageQualifier::Attribute, _)))
@@ -143,7 +160,13 @@ impl Checker<'_> {
                 QualifierKind::Auxiliary(AuxiliaryQualifier::Centroid | AuxiliaryQualifier::Sample)
                     if !linked && stage != Stage::Library =>
                 {
-                    self.qualifier(q.span, told!("it belongs to values that go from stage to stage", "ステージ間で渡す値に付ける修飾子です"));
+                    self.qualifier(
+                        q.span,
+                        told!(
+                            "it belongs to values that go from stage to stage",
+                            "ステージ間で渡す値に付ける修飾子です"
+                        ),
+                    );
                 }
                 QualifierKind::Auxiliary(AuxiliaryQualifier::Patch)
                     if !matches!(
@@ -151,11 +174,18 @@ impl Checker<'_> {
                         (Stage::TessControl, Storage::Out) | (Stage::TessEvaluation, Storage::In) | (Stage::Library, _)
                     ) =>
                 {
-                    self.qualifier(q.span, told!("only tessellation stages have patches", "パッチはテッセレーションのステージだけのものです"));
+                    self.qualifier(
+                        q.span,
+                        told!(
+                            "only tessellation stages have patches",
+                            "パッチはテッセレーションのステージだけのものです"
+                        ),
+                    );
                 }
                 QualifierKind::Invariant => {
                     self.need(Feature::Invariant, q.span);
-                    let old_input = storage == Storage::In && stage != Stage::Vertex && !self.language.at_least(420, 300);
+                    let old_input =
+                        storage == Storage::In && stage != Stage::Vertex && !self.language.at_least(420, 300);
                     if storage != Storage::Out && !old_input {
                         self.qualifier(q.span, told!("it belongs to outputs", "出力に付ける修飾子です"));
                     }
@@ -200,10 +230,16 @@ impl Checker<'_> {
         }
         if !integers && has_scalar(ty, &ScalarType::is_integer) {
             let version = self.language.name();
-            return Some(told!("attributes of {version} hold floats only", "{version} の頂点属性は浮動小数点数だけです"));
+            return Some(told!(
+                "attributes of {version} hold floats only",
+                "{version} の頂点属性は浮動小数点数だけです"
+            ));
         }
         if has_scalar(ty, &|s| s == ScalarType::Double) && !self.language.has(Feature::DoubleInputs) {
-            return Some(told!("attributes of `double` came with GLSL 4.10", "`double` の頂点属性は GLSL 4.10 からです"));
+            return Some(told!(
+                "attributes of `double` came with GLSL 4.10",
+                "`double` の頂点属性は GLSL 4.10 からです"
+            ));
         }
         let arrays = self.language.at_least(150, u32::MAX) || self.language.is_open();
         (matches!(ty, Type::Array(..)) && !arrays)
@@ -230,10 +266,16 @@ impl Checker<'_> {
         let integer = |s: ScalarType| s.is_integer() || s == ScalarType::Double;
         if !modern && has_scalar(ty, &integer) {
             let version = self.language.name();
-            return Some(told!("varyings of {version} hold floats only", "{version} の varying は浮動小数点数だけです"));
+            return Some(told!(
+                "varyings of {version} hold floats only",
+                "{version} の varying は浮動小数点数だけです"
+            ));
         }
         if matches!(element(ty), Type::Struct(_)) && !self.language.at_least(150, 300) && !self.language.is_open() {
-            return Some(told!("structures between stages came with GLSL 1.50", "ステージ間の構造体は GLSL 1.50 からです"));
+            return Some(told!(
+                "structures between stages came with GLSL 1.50",
+                "ステージ間の構造体は GLSL 1.50 からです"
+            ));
         }
         let flat = qualifiers.interpolation().is_some_and(|(i, _)| i == Interpolation::Flat);
         let input = qualifiers.storage().is_some_and(|(s, _)| s != StorageQualifier::Out);
@@ -243,7 +285,10 @@ impl Checker<'_> {
                 .start(
                     errors::NOT_FLAT,
                     span,
-                    told!("a `{ty}` input of a fragment shader must be `flat`", "フラグメントシェーダの `{ty}` 入力には `flat` が必要です"),
+                    told!(
+                        "a `{ty}` input of a fragment shader must be `flat`",
+                        "フラグメントシェーダの `{ty}` 入力には `flat` が必要です"
+                    ),
                 )
                 .with_label(told!("cannot be interpolated", "補間できません"))
                 .with_why(told!("integers and doubles have no values in between", "整数と double は補間されません"))
@@ -281,7 +326,8 @@ impl Checker<'_> {
         }
         let global = storage == Storage::Uniform || (self.at_file_scope() && (self.language.es()));
         if (constant || global) && !self.is_constant(initializer.value) && !ty.is_error() {
-            let message = told!("the initialiser of `{name}` must be constant", "`{name}` の初期化子は定数でなければなりません");
+            let message =
+                told!("the initialiser of `{name}` must be constant", "`{name}` の初期化子は定数でなければなりません");
             let label = told!("not known when the shader is compiled", "コンパイル時に決まりません");
             self.sink.error(errors::INITIALISER, span, message, label);
         }
@@ -330,17 +376,24 @@ impl Checker<'_> {
         }
         if element(&known.ty) != element(ty) && !ty.is_error() {
             let (text, wanted) = (&name.name, known.ty.to_string());
-            let message = told!("`{text}` is declared as `{ty}`, but is `{wanted}`", "`{text}` の型は `{wanted}` で、`{ty}` ではありません");
+            let message = told!(
+                "`{text}` is declared as `{ty}`, but is `{wanted}`",
+                "`{text}` の型は `{wanted}` で、`{ty}` ではありません"
+            );
             self.sink.error(errors::REDECLARATION, name.span, message, told!("another type", "型が違います"));
         }
         let wanted = if known.read_only { Storage::In } else { Storage::Out };
         let varying = self.language.es() || self.language.number() < 130;
         let depth = name.name == "gl_FragDepth" || name.name == "gl_TexCoord";
         let coordinate = matches!(name.name.as_str(), "gl_FragCoord" | "gl_FragDepth");
-        if storage.is_none_or(|s| s != wanted) && !(varying && coordinate && storage.is_none()) && !(depth && storage == Some(Storage::Out)) {
+        if storage.is_none_or(|s| s != wanted)
+            && !(varying && coordinate && storage.is_none())
+            && !(depth && storage == Some(Storage::Out))
+        {
             let text = &name.name;
             let word = if wanted == Storage::In { "in" } else { "out" };
-            let message = told!("`{text}` must be declared with `{word}`", "`{text}` は `{word}` で宣言しなければなりません");
+            let message =
+                told!("`{text}` must be declared with `{word}`", "`{text}` は `{word}` で宣言しなければなりません");
             self.sink.error(errors::REDECLARATION, name.span, message, told!("another storage", "記憶域が違います"));
         }
         true
@@ -352,13 +405,17 @@ impl Checker<'_> {
         let used = |c: &Self| c.out.uses.iter().any(|u| u.symbol == old);
         let first = !self.scopes.first().is_some_and(|s| s.entries.contains_key(text));
         if text == "gl_FragCoord" && first && used(self) {
-            let message = told!("`{text}` is used before it is declared again", "`{text}` は再宣言の前に使われています");
+            let message =
+                told!("`{text}` is used before it is declared again", "`{text}` は再宣言の前に使われています");
             self.sink.error(errors::REDECLARATION, name.span, message, told!("too late", "遅すぎます"));
         }
         let Type::Array(_, ArraySize::Known(n)) = ty else { return };
         let reached = self.most_index.get(&old).copied().unwrap_or(-1);
         if reached >= i64::from(*n) {
-            let message = told!("`{text}` gets {n} elements, but element {reached} is used above", "`{text}` の要素は {n} 個ですが、上で {reached} 番が使われています");
+            let message = told!(
+                "`{text}` gets {n} elements, but element {reached} is used above",
+                "`{text}` の要素は {n} 個ですが、上で {reached} 番が使われています"
+            );
             self.sink.error(errors::ARRAY, name.span, message, told!("too small", "小さすぎます"));
         }
     }
@@ -383,7 +440,8 @@ impl Checker<'_> {
             if let Type::Array(_, ArraySize::Unsized) = inner.as_ref()
                 && !initialised
             {
-                let message = told!("only the outermost dimension may be left open", "大きさを省けるのは一番外側の次元だけです");
+                let message =
+                    told!("only the outermost dimension may be left open", "大きさを省けるのは一番外側の次元だけです");
                 self.sink.error(errors::ARRAY, span, message, told!("no size", "大きさがない"));
             }
         }

@@ -3,8 +3,8 @@
 use super::super::ast::{BinaryOp, ExprId, ExprKind, Ident, Literal, UnaryOp};
 use super::super::builtin;
 use super::super::errors;
-use super::super::language::Feature;
 use super::super::fold::{self, Const};
+use super::super::language::Feature;
 use super::super::names::nearest;
 use super::super::types::{ArraySize, ScalarType, Type};
 use super::operator::{self, Misfit};
@@ -106,9 +106,7 @@ impl Checker<'_> {
                 };
                 (ty, value)
             }
-            ExprKind::Assign { op, op_span, target, value } => {
-                (self.assign(*op, *op_span, *target, *value), None)
-            }
+            ExprKind::Assign { op, op_span, target, value } => (self.assign(*op, *op_span, *target, *value), None),
             ExprKind::Ternary { condition, yes, no } => self.ternary(*condition, *yes, *no),
             ExprKind::Comma { left: _, right } => (self.type_of(*right).clone(), None),
             // The declaration gives a list its type.
@@ -121,7 +119,7 @@ impl Checker<'_> {
             self.out.names[id.index()] = Some(symbol);
             if self.out.symbols[symbol.index()].kind == super::SymbolKind::Builtin
                 && let Some(why) = builtin::variable_absent(name, self.stage, &self.language)
-                && !self.lookup(name).is_some()
+                && self.lookup(name).is_none()
             {
                 self.absent(name, span, why);
             }
@@ -279,7 +277,8 @@ impl Checker<'_> {
                     self.need(Feature::ArrayValues, op_span);
                     let open = |t: &Type| matches!(t, Type::Array(_, ArraySize::Unsized));
                     if open(&l) || open(&r) {
-                        let message = told!("an array without a size cannot be compared", "大きさのない配列は比較できません");
+                        let message =
+                            told!("an array without a size cannot be compared", "大きさのない配列は比較できません");
                         self.sink.error(errors::ARRAY, op_span, message, told!("compared here", "ここで比較"));
                     }
                 }
@@ -309,7 +308,10 @@ impl Checker<'_> {
                 .start(
                     errors::FLOAT_REMAINDER,
                     op_span,
-                    told!("`{text}` takes integers, not `{l}` and `{r}`", "`{text}` は整数用です。`{l}` と `{r}` には使えません"),
+                    told!(
+                        "`{text}` takes integers, not `{l}` and `{r}`",
+                        "`{text}` は整数用です。`{l}` と `{r}` には使えません"
+                    ),
                 )
                 .with_label(told!("`{l}` {text} `{r}`", "`{l}` {text} `{r}`"))
                 .with_help(told!("use `mod(a, b)`", "`mod(a, b)` を使ってください")),
@@ -346,10 +348,16 @@ impl Checker<'_> {
                     .start(
                         errors::VECTOR_RELATION,
                         op_span,
-                        told!("`{text}` compares scalars, not `{l}` and `{r}`", "`{text}` はスカラの比較です。`{l}` と `{r}` には使えません"),
+                        told!(
+                            "`{text}` compares scalars, not `{l}` and `{r}`",
+                            "`{text}` はスカラの比較です。`{l}` と `{r}` には使えません"
+                        ),
                     )
                     .with_label(told!("`{l}` {text} `{r}`", "`{l}` {text} `{r}`"))
-                    .with_help(told!("`{name}(a, b)` compares component by component", "`{name}(a, b)` は成分ごとに比べます"))
+                    .with_help(told!(
+                        "`{name}(a, b)` compares component by component",
+                        "`{name}(a, b)` は成分ごとに比べます"
+                    ))
             }
         };
         self.sink.push(diagnostic);
@@ -371,7 +379,10 @@ impl Checker<'_> {
                     "`{value_ty}` cannot be assigned to `{name}`, which is `{target_ty}`",
                     "`{value_ty}` は `{target_ty}` 型の `{name}` に代入できません"
                 ),
-                _ => told!("`{value_ty}` cannot be assigned to `{target_ty}`", "`{value_ty}` は `{target_ty}` に代入できません"),
+                _ => told!(
+                    "`{value_ty}` cannot be assigned to `{target_ty}`",
+                    "`{value_ty}` は `{target_ty}` に代入できません"
+                ),
             };
             self.misfit(&value_ty, &target_ty, span, message);
         } else if op.is_none() {
@@ -380,8 +391,16 @@ impl Checker<'_> {
                 self.need(Feature::ArrayValues, op_span);
             }
             if let Type::Array(_, ArraySize::Unsized) = target_ty {
-                let message = told!("an array without a size cannot be written as a whole", "大きさのない配列の全体には書き込めません");
-                self.sink.error(errors::ARRAY, self.arena.get(target).span, message, told!("written here", "ここで書き込み"));
+                let message = told!(
+                    "an array without a size cannot be written as a whole",
+                    "大きさのない配列の全体には書き込めません"
+                );
+                self.sink.error(
+                    errors::ARRAY,
+                    self.arena.get(target).span,
+                    message,
+                    told!("written here", "ここで書き込み"),
+                );
             }
         }
         target_ty
@@ -393,10 +412,9 @@ impl Checker<'_> {
         let sizes = plain(given)
             && plain(wanted)
             && given.components() != wanted.components()
-            && self.conversions.scalar(
-                given.scalar().unwrap_or(ScalarType::Bool),
-                wanted.scalar().unwrap_or(ScalarType::Bool),
-            );
+            && self
+                .conversions
+                .scalar(given.scalar().unwrap_or(ScalarType::Bool), wanted.scalar().unwrap_or(ScalarType::Bool));
         let label = told!("this is `{given}`", "これは `{given}`");
         if !sizes {
             return self.sink.error(errors::ASSIGN_TYPE, span, message, label);

@@ -20,7 +20,12 @@ impl Checker<'_> {
         let here = told!("this function", "この関数");
         if name.name == "main" && (*return_type != Type::Void || !params.is_empty()) && !return_type.is_error() {
             let message = told!("`main` is `void main()`", "`main` は `void main()` と書きます");
-            self.sink.error(errors::FUNCTION, name.span, message, told!("takes and gives nothing", "引数も戻り値もない"));
+            self.sink.error(
+                errors::FUNCTION,
+                name.span,
+                message,
+                told!("takes and gives nothing", "引数も戻り値もない"),
+            );
         }
         self.reserved_name(name, false);
         let apart = self.language.number() == 110;
@@ -36,7 +41,8 @@ impl Checker<'_> {
             self.builtin_redefined(function, params);
         }
         if matches!(function.return_type.kind, TypeKind::Struct(_)) {
-            let message = told!("a structure cannot be defined in a return type", "戻り値の型の中で構造体は定義できません");
+            let message =
+                told!("a structure cannot be defined in a return type", "戻り値の型の中で構造体は定義できません");
             self.sink.error(errors::FUNCTION, function.return_type.span, message, here.clone());
         }
         if matches!(return_type, Type::Array(..)) {
@@ -53,7 +59,10 @@ impl Checker<'_> {
         for q in &function.qualifiers.list {
             let good = matches!(
                 q.kind,
-                QualifierKind::Precision(_) | QualifierKind::Subroutine(_) | QualifierKind::Precise | QualifierKind::Layout(_)
+                QualifierKind::Precision(_)
+                    | QualifierKind::Subroutine(_)
+                    | QualifierKind::Precise
+                    | QualifierKind::Layout(_)
             );
             if !good {
                 self.qualifier(q.span, told!("it does not belong to a return type", "戻り値の型には付けられません"));
@@ -65,7 +74,8 @@ impl Checker<'_> {
         self.precision_needed(&function.qualifiers, return_type, function.return_type.span);
         for (param, info) in function.params.iter().zip(params) {
             if param.name.is_none() && function.body.is_some() && self.language.number() < 130 && !self.language.es() {
-                let message = told!("a parameter of a defined function needs a name", "定義する関数の引数には名前が必要です");
+                let message =
+                    told!("a parameter of a defined function needs a name", "定義する関数の引数には名前が必要です");
                 self.sink.error(errors::FUNCTION, param.span, message, told!("no name", "名前がない"));
             }
             self.param_rules(param, info);
@@ -88,7 +98,8 @@ impl Checker<'_> {
         if wrong {
             let text = &name.name;
             let version = self.language.name();
-            let message = told!("{version} does not let `{text}` be defined again", "{version} では `{text}` を定義し直せません");
+            let message =
+                told!("{version} does not let `{text}` be defined again", "{version} では `{text}` を定義し直せません");
             self.sink.error(errors::REDEFINITION, name.span, message, told!("built in", "組み込み関数"));
         }
     }
@@ -185,7 +196,11 @@ impl Checker<'_> {
         let text = &name.name;
         let d = self
             .sink
-            .start(errors::RESERVED, name.span, told!("`{text}` is a name of the language", "`{text}` は言語が使う名前です"))
+            .start(
+                errors::RESERVED,
+                name.span,
+                told!("`{text}` is a name of the language", "`{text}` は言語が使う名前です"),
+            )
             .with_label(told!("cannot be declared", "宣言できません"))
             .with_why(told!("names that start with `gl_` are reserved", "`gl_` で始まる名前は予約されています"))
             .with_help(told!("choose another name", "別の名前にしてください"));
@@ -408,15 +423,23 @@ impl Checker<'_> {
                 SymbolKind::Global(Storage::In) => self.stage != Stage::Vertex && !self.language.at_least(420, 300),
                 SymbolKind::Builtin => true,
                 SymbolKind::BlockMember(_) => true,
-                SymbolKind::Global(_) | SymbolKind::BlockInstance(_) | SymbolKind::Param(_) | SymbolKind::Local => false,
+                SymbolKind::Global(_) | SymbolKind::BlockInstance(_) | SymbolKind::Param(_) | SymbolKind::Local => {
+                    false
+                }
             };
             if !output {
                 let text = &name.name;
-                let message = told!("`{text}` is no output and cannot be `invariant`", "`{text}` は出力ではないので `invariant` にできません");
+                let message = told!(
+                    "`{text}` is no output and cannot be `invariant`",
+                    "`{text}` は出力ではないので `invariant` にできません"
+                );
                 self.sink.error(errors::QUALIFIER, name.span, message, told!("not an output", "出力ではない"));
             } else if self.out.uses.iter().any(|u| self.out.symbols[u.symbol.index()].name == name.name) {
                 let text = &name.name;
-                let message = told!("`{text}` is used before it becomes `invariant`", "`{text}` は `invariant` にする前に使われています");
+                let message = told!(
+                    "`{text}` is used before it becomes `invariant`",
+                    "`{text}` は `invariant` にする前に使われています"
+                );
                 self.sink.error(errors::QUALIFIER, name.span, message, told!("too late", "遅すぎます"));
             }
         }

@@ -79,10 +79,7 @@ impl Checker<'_> {
             self.sink.error(
                 errors::INDEX,
                 span,
-                told!(
-                    "an array of blocks takes constant indices only",
-                    "ブロックの配列の添字は定数に限られます"
-                ),
+                told!("an array of blocks takes constant indices only", "ブロックの配列の添字は定数に限られます"),
                 told!("this index varies", "この添字は定数ではありません"),
             );
         }
@@ -203,7 +200,8 @@ impl Checker<'_> {
                 let message = format!("the size of an array must be an integer, not {} `{ty}`", article(&ty));
                 self.sink.error(errors::CONSTANT, span, message, "this size");
             }
-            None if self.maybe_constant(id) && self.is_constant(id) => {}
+            // Only our folding is too weak.
+            None if self.is_constant(id) => {}
             None => {
                 let d = self.sink.start(errors::CONSTANT, span, "the size of an array must be constant");
                 let d = d.with_label("not known when the shader is compiled");
@@ -211,30 +209,5 @@ impl Checker<'_> {
             }
         }
         ArraySize::Unknown
-    }
-
-    /// True when every variable below is constant, so that only our folding may be too weak.
-    fn maybe_constant(&self, id: ExprId) -> bool {
-        let mut todo = vec![id];
-        while let Some(id) = todo.pop() {
-            if let Some(symbol) = self.out.names[id.index()] {
-                let symbol = &self.out.symbols[symbol.index()];
-                let constant = match symbol.kind {
-                    super::SymbolKind::Builtin => {
-                        symbol.name.starts_with("gl_Max") || symbol.name.starts_with("gl_Min")
-                    }
-                    super::SymbolKind::Global(storage) => storage == super::super::interface::Storage::Const,
-                    super::SymbolKind::Local => symbol.read_only,
-                    super::SymbolKind::BlockMember(_)
-                    | super::SymbolKind::BlockInstance(_)
-                    | super::SymbolKind::Param(_) => false,
-                };
-                if !constant {
-                    return false;
-                }
-            }
-            todo.extend(self.arena.get(id).children());
-        }
-        true
     }
 }

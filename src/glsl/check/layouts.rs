@@ -29,24 +29,62 @@ pub(super) enum Bearer {
 
 /// Keys, whether a value belongs to them, and when they came.
 const KEYS: &[(&str, bool, Since)] = &[
-    ("location", true, (330, 300, &["ARB_explicit_attrib_location", "ARB_separate_shader_objects", "EXT_separate_shader_objects", "ARB_explicit_uniform_location"])),
+    (
+        "location",
+        true,
+        (
+            330,
+            300,
+            &[
+                "ARB_explicit_attrib_location",
+                "ARB_separate_shader_objects",
+                "EXT_separate_shader_objects",
+                "ARB_explicit_uniform_location",
+            ],
+        ),
+    ),
     ("index", true, (330, u32::MAX, &["ARB_explicit_attrib_location"])),
     ("component", true, (440, u32::MAX, &[])),
-    ("binding", true, (420, 310, &["ARB_shading_language_420pack", "ARB_shader_atomic_counters", "ARB_shader_storage_buffer_object", "ARB_shader_image_load_store"])),
+    (
+        "binding",
+        true,
+        (
+            420,
+            310,
+            &[
+                "ARB_shading_language_420pack",
+                "ARB_shader_atomic_counters",
+                "ARB_shader_storage_buffer_object",
+                "ARB_shader_image_load_store",
+            ],
+        ),
+    ),
     ("offset", true, (420, 310, &[])),
     ("align", true, (440, u32::MAX, &[])),
     ("shared packed row_major column_major", false, (140, 300, &["ARB_uniform_buffer_object"])),
     ("std140", false, (140, 300, &["ARB_uniform_buffer_object", "ARB_shader_storage_buffer_object"])),
     ("std430", false, (430, 310, &["ARB_shader_storage_buffer_object"])),
     ("origin_upper_left pixel_center_integer", false, (150, u32::MAX, &["ARB_fragment_coord_conventions"])),
-    ("points lines triangles lines_adjacency triangles_adjacency line_strip triangle_strip", false, (150, 310, &["ARB_tessellation_shader"])),
+    (
+        "points lines triangles lines_adjacency triangles_adjacency line_strip triangle_strip",
+        false,
+        (150, 310, &["ARB_tessellation_shader"]),
+    ),
     ("max_vertices", true, (150, 320, &[])),
     ("invocations", true, (400, 320, &["ARB_gpu_shader5"])),
     ("stream", true, (400, u32::MAX, &["ARB_gpu_shader5"])),
     ("vertices", true, (400, 320, &["ARB_tessellation_shader"])),
-    ("quads isolines equal_spacing fractional_even_spacing fractional_odd_spacing cw ccw point_mode", false, (400, 320, &["ARB_tessellation_shader"])),
+    (
+        "quads isolines equal_spacing fractional_even_spacing fractional_odd_spacing cw ccw point_mode",
+        false,
+        (400, 320, &["ARB_tessellation_shader"]),
+    ),
     ("local_size_x local_size_y local_size_z", true, (430, 310, &[])),
-    ("depth_any depth_greater depth_less depth_unchanged", false, (420, u32::MAX, &["ARB_conservative_depth", "AMD_conservative_depth", "EXT_conservative_depth"])),
+    (
+        "depth_any depth_greater depth_less depth_unchanged",
+        false,
+        (420, u32::MAX, &["ARB_conservative_depth", "AMD_conservative_depth", "EXT_conservative_depth"]),
+    ),
     ("early_fragment_tests", false, (420, 310, &[])),
     ("xfb_buffer xfb_offset xfb_stride", true, (440, u32::MAX, &[])),
     (
@@ -72,7 +110,13 @@ impl Checker<'_> {
                 self.need(Feature::MixedQualifiers, span);
             }
             if bearer == Bearer::Nothing {
-                self.qualifier(span, told!("it belongs to variables and blocks of the interface", "インターフェースの変数かブロックに付ける修飾子です"));
+                self.qualifier(
+                    span,
+                    told!(
+                        "it belongs to variables and blocks of the interface",
+                        "インターフェースの変数かブロックに付ける修飾子です"
+                    ),
+                );
                 continue;
             }
             for entry in entries {
@@ -90,7 +134,11 @@ impl Checker<'_> {
         let key = &entry.key.name;
         let d = self
             .sink
-            .start(errors::LAYOUT, entry.span, told!("`layout({key})` cannot stand here", "`layout({key})` はここに書けません"))
+            .start(
+                errors::LAYOUT,
+                entry.span,
+                told!("`layout({key})` cannot stand here", "`layout({key})` はここに書けません"),
+            )
             .with_label(told!("this layout qualifier", "この layout 修飾子"));
         self.sink.push(d.with_why(why));
     }
@@ -110,9 +158,11 @@ impl Checker<'_> {
                 if folded.is_some_and(|v| v < 0) {
                     return self.layout_error(entry, told!("its value must not be negative", "値を負にはできません"));
                 }
-                let integer = self.type_of(value).is_error() || self.type_of(value).scalar().is_some_and(|s| s.is_integer());
+                let integer =
+                    self.type_of(value).is_error() || self.type_of(value).scalar().is_some_and(|s| s.is_integer());
                 if !integer && key != "max_vertices" && key != "invocations" {
-                    return self.layout_error(entry, told!("its value must be an integer", "値は整数でなければなりません"));
+                    return self
+                        .layout_error(entry, told!("its value must be an integer", "値は整数でなければなりません"));
                 }
             }
             (None, false) => {}
@@ -145,15 +195,18 @@ impl Checker<'_> {
         let stage = self.stage;
         let opaque = ty.is_some_and(Type::contains_opaque);
         match key {
-            "location" => match bearer {
-                Variable(In | Out) | Block(In | Out) | Member(In | Out) => true,
-                Variable(Uniform) => true,
-                _ => false,
-            },
+            "location" => matches!(bearer, Variable(In | Out | Uniform) | Block(In | Out) | Member(In | Out)),
             "index" => stage == Stage::Fragment && bearer == Variable(Out),
             "component" => matches!(bearer, Variable(In | Out) | Member(In | Out)),
-            "binding" => matches!(bearer, Block(Uniform | Buffer)) || bearer == Variable(Uniform) && opaque || bearer == Bearer::Stage(Uniform),
-            "offset" => matches!(bearer, Member(Uniform | Buffer)) || matches!(bearer, Variable(Uniform) | Bearer::Stage(Uniform)),
+            "binding" => {
+                matches!(bearer, Block(Uniform | Buffer))
+                    || bearer == Variable(Uniform) && opaque
+                    || bearer == Bearer::Stage(Uniform)
+            }
+            "offset" => {
+                matches!(bearer, Member(Uniform | Buffer))
+                    || matches!(bearer, Variable(Uniform) | Bearer::Stage(Uniform))
+            }
             "align" => matches!(bearer, Block(Uniform | Buffer) | Member(Uniform | Buffer)),
             "shared" | "packed" | "std140" | "std430" => {
                 matches!(bearer, Block(Uniform | Buffer) | Bearer::Stage(Uniform | Buffer))
@@ -165,11 +218,7 @@ impl Checker<'_> {
             "depth_any" | "depth_greater" | "depth_less" | "depth_unchanged" => {
                 stage == Stage::Fragment && bearer == Builtin
             }
-            "points" => match stage {
-                Stage::Geometry => matches!(bearer, Bearer::Stage(In | Out)),
-                _ => false,
-            },
-            "lines" | "lines_adjacency" | "triangles_adjacency" => {
+            "points" | "lines" | "lines_adjacency" | "triangles_adjacency" => {
                 stage == Stage::Geometry && matches!(bearer, Bearer::Stage(In | Out))
             }
             "triangles" => match stage {
@@ -186,11 +235,15 @@ impl Checker<'_> {
                     && matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out))
             }
             "vertices" => stage == Stage::TessControl && bearer == Bearer::Stage(Out),
-            "quads" | "isolines" | "equal_spacing" | "fractional_even_spacing" | "fractional_odd_spacing" | "cw"
-            | "ccw" | "point_mode" => stage == Stage::TessEvaluation && bearer == Bearer::Stage(In),
-            "local_size_x" | "local_size_y" | "local_size_z" => {
-                stage == Stage::Compute && bearer == Bearer::Stage(In)
-            }
+            "quads"
+            | "isolines"
+            | "equal_spacing"
+            | "fractional_even_spacing"
+            | "fractional_odd_spacing"
+            | "cw"
+            | "ccw"
+            | "point_mode" => stage == Stage::TessEvaluation && bearer == Bearer::Stage(In),
+            "local_size_x" | "local_size_y" | "local_size_z" => stage == Stage::Compute && bearer == Bearer::Stage(In),
             "early_fragment_tests" => stage == Stage::Fragment && bearer == Bearer::Stage(In),
             "xfb_buffer" | "xfb_offset" | "xfb_stride" => {
                 matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out) | Builtin)
@@ -225,7 +278,10 @@ impl Checker<'_> {
                     .start(
                         errors::GEOMETRY_INPUT,
                         name.span,
-                        told!("the geometry input `{text}` is no array", "ジオメトリ入力 `{text}` が配列ではありません"),
+                        told!(
+                            "the geometry input `{text}` is no array",
+                            "ジオメトリ入力 `{text}` が配列ではありません"
+                        ),
                     )
                     .with_label(told!("one value for a whole primitive", "プリミティブ全体に一つの値"))
                     .with_why(told!(

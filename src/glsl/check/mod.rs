@@ -194,7 +194,9 @@ impl<'a> Checker<'a> {
                 if q.qualifiers.storage().is_some_and(|s| s.0 == super::ast::StorageQualifier::In) =>
             {
                 let mut entries = q.qualifiers.layouts().flat_map(|(entries, _)| entries);
-                entries.find_map(|e| InputPrimitive::from_name(&e.key.name.to_ascii_lowercase())).map(InputPrimitive::vertices)
+                entries
+                    .find_map(|e| InputPrimitive::from_name(&e.key.name.to_ascii_lowercase()))
+                    .map(InputPrimitive::vertices)
             }
             _ => None,
         })

@@ -1,8 +1,8 @@
 //! Statements and function bodies.
 
 use super::super::ast::{Block, Condition, ExprId, Stmt, StmtKind};
-use super::super::{Stage, errors};
 use super::super::types::{ScalarType, Type};
+use super::super::{Stage, errors};
 use super::Checker;
 use super::expression::article;
 use crate::diagnostic::{Told, told};
@@ -57,12 +57,17 @@ impl Checker<'_> {
     fn label(&mut self, value: Option<ExprId>, span: Span) {
         let word = if value.is_some() { "case" } else { "default" };
         if self.around.nested || self.around.switch.is_none() {
-            return self.misplaced(word, told!("it belongs directly into a `switch`", "`switch` の直下に書くラベルです"), span);
+            return self.misplaced(
+                word,
+                told!("it belongs directly into a `switch`", "`switch` の直下に書くラベルです"),
+                span,
+            );
         }
         let Some(mut switch) = self.around.switch.take() else { return };
         match value {
             None if switch.default => {
-                let message = told!("a second `default` in one `switch`", "一つの `switch` に二つ目の `default` があります");
+                let message =
+                    told!("a second `default` in one `switch`", "一つの `switch` に二つ目の `default` があります");
                 self.sink.error(errors::PLACEMENT, span, message, told!("second one", "二つ目"));
             }
             None => switch.default = true,
@@ -83,7 +88,10 @@ impl Checker<'_> {
             || (integer && (self.conversions.int_to_uint || self.language.is_open()));
         if !integer || !agrees {
             let selector = &switch.selector;
-            let message = told!("a label of `{ty}` for a selector of `{selector}`", "`{selector}` の値を `{ty}` のラベルと比べています");
+            let message = told!(
+                "a label of `{ty}` for a selector of `{selector}`",
+                "`{selector}` の値を `{ty}` のラベルと比べています"
+            );
             return self.sink.error(errors::CONDITION_TYPE, span, message, told!("this is `{ty}`", "これは `{ty}`"));
         }
         if !self.is_constant(value) {
@@ -107,18 +115,25 @@ impl Checker<'_> {
 
     fn statement(&mut self, statement: &Stmt) {
         match &statement.kind {
-            StmtKind::Empty
-            | StmtKind::Error => {}
+            StmtKind::Empty | StmtKind::Error => {}
             StmtKind::Precision(precision) => self.precision_statement(precision),
             StmtKind::Default => self.label(None, statement.span),
             StmtKind::Break if !self.around.in_loop && self.around.switch.is_none() => {
-                self.misplaced("break", told!("it leaves a loop or a `switch`", "ループか `switch` を抜ける文です"), statement.span);
+                self.misplaced(
+                    "break",
+                    told!("it leaves a loop or a `switch`", "ループか `switch` を抜ける文です"),
+                    statement.span,
+                );
             }
             StmtKind::Continue if !self.around.in_loop => {
                 self.misplaced("continue", told!("it belongs into a loop", "ループの中に書く文です"), statement.span);
             }
             StmtKind::Discard if !matches!(self.stage, Stage::Fragment | Stage::Library) => {
-                self.misplaced("discard", told!("only fragment shaders have it", "フラグメントシェーダだけの文です"), statement.span);
+                self.misplaced(
+                    "discard",
+                    told!("only fragment shaders have it", "フラグメントシェーダだけの文です"),
+                    statement.span,
+                );
             }
             StmtKind::Break | StmtKind::Continue | StmtKind::Discard => {}
             StmtKind::Declaration(declaration) => self.local_declaration(declaration),
@@ -222,7 +237,10 @@ impl Checker<'_> {
             if let (Some(value), Type::Void) = (value, &wanted)
                 && given == Type::Void
             {
-                let message = told!("`return` of a function without a value takes none", "値を返さない関数の `return` に式は書けません");
+                let message = told!(
+                    "`return` of a function without a value takes none",
+                    "値を返さない関数の `return` に式は書けません"
+                );
                 let span = self.arena.get(value).span;
                 self.sink.error(errors::RETURN_TYPE, span, message, told!("returned here", "ここで返しています"));
             }

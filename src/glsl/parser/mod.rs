@@ -8,11 +8,11 @@ mod statement;
 mod words;
 
 use super::ast::{Arena, Expr, ExprId, ExprKind, Ident, Unit};
+use super::errors;
+use super::language::Language;
 use super::lexer::Lex;
 use super::preprocess::Tok;
 use super::sink::Sink;
-use super::errors;
-use super::language::Language;
 use crate::diagnostic::{Safety, told};
 use crate::text::{Edit, SourceFile, Span};
 use words::Words;

@@ -84,7 +84,11 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
             // The directives of the outermost #if are no part of what it leaves out.
             let word = line.get(1).map(|p| this.slice(p)).unwrap_or_default();
             let conditional = matches!(word.as_str(), "if" | "ifdef" | "ifndef" | "elif" | "else" | "endif");
-            if active || this.active() || (conditional && this.outer_active()) { TokenPlace::Directive } else { TokenPlace::Inactive }
+            if active || this.active() || (conditional && this.outer_active()) {
+                TokenPlace::Directive
+            } else {
+                TokenPlace::Inactive
+            }
         } else if active {
             this.text(line);
             TokenPlace::Text
@@ -290,7 +294,8 @@ impl Preprocessor<'_> {
     }
 
     fn is_predefined(&self, name: &str) -> bool {
-        matches!(name, "__LINE__" | "__FILE__" | "__VERSION__") || (name == "GL_ES" && self.version.profile == Profile::Es)
+        matches!(name, "__LINE__" | "__FILE__" | "__VERSION__")
+            || (name == "GL_ES" && self.version.profile == Profile::Es)
     }
 
     fn predefined(&mut self, name: &str, span: Span) {
@@ -548,13 +553,12 @@ impl Preprocessor<'_> {
         if behavior == "require" && !made && name != "all" {
             let d = self
                 .sink
-                .start(
-                    errors::EXTENSION,
-                    span,
-                    told!("there is no extension `{name}`", "拡張 `{name}` は存在しません"),
-                )
+                .start(errors::EXTENSION, span, told!("there is no extension `{name}`", "拡張 `{name}` は存在しません"))
                 .with_label(told!("required here", "ここで必須とされています"))
-                .with_why(told!("a required extension that is not there is an error", "必須の拡張がないとエラーになります"))
+                .with_why(told!(
+                    "a required extension that is not there is an error",
+                    "必須の拡張がないとエラーになります"
+                ))
                 .with_help(told!("check its name, or write `enable`", "名前を確かめるか `enable` にしてください"));
             self.sink.push(d);
         }

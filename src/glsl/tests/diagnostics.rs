@@ -137,10 +137,7 @@ fn a_stage_without_main_is_told() {
 
 #[test]
 fn type_mismatches_are_told_in_words() {
-    one(
-        "vec4 q = p.xyz;",
-        "T003 5:10 `vec3` cannot initialise `vec4 q`",
-    );
+    one("vec4 q = p.xyz;", "T003 5:10 `vec3` cannot initialise `vec4 q`");
     one("gl_Position = p.xyz;", "T003 5:15 `vec3` cannot be assigned to `gl_Position`, which is `vec4`");
     one("vec3 v; v.xy = p;", "T003 5:16 `vec4` cannot be assigned to `vec2`");
     one("int i = 1.0;", "E030 5:9 `float` cannot initialise `int i`");

@@ -27,6 +27,11 @@ fn laws(text: &str, stage: Stage) {
     }
 }
 
+/// How many damaged shaders are read. `SHADERCHECK_MUTANTS=100000 cargo test --lib damaged_shaders` reads more.
+fn rounds() -> usize {
+    option_env!("SHADERCHECK_MUTANTS").and_then(|n| n.parse().ok()).unwrap_or(5000)
+}
+
 #[test]
 fn damaged_shaders_are_survived() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(0x5eed);
@@ -64,8 +69,26 @@ fn damaged_shaders_are_survived() {
         "float ",
         "gl_in",
         "return",
+        "#version 300 es\n",
+        "#version 110\n",
+        "#extension GL_ARB_gpu_shader5 : enable\n",
+        "switch (",
+        "case 1:",
+        "default:",
+        "uniform U {",
+        "out gl_PerVertex {",
+        "precision highp float;",
+        "invariant ",
+        "const ",
+        "flat ",
+        "%",
+        "1u",
+        "[0]",
+        "[-1]",
+        ".xxx",
+        "void main() {",
     ];
-    for round in 0..4000 {
+    for round in 0..rounds() {
         let (source, stage) = SHADERS[round % SHADERS.len()];
         let mut bytes = source.as_bytes().to_vec();
         for _ in 0..=below(4) {

@@ -15,15 +15,45 @@ fn one(stage: Stage, source: &str, want: &str) {
 fn features_belong_to_versions() {
     use Stage::{Fragment, Vertex};
     for (stage, old, new, body, want) in [
-        (Vertex, "120", "130", "int f(int a) { return a % 2; }", "V002 this integer operator needs GLSL 1.30 or `GL_EXT_gpu_shader4`"),
-        (Vertex, "110", "120", "float f() { float a[2]; return float(a.length()); }", "V002 `.length()` needs GLSL 1.20"),
+        (
+            Vertex,
+            "120",
+            "130",
+            "int f(int a) { return a % 2; }",
+            "V002 this integer operator needs GLSL 1.30 or `GL_EXT_gpu_shader4`",
+        ),
+        (
+            Vertex,
+            "110",
+            "120",
+            "float f() { float a[2]; return float(a.length()); }",
+            "V002 `.length()` needs GLSL 1.20",
+        ),
         (Vertex, "130", "400", "double d;", "V002 `double` needs GLSL 4.00 or `GL_ARB_gpu_shader_fp64`"),
-        (Vertex, "150", "330", "layout(location = 1) in vec4 p;", "V002 `layout(location)` needs GLSL 3.30 or `GL_ARB_explicit_attrib_location`"),
+        (
+            Vertex,
+            "150",
+            "330",
+            "layout(location = 1) in vec4 p;",
+            "V002 `layout(location)` needs GLSL 3.30 or `GL_ARB_explicit_attrib_location`",
+        ),
         (Vertex, "110", "120", "mat2x3 m;", "V002 `mat2x3` needs GLSL 1.20"),
-        (Vertex, "120", "130", "in vec4 p;", "V002 `in` or `out` at file scope needs GLSL 1.30 or `GL_ARB_explicit_attrib_location`"),
+        (
+            Vertex,
+            "120",
+            "130",
+            "in vec4 p;",
+            "V002 `in` or `out` at file scope needs GLSL 1.30 or `GL_ARB_explicit_attrib_location`",
+        ),
         (Vertex, "120", "140", "mat4 f(mat4 m) { return inverse(m); }", "V002 `inverse` needs GLSL 1.40"),
         (Fragment, "130", "420", "layout(binding = 1) uniform sampler2D s;", ""),
-        (Vertex, "150", "430", "float a[2][3];", "V002 an array of arrays needs GLSL 4.30 or `GL_ARB_arrays_of_arrays`"),
+        (
+            Vertex,
+            "150",
+            "430",
+            "float a[2][3];",
+            "V002 an array of arrays needs GLSL 4.30 or `GL_ARB_arrays_of_arrays`",
+        ),
         (Vertex, "110", "120", "float f() { return 1; }", "T006 `int` does not become `float` by itself"),
         (Vertex, "110", "120", "float f() { return 1.0f; }", "T007 GLSL 1.10 has no suffix `f`"),
     ] {
@@ -125,7 +155,11 @@ fn qualifiers_and_layouts_have_their_place() {
 #[test]
 fn functions_have_their_rules() {
     let v = |line: &str| format!("#version 150\n{line}\nvoid main() {{}}\n");
-    one(Stage::Vertex, &v("float f(float x);\nfloat g(float x) { return f(x); }\nfloat f(float x) { return g(x); }"), "E046 `g` calls itself");
+    one(
+        Stage::Vertex,
+        &v("float f(float x);\nfloat g(float x) { return f(x); }\nfloat f(float x) { return g(x); }"),
+        "E046 `g` calls itself",
+    );
     one(Stage::Vertex, &v("void f(const out float x) {}"), "E042 `const` cannot stand here");
     one(Stage::Vertex, "#version 150\nint main() { return 1; }\n", "E046 `main` is `void main()`");
     one(Stage::Vertex, &v("float f() { }"), "E038 `f` never returns a value");

@@ -57,16 +57,19 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn brackets_are_added() {
         let text = |d: &str, u: &str| {
-            format!("#version 150\nlayout(points) in;\nlayout(points, max_vertices = 1) out;\nin vec3 {d};\nvoid main() {{ gl_Position = vec4({u}); EmitVertex(); }}\n")
+            format!(
+                "#version 150\nlayout(points) in;\nlayout(points, max_vertices = 1) out;\nin vec3 {d};\nvoid main() {{ gl_Position = vec4({u}); EmitVertex(); }}\n"
+            )
         };
         assert_eq!(lint("a.geom", &text("n", "n, 1.0")), (vec!["G007"], Some((Safety::Unsafe, text("n[]", "n, 1.0")))));
         assert_eq!(lint("a.geom", &text("n", "n[0]")).1.unwrap().0, Safety::Safe);

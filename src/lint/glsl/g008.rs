@@ -26,7 +26,10 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
         }],
         fix: "The missing layout is declared for triangles behind the directives. Unsafe, because the primitives are a guess.",
-        references: &["GLSL 4.60 specification, section 4.4.1.2 \"Geometry Shader Inputs\"", "GLSL 4.60 specification, section 4.4.2.2 \"Geometry Outputs\""],
+        references: &[
+            "GLSL 4.60 specification, section 4.4.1.2 \"Geometry Shader Inputs\"",
+            "GLSL 4.60 specification, section 4.4.2.2 \"Geometry Outputs\"",
+        ],
         ja: Japanese {
             summary: "ジオメトリシェーダに入出力の layout 宣言がありません",
             what: "`main` を持ち、入力プリミティブ・出力プリミティブ・`max_vertices` のいずれかの宣言がないジオメトリシェーダを報告します。未知の拡張を有効にしているものは報告しません。",
@@ -62,9 +65,10 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 

@@ -50,16 +50,19 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn the_strip_is_written() {
         let text = |i: &str, o: &str| {
-            format!("#version 150\nlayout({i}) in;\nlayout({o}, max_vertices = 1) out;\nvoid main() {{ gl_Position = gl_in[0].gl_Position; EmitVertex(); }}\n")
+            format!(
+                "#version 150\nlayout({i}) in;\nlayout({o}, max_vertices = 1) out;\nvoid main() {{ gl_Position = gl_in[0].gl_Position; EmitVertex(); }}\n"
+            )
         };
         for (wrong, right) in [("triangles", "triangle_strip"), ("lines_adjacency", "line_strip")] {
             let (codes, fixed) = lint("a.geom", &text("points", wrong));

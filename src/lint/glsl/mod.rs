@@ -1,5 +1,7 @@
 //! Rules on shaders.
 
+mod compile;
+mod context;
 pub(super) mod d001;
 pub(super) mod d002;
 pub(super) mod d003;
@@ -15,6 +17,7 @@ pub(super) mod d015;
 pub(super) mod d016;
 pub(super) mod d017;
 pub(super) mod d018;
+mod emission;
 pub(super) mod g001;
 pub(super) mod g002;
 pub(super) mod g003;
@@ -44,6 +47,7 @@ pub(super) mod n015;
 pub(super) mod n018;
 pub(super) mod n019;
 pub(super) mod n022;
+mod numeric;
 pub(super) mod p001;
 pub(super) mod p002;
 pub(super) mod p003;
@@ -65,6 +69,8 @@ pub(super) mod t015;
 pub(super) mod t016;
 pub(super) mod t017;
 pub(super) mod t018;
+#[cfg(test)]
+mod testing;
 pub(super) mod v001;
 pub(super) mod v002;
 pub(super) mod v003;
@@ -75,11 +81,5 @@ pub(super) mod v007;
 pub(super) mod v008;
 pub(super) mod v009;
 pub(super) mod v010;
-mod compile;
-mod context;
-mod emission;
-mod numeric;
 mod variable;
 mod walk;
-#[cfg(test)]
-mod testing;

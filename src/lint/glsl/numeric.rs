@@ -131,8 +131,11 @@ pub mod testing {
     /// What a rule says about a text at a level.
     pub fn lint(code: &str, level: Level, text: &str) -> Vec<Diagnostic> {
         let ranges = vec![Range { name: "declared".to_owned(), min: 0.0, max: 200.0 }];
-        let settings =
-            Settings { selection: Selection::default().at(level), config: Config { ranges, ..Config::default() }, ..Settings::default() };
+        let settings = Settings {
+            selection: Selection::default().at(level),
+            config: Config { ranges, ..Config::default() },
+            ..Settings::default()
+        };
         let found = run_with(&[Input::new(SourceFile::new("a.frag", text))], &settings);
         assert!(found.iter().all(|d| !d.code.0.starts_with('E')), "{found:#?}\n{text}");
         found.into_iter().filter(|d| d.code.0 == code).collect()

@@ -1,6 +1,6 @@
 //! T001: a constructor gets more components than its type has.
 
-use crate::diagnostic::{Code, Diagnostic, Safety, Severity};
+use crate::diagnostic::{Code, Diagnostic, Safety, Severity, told};
 use crate::glsl::Shader;
 use crate::glsl::ast::{Callee, ExprId, ExprKind};
 use crate::glsl::symbols::CallTarget;
@@ -56,21 +56,33 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let Some(extra) = extra_arguments(shader, ty, args) else { continue };
         let (first, given) = (extra.first, extra.given);
         let needed = ty.components().unwrap_or_default();
+        let has = components(needed);
         let surplus = shader.expr(args[first]).span.to(shader.expr(args[args.len() - 1]).span);
         let mut found = findings
-            .at(&file.file, written.name_span, format!("`{ty}` has {}, but is given {given}", components(needed)))
-            .with_label(format!("makes a `{ty}`"))
-            .with_related(&file.file, surplus, "too many")
-            .with_why(
+            .at(
+                &file.file,
+                written.name_span,
+                told!(
+                    "`{ty}` has {has}, but is given {given}",
+                    "`{ty}` の成分は {needed} 個ですが、{given} 個与えられています"
+                ),
+            )
+            .with_label(told!("makes a `{ty}`", "`{ty}` を作る"))
+            .with_related(&file.file, surplus, told!("too many", "余分です"))
+            .with_why(told!(
                 "a constructor takes no argument behind the last component that it needs: the shader does not compile",
-            );
+                "コンストラクタは、必要な最後の成分より後ろの引数を受け取りません。このシェーダはコンパイルできません",
+            ));
         if !expr.from_macro {
             found = fix(shader, id, ty, given, found, written.name_span, || {
                 let last_needed = shader.expr(args[first - 1]).span;
                 Span::new(last_needed.end, surplus.end)
             });
         }
-        findings.push(found.with_help(format!("give {}, or construct a larger type", components(needed))));
+        findings.push(found.with_help(told!(
+            "give {has}, or construct a larger type",
+            "成分を {needed} 個にするか、より大きい型にしてください"
+        )));
     }
 }
 
@@ -89,9 +101,13 @@ fn fix(
     match fits {
         Some(wanted) => {
             let edit = Edit::replace(name, wanted.to_string());
-            found.with_fix(format!("construct a `{wanted}`"), Safety::Safe, vec![edit])
+            found.with_fix(told!("construct a `{wanted}`", "`{wanted}` にする"), Safety::Safe, vec![edit])
         }
-        None => found.with_fix("remove what is too many", Safety::Unsafe, vec![Edit::delete(surplus())]),
+        None => found.with_fix(
+            told!("remove what is too many", "余分な引数を削る"),
+            Safety::Unsafe,
+            vec![Edit::delete(surplus())],
+        ),
     }
 }
 

@@ -43,7 +43,9 @@ pub const RULE: Rule = Rule {
 fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
     let shader = &file.shader;
     let call = shader.arena().iter().find_map(|(id, e)| match &e.kind {
-        ExprKind::Call { callee: Callee::Type(ty), args } if ty.span == found.span && !e.from_macro => Some((id, e, args)),
+        ExprKind::Call { callee: Callee::Type(ty), args } if ty.span == found.span && !e.from_macro => {
+            Some((id, e, args))
+        }
         _ => None,
     });
     let Some((id, expr, args)) = call else { return Some(found) };
@@ -69,15 +71,17 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn one_missing_component_is_appended() {
-        let shader = |e: &str| format!("#version 150\nin vec3 p;\nin vec3 normal;\nvoid main() {{ gl_Position = {e}; }}\n");
+        let shader =
+            |e: &str| format!("#version 150\nin vec3 p;\nin vec3 normal;\nvoid main() {{ gl_Position = {e}; }}\n");
         let (codes, fixed) = lint("a.vert", &shader("vec4(p)"));
         assert_eq!((codes.as_slice(), fixed), (["T002"].as_slice(), Some((Safety::Unsafe, shader("vec4(p, 1.0)")))));
         assert_eq!(lint("a.vert", &shader("vec4(normal)")).1.unwrap().1, shader("vec4(normal, 0.0)"));

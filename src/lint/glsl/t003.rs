@@ -41,7 +41,8 @@ pub const RULE: Rule = Rule {
 fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
     let shader = &file.shader;
     let Some(value) = expression_at(shader, found.span) else { return Some(found) };
-    let (Type::Vector(a, given), Some(Type::Vector(b, wanted))) = (shader.type_of(value).clone(), destination(shader, value))
+    let (Type::Vector(a, given), Some(Type::Vector(b, wanted))) =
+        (shader.type_of(value).clone(), destination(shader, value))
     else {
         return Some(found);
     };
@@ -51,10 +52,8 @@ fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
     let span = found.span;
     if given + 1 == wanted {
         let last = fourth(shader, value);
-        let edits = vec![
-            Edit::insert(span.start, format!("vec{wanted}(")),
-            Edit::insert(span.end, format!(", {last})")),
-        ];
+        let edits =
+            vec![Edit::insert(span.start, format!("vec{wanted}(")), Edit::insert(span.end, format!(", {last})"))];
         return Some(found.with_fix(told!("append `{last}`", "`{last}` を補う"), Safety::Unsafe, edits));
     }
     if given > wanted {
@@ -74,17 +73,22 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn sizes_are_made_to_fit() {
-        let shader = |s: &str| format!("#version 150\nin vec3 p;\nin vec4 q;\nvoid main() {{ {s} gl_Position = q; }}\n");
+        let shader =
+            |s: &str| format!("#version 150\nin vec3 p;\nin vec4 q;\nvoid main() {{ {s} gl_Position = q; }}\n");
         let (codes, fixed) = lint("a.vert", &shader("vec4 a = p;"));
-        assert_eq!((codes.as_slice(), fixed), (["T003"].as_slice(), Some((Safety::Unsafe, shader("vec4 a = vec4(p, 1.0);")))));
+        assert_eq!(
+            (codes.as_slice(), fixed),
+            (["T003"].as_slice(), Some((Safety::Unsafe, shader("vec4 a = vec4(p, 1.0);"))))
+        );
         assert_eq!(lint("a.vert", &shader("vec3 a; a = q + q;")).1.unwrap().1, shader("vec3 a; a = (q + q).xyz;"));
         assert_eq!(lint("a.vert", &shader("float a = q;")), (vec!["T003"], None));
         for right in ["vec4 a = vec4(p, 1.0);", "vec3 a = q.xyz;", "vec3 a; a.xy = q.xy; a *= 2.0;"] {

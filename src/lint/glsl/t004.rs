@@ -70,18 +70,24 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn points_and_directions_are_told_apart() {
         let shader = |e: &str| {
-            format!("#version 150\nin vec3 p;\nin vec3 normal;\nuniform mat4 m;\nuniform mat3 k;\nvoid main() {{ gl_Position = {e}; }}\n")
+            format!(
+                "#version 150\nin vec3 p;\nin vec3 normal;\nuniform mat4 m;\nuniform mat3 k;\nvoid main() {{ gl_Position = {e}; }}\n"
+            )
         };
-        assert_eq!(lint("a.vert", &shader("m * p")), (vec!["T004"], Some((Safety::Unsafe, shader("m * vec4(p, 1.0)")))));
+        assert_eq!(
+            lint("a.vert", &shader("m * p")),
+            (vec!["T004"], Some((Safety::Unsafe, shader("m * vec4(p, 1.0)"))))
+        );
         assert_eq!(lint("a.vert", &shader("m * normal")).1.unwrap().1, shader("m * vec4(normal, 0.0)"));
         assert_eq!(lint("a.vert", &shader("p * m")), (vec!["T004"], None));
         for right in ["m * vec4(p, 1.0)", "vec4(k * p, 1.0)", "vec4(p * k, 1.0)", "m * m * vec4(1.0)"] {

@@ -57,17 +57,22 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn a_scalar_becomes_a_vector() {
-        let shader = |v: &str, e: &str| format!("#version {v}\nuniform float f;\nvoid main() {{ gl_Position = {e}; }}\n");
+        let shader =
+            |v: &str, e: &str| format!("#version {v}\nuniform float f;\nvoid main() {{ gl_Position = {e}; }}\n");
         let (codes, fixed) = lint("a.vert", &shader("150", "(f * f).xxxx"));
-        assert_eq!((codes.as_slice(), fixed), (["T008"].as_slice(), Some((Safety::Safe, shader("150", "vec4((f * f))")))));
+        assert_eq!(
+            (codes.as_slice(), fixed),
+            (["T008"].as_slice(), Some((Safety::Safe, shader("150", "vec4((f * f))"))))
+        );
         assert!(lint("a.vert", &shader("420", "f.xxxx")).0.is_empty());
         assert!(lint("a.vert", &shader("150", "vec4(f).xxxx")).0.is_empty());
     }

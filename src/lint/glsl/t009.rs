@@ -55,7 +55,8 @@ mod tests {
     #[test]
     fn components_must_be_there_and_of_one_set() {
         let codes = |e: &str| {
-            let text = format!("#version 150\nin vec3 p;\nvoid main() {{ vec4 q = vec4(1.0); {e} gl_Position = q; }}\n");
+            let text =
+                format!("#version 150\nin vec3 p;\nvoid main() {{ vec4 q = vec4(1.0); {e} gl_Position = q; }}\n");
             run(&[Input::new(SourceFile::new("a.vert", text.as_str()))]).iter().map(|d| d.code.0).collect::<Vec<_>>()
         };
         for wrong in ["q.x = p.w;", "q.xy = p.xg;", "q.xx = p.xy;", "q = q.xyzzy;"] {

@@ -29,7 +29,10 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  bool inside = all(lessThan(position, vec3(1.0)));\n  gl_Position = inside ? mvp * vec4(position, 1.0) : vec4(0.0);\n}\n",
         }],
         fix: "Inside `any`, `all` and `not`, and where a `bvec` is initialised, the function is called instead. Safe: the text did not compile and has one reading. Elsewhere there is no fix.",
-        references: &["GLSL 4.60 specification, section 5.9 \"Expressions\"", "GLSL 4.60 specification, section 8.7 \"Vector Relational Functions\""],
+        references: &[
+            "GLSL 4.60 specification, section 5.9 \"Expressions\"",
+            "GLSL 4.60 specification, section 8.7 \"Vector Relational Functions\"",
+        ],
         ja: Japanese {
             summary: "ベクトルに大小比較の演算子を使っています",
             what: "片側がベクトルである `<`・`>`・`<=`・`>=` を報告します。",
@@ -93,9 +96,10 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 

@@ -27,7 +27,10 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  float phase = mod(position.x, 2.0);\n  gl_Position = mvp * vec4(position.xy, phase, 1.0);\n}\n",
         }],
         fix: "`mod(a, b)` is written. Safe: the text did not compile, and this is what it means. `%=` has no fix.",
-        references: &["GLSL 4.60 specification, section 5.9 \"Expressions\"", "GLSL 4.60 specification, section 8.3 \"Common Functions\""],
+        references: &[
+            "GLSL 4.60 specification, section 5.9 \"Expressions\"",
+            "GLSL 4.60 specification, section 8.3 \"Common Functions\"",
+        ],
         ja: Japanese {
             summary: "浮動小数点数に % を使っています",
             what: "浮動小数点の項に使われた `%` を報告します。",
@@ -69,9 +72,10 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
@@ -79,7 +83,10 @@ mod tests {
     fn a_remainder_of_floats_becomes_mod() {
         let shader = |s: &str| format!("#version 150\nin vec4 p;\nvoid main() {{ {s} gl_Position = p; }}\n");
         let (codes, fixed) = lint("a.vert", &shader("float x = p.x % p.y + 0.5;"));
-        assert_eq!((codes.as_slice(), fixed), (["T012"].as_slice(), Some((Safety::Safe, shader("float x = mod(p.x, p.y) + 0.5;")))));
+        assert_eq!(
+            (codes.as_slice(), fixed),
+            (["T012"].as_slice(), Some((Safety::Safe, shader("float x = mod(p.x, p.y) + 0.5;"))))
+        );
         assert_eq!(lint("a.vert", &shader("float x = p.x; x %= p.y;")), (vec!["T012"], None));
         assert!(lint("a.vert", &shader("int i = 7 % 4;")).0.is_empty());
     }

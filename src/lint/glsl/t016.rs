@@ -46,7 +46,9 @@ mod tests {
     #[test]
     fn constant_indices_stay_inside() {
         let codes = |s: &str| {
-            let text = format!("#version 150\nconst int n = 4;\nuniform mat3 m;\nvoid main() {{ float a[n]; vec3 v = m[0]; {s} gl_Position = vec4(v, a[0]); }}\n");
+            let text = format!(
+                "#version 150\nconst int n = 4;\nuniform mat3 m;\nvoid main() {{ float a[n]; vec3 v = m[0]; {s} gl_Position = vec4(v, a[0]); }}\n"
+            );
             run(&[Input::new(SourceFile::new("a.vert", text.as_str()))]).iter().map(|d| d.code.0).collect::<Vec<_>>()
         };
         for wrong in ["a[n] = 1.0;", "a[0] = v[3];", "v = m[3];", "a[-1] = 0.0;", "a[2 * 2] = 0.0;"] {

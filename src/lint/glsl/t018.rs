@@ -29,7 +29,10 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nin vec3 normal;\nout vec4 color;\nvoid main(void)\n{\n  vec3 normal_ = normal;\n  normal_ = normalize(normal_);\n  color = vec4(normal_, 1.0);\n}\n",
         }],
         fix: "An input that is used in one function only is copied into a local variable at the start of that function, and the copy is used instead. Safe: the text did not compile, and has one sensible reading. Otherwise there is no fix.",
-        references: &["GLSL 4.60 specification, section 4.3.4 \"Input Variables\"", "GLSL 4.60 specification, section 4.3.5 \"Uniform Variables\""],
+        references: &[
+            "GLSL 4.60 specification, section 4.3.4 \"Input Variables\"",
+            "GLSL 4.60 specification, section 4.3.5 \"Uniform Variables\"",
+        ],
         ja: Japanese {
             summary: "読み取り専用の変数に書き込んでいます",
             what: "ステージの入力、uniform、定数、そのステージで読み取り専用の組み込み変数への代入・`++`・`--`・`out`／`inout` 引数を報告します。",
@@ -48,7 +51,8 @@ fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
     let one_function = shader.uses_of(first.symbol).all(|u| u.function == first.function && !u.from_macro);
     // One fix for all writes: that of the first one.
     let is_first = shader.uses_of(first.symbol).find(|u| u.access.writes()).is_some_and(|u| u.span == found.span);
-    let body = first.function.and_then(|f| shader.function_syntax(shader.function_info(f))).and_then(|f| f.body.as_ref());
+    let body =
+        first.function.and_then(|f| shader.function_syntax(shader.function_info(f))).and_then(|f| f.body.as_ref());
     let Some(body) = body.filter(|_| input && one_function && is_first) else { return Some(found) };
     let (name, ty) = (symbol.name.clone(), symbol.ty.to_string());
     let copy = fresh(shader, &name);
@@ -66,15 +70,17 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn an_input_is_copied_first() {
-        let text = "#version 150\nin vec3 n;\nout vec4 c;\nvoid main() {\n  n = normalize(n);\n  c = vec4(n, 1.0);\n}\n";
+        let text =
+            "#version 150\nin vec3 n;\nout vec4 c;\nvoid main() {\n  n = normalize(n);\n  c = vec4(n, 1.0);\n}\n";
         let want = "#version 150\nin vec3 n;\nout vec4 c;\nvoid main() {\n  vec3 n_ = n;\n  n_ = normalize(n_);\n  c = vec4(n_, 1.0);\n}\n";
         assert_eq!(lint("a.frag", text), (vec!["T018"], Some((Safety::Safe, want.to_owned()))));
         assert!(lint("a.frag", want).0.is_empty());

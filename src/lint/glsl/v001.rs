@@ -55,9 +55,10 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
@@ -67,7 +68,10 @@ mod tests {
         let (codes, fixed) = lint("a.vert", text);
         assert_eq!(codes, ["V001"]);
         let (safety, fixed) = fixed.unwrap();
-        assert_eq!((safety, fixed.as_str()), (Safety::Safe, "#version 150\n#define A 1\n // why\nvoid main() { gl_Position = vec4(A); }\n"));
+        assert_eq!(
+            (safety, fixed.as_str()),
+            (Safety::Safe, "#version 150\n#define A 1\n // why\nvoid main() { gl_Position = vec4(A); }\n")
+        );
         assert!(lint("a.vert", &fixed).0.is_empty());
         assert!(lint("a.vert", "// c\n\n/* d */ #version 150\nvoid main() { gl_Position = vec4(1); }\n").0.is_empty());
     }

@@ -71,15 +71,20 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn the_version_is_raised() {
-        let text = |v: &str| format!("#version {v}\nint f(int a) {{ return a % 2; }}\nvoid main() {{ gl_Position = vec4(float(f(1))); }}\n");
+        let text = |v: &str| {
+            format!(
+                "#version {v}\nint f(int a) {{ return a % 2; }}\nvoid main() {{ gl_Position = vec4(float(f(1))); }}\n"
+            )
+        };
         assert_eq!(lint("a.vert", &text("120")), (vec!["V002"], Some((Safety::Unsafe, text("130")))));
         assert!(lint("a.vert", &text("130")).0.is_empty());
         assert_eq!(needed("`x` needs GLSL 3.30 or `GL_Y`"), Some(330));

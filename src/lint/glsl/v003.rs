@@ -89,7 +89,9 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                 Safety::Safe,
                 vec![Edit::replace(token.span, new)],
             ),
-            None => found.with_help(told!("declare an output of your own with `out`", "`out` で出力変数を宣言してください")),
+            None => {
+                found.with_help(told!("declare an output of your own with `out`", "`out` で出力変数を宣言してください"))
+            }
         });
     }
 }
@@ -103,12 +105,19 @@ mod tests {
     fn count(name: &str, text: &str) -> usize {
         let selection = Selection::default().at(crate::lint::Level::Strict);
         let settings = Settings { selection, ..Settings::default() };
-        run_with(&[Input::new(SourceFile::new(name, text))], &settings).iter().filter(|d| d.code == super::RULE.code).count()
+        run_with(&[Input::new(SourceFile::new(name, text))], &settings)
+            .iter()
+            .filter(|d| d.code == super::RULE.code)
+            .count()
     }
 
     #[test]
     fn old_words_count_in_new_versions_only() {
-        let text = |v: &str| format!("#version {v}\nuniform sampler2D s;\nvarying vec2 u;\nvoid main() {{ gl_FragColor = texture2D(s, u); }}\n");
+        let text = |v: &str| {
+            format!(
+                "#version {v}\nuniform sampler2D s;\nvarying vec2 u;\nvoid main() {{ gl_FragColor = texture2D(s, u); }}\n"
+            )
+        };
         assert_eq!(count("a.frag", &text("150")), 3);
         for old in ["120", "130", "150 compatibility"] {
             assert_eq!(count("a.frag", &text(old)), 0, "{old}");

@@ -26,7 +26,10 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 output_ = position;\n  gl_Position = output_;\n}\n",
         }],
         fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. For names of the interface there is no fix.",
-        references: &["GLSL 4.60 specification, section 3.6 \"Keywords\"", "GLSL 4.60 specification, section 3.7 \"Identifiers\""],
+        references: &[
+            "GLSL 4.60 specification, section 3.6 \"Keywords\"",
+            "GLSL 4.60 specification, section 3.7 \"Identifiers\"",
+        ],
         ja: Japanese {
             summary: "言語が予約している名前を宣言しています",
             what: "`gl_` で始まる名前、そのバージョンの予約語（`input`・`filter`・`common` など）、`GL_` で始まるマクロの宣言を報告します。",
@@ -62,9 +65,10 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
@@ -75,7 +79,10 @@ mod tests {
         assert_eq!(codes, ["V004"]);
         assert_eq!(fixed, Some((Safety::Safe, text.replace("input", "input_"))));
         // A uniform is known to the host.
-        assert_eq!(lint("a.vert", "#version 150\nuniform float filter;\nvoid main() { gl_Position = vec4(filter); }\n"), (vec!["V004"], None));
+        assert_eq!(
+            lint("a.vert", "#version 150\nuniform float filter;\nvoid main() { gl_Position = vec4(filter); }\n"),
+            (vec!["V004"], None)
+        );
         assert!(lint("a.vert", "void main() { float filter = 1.0; gl_Position = vec4(filter); }\n").0.is_empty());
     }
 }

@@ -41,7 +41,12 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let title = |name: &str| told!("`{name}` is the name of a built-in function", "`{name}` は組み込み関数の名前です");
-    let why = || told!("the built-in function cannot be called while this is known", "この名前が有効な間、組み込み関数を呼べません");
+    let why = || {
+        told!(
+            "the built-in function cannot be called while this is known",
+            "この名前が有効な間、組み込み関数を呼べません"
+        )
+    };
     for (id, symbol) in shader.symbols() {
         let Some(span) = symbol.span.filter(|_| is_builtin_function(shader, &symbol.name)) else { continue };
         let found = findings
@@ -49,7 +54,8 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             .with_label(told!("hides the function", "関数を隠します"))
             .with_why(why())
             .with_help(told!("choose another name", "別の名前にしてください"));
-        let plain = is_private(shader, id) && !shader.uses_of(id).any(|u| u.from_macro) && file.file.slice(span) == symbol.name;
+        let plain =
+            is_private(shader, id) && !shader.uses_of(id).any(|u| u.from_macro) && file.file.slice(span) == symbol.name;
         findings.push(if plain {
             let new = fresh(shader, &symbol.name);
             let mut edits = vec![Edit::replace(span, new.clone())];
@@ -81,17 +87,27 @@ mod tests {
     fn count(name: &str, text: &str) -> usize {
         let selection = Selection::default().at(crate::lint::Level::Strict);
         let settings = Settings { selection, ..Settings::default() };
-        run_with(&[Input::new(SourceFile::new(name, text))], &settings).iter().filter(|d| d.code == super::RULE.code).count()
+        run_with(&[Input::new(SourceFile::new(name, text))], &settings)
+            .iter()
+            .filter(|d| d.code == super::RULE.code)
+            .count()
     }
 
     #[test]
     fn names_count_by_version() {
-        let text = |v: &str, n: &str| format!("#version {v}\nvoid main() {{ float {n} = 1.0; gl_Position = vec4({n}); }}\n");
+        let text =
+            |v: &str, n: &str| format!("#version {v}\nvoid main() {{ float {n} = 1.0; gl_Position = vec4({n}); }}\n");
         assert_eq!(count("a.vert", &text("150", "mix")), 1);
         assert_eq!(count("a.vert", &text("150", "mixed")), 0);
         // `texture` came with 1.30.
         assert_eq!(count("a.vert", &text("120", "texture")), 0);
         assert_eq!(count("a.vert", &text("130", "texture")), 1);
-        assert_eq!(count("a.vert", "#version 150\nfloat sign(vec2 a) { return a.x; }\nvoid main() { gl_Position = vec4(1.0); }\n"), 1);
+        assert_eq!(
+            count(
+                "a.vert",
+                "#version 150\nfloat sign(vec2 a) { return a.x; }\nvoid main() { gl_Position = vec4(1.0); }\n"
+            ),
+            1
+        );
     }
 }

@@ -29,7 +29,10 @@ pub const RULE: Rule = Rule {
             text: "#version 150 core\nin vec4 position;\nuniform float scale;\nfloat twice;\nvoid main(void)\n{\n  twice = scale * 2.0;\n  gl_Position = position * twice;\n}\n",
         }],
         fix: "The assignment moves to the start of `main`. Safe: globals get their values before `main` runs. Arrays, lists and files without `main` have no fix.",
-        references: &["GLSL 4.60 specification, section 4.3 \"Storage Qualifiers\"", "GLSL ES 3.20 specification, section 4.3 \"Storage Qualifiers\""],
+        references: &[
+            "GLSL 4.60 specification, section 4.3 \"Storage Qualifiers\"",
+            "GLSL ES 3.20 specification, section 4.3 \"Storage Qualifiers\"",
+        ],
         ja: Japanese {
             summary: "大域変数の初期値が定数ではありません",
             what: "`const` でも `uniform` でもない大域変数で、初期化子が uniform・入力・他の大域変数を読むか、シェーダの関数を呼ぶものを報告します。",
@@ -64,9 +67,16 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let name = &variable.name;
         let expr = shader.expr(value);
         let found = findings
-            .at(&file.file, expr.span, told!("the initial value of `{name}` is not constant", "`{name}` の初期値が定数ではありません"))
+            .at(
+                &file.file,
+                expr.span,
+                told!("the initial value of `{name}` is not constant", "`{name}` の初期値が定数ではありません"),
+            )
             .with_label(told!("depends on other variables", "他の変数に依存します"))
-            .with_why(told!("GLSL ES forbids it, and some translators drop the value", "GLSL ES では禁じられ、変換器によっては値が失われます"))
+            .with_why(told!(
+                "GLSL ES forbids it, and some translators drop the value",
+                "GLSL ES では禁じられ、変換器によっては値が失われます"
+            ))
             .with_help(told!("assign it at the start of `main`", "`main` の先頭で代入してください"));
         let main = shader.function("main").and_then(|f| shader.function_syntax(f)).and_then(|f| f.body.as_ref());
         let plain = !expr.from_macro && !matches!(variable.ty, Type::Array(..)) && variable.siblings == 1;
@@ -94,12 +104,19 @@ mod tests {
     fn count(name: &str, text: &str) -> usize {
         let selection = Selection::default().at(crate::lint::Level::Strict);
         let settings = Settings { selection, ..Settings::default() };
-        run_with(&[Input::new(SourceFile::new(name, text))], &settings).iter().filter(|d| d.code == super::RULE.code).count()
+        run_with(&[Input::new(SourceFile::new(name, text))], &settings)
+            .iter()
+            .filter(|d| d.code == super::RULE.code)
+            .count()
     }
 
     #[test]
     fn constants_are_silent() {
-        let text = |i: &str| format!("#version 150\nuniform float u;\nconst float c = 2.0;\nfloat g = {i};\nvoid main() {{ gl_Position = vec4(g * u); }}\n");
+        let text = |i: &str| {
+            format!(
+                "#version 150\nuniform float u;\nconst float c = 2.0;\nfloat g = {i};\nvoid main() {{ gl_Position = vec4(g * u); }}\n"
+            )
+        };
         assert_eq!(count("a.vert", &text("u")), 1);
         assert_eq!(count("a.vert", &text("sin(u) + c")), 1);
         for right in ["c", "sin(c) * 2.0", "1.0"] {

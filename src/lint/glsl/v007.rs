@@ -47,10 +47,17 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         let name_text = &name.name;
         findings.push(
             findings
-                .at(&file.file, name.span, told!("`{name_text}` gives 0 on most devices", "`{name_text}` は多くの機器で 0 を返します"))
+                .at(
+                    &file.file,
+                    name.span,
+                    told!("`{name_text}` gives 0 on most devices", "`{name_text}` は多くの機器で 0 を返します"),
+                )
                 .with_label(told!("built-in noise", "組み込みのノイズ"))
                 .with_why(told!("no device has to implement it", "どの機器にも実装の義務がありません"))
-                .with_help(told!("write a noise function, or look it up in a texture", "ノイズ関数を書くか、テクスチャを引いてください")),
+                .with_help(told!(
+                    "write a noise function, or look it up in a texture",
+                    "ノイズ関数を書くか、テクスチャを引いてください"
+                )),
         );
     }
 }
@@ -64,12 +71,24 @@ mod tests {
     fn count(name: &str, text: &str) -> usize {
         let selection = Selection::default().at(crate::lint::Level::Strict);
         let settings = Settings { selection, ..Settings::default() };
-        run_with(&[Input::new(SourceFile::new(name, text))], &settings).iter().filter(|d| d.code == super::RULE.code).count()
+        run_with(&[Input::new(SourceFile::new(name, text))], &settings)
+            .iter()
+            .filter(|d| d.code == super::RULE.code)
+            .count()
     }
 
     #[test]
     fn only_the_built_in_functions_count() {
-        assert_eq!(count("a.frag", "#version 120\nvoid main() { gl_FragColor = noise4(1.0) + vec4(noise1(2.0)); }\n"), 2);
-        assert_eq!(count("a.frag", "#version 150\nout vec4 c;\nfloat noise1(vec2 p) { return p.x; }\nvoid main() { c = vec4(noise1(vec2(1.0))); }\n"), 0);
+        assert_eq!(
+            count("a.frag", "#version 120\nvoid main() { gl_FragColor = noise4(1.0) + vec4(noise1(2.0)); }\n"),
+            2
+        );
+        assert_eq!(
+            count(
+                "a.frag",
+                "#version 150\nout vec4 c;\nfloat noise1(vec2 p) { return p.x; }\nvoid main() { c = vec4(noise1(vec2(1.0))); }\n"
+            ),
+            0
+        );
     }
 }

@@ -42,7 +42,11 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         }
         findings.push(
             findings
-                .at(&file.file, token.span, told!("not every compiler joins tokens with `##`", "`##` で語をつなげないコンパイラがあります"))
+                .at(
+                    &file.file,
+                    token.span,
+                    told!("not every compiler joins tokens with `##`", "`##` で語をつなげないコンパイラがあります"),
+                )
                 .with_label(told!("joins two tokens", "二つの語をつなぐ"))
                 .with_why(told!("GLSL ES does not have it", "GLSL ES にはありません"))
                 .with_help(told!("write the joined names out", "つないだ名前を書き下してください")),
@@ -59,12 +63,18 @@ mod tests {
     fn count(name: &str, text: &str) -> usize {
         let selection = Selection::default().at(crate::lint::Level::Strict);
         let settings = Settings { selection, ..Settings::default() };
-        run_with(&[Input::new(SourceFile::new(name, text))], &settings).iter().filter(|d| d.code == super::RULE.code).count()
+        run_with(&[Input::new(SourceFile::new(name, text))], &settings)
+            .iter()
+            .filter(|d| d.code == super::RULE.code)
+            .count()
     }
 
     #[test]
     fn only_macros_that_are_compiled_count() {
-        assert_eq!(count("a.vert", "#define A(x) a##x\nvoid main() { float A(1) = 1.0; gl_Position = vec4(a1); }\n"), 1);
+        assert_eq!(
+            count("a.vert", "#define A(x) a##x\nvoid main() { float A(1) = 1.0; gl_Position = vec4(a1); }\n"),
+            1
+        );
         assert_eq!(count("a.vert", "#if 0\n#define A(x) a##x\n#endif\nvoid main() { gl_Position = vec4(1.0); }\n"), 0);
     }
 }

@@ -52,17 +52,23 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn the_precision_is_declared_behind_the_directives() {
-        let text = |p: &str| format!("#version 300 es\n{p}out vec4 c;\nvoid main() {{ float x = 1.0; c = vec4(x); }}\n");
+        let text =
+            |p: &str| format!("#version 300 es\n{p}out vec4 c;\nvoid main() {{ float x = 1.0; c = vec4(x); }}\n");
         assert_eq!(lint("a.frag", &text("")), (vec!["V009"], Some((Safety::Safe, text("precision mediump float;\n")))));
         assert!(lint("a.frag", &text("precision highp float;\n")).0.is_empty());
-        assert!(!lint("a.vert", "#version 300 es\nvoid main() { float x = 1.0; gl_Position = vec4(x); }\n").0.contains(&"V009"));
+        assert!(
+            !lint("a.vert", "#version 300 es\nvoid main() { float x = 1.0; gl_Position = vec4(x); }\n")
+                .0
+                .contains(&"V009")
+        );
     }
 }

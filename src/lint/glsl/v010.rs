@@ -43,7 +43,8 @@ fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
         told!("only an extension has it", "拡張だけが持つ機能です"),
         told!("enable the extension", "拡張を有効にしてください"),
     );
-    let name = found.message.split_once("needs `").and_then(|(_, rest)| rest.split_once('`')).map(|(n, _)| n.to_owned());
+    let name =
+        found.message.split_once("needs `").and_then(|(_, rest)| rest.split_once('`')).map(|(n, _)| n.to_owned());
     let Some(name) = name else { return Some(found) };
     let edits = vec![Edit::insert(behind_directives(file), format!("#extension {name} : enable\n"))];
     Some(found.with_fix(told!("enable `{name}`", "`{name}` を有効にする"), Safety::Safe, edits))
@@ -58,19 +59,29 @@ mod tests {
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
         let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found.first().and_then(|d| d.fix.clone()).map(|f| {
-            (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text)
-        });
+        let fixed = found
+            .first()
+            .and_then(|d| d.fix.clone())
+            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
         (found.iter().map(|d| d.code.0).collect(), fixed)
     }
 
     #[test]
     fn the_extension_is_enabled() {
-        let text = |e: &str| format!("#version 120\n{e}uniform sampler2D s;\nvoid main() {{ vec2 u = vec2(0.0); gl_FragColor = texture2DGradARB(s, u, u, u); }}\n");
+        let text = |e: &str| {
+            format!(
+                "#version 120\n{e}uniform sampler2D s;\nvoid main() {{ vec2 u = vec2(0.0); gl_FragColor = texture2DGradARB(s, u, u, u); }}\n"
+            )
+        };
         let want = text("#extension GL_ARB_shader_texture_lod : enable\n");
         assert_eq!(lint("a.frag", &text("")), (vec!["V010"], Some((Safety::Safe, want.clone()))));
         assert!(lint("a.frag", &want).0.is_empty());
-        assert_eq!(lint("a.vert", "#extension GL_ABCDE_x : require\nvoid main() { gl_Position = vec4(1.0); }\n"), (vec!["V010"], None));
-        assert!(lint("a.vert", "#extension GL_NV_x : require\nvoid main() { gl_Position = vec4(1.0); }\n").0.is_empty());
+        assert_eq!(
+            lint("a.vert", "#extension GL_ABCDE_x : require\nvoid main() { gl_Position = vec4(1.0); }\n"),
+            (vec!["V010"], None)
+        );
+        assert!(
+            lint("a.vert", "#extension GL_NV_x : require\nvoid main() { gl_Position = vec4(1.0); }\n").0.is_empty()
+        );
     }
 }

@@ -82,7 +82,15 @@ impl HostFile {
 
     /// The same with a tree of this text that is there already.
     pub(super) fn with_tree(file: &SourceFile, reported: bool, tree: HostTree) -> Self {
-        Self { tree, file: file.clone(), reported, wrappers: Vec::new(), lookups: OnceLock::new(), embedded: OnceLock::new(), programs: OnceLock::new() }
+        Self {
+            tree,
+            file: file.clone(),
+            reported,
+            wrappers: Vec::new(),
+            lookups: OnceLock::new(),
+            embedded: OnceLock::new(),
+            programs: OnceLock::new(),
+        }
     }
 
     /// The same file in a project with wrappers of its own.
