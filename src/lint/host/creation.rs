@@ -56,9 +56,10 @@ pub fn stages(host: &HostFile, root: Node<'_>, sources: &[Source<'_>]) -> Vec<Op
             constants.next().filter(|_| constants.next().is_none())
         };
         let Some(stage) = stage else { continue };
-        for argument in all {
-            let meant = source_of(host, &writes, sources, argument, 4);
-            if let Some(list) = meant.and_then(|i| found.get_mut(i)) {
+        let meant: Vec<usize> = all.iter().filter_map(|a| source_of(host, &writes, sources, *a, 4)).collect();
+        // With several texts it is not known which one the constant is about.
+        if let &[only] = meant.as_slice() {
+            if let Some(list) = found.get_mut(only) {
                 list.push(stage);
             }
         }

@@ -191,6 +191,11 @@ fn stages_of_files_and_constants() {
     };
     assert_eq!(alone("compile(GL_FRAGMENT_SHADER, \"a.vert\");"), ["H022"]);
     assert_eq!(alone("p.addShaderFromSourceFile(QOpenGLShader::Vertex, \":/a.frag\");"), ["H022"]);
+    let texts = "const char *v = \"#version 150\\nin vec4 p; void main() { gl_Position = p; }\"; \
+                 const char *fs = \"#version 150\\nout vec4 c; void main() { c = gl_FragCoord; }\";";
+    assert_eq!(alone(&format!("{texts} make(GL_FRAGMENT_SHADER, v);")), ["H022"]);
+    assert!(alone(&format!("{texts} make(GL_VERTEX_SHADER, v); make(GL_FRAGMENT_SHADER, fs);")).is_empty());
+    assert!(alone(&format!("{texts} make(v, fs, GL_VERTEX_SHADER);")).is_empty());
     for silent in [
         "compile(GL_VERTEX_SHADER, \"a.vert\");",
         "p.addShaderFromSourceFile(QOpenGLShader::Fragment, \":/a.frag\");",
