@@ -3,7 +3,8 @@
 use crate::glsl::ast::{Condition, Declaration, ExprId, Stmt, StmtKind};
 use crate::glsl::symbols::SymbolId;
 
-use super::eval::{Jumps, Machine, beginning, unknown_of};
+use super::eval::{Jumps, Machine};
+use super::start::{beginning, unknown_of};
 use super::state::{State, meet_into};
 use super::value::{Evidence, Sources, Value};
 

@@ -12,6 +12,7 @@ mod exec;
 mod key;
 mod operator;
 mod refine;
+mod start;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -3,8 +3,9 @@
 use crate::glsl::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use crate::glsl::types::{ScalarType, Type};
 
-use super::eval::{Machine, swizzle};
+use super::eval::Machine;
 use super::key;
+use super::start::swizzle;
 use super::value::{Evidence, Range, Sources};
 
 impl Machine<'_> {

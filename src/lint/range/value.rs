@@ -122,6 +122,7 @@ impl Range {
     }
 
     /// True when `value` is possible; NaN asks for the mark.
+    #[cfg(test)]
     pub fn contains(&self, value: f64) -> bool {
         if value.is_nan() {
             return self.nan;
