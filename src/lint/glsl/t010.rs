@@ -95,7 +95,9 @@ mod tests {
 
     /// Codes of the text, and the text with the first fix.
     fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
-        let found = run(&[Input::new(SourceFile::new(name, text))]);
+        let mut found = run(&[Input::new(SourceFile::new(name, text))]);
+        // Variables that nothing reads are beside the point here.
+        found.retain(|d| !d.code.0.starts_with('D'));
         let fixed = found
             .first()
             .and_then(|d| d.fix.clone())

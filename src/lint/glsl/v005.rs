@@ -24,7 +24,7 @@ pub const RULE: Rule = Rule {
         }],
         good: &[Example {
             name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  float depth = position.z;\n  gl_Position = position * depth;\n}\n",
+            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  float distance_ = position.z;\n  gl_Position = position * distance_;\n}\n",
         }],
         fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. Functions and names of the interface have no fix.",
         references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\""],

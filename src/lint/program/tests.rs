@@ -13,11 +13,11 @@ fn codes(files: &[(&str, &str)]) -> Vec<&'static str> {
 }
 
 fn vertex(out: &str, body: &str) -> String {
-    format!("#version 330 core\nin vec4 p;\n{out}\nvoid main() {{ {body} gl_Position = p; }}\n")
+    format!("#version 410 core\nin vec4 p;\n{out}\nvoid main() {{ {body} gl_Position = p; }}\n")
 }
 
 fn fragment(input: &str, value: &str) -> String {
-    format!("#version 330 core\n{input}\nout vec4 c;\nvoid main() {{ c = vec4({value}); }}\n")
+    format!("#version 410 core\n{input}\nout vec4 c;\nvoid main() {{ c = vec4({value}); }}\n")
 }
 
 #[test]
