@@ -84,7 +84,7 @@ mod tests {
         for body in [
             "if (x > 0.0) return 1.0;",
             "for (int i = 0; i < n; ++i) if (x > 0.0) return x;",
-            "while (true) { if (x > 0.0) break; }",
+            "if (x > 2.0) return x; while (true) { if (x > 0.0) break; }",
         ] {
             assert_eq!(told(body), 1, "{body}");
         }
