@@ -30,7 +30,7 @@ fn locations(program: &Program) -> Vec<(&str, u32)> {
 #[test]
 fn several_names_in_one_declaration_and_mixed_locations() {
     let program = program(
-        "#version 330 core
+        "#version 410 core
 in vec2 a, b; // 二つ
 layout(location = 3) in vec3 c;
 in float d /* 高さ */, e;

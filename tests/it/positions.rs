@@ -20,17 +20,17 @@ const FOLDER: &str = "fixtures/errors";
 const PLACES: [(&str, &str); 14] = [
     ("array_of_arrays.vert", "table[2][3]"),
     ("global_initializer.vert", "2.0 * scale"),
+    ("index_array.vert", "3] = velocity"),
+    ("index_component.vert", "4]"),
     ("interface_block.vert", "Shading {"),
     ("recursion.vert", "half_until_small(0.5"),
     ("sampler.vert", "height;"),
     ("short_circuit.vert", "&& ++steps"),
     ("syntax.vert", ";\n}"),
     ("translator_function.vert", "modf("),
-    ("translator_index.vert", "[4]"),
     ("translator_parameter.vert", "in vec4 p, const"),
     ("type.vert", "+ normal"),
     ("unknown_function.vert", "normalise("),
-    ("validator_index.vert", "[3] = velocity"),
     ("validator_return.vert", "float weight(float x)"),
 ];
 

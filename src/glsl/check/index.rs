@@ -22,7 +22,7 @@ impl Checker<'_> {
                 let has = match count {
                     Some(n) => {
                         let last = n.saturating_sub(1);
-                        told!("`{base_ty}` has elements 0 to {last}", "`{base_ty}` の要素は 0 から {last} です")
+                        told!("the elements are 0 to {last}", "要素は 0 から {last} です")
                     }
                     None => told!("elements are counted from 0", "要素は 0 から数えます"),
                 };

@@ -213,6 +213,8 @@ impl Parser<'_> {
                 self.advance();
                 let kind = match number::literal(&text) {
                     Ok(literal) => ExprKind::Literal(literal),
+                    // Integers of 64 bits, and what else an extension that is not known here may bring.
+                    Err(_) if text.ends_with(['l', 'L']) && self.words.language().is_open() => ExprKind::Error,
                     Err(wrong) => {
                         self.sink.error(errors::LITERAL, start, format!("`{text}` {wrong}"), "this literal");
                         ExprKind::Error
