@@ -107,7 +107,7 @@ impl Rule {
         match self.check {
             Check::Shader(check) => {
                 let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
-                self.gather(&shaders, into, |shader, findings| check(shader, findings));
+                self.gather(&shaders, into, check);
             }
             Check::ShaderWith(check) => {
                 let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();

@@ -59,11 +59,12 @@ impl Checker<'_> {
                     told!("this index varies", "この添字は定数ではありません"),
                 );
             }
-            Type::Array(element, _) if element.contains_opaque() && !self.language.has(Feature::OpaqueIndex) => {
+            Type::Array(element, _)
+                if element.contains_opaque() && !self.language.has(Feature::OpaqueIndex)
                 // The first versions leave it to the driver.
-                if self.language.at_least(130, 300) {
-                    self.need(Feature::OpaqueIndex, span);
-                }
+                && self.language.at_least(130, 300) =>
+            {
+                self.need(Feature::OpaqueIndex, span);
             }
             Type::Array(..) => self.block_index(base, span),
             _ => {}

@@ -57,9 +57,12 @@ const LATE: &[(&str, Since)] = &[
     ),
 ];
 
+/// The first and the last version.
+type Versions = (u32, u32);
+
 /// Words kept for later, which no name may be: the desktop versions and the ES versions, from the first to
 /// the last one.
-const RESERVED: &[(&str, (u32, u32), (u32, u32))] = &[
+const RESERVED: &[(&str, Versions, Versions)] = &[
     (
         "asm class union enum typedef template this goto inline noinline public static extern external interface \
          long short half fixed unsigned input output hvec2 hvec3 hvec4 fvec2 fvec3 fvec4 sampler3DRect sizeof cast \

@@ -53,7 +53,10 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         } else {
             told!("the next stage gets an undefined value", "次のステージに未定義の値が渡ります")
         };
-        findings.push(
+        // A shader that works on images or buffers may leave its output alone on purpose.
+        let level = if stores(file) { Level::Strict } else { Level::Default };
+        findings.push_at(
+            level,
             findings
                 .at(
                     &file.file,

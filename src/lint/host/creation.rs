@@ -58,10 +58,10 @@ pub fn stages(host: &HostFile, root: Node<'_>, sources: &[Source<'_>]) -> Vec<Op
         let Some(stage) = stage else { continue };
         let meant: Vec<usize> = all.iter().filter_map(|a| source_of(host, &writes, sources, *a, 4)).collect();
         // With several texts it is not known which one the constant is about.
-        if let &[only] = meant.as_slice() {
-            if let Some(list) = found.get_mut(only) {
-                list.push(stage);
-            }
+        if let &[only] = meant.as_slice()
+            && let Some(list) = found.get_mut(only)
+        {
+            list.push(stage);
         }
     }
     found
@@ -141,8 +141,7 @@ pub fn dominating<'w, 't>(
     let last = writes
         .iter()
         .filter(|w| w.target.end_byte() <= place.start_byte() && host.text(w.target) == name)
-        .filter(|w| enclosing_function(w.target).map(|f| f.id()) == function)
-        .next_back()?;
+        .rfind(|w| enclosing_function(w.target).map(|f| f.id()) == function)?;
     let block = super::syntax::ancestors(last.target)
         .find(|n| matches!(n.kind(), "compound_statement" | "translation_unit"))?;
     let direct = super::syntax::ancestors(last.target)

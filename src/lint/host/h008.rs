@@ -85,18 +85,18 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                 told!("call glVertexAttribPointer", "glVertexAttribPointer を呼んでください")
             });
         let arguments = &pointer.arguments;
-        if let (true, [_, _, kind, normalized, stride, _]) = (wants, arguments.as_slice()) {
-            if WHOLE.contains(&host.file.slice(*kind)) {
-                let edits = vec![
-                    Edit::replace(pointer.place, "glVertexAttribIPointer"),
-                    Edit::delete(Span::new(normalized.start, stride.start)),
-                ];
-                found = found.with_fix(
-                    told!("call `glVertexAttribIPointer`", "`glVertexAttribIPointer` を呼ぶ"),
-                    Safety::Unsafe,
-                    edits,
-                );
-            }
+        if let (true, [_, _, kind, normalized, stride, _]) = (wants, arguments.as_slice())
+            && WHOLE.contains(&host.file.slice(*kind))
+        {
+            let edits = vec![
+                Edit::replace(pointer.place, "glVertexAttribIPointer"),
+                Edit::delete(Span::new(normalized.start, stride.start)),
+            ];
+            found = found.with_fix(
+                told!("call `glVertexAttribIPointer`", "`glVertexAttribIPointer` を呼ぶ"),
+                Safety::Unsafe,
+                edits,
+            );
         }
         findings.push(found);
     }

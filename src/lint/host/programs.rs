@@ -39,10 +39,10 @@ pub fn find(host: &HostFile) -> HostPrograms {
     // A file about one program that attaches as many shaders as it names, though which one goes where is
     // not seen.
     let links = index.call_count("glLinkProgram").max(index.call_count("glCreateProgram"));
-    if let (true, ProgramSource::Named(all)) = (linked.is_empty() && links == 1, whole(&index)) {
-        if index.call_count("glAttachShader") == all.len() {
-            linked.push(all);
-        }
+    if let (true, ProgramSource::Named(all)) = (linked.is_empty() && links == 1, whole(&index))
+        && index.call_count("glAttachShader") == all.len()
+    {
+        linked.push(all);
     }
     linked.sort_unstable();
     linked.dedup();

@@ -25,7 +25,7 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
     for entry in &project.config().programs {
         let program = project.configured(&entry.shaders);
         named.extend(program.iter().flat_map(|p| p.shaders()).map(|s| s.file.name()));
-        found.extend(program.map(|p| p.known(Known::ByConfig)));
+        found.extend(program.map(|p| p.known(Known::Config)));
     }
     let mut stems: BTreeMap<(&str, &str), Vec<&ShaderFile>> = BTreeMap::new();
     for (path, shader) in project.shader_files() {
@@ -33,7 +33,7 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
     }
     for shaders in stems.into_values() {
         if is_one_program(&shaders) && !shaders.iter().any(|s| named.contains(s.file.name())) {
-            found.extend(Program::new(shaders, true).map(|p| p.known(Known::ByName)));
+            found.extend(Program::new(shaders, true).map(|p| p.known(Known::Name)));
         }
     }
     let mut seen = BTreeSet::new();

@@ -112,7 +112,7 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                 || block.members.iter().any(|m| loose(&m.name.name));
             let used = block.symbol.is_some_and(|s| is_read(to, s))
                 || block.members.iter().any(|m| m.symbol.is_some_and(|s| is_read(to, s)));
-            if known || !used || program.shaders().len() > 2 && program.how_known() == Known::ByName {
+            if known || !used || program.shaders().len() > 2 && program.how_known() == Known::Name {
                 continue;
             }
             let (name, stage, place) = (&block.name.name, from.shader.stage().name(), from.file.name());

@@ -70,7 +70,7 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>) {
-    if program.how_known() == Known::ByName {
+    if program.how_known() == Known::Name {
         return;
     }
     for (from, to) in program.links() {

@@ -62,7 +62,7 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) {
-    let Some(shader) = program.stage(Stage::Fragment).filter(|_| program.how_known() == Known::ByHost) else { return };
+    let Some(shader) = program.stage(Stage::Fragment).filter(|_| program.how_known() == Known::Host) else { return };
     let outputs: Vec<_> = shader.shader.interface().outputs.iter().filter(|v| !is_built_in(&v.name)).collect();
     let open: Vec<_> = outputs.iter().filter(|v| v.qualifiers.layout_entry("location").is_none()).collect();
     let bound = || project.hosts().any(|h| h.file.text().contains("FragDataLocation"));

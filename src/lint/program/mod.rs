@@ -28,11 +28,11 @@ const PIPELINE: [Stage; 6] =
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Known {
     /// A host file makes it.
-    ByHost,
+    Host,
     /// The configuration states it.
-    ByConfig,
+    Config,
     /// Its shaders have one name in one folder.
-    ByName,
+    Name,
 }
 
 /// The stages of one program, at most one shader each.
@@ -51,7 +51,7 @@ impl<'p> Program<'p> {
         let rank = |s: &&ShaderFile| PIPELINE.iter().position(|p| *p == s.shader.stage());
         shaders.sort_by_key(rank);
         let complete = all && shaders.iter().all(|s| s.is_plain());
-        (!shaders.is_empty()).then_some(Self { shaders, complete, known: Known::ByHost })
+        (!shaders.is_empty()).then_some(Self { shaders, complete, known: Known::Host })
     }
 
     /// The same program, known in this way.

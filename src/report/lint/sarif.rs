@@ -203,8 +203,8 @@ mod tests {
             value["runs"][0]["results"][nth]["partialFingerprints"]["shadercheckLine/v1"].as_str().unwrap().to_owned()
         };
         let (old, new, other) = (moved("x = vec3(1);"), moved("\n\n  x =  vec3(1);\n"), moved("y = vec3(1);"));
-        assert_eq!(print(&log(&[old.clone()]), 0), print(&log(&[new]), 0));
-        assert_ne!(print(&log(&[old.clone()]), 0), print(&log(&[other]), 0));
+        assert_eq!(print(&log(std::slice::from_ref(&old)), 0), print(&log(&[new]), 0));
+        assert_ne!(print(&log(std::slice::from_ref(&old)), 0), print(&log(&[other]), 0));
         let twice = log(&[old.clone(), old]);
         assert_ne!(print(&twice, 0), print(&twice, 1));
     }
