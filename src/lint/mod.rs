@@ -26,7 +26,7 @@ pub use registry::{RULES, by_code, nearest_codes};
 pub use rule::{Example, Japanese, Level, Page, Rule};
 pub use select::{PerFile, SelectError, Selection};
 
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use project::Project;
 use suppress::Suppressions;
 
@@ -64,7 +64,8 @@ pub fn run_with(files: &[Input], settings: &Settings) -> Vec<Diagnostic> {
 /// As [`run_with`], with the rules given: tests plant rules of their own.
 fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> Vec<Diagnostic> {
     let project = Project::new(files, &settings.config);
-    // What the front end tells with the code of a rule goes through that rule.
+    // What the front end tells with the code of a rule of its own goes through that rule.
+    let completed = |d: &Diagnostic| rules.iter().any(|r| r.code == d.code && r.completes_the_front_end());
     let plain = |d: &&Diagnostic| !rules.iter().any(|r| r.code == d.code);
     let mut told: Vec<(Level, Diagnostic)> = project
         .shaders()
@@ -73,6 +74,16 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         .collect();
     for rule in rules {
         rule.check(&project, &mut told);
+    }
+    // A rule that looks for itself may find at any level what some versions of the language refuse.
+    for shader in project.shaders().filter(|s| s.reported) {
+        for error in shader.front_end.iter().filter(|d| !plain(d) && !completed(d)) {
+            let same = |d: &Diagnostic| d.code == error.code && d.file == error.file && d.span.touches(error.span);
+            match told.iter_mut().find(|(_, d)| same(d)) {
+                Some((level, found)) => (*level, found.severity) = (Level::Default, Severity::Error),
+                None => told.push((Level::Default, error.clone())),
+            }
+        }
     }
     embedded::relocate(&project, told.iter_mut().map(|(_, d)| d));
     told.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));

@@ -144,6 +144,11 @@ impl Rule {
 }
 
 impl Rule {
+    /// True when it takes its findings from the front end.
+    pub(super) fn completes_the_front_end(&self) -> bool {
+        matches!(self.check, Check::FrontEnd(_))
+    }
+
     /// Checks files side by side; what they give stands in the order of the files.
     fn gather<T: Sync>(
         &'static self,

@@ -45,6 +45,12 @@ impl Span {
         self.start <= offset && offset < self.end
     }
 
+    /// True when the two have a byte in common, or one is empty and lies in or at the edge of the other.
+    pub fn touches(self, other: Self) -> bool {
+        self.start < other.end && other.start < self.end
+            || (self.is_empty() || other.is_empty()) && self.start <= other.end && other.start <= self.end
+    }
+
     /// The span as a range, for slicing.
     pub fn range(self) -> std::ops::Range<usize> {
         self.start..self.end

@@ -197,32 +197,47 @@ impl Checker<'_> {
     fn swizzle(&mut self, ty: &Type, scalar: ScalarType, size: u8, field: &Ident) -> Type {
         const SETS: [&str; 3] = ["xyzw", "rgba", "stpq"];
         let mut problem = None;
+        let (a_ty, name) = (format!("{} `{ty}`", article(ty)), &field.name);
+        let no_member = || told!("{a_ty} has no member `{name}`", "`{ty}` に `{name}` というメンバはありません");
         let set = SETS.iter().find(|s| field.name.chars().next().is_some_and(|c| s.contains(c)));
         match set {
-            None => problem = Some(format!("{} `{ty}` has no member `{}`", article(ty), field.name)),
+            None => problem = Some(no_member()),
             Some(set) => {
                 for c in field.name.chars() {
                     match set.find(c) {
                         Some(i) if i < usize::from(size) => {}
-                        Some(_) => problem = Some(format!("{} `{ty}` has no component `{c}`", article(ty))),
-                        None if SETS.iter().any(|s| s.contains(c)) => {
-                            problem = Some(format!("`.{}` mixes `{set}` with other names of components", field.name));
+                        Some(_) => {
+                            problem = Some(told!("{a_ty} has no component `{c}`", "`{ty}` に成分 `{c}` はありません"));
                         }
-                        None => problem = Some(format!("{} `{ty}` has no member `{}`", article(ty), field.name)),
+                        None if SETS.iter().any(|s| s.contains(c)) => {
+                            problem = Some(told!(
+                                "`.{name}` mixes `{set}` with other names of components",
+                                "`.{name}` は `{set}` とほかの組の成分名を混ぜています"
+                            ));
+                        }
+                        None => problem = Some(no_member()),
                     }
                     if problem.is_some() {
                         break;
                     }
                 }
                 if problem.is_none() && field.name.len() > 4 {
-                    problem = Some(format!("`.{}` takes more than four components", field.name));
+                    problem = Some(told!(
+                        "`.{name}` takes more than four components",
+                        "`.{name}` は五つ以上の成分を取り出しています"
+                    ));
                 }
             }
         }
         match (problem, u8::try_from(field.name.len())) {
             (None, Ok(n)) => Type::vector(scalar, n),
             (problem, _) => {
-                self.sink.error(errors::SWIZZLE, field.span, problem.unwrap_or_default(), "not a component of it");
+                self.sink.error(
+                    errors::SWIZZLE,
+                    field.span,
+                    problem.unwrap_or_default(),
+                    told!("not a component of it", "この型の成分ではありません"),
+                );
                 Type::Error
             }
         }

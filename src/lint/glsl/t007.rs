@@ -10,7 +10,7 @@ use crate::text::{Edit, Span};
 pub const RULE: Rule = Rule {
     code: Code("T007"),
     name: "float-literal-suffix",
-    severity: Severity::Warning,
+    severity: Severity::Error,
     level: Level::Default,
     summary: "a float literal ends in `f`, which this version does not have",
     page: Page {

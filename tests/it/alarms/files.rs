@@ -11,7 +11,7 @@ fn folder() -> tempfile::TempDir {
     let path = |name: &str| folder.path().join(name);
     let sphere = fs::read_to_string(root().join("shaders/chapter9/sphere.suite.toml")).unwrap();
     fs::write(path("bytes.suite.toml"), b"suite = 'a'\n# \x8b\x85\n").unwrap();
-    fs::write(path("bytes.vert"), b"#version 150\n// \x8b\x85\nvoid main() {}\n").unwrap();
+    fs::write(path("bytes.vert"), b"#version 150\n// \xff\xff\nvoid main() {}\n").unwrap();
     fs::write(path("empty.suite.toml"), "").unwrap();
     fs::write(path("empty.vert"), "").unwrap();
     fs::write(path("alone.suite.toml"), sphere).unwrap();
@@ -53,7 +53,11 @@ fn suite_files_that_cannot_be_read_are_told() {
 fn shaders_that_cannot_be_read_are_told() {
     let folder = folder();
     let folder = folder.path();
-    refused(folder, "check sphere --shader bytes.vert", &["bytes.vert:2:4: not UTF-8 (byte 0x8b)", "iconv"]);
+    refused(
+        folder,
+        "check sphere --shader bytes.vert",
+        &["bytes.vert:2:4: neither UTF-8 nor Shift_JIS", "(byte 0xff)", "iconv"],
+    );
     refused(folder, "check sphere --shader empty.vert", &["`empty.vert` is empty"]);
     refused(folder, "check sphere --shader folder.vert", &["`folder.vert` is a folder"]);
     refused(folder, "check sphere --shader gone.vert", &["cannot read `gone.vert`"]);
