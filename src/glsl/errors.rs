@@ -21,6 +21,8 @@ pub const DIRECTIVE: Code = Code("E012");
 pub const ERROR_DIRECTIVE: Code = Code("E013");
 /// A macro used with a wrong number of arguments, or one that expands without end.
 pub const MACRO: Code = Code("E014");
+/// An `#include`, which compilers do not know; hosts often resolve it.
+pub const INCLUDE: Code = Code("E015");
 /// A name that nothing declares.
 pub const UNKNOWN_NAME: Code = Code("E020");
 /// A function that nothing declares.
@@ -124,6 +126,7 @@ pub const ALL: &[(Code, &str)] = &[
     (DIRECTIVE, "a directive that is written wrongly"),
     (ERROR_DIRECTIVE, "an #error that is reached"),
     (MACRO, "a macro used with a wrong number of arguments, or one that expands without end"),
+    (INCLUDE, "an #include, which compilers do not know; hosts often resolve it"),
     (UNKNOWN_NAME, "a name that nothing declares"),
     (UNKNOWN_FUNCTION, "a function that nothing declares"),
     (NO_OVERLOAD, "a function exists, but not for these arguments"),

@@ -6,6 +6,7 @@ pub mod ast;
 mod builtin;
 mod check;
 mod constructor;
+mod dialect;
 pub mod errors;
 mod fold;
 pub mod interface;
@@ -203,6 +204,7 @@ pub struct Shader {
     symbols: Vec<Symbol>,
     functions: Vec<FunctionInfo>,
     uses: Vec<Use>,
+    unknown: bool,
     interface: Interface,
 }
 
@@ -210,13 +212,20 @@ impl Shader {
     /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
     /// next `;` or `}`.
     pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
+        Self::parse_behind(file, stage, None)
+    }
+
+    /// Reads a shader that a host puts behind another text, which states this version and may declare
+    /// names that this one does not.
+    pub fn parse_behind(file: &SourceFile, stage: Stage, before: Option<Version>) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexer::lex(file.text());
-        let preprocess::Preprocessed { tokens, version, extensions, raw, incomplete } =
-            preprocess::run(&pieces, &mut sink);
+        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete } =
+            preprocess::run(&pieces, before, &mut sink);
+        extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
         let (unit, arena) = parser::parse(tokens, &language, &mut sink);
-        let check::Checked { types, values, names, calls, symbols, functions, uses, interface } =
+        let check::Checked { types, values, names, calls, symbols, functions, uses, unknown, interface } =
             check::check(&unit, &arena, stage, language, incomplete, &mut sink);
         let shader = Self {
             file: file.clone(),
@@ -234,6 +243,7 @@ impl Shader {
             symbols,
             functions,
             uses,
+            unknown,
             interface,
         };
         Parsed { shader, diagnostics: sink.finish() }
@@ -247,6 +257,11 @@ impl Shader {
     /// The stage.
     pub fn stage(&self) -> Stage {
         self.stage
+    }
+
+    /// True when a name is used that nothing in this text declares.
+    pub fn has_unknown_names(&self) -> bool {
+        self.unknown
     }
 
     /// The version, with the place of its directive.

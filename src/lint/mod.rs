@@ -15,10 +15,12 @@ mod project;
 mod range;
 mod registry;
 mod rule;
+mod sections;
 mod select;
 mod suppress;
 #[cfg(test)]
 mod tests;
+mod version;
 
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
@@ -27,6 +29,7 @@ pub use rule::{Example, Japanese, Level, Page, Rule};
 pub use select::{PerFile, SelectError, Selection};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::glsl::errors;
 use project::Project;
 use suppress::Suppressions;
 
@@ -70,7 +73,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     let mut told: Vec<(Level, Diagnostic)> = project
         .shaders()
         .filter(|s| s.reported)
-        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (Level::Default, d.clone())))
+        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, d), d.clone())))
         .collect();
     for rule in rules {
         rule.check(&project, &mut told);
@@ -100,6 +103,30 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     sort(&mut found);
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
     found
+}
+
+/// Hosts resolve `#include` and other directives of their own, and put macros in front of a text: what may be
+/// right with their help is told on request.
+fn front_end_level(project: &Project, error: &Diagnostic) -> Level {
+    let name = error.file.slice(error.span);
+    let macro_like = name.len() > 1 && name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+    // A shader in a literal is itself a part of its host file.
+    let count = |text: &str| text.matches(name).count();
+    let own = if project.shader_files().any(|(_, s)| s.file.name() == error.file.name()) {
+        0
+    } else {
+        count(error.file.text())
+    };
+    let of_the_host = || project.hosts().any(|h| count(h.file.text()) > own);
+    match error.code {
+        errors::INCLUDE => Level::Strict,
+        // A slip comes with what was meant.
+        errors::UNKNOWN_DIRECTIVE if error.help.is_none() => Level::Strict,
+        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION | errors::UNKNOWN_TYPE if macro_like && of_the_host() => {
+            Level::Strict
+        }
+        _ => Level::Default,
+    }
 }
 
 /// Codes of the errors that the front end gives by itself, with what they are about.

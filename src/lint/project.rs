@@ -12,9 +12,11 @@ use crate::text::SourceFile;
 use super::config::Config;
 use super::embedded::Origin;
 use super::flow::Flow;
-use super::host::{HostFile, HostTree, ShaderRef, named_shaders};
+use super::host::{HostFile, HostTree, Literal, ShaderRef, named_shaders};
 use super::program::{self, Program};
 use super::range::Observed;
+use super::sections::sections;
+use super::version;
 
 /// Endings of shader files that a folder is searched for.
 pub const SHADER_EXTENSIONS: &[&str] = &[
@@ -35,6 +37,7 @@ pub const SHADER_EXTENSIONS: &[&str] = &[
     "vertexshader",
     "fragmentshader",
     "geometryshader",
+    "shader",
 ];
 
 /// Endings of host files that a folder is searched for.
@@ -55,7 +58,9 @@ pub fn language_of(name: &str) -> Option<Language> {
     if HOST_EXTENSIONS.contains(&ending.as_str()) {
         return Some(Language::Host);
     }
-    Stage::from_path(name).map(Language::Shader)
+    // Several shaders in one file; the ending says no stage.
+    let stage = if ending == "shader" { Some(Stage::Library) } else { Stage::from_path(name) };
+    stage.map(Language::Shader)
 }
 
 fn extension(name: &str) -> &str {
@@ -139,7 +144,7 @@ pub struct ShaderFile {
 
 impl ShaderFile {
     fn new(input: &Input, stage: Stage) -> Self {
-        let parsed = Shader::parse(&input.file, stage);
+        let parsed = version::read(&input.file, stage);
         let claimed = |d| super::glsl::t011::claim(&parsed.shader, d);
         let front_end = parsed.diagnostics.into_iter().map(claimed).collect();
         Self {
@@ -154,6 +159,15 @@ impl ShaderFile {
         }
     }
 
+    /// A shader of a file that holds several.
+    fn part(input: &Input, (stage, literal): (Stage, Literal)) -> Self {
+        // Two parts of a file need two names.
+        let name = format!("{} ({})", input.file.name(), stage.name());
+        let part = input.with_file(SourceFile::new(name, literal.text.as_str()));
+        let origin = Some(Origin { host: input.file.clone(), literal });
+        Self { origin, ..Self::new(&part, stage) }
+    }
+
     /// True when the interface is known from this text alone: the front end read it without error, and
     /// it does not depend on an `#if` or `#include`.
     pub fn is_plain(&self) -> bool {
@@ -165,9 +179,9 @@ impl ShaderFile {
         self.observed.get_or_init(|| Observed::new(&self.shader, project.config()))
     }
 
-    /// True when the front end read the whole text without error.
+    /// True when the front end read the whole text without error, and it is all there.
     pub fn is_sound(&self) -> bool {
-        self.front_end.is_empty()
+        self.front_end.is_empty() && !self.shader.has_unknown_names()
     }
 
     /// What happens to variables along the paths; nothing when the front end found errors.
@@ -186,7 +200,7 @@ fn is_conditional(text: &str) -> bool {
 /// All files of a run, by normalised path.
 pub struct Project {
     shaders: BTreeMap<String, ShaderFile>,
-    /// Shaders in literals, by the path of the host file and their index there.
+    /// Shaders in literals of host files and in files with several, by the path and their index there.
     embedded: BTreeMap<(String, usize), ShaderFile>,
     hosts: BTreeMap<String, HostFile>,
     config: Config,
@@ -195,6 +209,7 @@ pub struct Project {
 /// An input, read by what its name says it is.
 enum Read {
     Shader(Box<ShaderFile>),
+    Sections(Vec<ShaderFile>),
     Host(Box<HostFile>),
 }
 
@@ -202,7 +217,17 @@ impl Read {
     fn new(input: &Input) -> (String, Option<Self>) {
         let path = normalise(input.file.name());
         let read = match language_of(&path) {
-            Some(Language::Shader(stage)) => Some(Self::Shader(Box::new(ShaderFile::new(input, stage)))),
+            Some(Language::Shader(stage)) => {
+                let parts = sections(&input.file);
+                if !parts.is_empty() {
+                    Some(Self::Sections(parts.into_iter().map(|p| ShaderFile::part(input, p)).collect()))
+                } else if extension(&path).eq_ignore_ascii_case("shader") {
+                    // Other tools write other languages under this ending.
+                    None
+                } else {
+                    Some(Self::Shader(Box::new(ShaderFile::new(input, stage))))
+                }
+            }
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
             None => None,
         };
@@ -226,6 +251,10 @@ impl Project {
             match read {
                 Some(Read::Shader(shader)) => {
                     project.shaders.insert(path, *shader);
+                }
+                Some(Read::Sections(parts)) => {
+                    let keyed = parts.into_iter().enumerate().map(|(index, part)| ((path.clone(), index), part));
+                    project.embedded.extend(keyed);
                 }
                 Some(Read::Host(host)) => {
                     project.hosts.insert(path, host.with_wrappers(&config.wrappers));
@@ -265,6 +294,15 @@ impl Project {
     /// The shader files, without those in literals, by path.
     pub fn shader_files(&self) -> impl Iterator<Item = (&str, &ShaderFile)> {
         self.shaders.iter().map(|(path, shader)| (path.as_str(), shader))
+    }
+
+    /// The shaders of each file that holds several.
+    pub fn sections(&self) -> Vec<Vec<&ShaderFile>> {
+        let mut files: BTreeMap<&str, Vec<&ShaderFile>> = BTreeMap::new();
+        for ((path, _), shader) in self.embedded.iter().filter(|((path, _), _)| !self.hosts.contains_key(path)) {
+            files.entry(path).or_default().push(shader);
+        }
+        files.into_values().collect()
     }
 
     /// The shader that a host file means.

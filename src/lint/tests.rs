@@ -325,3 +325,19 @@ fn diagnostics_are_sorted_by_place_and_told_once() {
     let found = run_rules(&files, &Settings::default(), &[&TO_B, &PAIRS, &PAIRS]);
     assert_eq!(found.iter().map(|d| (d.code.0, d.span.start)).collect::<Vec<_>>(), [("Z004", 4), ("Z001", 12)]);
 }
+
+#[test]
+fn what_a_host_puts_in_front_is_no_error() {
+    let shader = "#version 330\nuniform mat4 bones[MAX_BONES];\nvoid main() { gl_Position = bones[0][0]; }\n";
+    let host = "std::string head = \"#define MAX_BONES \" + std::to_string(n);\n";
+    let input = |name: &str, text: &str| Input::new(SourceFile::new(name, text));
+    let codes = |files: &[Input]| -> Vec<&str> { run(files).iter().map(|d| d.code.0).collect() };
+    assert_eq!(codes(&[input("a.vert", shader)]), ["E020"]);
+    assert_eq!(codes(&[input("a.vert", shader), input("a.cpp", host)]), [""; 0]);
+    // In a literal, the shader's own text is no such host.
+    let literal = format!("const char* s = R\"({shader})\";");
+    assert_eq!(codes(&[input("a.cpp", &literal)]), ["E020"]);
+    let joined = "#version 330\n#include \"common.glsl\"\nvoid main() { gl_Position = place(); }\n";
+    assert_eq!(codes(&[input("a.vert", joined)]), [""; 0]);
+    assert_eq!(codes(&[input("a.vert", "#version 330\n#defin A\nvoid main() {}\n")]), ["E010"]);
+}

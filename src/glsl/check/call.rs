@@ -77,6 +77,8 @@ impl Checker<'_> {
         }
         let good = match &ty {
             Type::Error => false,
+            // Vulkan makes a sampler of a texture and a plain sampler.
+            Type::Opaque(_) if self.language.is_open() => true,
             Type::Void | Type::Opaque(_) => {
                 let message = format!("{} `{ty}` cannot be constructed", article(&ty));
                 self.sink.error(errors::CONSTRUCTOR, span, message, "no constructor");

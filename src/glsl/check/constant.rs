@@ -125,7 +125,7 @@ impl Checker<'_> {
 
     /// Tells a built-in function or variable that this stage or version does not have.
     pub(super) fn absent(&mut self, name: &str, span: Span, why: builtin::Absent) {
-        if self.incomplete || !self.told.insert(name.to_owned()) {
+        if !self.first_time(name) {
             return;
         }
         match why {

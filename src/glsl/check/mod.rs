@@ -42,6 +42,8 @@ pub(crate) struct Checked {
     pub functions: Vec<FunctionInfo>,
     pub uses: Vec<Use>,
     pub interface: Interface,
+    /// A name was met that nothing declares.
+    pub unknown: bool,
 }
 
 /// What a name in a scope means.
@@ -316,6 +318,7 @@ impl<'a> Checker<'a> {
 
     /// True when an unknown name is to be told: once each.
     fn first_time(&mut self, name: &str) -> bool {
+        self.out.unknown = true;
         !self.incomplete && self.told.insert(name.to_owned())
     }
 

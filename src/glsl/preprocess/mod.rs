@@ -47,8 +47,9 @@ struct Preprocessor<'a> {
     begun: bool,
 }
 
-/// Runs all directives.
-pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
+/// Runs all directives. `before` is the version that a text states which stands before this one and is not
+/// here; names may be declared there.
+pub(crate) fn run(pieces: &Pieces, before: Option<Version>, sink: &mut Sink) -> Preprocessed {
     if let Some(span) = pieces.open_comment {
         let diagnostic = sink
             .start(errors::TOKEN, span, "this comment is never closed")
@@ -63,10 +64,10 @@ pub(crate) fn run(pieces: &Pieces, sink: &mut Sink) -> Preprocessed {
         conditionals: Vec::new(),
         pending: Vec::new(),
         out: Vec::new(),
-        version: Version { number: 110, profile: Profile::Compatibility, span: None },
+        incomplete: before.is_some(),
+        version: before.unwrap_or(Version { number: 110, profile: Profile::Compatibility, span: None }),
         extensions: Vec::new(),
         line_shift: 0,
-        incomplete: false,
         begun: false,
     };
     this.predefine();
@@ -257,9 +258,9 @@ impl Preprocessor<'_> {
 
     fn unknown_directive(&mut self, word: &str, name: &Piece, span: Span) {
         self.incomplete |= word == "include";
-        let start = |message: String| self.sink.start(errors::UNKNOWN_DIRECTIVE, span, message);
+        let start = |code, message: String| self.sink.start(code, span, message);
         let diagnostic = if word == "include" {
-            start("`#include` is not part of GLSL".to_owned())
+            start(errors::INCLUDE, "`#include` is not part of GLSL".to_owned())
                 .with_label("the file is not read")
                 .with_help("compilers refuse it; put the text here, or let the host join the files")
         } else {
@@ -278,7 +279,7 @@ impl Preprocessor<'_> {
                 "version",
                 "line",
             ];
-            let mut d = start(format!("`#{word}` is no directive of GLSL"));
+            let mut d = start(errors::UNKNOWN_DIRECTIVE, format!("`#{word}` is no directive of GLSL"));
             d.span = name.span;
             d.label = "unknown directive".into();
             match super::names::nearest(word, all) {

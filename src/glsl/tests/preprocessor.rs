@@ -58,7 +58,7 @@ fn recursive_macros_end() {
 #[test]
 fn wrong_directives_are_told_at_their_place() {
     for (source, want) in [
-        ("#include \"a.glsl\"\nvoid f() { g(); }", "E010 1:1 `#include` is not part of GLSL"),
+        ("#include \"a.glsl\"\nvoid f() { g(); }", "E015 1:1 `#include` is not part of GLSL"),
         ("#defin A 1", "E010 1:2 `#defin` is no directive of GLSL"),
         ("/* 頂点 */ #ifdef A\nint x;", "E011 1:10 this `#if` has no `#endif`"),
         ("int x;\n#endif", "E011 2:1 `#endif` without `#if`"),

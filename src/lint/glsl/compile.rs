@@ -66,7 +66,13 @@ pub(super) fn is_private(shader: &Shader, symbol: SymbolId) -> bool {
 /// Where a line may be inserted behind `#version` and `#extension`.
 pub(super) fn behind_directives(file: &ShaderFile) -> usize {
     let text = file.file.text();
-    let ends = file.shader.extensions().iter().map(|e| e.span.end).chain(file.shader.version().span.map(|s| s.end));
+    let ends = file
+        .shader
+        .extensions()
+        .iter()
+        .filter(|e| !e.span.is_empty())
+        .map(|e| e.span.end)
+        .chain(file.shader.version().span.map(|s| s.end));
     let Some(end) = ends.max() else { return 0 };
     text[end..].find('\n').map_or(text.len(), |n| end + n + 1)
 }

@@ -28,6 +28,8 @@ enum PieceKind {
     Quoted,
     /// The same bytes in a raw literal, line breaks and quotation marks too.
     Raw,
+    /// The same bytes of a shader file.
+    File,
     /// The same bytes in the argument of a macro that makes a string of it.
     Argument,
     /// Other bytes: an escape, or text that a macro adds.
@@ -100,6 +102,13 @@ impl Literal {
         Some(())
     }
 
+    /// A part of a file that holds several shaders.
+    pub fn part(file: &SourceFile, place: Span) -> Self {
+        let mut literal = Self::default();
+        literal.verbatim(file, place, PieceKind::File);
+        literal
+    }
+
     /// Adds the argument of a macro that makes a string of it.
     pub fn argument(&mut self, file: &SourceFile, place: Span) {
         self.verbatim(file, place, PieceKind::Argument);
@@ -148,6 +157,7 @@ impl Literal {
         let allowed = match piece.kind {
             PieceKind::Quoted => !written.contains(['"', '\\', '\n', '\r']),
             PieceKind::Raw => !written.contains('"'),
+            PieceKind::File => true,
             PieceKind::Argument => {
                 !written.contains(['"', '\n', '#'])
                     && written.matches('(').count() == written.matches(')').count()
@@ -163,7 +173,7 @@ impl Literal {
 fn offset(piece: &Piece, at: usize) -> usize {
     match piece.kind {
         PieceKind::Made => piece.host.start,
-        PieceKind::Quoted | PieceKind::Raw | PieceKind::Argument => {
+        PieceKind::Quoted | PieceKind::Raw | PieceKind::File | PieceKind::Argument => {
             piece.host.start + at.clamp(piece.text.start, piece.text.end) - piece.text.start
         }
     }

@@ -36,6 +36,11 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
             found.extend(Program::new(shaders, true).map(|p| p.known(Known::Name)));
         }
     }
+    for shaders in project.sections() {
+        if is_one_program(&shaders) {
+            found.extend(Program::new(shaders, true).map(|p| p.known(Known::Name)));
+        }
+    }
     let mut seen = BTreeSet::new();
     found.retain(|p| seen.insert(p.names()));
     found
