@@ -135,6 +135,9 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     for problem in &loaded.problems {
         writeln!(err, "error: {problem}")?;
     }
+    for skipped in &loaded.skipped {
+        writeln!(err, "warning: passed over: {skipped}")?;
+    }
     for missing in &groups.missing {
         writeln!(err, "warning: {missing}")?;
     }

@@ -1,9 +1,10 @@
-//! Bytes to text and back: UTF-8, Shift_JIS, EUC-JP, and UTF-16 with a byte-order mark.
+//! Bytes to text and back: UTF-8, Shift_JIS, EUC-JP, UTF-16 with a byte-order mark, and windows-1252, which is
+//! ISO 8859-1 with more letters.
 
 use std::fmt;
 
 use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
-use encoding_rs::{EUC_JP, EncoderResult, SHIFT_JIS};
+use encoding_rs::{EUC_JP, EncoderResult, SHIFT_JIS, WINDOWS_1252};
 use thiserror::Error;
 
 use super::source::{Position, SourceFile, TextError};
@@ -17,6 +18,8 @@ pub enum Encoding {
     ShiftJis,
     /// EUC-JP.
     EucJp,
+    /// Windows-1252. Any bytes fit, so that it is tried last, and only by [`decode_western`].
+    Windows1252,
     /// UTF-16, low byte first.
     Utf16Le,
     /// UTF-16, high byte first.
@@ -30,6 +33,7 @@ impl Encoding {
             Self::Utf8 => "UTF-8",
             Self::ShiftJis => "Shift_JIS",
             Self::EucJp => "EUC-JP",
+            Self::Windows1252 => "windows-1252",
             Self::Utf16Le => "UTF-16LE",
             Self::Utf16Be => "UTF-16BE",
         }
@@ -40,6 +44,7 @@ impl Encoding {
         match self {
             Self::ShiftJis => Some(SHIFT_JIS),
             Self::EucJp => Some(EUC_JP),
+            Self::Windows1252 => Some(WINDOWS_1252),
             Self::Utf8 | Self::Utf16Le | Self::Utf16Be => None,
         }
     }
@@ -50,14 +55,14 @@ impl Encoding {
             Self::Utf8 => b"\xef\xbb\xbf",
             Self::Utf16Le => b"\xff\xfe",
             Self::Utf16Be => b"\xfe\xff",
-            Self::ShiftJis | Self::EucJp => b"",
+            Self::ShiftJis | Self::EucJp | Self::Windows1252 => b"",
         }
     }
 
     fn decode(self, bytes: &[u8]) -> Option<String> {
         match self {
             Self::Utf8 => std::str::from_utf8(bytes).ok().map(str::to_owned),
-            Self::ShiftJis | Self::EucJp => {
+            Self::ShiftJis | Self::EucJp | Self::Windows1252 => {
                 let text = self.table()?.decode_without_bom_handling_and_without_replacement(bytes)?;
                 Some(text.into_owned())
             }
@@ -117,7 +122,7 @@ impl Form {
             Encoding::Utf8 => bytes.extend_from_slice(text.as_bytes()),
             Encoding::Utf16Le => text.encode_utf16().for_each(|unit| bytes.extend(unit.to_le_bytes())),
             Encoding::Utf16Be => text.encode_utf16().for_each(|unit| bytes.extend(unit.to_be_bytes())),
-            Encoding::ShiftJis | Encoding::EucJp => {
+            Encoding::ShiftJis | Encoding::EucJp | Encoding::Windows1252 => {
                 let mut at = 0;
                 for character in text.chars() {
                     let Some(written) = self.written(character) else {
@@ -187,6 +192,35 @@ pub fn decode(name: &str, bytes: &[u8]) -> Result<Decoded, TextError> {
     }
 }
 
+/// As [`decode`]; text that fits nowhere is read as windows-1252, and Latin text that happens to fit a Japanese
+/// encoding as well. For source code, of which the compilers read the ASCII and pass over comments in any encoding.
+///
+/// # Errors
+/// [`TextError::NoEncoding`] when none fits, and for bytes that are no text.
+pub fn decode_western(name: &str, bytes: &[u8]) -> Result<Decoded, TextError> {
+    let read = decode(name, bytes);
+    let doubtful = match &read {
+        Ok(read) => matches!(read.form.encoding, Encoding::ShiftJis | Encoding::EucJp),
+        Err(_) => true,
+    };
+    let control = |b: &u8| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0b | 0x0c);
+    if !doubtful || bytes.iter().any(control) || (read.is_ok() && guess(bytes, None) != WINDOWS_1252) {
+        return read;
+    }
+    let encoding = Encoding::Windows1252;
+    match encoding.decode(bytes) {
+        Some(text) => Ok(decoded(name, text, Form { encoding, mark: false }, bytes)),
+        None => read,
+    }
+}
+
+/// The likeliest encoding by the frequency of characters.
+fn guess(bytes: &[u8], domain: Option<&[u8]>) -> &'static encoding_rs::Encoding {
+    let mut detector = EncodingDetector::new(Iso2022JpDetection::Deny);
+    detector.feed(bytes, true);
+    detector.guess(domain, Utf8Detection::Deny)
+}
+
 fn decoded(name: &str, text: String, form: Form, bytes: &[u8]) -> Decoded {
     let file = SourceFile::new(name, text);
     let exact = form.encode(&file).is_ok_and(|again| again == bytes);
@@ -198,9 +232,7 @@ type Read = (Encoding, String);
 /// Of Shift_JIS and EUC-JP, both of which fit, the likelier one by the frequency of characters. Of
 /// short texts that is no evidence; then EUC-JP, when Shift_JIS would mean katakana of half width.
 fn likelier(bytes: &[u8], shift_jis: Read, euc_jp: Read) -> Read {
-    let mut detector = EncodingDetector::new(Iso2022JpDetection::Deny);
-    detector.feed(bytes, true);
-    let guess = detector.guess(Some(b"jp"), Utf8Detection::Deny);
+    let guess = guess(bytes, Some(b"jp"));
     let half_width = |c: char| ('\u{ff61}'..='\u{ff9f}').contains(&c);
     if guess == EUC_JP || (guess != SHIFT_JIS && shift_jis.1.contains(half_width)) { euc_jp } else { shift_jis }
 }
@@ -210,7 +242,7 @@ fn misfit(name: &str, bytes: &[u8], encoding: Encoding) -> TextError {
     let (text, end) = match encoding {
         Encoding::Utf16Le => utf16_start(bytes, u16::from_le_bytes),
         Encoding::Utf16Be => utf16_start(bytes, u16::from_be_bytes),
-        Encoding::Utf8 | Encoding::ShiftJis | Encoding::EucJp => {
+        Encoding::Utf8 | Encoding::ShiftJis | Encoding::EucJp | Encoding::Windows1252 => {
             let end = std::str::from_utf8(bytes).err().map_or(bytes.len(), |e| e.valid_up_to());
             (std::str::from_utf8(&bytes[..end]).unwrap_or_default().to_owned(), end)
         }
@@ -304,6 +336,19 @@ mod tests {
         let read = decode("a", b"// \x8b\x85 \xfa\x54\n").unwrap();
         assert_eq!((read.form.encoding, read.exact), (Encoding::ShiftJis, false));
         assert!(decode("a", b"// \x8b\x85 \x81\xca\n").unwrap().exact);
+    }
+
+    #[test]
+    fn western_text_is_read_where_it_is_looked_for() {
+        let text = b"// f\xfcr gro\xdfe Fl\xe4chen, sch\xf6n\nint a; // \xe9t\xe9\n";
+        let read = decode_western("a.cpp", text).unwrap();
+        assert_eq!((read.form.encoding, read.exact), (Encoding::Windows1252, true));
+        assert!(read.file.text().contains("für große Flächen"));
+        assert!(decode_western("a.cpp", b"a\xff\0b").is_err());
+        for encoding in [Encoding::ShiftJis, Encoding::EucJp] {
+            let bytes = form(encoding, false).encode(&SourceFile::new("a", TEXT)).unwrap();
+            assert_eq!(decode_western("a.cpp", &bytes).unwrap().form.encoding, encoding);
+        }
     }
 
     #[test]

@@ -7,6 +7,6 @@ mod fingerprint;
 mod source;
 
 pub use edit::{Edit, EditConflict, EditList, Edited, PositionMap};
-pub use encoding::{Decoded, EncodeError, Encoding, Form, decode};
+pub use encoding::{Decoded, EncodeError, Encoding, Form, decode, decode_western};
 pub use fingerprint::fingerprint;
 pub use source::{Position, SourceFile, Span, TextError};

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::lint::fix::FixedFile;
-use crate::lint::{HOST_EXTENSIONS, Input, SHADER_EXTENSIONS, companions, language_of};
-use crate::text::{Decoded, Form, TextError, decode};
+use crate::lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
+use crate::text::{Decoded, Form, TextError, decode_western};
 
 use super::write::{WriteError, replace};
 
@@ -86,6 +86,8 @@ pub struct Loaded {
     pub inputs: Vec<Input>,
     /// What could not be read.
     pub problems: Vec<InputError>,
+    /// C and C++ files of a folder that are no text.
+    pub skipped: Vec<InputError>,
     /// Where each reported text came from, by its name.
     sources: BTreeMap<String, Source>,
     /// Names of all texts by their real paths.
@@ -178,12 +180,15 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
     }
     let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
     for ((path, named), text) in fresh.into_iter().zip(texts) {
+        let is_host = language_of(&name(&path)) == Some(Language::Host);
         match text {
             Ok(Decoded { file, form, exact }) => {
                 loaded.sources.insert(file.name().to_owned(), Source { path, form, exact });
                 loaded.inputs.push(Input::new(file));
             }
             Err(InputError::Empty(_)) if !named => {}
+            // Folders hold the code of others as well, which nobody asked about.
+            Err(error) if !named && is_host => loaded.skipped.push(error),
             Err(error) => loaded.problems.push(error),
         }
     }
@@ -218,7 +223,8 @@ fn read(path: &Path) -> Result<Decoded, InputError> {
         return Err(InputError::TooLarge { path: path.to_owned(), size });
     }
     let bytes = fs::read(path).map_err(unreadable)?;
-    let decoded = decode(&name(path), &bytes)?;
+    let name = name(path);
+    let decoded = decode_western(&name, &bytes)?;
     if decoded.file.text().trim().is_empty() {
         return Err(InputError::Empty(path.to_owned()));
     }

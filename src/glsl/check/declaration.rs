@@ -319,11 +319,17 @@ impl Checker<'_> {
         }
     }
 
-    /// An unsized input of a geometry stage has an element for each vertex of the primitive.
+    /// An unsized input of a geometry stage has an element for each vertex of the primitive, one of a
+    /// tessellation stage for each vertex of the patch.
     pub(super) fn stage_type(&self, ty: Type, storage: Storage) -> Type {
         match (ty, storage, self.vertices) {
             (Type::Array(element, ArraySize::Unsized), Storage::In, Some(n)) if self.stage == Stage::Geometry => {
                 Type::Array(element, ArraySize::Known(n))
+            }
+            (Type::Array(element, ArraySize::Unsized), Storage::In | Storage::Out, _)
+                if matches!(self.stage, Stage::TessControl | Stage::TessEvaluation) =>
+            {
+                Type::Array(element, ArraySize::Unknown)
             }
             (ty, ..) => ty,
         }

@@ -166,6 +166,12 @@ impl<'a> Checker<'a> {
     fn run(&mut self) {
         self.vertices = self.input_vertices();
         let unit: &'a Unit = self.unit;
+        // What could not be read may have declared the names in it.
+        for item in unit.items.iter().filter(|i| i.kind == ItemKind::Error) {
+            let text = self.sink.file.slice(item.span);
+            let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|w| !w.is_empty());
+            self.told.extend(words.map(str::to_owned));
+        }
         for (index, item) in unit.items.iter().enumerate() {
             self.item(index, item);
         }

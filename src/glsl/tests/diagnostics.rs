@@ -242,3 +242,20 @@ fn garbage_gives_diagnostics_and_ends() {
     assert!(!errors(&"struct S {".repeat(10_000), Stage::Vertex).is_empty());
     assert!(!errors("\0\0\u{1}#", Stage::Vertex).is_empty());
 }
+
+#[test]
+fn a_function_whose_head_cannot_be_read_is_not_missed_where_it_is_called() {
+    let text = "#version 330\nout vec4 c;\nfloat depth(float z, float near = 0.1) { return near / z; }\n\
+        void main() { c = vec4(depth(gl_FragCoord.z)); }\n";
+    let found = parse(text, Stage::Fragment).diagnostics;
+    assert_eq!(found.iter().map(|d| d.code.0).collect::<Vec<_>>(), ["E001"], "{found:#?}");
+}
+
+#[test]
+fn patches_have_as_many_vertices_as_the_host_says() {
+    let text = "#version 400\nlayout(vertices = 3) out;\nin vec4 p[];\nout vec4 q[];\n\
+        void main() { q[gl_InvocationID] = p[gl_InvocationID]; }\n";
+    assert!(parse(text, Stage::TessControl).diagnostics.is_empty());
+    let text = "#version 400\nlayout(triangles) in;\nin vec4 p[];\nvoid main() { for (int i = 0; i < 3; i++) gl_Position += p[i]; }\n";
+    assert!(parse(text, Stage::TessEvaluation).diagnostics.is_empty());
+}
