@@ -1,7 +1,7 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -91,13 +91,13 @@ pub struct Input {
     pub reported: bool,
     /// The syntax tree of a host file, once it has been asked for: companions are looked for before
     /// rules run, and the text is parsed once for both.
-    tree: Arc<OnceLock<HostTree>>,
+    tree: HostTree,
 }
 
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true, tree: Arc::default() }
+        Self { file, reported: true, tree: HostTree::default() }
     }
 
     /// A text that others refer to; nothing is reported on it.
@@ -118,8 +118,7 @@ impl Input {
     }
 
     fn host(&self) -> HostFile {
-        let tree = self.tree.get_or_init(|| HostTree::new(&self.file));
-        HostFile::with_tree(&self.file, self.reported, tree.clone())
+        HostFile::with_tree(&self.file, self.reported, self.tree.clone())
     }
 }
 

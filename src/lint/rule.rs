@@ -114,7 +114,7 @@ impl Rule {
                 self.gather(&shaders, into, |shader, findings| check(shader, project, findings));
             }
             Check::Host(check) => {
-                let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported).collect();
+                let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported && h.concerns_shaders()).collect();
                 self.gather(&hosts, into, |host, findings| check(host, project, findings));
             }
             Check::Program(check) => {

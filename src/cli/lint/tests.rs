@@ -116,7 +116,7 @@ fn an_unknown_rule_is_a_usage_error() {
 #[test]
 fn what_cannot_be_read_is_named_with_what_to_do() {
     let folder = folder(&[
-        ("latin.vert", b"// \xe9t\xe9 \xff\nvoid main() {}\n"),
+        ("latin.vert", b"// \xe9t\xe9 \xff\0\nvoid main() {}\n"),
         ("empty.vert", b" \n"),
         ("notes.txt", b"text"),
         ("none/notes.txt", b"text"),
@@ -136,7 +136,7 @@ fn what_cannot_be_read_is_named_with_what_to_do() {
 
 #[test]
 fn the_other_files_are_linted_all_the_same() {
-    let folder = folder(&[("a.vert", b"// \xff\n"), ("cylinder.vert", CYLINDER.as_bytes())]);
+    let folder = folder(&[("a.vert", b"// \xff\0\n"), ("cylinder.vert", CYLINDER.as_bytes())]);
     let ran = lint(&[folder.path().to_owned()], |_| {});
     assert_eq!(ran.status, ExitStatus::Error);
     assert!(ran.out.contains("T001") && ran.err.contains("a.vert:1:4"), "{}{}", ran.out, ran.err);

@@ -43,7 +43,7 @@ mod suggest;
 pub(super) mod syntax;
 
 use std::cell::RefCell;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use tree_sitter::{Node, Parser, Tree};
 
@@ -68,6 +68,8 @@ pub struct HostFile {
     /// Functions of the project that wrap those of OpenGL.
     wrappers: Vec<Wrapper>,
     tree: HostTree,
+    /// False for text that cannot feed shaders: most files of a project.
+    concerned: bool,
     lookups: OnceLock<Vec<Lookup>>,
     embedded: OnceLock<Vec<Embedded>>,
     programs: OnceLock<HostPrograms>,
@@ -77,13 +79,14 @@ impl HostFile {
     /// Parses `file` as C++, of which the C that feeds shaders is a part. Text that cannot be read
     /// becomes error nodes, on which rules stay silent.
     pub fn new(file: &SourceFile, reported: bool) -> Self {
-        Self::with_tree(file, reported, HostTree::new(file))
+        Self::with_tree(file, reported, HostTree::default())
     }
 
     /// The same with a tree of this text that is there already.
     pub(super) fn with_tree(file: &SourceFile, reported: bool, tree: HostTree) -> Self {
         Self {
             tree,
+            concerned: concerns_shaders(file.text()),
             file: file.clone(),
             reported,
             wrappers: Vec::new(),
@@ -97,12 +100,19 @@ impl HostFile {
     #[must_use]
     pub fn with_wrappers(mut self, wrappers: &[Wrapper]) -> Self {
         self.wrappers = wrappers.to_vec();
+        self.concerned |= wrappers.iter().any(|w| self.file.text().contains(&w.function));
         self
     }
 
-    /// The root of the tree; none when the parser gave up.
+    /// The root of the tree, which the first call makes; none when the parser gave up.
     pub fn root(&self) -> Option<Node<'_>> {
-        self.tree.0.as_ref().map(Tree::root_node)
+        self.tree.0.get_or_init(|| parse(&self.file)).as_ref().map(Tree::root_node)
+    }
+
+    /// True when the text can feed shaders. The trees of all others would take most of the time and memory of
+    /// a run; only what such a file declares may be asked for.
+    pub fn concerns_shaders(&self) -> bool {
+        self.concerned
     }
 
     /// Text of a node.
@@ -112,17 +122,17 @@ impl HostFile {
 
     /// All look-ups with a literal name, in the order of the text.
     fn lookups(&self) -> &[Lookup] {
-        self.lookups.get_or_init(|| lookup::find(self))
+        self.lookups.get_or_init(|| if self.concerned { lookup::find(self) } else { Vec::new() })
     }
 
     /// The shaders in literals, in the order of the text.
     pub fn embedded(&self) -> &[Embedded] {
-        self.embedded.get_or_init(|| embedded::find(self))
+        self.embedded.get_or_init(|| if self.concerned { embedded::find(self) } else { Vec::new() })
     }
 
     /// The programs that the file makes, and the shaders that it names.
     pub fn programs(&self) -> &HostPrograms {
-        self.programs.get_or_init(|| programs::find(self))
+        self.programs.get_or_init(|| if self.concerned { programs::find(self) } else { HostPrograms::default() })
     }
 
     /// Number of places that the parser could not read.
@@ -138,19 +148,24 @@ pub(super) fn comments(host: &HostFile) -> Vec<Span> {
     nodes.filter(|n| n.kind() == "comment").map(syntax::span).collect()
 }
 
-/// A syntax tree; none when the parser gave up. Cheap to clone.
-#[derive(Clone, Debug)]
-pub(super) struct HostTree(Option<Tree>);
+/// The syntax tree of one text, once it has been asked for. Clones share it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HostTree(Arc<OnceLock<Option<Tree>>>);
 
-impl HostTree {
-    /// Parses a text as C++.
-    pub fn new(file: &SourceFile) -> Self {
-        thread_local! {
-            // A parser keeps its memory from one text to the next.
-            static PARSER: RefCell<Option<Parser>> = RefCell::new(parser());
-        }
-        Self(PARSER.with_borrow_mut(|parser| parser.as_mut()?.parse(file.text(), None)))
+fn parse(file: &SourceFile) -> Option<Tree> {
+    thread_local! {
+        // A parser keeps its memory from one text to the next.
+        static PARSER: RefCell<Option<Parser>> = RefCell::new(parser());
     }
+    PARSER.with_borrow_mut(|parser| parser.as_mut()?.parse(file.text(), None))
+}
+
+/// True when a word occurs that host code of shaders cannot do without.
+fn concerns_shaders(text: &str) -> bool {
+    const WORDS: [&str; 8] = ["hader", "niform", "ttribute", "gl_", "#version", ".vert", ".frag", ".glsl"];
+    let call =
+        || text.match_indices("gl").any(|(at, _)| text.as_bytes().get(at + 2).is_some_and(u8::is_ascii_uppercase));
+    WORDS.iter().any(|w| text.contains(w)) || call() || presets::PRESETS.iter().any(|p| text.contains(p.method))
 }
 
 fn parser() -> Option<Parser> {
@@ -163,6 +178,20 @@ fn parser() -> Option<Parser> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn most_text_does_not_concern_shaders() {
+        let file = |text: &str| HostFile::new(&SourceFile::new("a.cpp", text), true);
+        assert!(!file("#include <glm/glm.hpp>\nglm::vec3 global(int angle) { return {}; }").concerns_shaders());
+        for text in ["void f() { glEnd(); }", "Shader s(\"a\");", "s.setMat4(\"m\", m);", "load(\"a.vert\");"] {
+            assert!(file(text).concerns_shaders(), "{text}");
+        }
+        let kind = crate::lint::config::Wrapped::SetUniform;
+        let wrapper = Wrapper { function: "bindMatrix".into(), kind, argument: 0, sets: None };
+        let calls = file("void f() { bindMatrix(\"m\"); }");
+        assert!(!calls.concerns_shaders());
+        assert!(calls.with_wrappers(&[wrapper]).concerns_shaders());
+    }
 
     #[test]
     fn the_grammar_fits_the_parser() {

@@ -214,7 +214,8 @@ pub fn is_call(host: &HostFile, call: Node<'_>, function: &str) -> bool {
 
 /// The shader files that a host file names in string literals.
 pub fn named_shaders(host: &HostFile) -> Vec<String> {
-    let groups = Index::new(host).map(|i| i.groups).unwrap_or_default();
+    let index = if host.concerns_shaders() { Index::new(host) } else { None };
+    let groups = index.map(|i| i.groups).unwrap_or_default();
     let file = |r: ShaderRef| match r {
         ShaderRef::File(name) => Some(name),
         ShaderRef::Embedded(_) => None,

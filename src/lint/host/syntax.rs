@@ -210,13 +210,13 @@ pub fn root_object(node: Node<'_>) -> Node<'_> {
 
 /// Names in `#include "name"` lines, those in conditional parts too.
 pub fn quoted_includes(host: &HostFile) -> Vec<&str> {
-    let Some(root) = host.root() else { return Vec::new() };
-    descendants(root)
-        .filter(|n| n.kind() == "preproc_include")
-        .filter_map(|n| n.child_by_field_name("path"))
-        .filter_map(|path| plain_string(path, &host.file))
-        .map(|(name, _)| name)
-        .collect()
+    // One in a comment does no harm, and a look at the lines needs no tree.
+    let path = |line: &'_ str| -> Option<(usize, usize)> {
+        let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
+        let start = line.len() - rest.trim_start().strip_prefix('"')?.len();
+        Some((start, start + line[start..].find('"')?))
+    };
+    host.file.text().lines().filter_map(|line| path(line).map(|(start, end)| &line[start..end])).collect()
 }
 
 #[cfg(test)]
