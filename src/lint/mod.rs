@@ -75,8 +75,9 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         .filter(|s| s.reported)
         .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, d), d.clone())))
         .collect();
+    let programs = project.programs();
     for rule in rules {
-        rule.check(&project, &mut told);
+        rule.check(&project, &programs, &mut told);
     }
     // A rule that looks for itself may find at any level what some versions of the language refuse.
     for shader in project.shaders().filter(|s| s.reported) {

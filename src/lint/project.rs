@@ -1,13 +1,14 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
 use crate::diagnostic::Diagnostic;
+use crate::glsl::ast::ItemKind;
 use crate::glsl::{Shader, Stage};
-use crate::text::SourceFile;
+use crate::text::{SourceFile, Span};
 
 use super::config::Config;
 use super::embedded::Origin;
@@ -167,10 +168,21 @@ impl ShaderFile {
         Self { origin, ..Self::new(&part, stage) }
     }
 
-    /// True when the interface is known from this text alone: the front end read it without error, and
-    /// it does not depend on an `#if` or `#include`.
+    /// True when the interface is known from this text alone: the front end found no error outside the bodies
+    /// of functions, and nothing depends on an `#if` or `#include`.
     pub fn is_plain(&self) -> bool {
-        self.is_sound() && !self.conditional
+        let complete = self.shader.version().span.is_some() || !self.shader.has_unknown_names();
+        complete && !self.conditional && self.front_end.iter().all(|d| self.is_inside(d))
+    }
+
+    /// True for an error in the body of a function that does not keep the rest from being read.
+    fn is_inside(&self, error: &Diagnostic) -> bool {
+        let textual = matches!(error.code.0.get(..3), Some("E00" | "E01"));
+        let bodies = self.shader.unit().items.iter().filter_map(|i| match &i.kind {
+            ItemKind::Function(f) => f.body.as_ref().map(|_| Span::new(f.head_span.end, i.span.end)),
+            _ => None,
+        });
+        !textual && bodies.into_iter().any(|b| b.contains(error.span.start))
     }
 
     /// Which values the operands of its calls and operators take, under the ranges that `project` states.
@@ -196,12 +208,33 @@ fn is_conditional(text: &str) -> bool {
     })
 }
 
-/// All files of a run, by normalised path.
+/// Files by normalised path, and the paths by the name of the file.
+struct Files<T> {
+    by_path: BTreeMap<String, T>,
+    by_name: HashMap<String, Vec<String>>,
+}
+
+impl<T> Files<T> {
+    fn insert(&mut self, path: String, file: T) {
+        if !self.by_path.contains_key(&path) {
+            self.by_name.entry(file_name(&path).to_owned()).or_default().push(path.clone());
+        }
+        self.by_path.insert(path, file);
+    }
+}
+
+impl<T> Default for Files<T> {
+    fn default() -> Self {
+        Self { by_path: BTreeMap::new(), by_name: HashMap::new() }
+    }
+}
+
+/// All files of a run.
 pub struct Project {
-    shaders: BTreeMap<String, ShaderFile>,
+    shaders: Files<ShaderFile>,
     /// Shaders in literals of host files and in files with several, by the path and their index there.
     embedded: BTreeMap<(String, usize), ShaderFile>,
-    hosts: BTreeMap<String, HostFile>,
+    hosts: Files<HostFile>,
     config: Config,
 }
 
@@ -238,9 +271,9 @@ impl Project {
     /// Reads all inputs. Of two with the same path, the reported one counts.
     pub fn new(files: &[Input], config: &Config) -> Self {
         let mut project = Self {
-            shaders: BTreeMap::new(),
+            shaders: Files::default(),
             embedded: BTreeMap::new(),
-            hosts: BTreeMap::new(),
+            hosts: Files::default(),
             config: config.clone(),
         };
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
@@ -261,7 +294,7 @@ impl Project {
                 None => {}
             }
         }
-        let hosts: Vec<(&String, &HostFile)> = project.hosts.iter().collect();
+        let hosts: Vec<(&String, &HostFile)> = project.hosts.by_path.iter().collect();
         let embedded: Vec<((String, usize), ShaderFile)> = hosts
             .into_par_iter()
             .flat_map_iter(|(path, host)| {
@@ -287,18 +320,19 @@ impl Project {
 
     /// All shaders: files by path, then those in literals of host files.
     pub fn shaders(&self) -> impl Iterator<Item = &ShaderFile> {
-        self.shaders.values().chain(self.embedded.values())
+        self.shaders.by_path.values().chain(self.embedded.values())
     }
 
     /// The shader files, without those in literals, by path.
     pub fn shader_files(&self) -> impl Iterator<Item = (&str, &ShaderFile)> {
-        self.shaders.iter().map(|(path, shader)| (path.as_str(), shader))
+        self.shaders.by_path.iter().map(|(path, shader)| (path.as_str(), shader))
     }
 
     /// The shaders of each file that holds several.
     pub fn sections(&self) -> Vec<Vec<&ShaderFile>> {
         let mut files: BTreeMap<&str, Vec<&ShaderFile>> = BTreeMap::new();
-        for ((path, _), shader) in self.embedded.iter().filter(|((path, _), _)| !self.hosts.contains_key(path)) {
+        for ((path, _), shader) in self.embedded.iter().filter(|((path, _), _)| !self.hosts.by_path.contains_key(path))
+        {
             files.entry(path).or_default().push(shader);
         }
         files.into_values().collect()
@@ -337,7 +371,7 @@ impl Project {
 
     /// All host files, by path.
     pub fn hosts(&self) -> impl Iterator<Item = &HostFile> {
-        self.hosts.values()
+        self.hosts.by_path.values()
     }
 
     /// The shader that the host file called `from` means by `name`: the path from the host file, or
@@ -354,22 +388,26 @@ impl Project {
     /// Shaders in the folder of `host` that bear its name.
     pub fn shaders_beside(&self, host: &str) -> Vec<&ShaderFile> {
         let host = normalise(host);
-        let same = |path: &str| folder(path) == folder(&host) && stem(path) == stem(&host);
-        self.shaders.iter().filter(|(path, _)| same(path)).map(|(_, shader)| shader).collect()
+        let name = stem(&host);
+        let start = format!("{}.", &host[..host.len() - file_name(&host).len() + name.len()]);
+        let from = self.shaders.by_path.range(start.clone()..);
+        from.take_while(|(path, _)| path.starts_with(&start)).map(|(_, shader)| shader).collect()
     }
 }
 
-fn lookup<'p, T>(files: &'p BTreeMap<String, T>, from: &str, name: &str) -> Option<&'p T> {
-    if let Some(found) = files.get(&beside(from, name)) {
+fn lookup<'p, T>(files: &'p Files<T>, from: &str, name: &str) -> Option<&'p T> {
+    if let Some(found) = files.by_path.get(&beside(from, name)) {
         return Some(found);
     }
     let tail = normalise(name);
     let tail = tail.trim_start_matches("../");
     let mut ending = files
+        .by_name
+        .get(file_name(tail))?
         .iter()
-        .filter(|(path, _)| path.strip_suffix(tail).is_some_and(|rest| rest.is_empty() || rest.ends_with('/')));
+        .filter(|path| path.strip_suffix(tail).is_some_and(|rest| rest.is_empty() || rest.ends_with('/')));
     match (ending.next(), ending.next()) {
-        (Some((_, only)), None) => Some(only),
+        (Some(only), None) => files.by_path.get(only),
         _ => None,
     }
 }

@@ -103,7 +103,12 @@ pub(super) enum Check {
 
 impl Rule {
     /// Runs the rule over the reported files of a project, on all cores.
-    pub(super) fn check(&'static self, project: &Project, into: &mut Vec<(Level, Diagnostic)>) {
+    pub(super) fn check(
+        &'static self,
+        project: &Project,
+        programs: &[Program<'_>],
+        into: &mut Vec<(Level, Diagnostic)>,
+    ) {
         match self.check {
             Check::Shader(check) => {
                 let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
@@ -118,7 +123,6 @@ impl Rule {
                 self.gather(&hosts, into, |host, findings| check(host, project, findings));
             }
             Check::Program(check) => {
-                let programs = project.programs();
                 let wanted: Vec<&Program<'_>> =
                     programs.iter().filter(|p| p.shaders().iter().any(|s| s.reported)).collect();
                 let silent: BTreeSet<&str> = project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();

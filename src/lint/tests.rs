@@ -341,3 +341,17 @@ fn what_a_host_puts_in_front_is_no_error() {
     assert_eq!(codes(&[input("a.vert", joined)]), [""; 0]);
     assert_eq!(codes(&[input("a.vert", "#version 330\n#defin A\nvoid main() {}\n")]), ["E010"]);
 }
+
+#[test]
+fn an_error_in_a_body_does_not_hide_what_is_wrong_with_the_interface() {
+    let input = |name: &str, text: &str| Input::new(SourceFile::new(name, text));
+    let vertex =
+        "#version 330\nin vec3 p;\nout vec3 normalEye;\nvoid main() { normalEye = p; gl_Position = vec4(p); }\n";
+    let fragment = "#version 330\nin vec3 eyeNormal;\nout vec4 c;\nvoid main() { c = vec4(eyeNormal, 1.0); }\n";
+    let codes = |vertex: &str| -> Vec<&str> {
+        run(&[input("a.vert", vertex), input("a.frag", fragment)]).iter().map(|d| d.code.0).collect()
+    };
+    assert_eq!(codes(vertex), ["I001", "T002"]);
+    // A text that cannot be read may declare anything.
+    assert_eq!(codes(&vertex.replace("vec4(p)", "vec4(p")), ["E001"]);
+}

@@ -302,3 +302,11 @@ fn the_configuration_of_the_readme_is_right() {
     assert!(!ran.err.contains("error:") && !ran.err.contains("warning:"), "{}", ran.err);
     assert!(ran.out.contains("info[N014]"), "{}", ran.out);
 }
+
+#[test]
+fn the_tour_of_the_readme_is_what_the_tool_says() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let ran = lint(root(), "fixtures/tour --format concise --no-config").expect(1);
+    assert_eq!(ran.out.lines().count(), 10, "{}", ran.out);
+    assert!(readme.contains(ran.out.trim_end()), "{}", ran.out);
+}

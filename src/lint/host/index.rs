@@ -35,7 +35,7 @@ impl<'t> Index<'t> {
         let (mut takers, mut strings, mut macros) = (Vec::new(), Vec::new(), Vec::new());
         let mut names = Vec::new();
         let texts: Vec<&str> = host.embedded().iter().filter_map(|e| Some(e.variable.as_ref()?.0.as_str())).collect();
-        for node in descendants(root) {
+        for node in descendants(root).filter(Node::is_named) {
             writes.extend(write(node));
             match node.kind() {
                 "call_expression" => calls.push(node),

@@ -165,7 +165,11 @@ fn concerns_shaders(text: &str) -> bool {
     const WORDS: [&str; 8] = ["hader", "niform", "ttribute", "gl_", "#version", ".vert", ".frag", ".glsl"];
     let call =
         || text.match_indices("gl").any(|(at, _)| text.as_bytes().get(at + 2).is_some_and(u8::is_ascii_uppercase));
-    WORDS.iter().any(|w| text.contains(w)) || call() || presets::PRESETS.iter().any(|p| text.contains(p.method))
+    // Loaders of OpenGL declare all its functions, at great length, and use none.
+    let is_loader = || text.matches("PFNGL").nth(200).is_some();
+    let found =
+        WORDS.iter().any(|w| text.contains(w)) || call() || presets::PRESETS.iter().any(|p| text.contains(p.method));
+    found && !is_loader()
 }
 
 fn parser() -> Option<Parser> {
@@ -186,6 +190,8 @@ mod tests {
         for text in ["void f() { glEnd(); }", "Shader s(\"a\");", "s.setMat4(\"m\", m);", "load(\"a.vert\");"] {
             assert!(file(text).concerns_shaders(), "{text}");
         }
+        let loader = "typedef void (APIENTRYP PFNGLCREATESHADERPROC)(GLenum type);\n".repeat(300);
+        assert!(!file(&loader).concerns_shaders());
         let kind = crate::lint::config::Wrapped::SetUniform;
         let wrapper = Wrapper { function: "bindMatrix".into(), kind, argument: 0, sets: None };
         let calls = file("void f() { bindMatrix(\"m\"); }");

@@ -43,6 +43,14 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
     }
     let mut seen = BTreeSet::new();
     found.retain(|p| seen.insert(p.names()));
+    let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
+    for shader in found.iter().flat_map(|p| &p.shaders) {
+        *uses.entry(shader.file.name()).or_default() += 1;
+    }
+    for program in &mut found {
+        let names = program.shaders.iter().map(|s| s.file.name());
+        program.shared = names.filter(|n| uses.get(n).is_some_and(|count| *count > 1)).collect();
+    }
     found
 }
 

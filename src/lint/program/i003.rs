@@ -51,10 +51,8 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) {
-    let programs = project.programs();
     for (from, to) in program.links() {
-        let uses = programs.iter().filter(|p| p.shaders().iter().any(|s| s.file.name() == from.file.name())).count();
-        if uses != 1 || (program.how_known() == Known::Name && program.shaders().len() > 2) {
+        if program.shares(from) || (program.how_known() == Known::Name && program.shaders().len() > 2) {
             continue;
         }
         let interface = to.shader.interface();

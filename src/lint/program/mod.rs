@@ -42,6 +42,8 @@ pub struct Program<'p> {
     known: Known,
     /// True when every stage is there, and nothing but its text decides its interface.
     complete: bool,
+    /// Names of those of its shaders that are part of other programs too.
+    shared: Vec<&'p str>,
 }
 
 impl<'p> Program<'p> {
@@ -51,7 +53,7 @@ impl<'p> Program<'p> {
         let rank = |s: &&ShaderFile| PIPELINE.iter().position(|p| *p == s.shader.stage());
         shaders.sort_by_key(rank);
         let complete = all && shaders.iter().all(|s| s.is_plain());
-        (!shaders.is_empty()).then_some(Self { shaders, complete, known: Known::Host })
+        (!shaders.is_empty()).then_some(Self { shaders, complete, known: Known::Host, shared: Vec::new() })
     }
 
     /// The same program, known in this way.
@@ -64,6 +66,11 @@ impl<'p> Program<'p> {
     /// How the program is known.
     pub fn how_known(&self) -> Known {
         self.known
+    }
+
+    /// True when this shader of the program is part of other programs too.
+    pub fn shares(&self, shader: &ShaderFile) -> bool {
+        self.shared.contains(&shader.file.name())
     }
 
     /// The shaders, in the order of the pipeline.
