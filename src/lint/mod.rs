@@ -76,9 +76,13 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, d), d.clone())))
         .collect();
     let programs = project.programs();
-    for rule in rules {
-        rule.check(&project, &programs, &mut told);
-    }
+    // A rule that is not asked for is of use only where the front end tells its code.
+    let of_use = |rule: &&'static Rule| {
+        settings.selection.keeps(rule.code.0, rule.level)
+            || project.shaders().any(|s| s.front_end.iter().any(|d| d.code == rule.code))
+    };
+    let wanted: Vec<&'static Rule> = rules.iter().copied().filter(of_use).collect();
+    Rule::check_all(&wanted, &project, &programs, &mut told);
     // A rule that looks for itself may find at any level what some versions of the language refuse.
     for shader in project.shaders().filter(|s| s.reported) {
         for error in shader.front_end.iter().filter(|d| !plain(d) && !completed(d)) {

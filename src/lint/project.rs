@@ -1,7 +1,7 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -138,8 +138,8 @@ pub struct ShaderFile {
     /// Where the text stands when it is a literal of a host file.
     pub origin: Option<Origin>,
     /// Ranges of its expressions, found out when the first rule asks.
-    observed: OnceLock<Observed>,
-    flow: OnceLock<Flow>,
+    observed: Mutex<Option<Arc<Observed>>>,
+    flow: Mutex<Option<Arc<Flow>>>,
 }
 
 impl ShaderFile {
@@ -154,8 +154,8 @@ impl ShaderFile {
             front_end,
             conditional: is_conditional(input.file.text()),
             origin: None,
-            observed: OnceLock::new(),
-            flow: OnceLock::new(),
+            observed: Mutex::default(),
+            flow: Mutex::default(),
         }
     }
 
@@ -186,8 +186,8 @@ impl ShaderFile {
     }
 
     /// Which values the operands of its calls and operators take, under the ranges that `project` states.
-    pub fn observed(&self, project: &Project) -> &Observed {
-        self.observed.get_or_init(|| Observed::new(&self.shader, project.config()))
+    pub fn observed(&self, project: &Project) -> Arc<Observed> {
+        cached(&self.observed, || Observed::new(&self.shader, project.config()))
     }
 
     /// True when the front end read the whole text without error, and it is all there.
@@ -196,9 +196,23 @@ impl ShaderFile {
     }
 
     /// What happens to variables along the paths; nothing when the front end found errors.
-    pub fn flow(&self) -> &Flow {
-        self.flow.get_or_init(|| if self.is_sound() { Flow::new(&self.shader, &self.file) } else { Flow::default() })
+    pub fn flow(&self) -> Arc<Flow> {
+        cached(&self.flow, || if self.is_sound() { Flow::new(&self.shader, &self.file) } else { Flow::default() })
     }
+
+    /// Forgets what has been worked out and can be worked out again: all of a project takes much memory.
+    pub fn forget(&self) {
+        *lock(&self.observed) = None;
+        *lock(&self.flow) = None;
+    }
+}
+
+fn lock<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
+    cache.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn cached<T>(cache: &Mutex<Option<Arc<T>>>, make: impl FnOnce() -> T) -> Arc<T> {
+    lock(cache).get_or_insert_with(|| Arc::new(make())).clone()
 }
 
 fn is_conditional(text: &str) -> bool {

@@ -102,22 +102,37 @@ pub(super) enum Check {
 }
 
 impl Rule {
-    /// Runs the rule over the reported files of a project, on all cores.
-    pub(super) fn check(
-        &'static self,
+    /// Runs rules over the reported files of a project, on all cores. One shader after the other goes through all
+    /// rules on shaders, so that what they work out for it can be forgotten again.
+    pub(super) fn check_all(
+        rules: &[&'static Self],
         project: &Project,
         programs: &[Program<'_>],
         into: &mut Vec<(Level, Diagnostic)>,
     ) {
+        let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
+        into.par_extend(shaders.par_iter().flat_map_iter(|shader| {
+            let mut found = Vec::new();
+            for rule in rules {
+                let mut findings = Findings { rule, into: &mut found };
+                match rule.check {
+                    Check::Shader(check) => check(shader, &mut findings),
+                    Check::ShaderWith(check) => check(shader, project, &mut findings),
+                    _ => {}
+                }
+            }
+            shader.forget();
+            found
+        }));
+        for rule in rules {
+            rule.check(project, programs, into);
+        }
+    }
+
+    /// Runs a rule on anything but single shaders.
+    fn check(&'static self, project: &Project, programs: &[Program<'_>], into: &mut Vec<(Level, Diagnostic)>) {
         match self.check {
-            Check::Shader(check) => {
-                let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
-                self.gather(&shaders, into, check);
-            }
-            Check::ShaderWith(check) => {
-                let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
-                self.gather(&shaders, into, |shader, findings| check(shader, project, findings));
-            }
+            Check::Shader(_) | Check::ShaderWith(_) | Check::After(_) => {}
             Check::Host(check) => {
                 let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported && h.concerns_shaders()).collect();
                 self.gather(&hosts, into, |host, findings| check(host, project, findings));
@@ -136,7 +151,6 @@ impl Rule {
                     into.extend(told.filter_map(|d| complete(shader, d.clone())).map(|d| (self.level, d)));
                 }
             }
-            Check::After(_) => {}
             #[cfg(test)]
             Check::Text(check) => {
                 let mut findings = Findings { rule: self, into };

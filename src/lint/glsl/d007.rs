@@ -48,10 +48,11 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         return;
     }
     let hidden = hidden_words(file);
+    let flow = file.flow();
+    let reached = &flow.reached;
     let interface = shader.interface();
     let attributes: &[_] = if shader.stage() == Stage::Vertex { &interface.inputs } else { &[] };
     for variable in interface.uniforms.iter().chain(attributes) {
-        let reached = &file.flow().reached;
         let used = shader.uses_of(variable.symbol).any(|u| match (u.function, reached) {
             (Some(function), Some(reached)) => reached.contains(&function),
             _ => true,

@@ -46,7 +46,8 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
-    let (Some(reached), false) = (&file.flow().reached, shader.stage() == Stage::Library) else { return };
+    let flow = file.flow();
+    let (Some(reached), false) = (&flow.reached, shader.stage() == Stage::Library) else { return };
     let hidden = hidden_words(file);
     let mut unused: Vec<(Span, String, [&str; 2])> = Vec::new();
     for (id, function) in shader.functions().filter(|(id, f)| f.definition.is_some() && !reached.contains(id)) {

@@ -67,7 +67,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
     for call in calls(shader, &["pow"]) {
-        let (Some((level, range)), [base, exponent]) = (hazard(observed, call.id), call.args) else { continue };
+        let (Some((level, range)), [base, exponent]) = (hazard(&observed, call.id), call.args) else { continue };
         let (lo, hi) = ends(&range);
         let mut found = findings
             .at(

@@ -52,7 +52,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     for call in calls(shader, &["pow"]) {
         let [base, exponent] = call.args else { continue };
         let Some(n) = constant(shader, *exponent).and_then(factors) else { continue };
-        if constant(shader, *base).is_some() || hazard(observed, call.id).is_some() {
+        if constant(shader, *base).is_some() || hazard(&observed, call.id).is_some() {
             continue;
         }
         let factor = bare(shader, *base);

@@ -66,7 +66,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
     for call in calls(shader, &["acos", "asin"]) {
-        let (Some((level, range)), [arg]) = (hazard(observed, call.id), call.args) else { continue };
+        let (Some((level, range)), [arg]) = (hazard(&observed, call.id), call.args) else { continue };
         let (name, (lo, hi)) = (call.name, ends(&range));
         let mut found = findings
             .at(

@@ -59,7 +59,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
     for call in calls(shader, &["acos", "asin"]) {
-        if n006::hazard(observed, call.id).is_some() || !observed.visits(call.id).iter().any(reaches_an_end) {
+        if n006::hazard(&observed, call.id).is_some() || !observed.visits(call.id).iter().any(reaches_an_end) {
             continue;
         }
         let name = call.name;

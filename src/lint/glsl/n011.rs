@@ -62,7 +62,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     for call in calls(shader, &["clamp", "smoothstep"]) {
         let smooth = call.name == "smoothstep";
         let (lo, hi) = if smooth { (0, 1) } else { (1, 2) };
-        let Some((low, high)) = reversed(observed, call.id, lo, hi, smooth) else { continue };
+        let Some((low, high)) = reversed(&observed, call.id, lo, hi, smooth) else { continue };
         let [first, second, third] = call.args else { continue };
         let equal = low.lo == high.hi;
         let span = shader.expr(call.args[lo]).span.to(shader.expr(call.args[hi]).span);

@@ -63,7 +63,8 @@ fn amount(shader: &Shader, file: &ShaderFile, project: &Project, id: ExprId) -> 
         ExprKind::Assign { op: Some(BinaryOp::Shl | BinaryOp::Shr), op_span: _, target: _, value } => value,
         _ => return None,
     };
-    let visits = file.observed(project).visits(id);
+    let observed = file.observed(project);
+    let visits = observed.visits(id);
     let mut all = visits.iter().filter_map(|v| v.operands.get(1)).flat_map(|v| &v.parts);
     all.find(|r| r.lo >= BITS || r.hi < 0.0).map(|r| (by, *r))
 }

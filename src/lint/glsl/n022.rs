@@ -122,7 +122,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         if shader.fold(id).is_some() {
             continue;
         }
-        let Some(Found { place, form, text }) = look(shader, observed, id, &roots) else { continue };
+        let Some(Found { place, form, text }) = look(shader, &observed, id, &roots) else { continue };
         let (en, ja) = (form.to_string(), form.in_lang(crate::diagnostic::Lang::Ja).to_owned());
         let mut found = findings
             .at(
