@@ -53,7 +53,18 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
     };
     // A type that was added for an input changes what the validator knows.
     let info = if matches!(lowered.role, Role::Geometry(_)) { super::validate(&module)? } else { info };
-    Ok(Program { module, info, entry, role: lowered.role.clone(), inputs, uniforms, outputs, built_ins, unfed: Vec::new(), lowered })
+    Ok(Program {
+        module,
+        info,
+        entry,
+        role: lowered.role.clone(),
+        inputs,
+        uniforms,
+        outputs,
+        built_ins,
+        unfed: Vec::new(),
+        lowered,
+    })
 }
 
 fn entry(module: &Module, role: &Role) -> Result<Entry, ProgramError> {

@@ -25,8 +25,9 @@ impl Program {
             return Err(ProgramError::Source(errors));
         }
         let target = target(&parsed.shader)?;
-        let lowered = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
-        // What cannot be said by edits in place is built from the syntax tree.
-        lowered.or_else(|_| Self::build(&parsed.shader, &target))
+        if target == Target::Stage && matches!(stage, Stage::Fragment | Stage::Compute) {
+            return Self::build(&parsed.shader, &target);
+        }
+        Self::new(lower(&parsed.shader, &target).map_err(ProgramError::Source)?)
     }
 }

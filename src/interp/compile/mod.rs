@@ -275,11 +275,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// The registers of a part of a global variable.
-    fn part_of(
-        &mut self,
-        global: Handle<GlobalVariable>,
-        path: &[u32],
-    ) -> Option<Result<Vec<Slot>, InterpError>> {
+    fn part_of(&mut self, global: Handle<GlobalVariable>, path: &[u32]) -> Option<Result<Vec<Slot>, InterpError>> {
         let slots = match self.global(global) {
             Ok(slots) => slots,
             Err(error) => return Some(Err(error)),
@@ -376,7 +372,9 @@ impl<'m> Compiler<'m> {
             AddressSpace::Private | AddressSpace::Function => {}
             AddressSpace::Uniform => {
                 let fed = self.subject.uniforms.iter().any(|binding| match binding.at {
-                    PortAt::Global(global) | PortAt::Member(global, _) | PortAt::Part { global, .. } => global == handle,
+                    PortAt::Global(global) | PortAt::Member(global, _) | PortAt::Part { global, .. } => {
+                        global == handle
+                    }
                     _ => false,
                 });
                 if !fed {

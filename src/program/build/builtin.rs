@@ -5,7 +5,7 @@ use std::sync::Arc;
 use naga::{BuiltIn, Expression, GlobalVariable, Handle, Literal};
 
 use super::global::Global;
-use super::texture::ImageLayout;
+use super::image::ImageLayout;
 use super::{Build, Result};
 use crate::glsl::Stage;
 use crate::glsl::ast::ExprKind;
@@ -40,8 +40,18 @@ fn input(name: &str, stage: Stage) -> Option<(BuiltIn, Type)> {
 /// Variables of the old pipeline that go from the host to the vertex stage, or from stage to stage.
 fn is_old_varying(name: &str) -> bool {
     let names = [
-        "gl_Vertex", "gl_Normal", "gl_Color", "gl_SecondaryColor", "gl_FogCoord", "gl_FrontColor", "gl_BackColor",
-        "gl_FrontSecondaryColor", "gl_BackSecondaryColor", "gl_TexCoord", "gl_FogFragCoord", "gl_ClipVertex",
+        "gl_Vertex",
+        "gl_Normal",
+        "gl_Color",
+        "gl_SecondaryColor",
+        "gl_FogCoord",
+        "gl_FrontColor",
+        "gl_BackColor",
+        "gl_FrontSecondaryColor",
+        "gl_BackSecondaryColor",
+        "gl_TexCoord",
+        "gl_FogFragCoord",
+        "gl_ClipVertex",
     ];
     names.contains(&name) || name.starts_with("gl_MultiTexCoord")
 }
@@ -155,9 +165,15 @@ impl Build<'_> {
             }
             (Stage::Compute, "gl_WorkGroupSize") => {
                 let handle = self.private(name, ty, span)?;
-                let parts: Vec<Handle<Expression>> = self.workgroup.into_iter().map(|n| {
-                    self.module.global_expressions.append(Expression::Literal(Literal::U32(n)), naga::Span::UNDEFINED)
-                }).collect();
+                let parts: Vec<Handle<Expression>> = self
+                    .workgroup
+                    .into_iter()
+                    .map(|n| {
+                        self.module
+                            .global_expressions
+                            .append(Expression::Literal(Literal::U32(n)), naga::Span::UNDEFINED)
+                    })
+                    .collect();
                 let ty = self.value_type(ty, span)?;
                 let value = Expression::Compose { ty, components: parts };
                 let init = self.module.global_expressions.append(value, naga::Span::UNDEFINED);
@@ -168,8 +184,10 @@ impl Build<'_> {
                 let handle = self.private(name, ty, span)?;
                 let output = match stage {
                     Stage::Fragment => false,
-                    Stage::Vertex => !matches!(name, "gl_Vertex" | "gl_Normal" | "gl_Color" | "gl_SecondaryColor" | "gl_FogCoord")
-                        && !name.starts_with("gl_MultiTexCoord"),
+                    Stage::Vertex => {
+                        !matches!(name, "gl_Vertex" | "gl_Normal" | "gl_Color" | "gl_SecondaryColor" | "gl_FogCoord")
+                            && !name.starts_with("gl_MultiTexCoord")
+                    }
                     _ => true,
                 };
                 if output {
@@ -200,10 +218,14 @@ impl Build<'_> {
         };
         let Type::Struct(s) = element else { return Ok(ty.clone()) };
         let uses = |name: &str| {
-            self.shader.arena().iter().filter_map(|(id, e)| match &e.kind {
-                ExprKind::Field { base, field } if field.name == name => Some((id, *base)),
-                _ => None,
-            }).any(|(_, base)| matches!(self.shader.expr(base).kind, ExprKind::Index { .. }))
+            self.shader
+                .arena()
+                .iter()
+                .filter_map(|(id, e)| match &e.kind {
+                    ExprKind::Field { base, field } if field.name == name => Some((id, *base)),
+                    _ => None,
+                })
+                .any(|(_, base)| matches!(self.shader.expr(base).kind, ExprKind::Index { .. }))
         };
         let mut fields = Vec::new();
         for field in s.fields.iter().filter(|f| f.name == "gl_Position" || uses(&f.name)) {
@@ -238,12 +260,26 @@ impl Build<'_> {
 /// True for what the host sets once for many vertices.
 fn is_state(name: &str) -> bool {
     let starts = [
-        "gl_ModelView", "gl_Projection", "gl_TextureMatrix", "gl_TextureEnv", "gl_EyePlane", "gl_ObjectPlane",
-        "gl_LightModel", "gl_FrontLight", "gl_BackLight", "gl_Fog",
+        "gl_ModelView",
+        "gl_Projection",
+        "gl_TextureMatrix",
+        "gl_TextureEnv",
+        "gl_EyePlane",
+        "gl_ObjectPlane",
+        "gl_LightModel",
+        "gl_FrontLight",
+        "gl_BackLight",
+        "gl_Fog",
     ];
     let names = [
-        "gl_NormalMatrix", "gl_NormalScale", "gl_ClipPlane", "gl_DepthRange", "gl_LightSource", "gl_FrontMaterial",
-        "gl_BackMaterial", "gl_Point",
+        "gl_NormalMatrix",
+        "gl_NormalScale",
+        "gl_ClipPlane",
+        "gl_DepthRange",
+        "gl_LightSource",
+        "gl_FrontMaterial",
+        "gl_BackMaterial",
+        "gl_Point",
     ];
     names.contains(&name) || starts.iter().any(|s| name.starts_with(s))
 }

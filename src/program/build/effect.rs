@@ -56,7 +56,11 @@ impl Fun<'_, '_> {
         }
         if !self.build.is_atomic(place.host) {
             let message = format!("`{name}` on this variable");
-            return Err(self.build.unsupported(span, message, "use an `int` or `uint` of a block or a shared variable"));
+            return Err(self.build.unsupported(
+                span,
+                message,
+                "use an `int` or `uint` of a block or a shared variable",
+            ));
         }
         let unknown = || format!("the function `{name}`");
         let (Some(&value), true) = (values.last(), ty.scalar().is_some_and(ScalarType::is_integer)) else {

@@ -61,15 +61,16 @@ impl Build<'_> {
         let stage = match self.shader.stage() {
             Stage::Vertex => ShaderStage::Vertex,
             Stage::Fragment => ShaderStage::Fragment,
-            Stage::Geometry
-            | Stage::Compute
-            | Stage::Library
-            | Stage::TessControl
-            | Stage::TessEvaluation => ShaderStage::Compute,
+            Stage::Geometry | Stage::Compute | Stage::Library | Stage::TessControl | Stage::TessEvaluation => {
+                ShaderStage::Compute
+            }
         };
-        let early = self.shader.interface().stage_layouts.iter().any(|l| {
-            l.qualifiers.layout_entry("early_fragment_tests").is_some()
-        });
+        let early = self
+            .shader
+            .interface()
+            .stage_layouts
+            .iter()
+            .any(|l| l.qualifiers.layout_entry("early_fragment_tests").is_some());
         self.module.entry_points.push(EntryPoint {
             name: "main".to_owned(),
             stage,

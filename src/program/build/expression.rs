@@ -157,11 +157,8 @@ impl Fun<'_, '_> {
             return Ok(Val { e, ty: Type::BOOL });
         }
         let place = self.spill(&left)?;
-        let condition = if and {
-            left.e
-        } else {
-            self.add(Expression::Unary { op: UnaryOperator::LogicalNot, expr: left.e })
-        };
+        let condition =
+            if and { left.e } else { self.add(Expression::Unary { op: UnaryOperator::LogicalNot, expr: left.e }) };
         self.branch(
             condition,
             |f| {

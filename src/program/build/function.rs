@@ -152,10 +152,6 @@ impl<'b, 's> Fun<'b, 's> {
         self.build.value_type(ty, self.at)
     }
 
-    pub(super) fn u32(&mut self, value: u32) -> Expr {
-        self.add(Expression::Literal(Literal::U32(value)))
-    }
-
     pub(super) fn i32(&mut self, value: i32) -> Expr {
         self.add(Expression::Literal(Literal::I32(value)))
     }

@@ -3,9 +3,10 @@
 use naga::{AddressSpace, Expression, GlobalVariable, Handle, Literal, StorageAccess, TypeInner};
 
 use super::function::{Fun, Val};
+use super::image::ImageLayout;
 use super::place::{Place, Var};
 use super::statement::with_length;
-use super::texture::{ImageLayout, Opaque};
+use super::texture::Opaque;
 use super::types::{Layout, has_data};
 use super::{Build, Result};
 use crate::glsl::ast::{Callee, ExprId, ExprKind, Ident, UnaryOp};
@@ -92,10 +93,23 @@ impl<'s> Build<'s> {
 
     fn builtin_length(&self, name: &str) -> Option<u32> {
         Some(match name {
-            "gl_FragData" | "gl_LightSource" | "gl_FrontLightProduct" | "gl_BackLightProduct" | "gl_ClipPlane"
-            | "gl_TextureMatrix" | "gl_TextureMatrixInverse" | "gl_TextureMatrixTranspose"
-            | "gl_TextureMatrixInverseTranspose" | "gl_TextureEnvColor" | "gl_EyePlaneS" | "gl_EyePlaneT"
-            | "gl_EyePlaneR" | "gl_EyePlaneQ" | "gl_ObjectPlaneS" | "gl_ObjectPlaneT" | "gl_ObjectPlaneR"
+            "gl_FragData"
+            | "gl_LightSource"
+            | "gl_FrontLightProduct"
+            | "gl_BackLightProduct"
+            | "gl_ClipPlane"
+            | "gl_TextureMatrix"
+            | "gl_TextureMatrixInverse"
+            | "gl_TextureMatrixTranspose"
+            | "gl_TextureMatrixInverseTranspose"
+            | "gl_TextureEnvColor"
+            | "gl_EyePlaneS"
+            | "gl_EyePlaneT"
+            | "gl_EyePlaneR"
+            | "gl_EyePlaneQ"
+            | "gl_ObjectPlaneS"
+            | "gl_ObjectPlaneT"
+            | "gl_ObjectPlaneR"
             | "gl_ObjectPlaneQ" => 8,
             "gl_SampleMask" | "gl_SampleMaskIn" => 1,
             "gl_in" => self.shader.interface().geometry.input.map(|p| p.value.vertices())?,
@@ -132,7 +146,12 @@ impl<'s> Build<'s> {
     }
 
     /// Adds a variable without a binding.
-    pub(super) fn variable(&mut self, name: &str, space: AddressSpace, ty: Handle<naga::Type>) -> Handle<GlobalVariable> {
+    pub(super) fn variable(
+        &mut self,
+        name: &str,
+        space: AddressSpace,
+        ty: Handle<naga::Type>,
+    ) -> Handle<GlobalVariable> {
         super::super::capture::add_global(&mut self.module, name, space, None, ty)
     }
 
@@ -349,7 +368,9 @@ impl<'s> Build<'s> {
         }
         let Type::Struct(s) = &ty else { return Ok(()) };
         for member in &block.members {
-            let (Some(symbol), Some(index)) = (member.symbol, Self::member_index(s, &member.name.name)) else { continue };
+            let (Some(symbol), Some(index)) = (member.symbol, Self::member_index(s, &member.name.name)) else {
+                continue;
+            };
             let field = s.fields.iter().find(|f| f.name == member.name.name);
             let ty = field.map_or(Type::Error, |f| f.ty.clone());
             self.globals.insert(symbol, Global::Member { handle, index, ty });
@@ -398,9 +419,7 @@ impl<'s> Build<'s> {
             TypeInner::Scalar(s) if matches!(s.kind, naga::ScalarKind::Sint | naga::ScalarKind::Uint) => {
                 TypeInner::Atomic(s)
             }
-            TypeInner::Array { base, size, stride } => {
-                TypeInner::Array { base: self.atomic_type(base), size, stride }
-            }
+            TypeInner::Array { base, size, stride } => TypeInner::Array { base: self.atomic_type(base), size, stride },
             TypeInner::Struct { mut members, span } => {
                 for member in &mut members {
                     member.ty = self.atomic_type(member.ty);

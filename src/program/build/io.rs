@@ -183,8 +183,11 @@ impl<'s> Build<'s> {
         let start = u32::try_from(self.incoming.len()).unwrap_or(0);
         for (k, (inner, leaf)) in leaves.into_iter().enumerate() {
             let binding = self.location(&leaf, first + u32::try_from(k).unwrap_or(0), true, qualifiers);
-            let argument =
-                FunctionArgument { name: Some(name.to_owned()), ty: self.value_type(&leaf, span)?, binding: Some(binding) };
+            let argument = FunctionArgument {
+                name: Some(name.to_owned()),
+                ty: self.value_type(&leaf, span)?,
+                binding: Some(binding),
+            };
             let path = [path, &inner].concat();
             self.incoming.push(Incoming { argument, to: handle, path, ty: leaf });
         }
@@ -234,13 +237,26 @@ impl<'s> Build<'s> {
     }
 
     /// An output that is a built-in value.
-    pub(super) fn built_in_output(&mut self, name: &str, ty: &Type, handle: Handle<GlobalVariable>, path: Vec<u32>, built_in: naga::BuiltIn) {
+    pub(super) fn built_in_output(
+        &mut self,
+        name: &str,
+        ty: &Type,
+        handle: Handle<GlobalVariable>,
+        path: Vec<u32>,
+        built_in: naga::BuiltIn,
+    ) {
         let binding = Binding::BuiltIn(built_in);
         self.outgoing.push(Outgoing { name: name.to_owned(), binding, from: handle, path, ty: ty.clone() });
     }
 
     /// Ports of an output variable.
-    pub(super) fn port_out(&mut self, name: &str, ty: &Type, handle: Handle<GlobalVariable>, span: Span) -> Result<Vec<Port>> {
+    pub(super) fn port_out(
+        &mut self,
+        name: &str,
+        ty: &Type,
+        handle: Handle<GlobalVariable>,
+        span: Span,
+    ) -> Result<Vec<Port>> {
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
         parts(name, ty, &[], &mut found, &mut unfed);
         let mut ports = Vec::new();
@@ -257,7 +273,12 @@ impl<'s> Build<'s> {
     fn at(&self, handle: Handle<GlobalVariable>, path: &[u32]) -> PortAt {
         match path {
             [] => PortAt::Global(handle),
-            [index] if matches!(self.module.types[self.module.global_variables[handle].ty].inner, TypeInner::Struct { .. }) => {
+            [index]
+                if matches!(
+                    self.module.types[self.module.global_variables[handle].ty].inner,
+                    TypeInner::Struct { .. }
+                ) =>
+            {
                 PortAt::Member(handle, *index)
             }
             _ => PortAt::Part { global: handle, path: path.to_vec() },
@@ -312,7 +333,8 @@ impl<'s> Build<'s> {
     fn declarator_location(&self, v: &interface::Variable) -> Option<u32> {
         let first = self.written(&v.qualifiers, "location")?;
         let interface = self.shader.interface();
-        let before = interface.inputs.iter().chain(&interface.outputs).filter(|o| o.item == v.item && o.position < v.position);
+        let before =
+            interface.inputs.iter().chain(&interface.outputs).filter(|o| o.item == v.item && o.position < v.position);
         Some(first + before.map(|o| u32::try_from(leaves(&o.ty).len()).unwrap_or(1)).sum::<u32>())
     }
 
@@ -357,25 +379,47 @@ impl<'s> Build<'s> {
         Ok(())
     }
 
-    pub(super) fn block_input(&mut self, index: usize, handle: Handle<GlobalVariable>, prefix: &str, ty: &Type) -> Result<()> {
+    pub(super) fn block_input(
+        &mut self,
+        index: usize,
+        handle: Handle<GlobalVariable>,
+        prefix: &str,
+        ty: &Type,
+    ) -> Result<()> {
         let block = &self.shader.interface().blocks[index];
         if self.is_geometry() {
             return self.vertices(prefix, ty, handle, block.name.span);
         }
-        self.each_member(index, ty, |b, member, path, name, ty, first| {
-            let qualifiers = [&block.qualifiers, &member.qualifiers];
-            b.located_input(&name, &ty, (handle, &path), first, &qualifiers, member.name.span)
-        }, prefix)
+        self.each_member(
+            index,
+            ty,
+            |b, member, path, name, ty, first| {
+                let qualifiers = [&block.qualifiers, &member.qualifiers];
+                b.located_input(&name, &ty, (handle, &path), first, &qualifiers, member.name.span)
+            },
+            prefix,
+        )
     }
 
-    pub(super) fn block_output(&mut self, index: usize, handle: Handle<GlobalVariable>, prefix: &str, ty: &Type) -> Result<()> {
+    pub(super) fn block_output(
+        &mut self,
+        index: usize,
+        handle: Handle<GlobalVariable>,
+        prefix: &str,
+        ty: &Type,
+    ) -> Result<()> {
         let block = &self.shader.interface().blocks[index];
         if !self.is_geometry() {
-            self.each_member(index, ty, |b, member, path, name, ty, first| {
-                let qualifiers = [&block.qualifiers, &member.qualifiers];
-                b.located_output(&name, &ty, (handle, &path), first, &qualifiers);
-                Ok(())
-            }, prefix)?;
+            self.each_member(
+                index,
+                ty,
+                |b, member, path, name, ty, first| {
+                    let qualifiers = [&block.qualifiers, &member.qualifiers];
+                    b.located_output(&name, &ty, (handle, &path), first, &qualifiers);
+                    Ok(())
+                },
+                prefix,
+            )?;
         }
         let ports = self.port_out(prefix, ty, handle, block.name.span)?;
         self.outputs.extend(ports);

@@ -124,7 +124,10 @@ impl Fun<'_, '_> {
             let words = name.starts_with("unpack") || name == "bitfieldReverse";
             let values = if whole || words { values } else { self.floating(values)? };
             let e = self.math(fun, &[values[0].e]);
-            return Ok(Val { e, ty: if ty.is_error() { values[0].ty.clone() } else { self.kept(ty, &values[0].ty, name) } });
+            return Ok(Val {
+                e,
+                ty: if ty.is_error() { values[0].ty.clone() } else { self.kept(ty, &values[0].ty, name) },
+            });
         }
         let fun = match name {
             "min" => Some(M::Min),
@@ -410,7 +413,8 @@ impl Fun<'_, '_> {
             "uaddCarry" | "usubBorrow" => {
                 let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
                 let target = self.target(args[2])?;
-                let (op, compare) = if name == "uaddCarry" { (B::Add, (None, x.e)) } else { (B::Subtract, (Some(x.e), y.e)) };
+                let (op, compare) =
+                    if name == "uaddCarry" { (B::Add, (None, x.e)) } else { (B::Subtract, (Some(x.e), y.e)) };
                 let result = self.op(op, x.e, y.e);
                 // A sum that is smaller than its part has wrapped, and so has x − y where x < y.
                 let over = self.op(B::Less, compare.0.unwrap_or(result), compare.1);

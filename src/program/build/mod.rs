@@ -13,6 +13,7 @@ mod entry;
 mod expression;
 mod function;
 mod global;
+mod image;
 mod io;
 mod math;
 mod operator;
@@ -176,7 +177,11 @@ impl Build<'_> {
             }
             (Target::Stage, Stage::TessControl | Stage::TessEvaluation | Stage::Library) => {
                 let message = format!("a {} shader as a stage", shader.stage().name());
-                Err(self.unsupported(Span::at(0), message, "run one of its functions: `stage = \"function\"` and `entry`"))
+                Err(self.unsupported(
+                    Span::at(0),
+                    message,
+                    "run one of its functions: `stage = \"function\"` and `entry`",
+                ))
             }
         }
     }

@@ -94,9 +94,7 @@ impl Fun<'_, '_> {
             BinaryOp::BitOr => (B::InclusiveOr, false),
             BinaryOp::And => (B::LogicalAnd, false),
             BinaryOp::Or => (B::LogicalOr, false),
-            BinaryOp::Equal | BinaryOp::NotEqual | BinaryOp::Xor | BinaryOp::Shl | BinaryOp::Shr => {
-                (B::Equal, true)
-            }
+            BinaryOp::Equal | BinaryOp::NotEqual | BinaryOp::Xor | BinaryOp::Shl | BinaryOp::Shr => (B::Equal, true),
         };
         if compares {
             let e = self.add(Expression::Binary { op, left: left.e, right: right.e });

@@ -372,8 +372,10 @@ impl Fun<'_, '_> {
             ExprKind::Call { callee: Callee::Type(_), .. } => self.expression(base)?.ty,
             _ => match self.place(base)? {
                 Some(place) => {
-                    if matches!(&self.build.module.types[place.host].inner, TypeInner::Array { size: naga::ArraySize::Dynamic, .. })
-                    {
+                    if matches!(
+                        &self.build.module.types[place.host].inner,
+                        TypeInner::Array { size: naga::ArraySize::Dynamic, .. }
+                    ) {
                         let n = self.add(Expression::ArrayLength(place.ptr));
                         let e = self.add(Expression::As { expr: n, kind: ScalarKind::Sint, convert: Some(4) });
                         return Ok(Val { e, ty: Type::INT });

@@ -70,7 +70,11 @@ impl Build<'_> {
     }
 
     /// A function around another one that sets the variables at file scope first.
-    fn with_initial_values(&mut self, inner: naga::Handle<naga::Function>, name: &str) -> Result<naga::Handle<naga::Function>> {
+    fn with_initial_values(
+        &mut self,
+        inner: naga::Handle<naga::Function>,
+        name: &str,
+    ) -> Result<naga::Handle<naga::Function>> {
         let (arguments, result) = {
             let function = &self.module.functions[inner];
             (function.arguments.clone(), function.result.clone())

@@ -7,7 +7,7 @@ use super::place::Var;
 use super::types::same;
 use super::{Expr, Result};
 use crate::glsl::ast::{Block, Condition, Declaration, ExprId, Stmt, StmtKind};
-use crate::glsl::types::{ArraySize, ScalarType, Type};
+use crate::glsl::types::{ArraySize, Type};
 use crate::glsl::{Const, Stage};
 
 impl Fun<'_, '_> {
@@ -258,9 +258,4 @@ pub(super) fn with_length(ty: &Type, n: u32) -> Type {
         Type::Array(element, ArraySize::Unsized | ArraySize::Unknown) => element.as_ref().clone().array(n),
         _ => ty.clone(),
     }
-}
-
-/// True for the types of which naga has values between stages.
-pub(super) fn passes_between_stages(scalar: ScalarType) -> bool {
-    scalar != ScalarType::Bool
 }

@@ -6,10 +6,11 @@ use naga::{
 };
 
 use super::function::{Fun, Val};
+use super::image::{ImageLayout, storage_format};
 use super::place::{Place, Var};
 use super::{Build, Expr, Result};
 use crate::glsl::Stage;
-use crate::glsl::ast::{ExprId, ExprKind, QualifierKind, Qualifiers};
+use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
 use crate::text::Span;
 
@@ -29,76 +30,11 @@ pub(super) struct Opaque {
     pub image: ImageLayout,
 }
 
-/// What the declaration of an image says.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct ImageLayout {
-    pub format: Option<String>,
-    pub reads: bool,
-    pub writes: bool,
-}
-
-impl ImageLayout {
-    pub(super) fn of(qualifiers: &Qualifiers) -> Self {
-        use crate::glsl::ast::MemoryQualifier as Q;
-        let has = |q| qualifiers.list.iter().any(|k| k.kind == QualifierKind::Memory(q));
-        let known = |name: &str| storage_format(name).is_some();
-        let mut entries = qualifiers.layouts().flat_map(|(entries, _)| entries);
-        let format = entries.find(|e| known(&e.key.name)).map(|e| e.key.name.clone());
-        Self { format, reads: !has(Q::WriteOnly), writes: !has(Q::ReadOnly) }
-    }
-}
-
 /// A texture with its sampler.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Texture {
     pub image: Handle<GlobalVariable>,
     pub sampler: Option<Handle<GlobalVariable>>,
-}
-
-pub(super) fn storage_format(name: &str) -> Option<naga::StorageFormat> {
-    use naga::StorageFormat as F;
-    Some(match name {
-        "rgba32f" => F::Rgba32Float,
-        "rgba16f" => F::Rgba16Float,
-        "rg32f" => F::Rg32Float,
-        "rg16f" => F::Rg16Float,
-        "r11f_g11f_b10f" => F::Rg11b10Ufloat,
-        "r32f" => F::R32Float,
-        "r16f" => F::R16Float,
-        "rgba16" => F::Rgba16Unorm,
-        "rgb10_a2" => F::Rgb10a2Unorm,
-        "rgba8" => F::Rgba8Unorm,
-        "rg16" => F::Rg16Unorm,
-        "rg8" => F::Rg8Unorm,
-        "r16" => F::R16Unorm,
-        "r8" => F::R8Unorm,
-        "rgba16_snorm" => F::Rgba16Snorm,
-        "rgba8_snorm" => F::Rgba8Snorm,
-        "rg16_snorm" => F::Rg16Snorm,
-        "rg8_snorm" => F::Rg8Snorm,
-        "r16_snorm" => F::R16Snorm,
-        "r8_snorm" => F::R8Snorm,
-        "rgba32i" => F::Rgba32Sint,
-        "rgba16i" => F::Rgba16Sint,
-        "rgba8i" => F::Rgba8Sint,
-        "rg32i" => F::Rg32Sint,
-        "rg16i" => F::Rg16Sint,
-        "rg8i" => F::Rg8Sint,
-        "r32i" => F::R32Sint,
-        "r16i" => F::R16Sint,
-        "r8i" => F::R8Sint,
-        "rgba32ui" => F::Rgba32Uint,
-        "rgba16ui" => F::Rgba16Uint,
-        "rgb10_a2ui" => F::Rgb10a2Uint,
-        "rgba8ui" => F::Rgba8Uint,
-        "rg32ui" => F::Rg32Uint,
-        "rg16ui" => F::Rg16Uint,
-        "rg8ui" => F::Rg8Uint,
-        "r32ui" => F::R32Uint,
-        "r16ui" => F::R16Uint,
-        "r8ui" => F::R8Uint,
-        _ => return None,
-    })
 }
 
 fn kind(scalar: ScalarType) -> ScalarKind {
@@ -286,7 +222,7 @@ impl Fun<'_, '_> {
         self.cast(Val { e, ty: Type::UINT }, ScalarType::Uint, ScalarType::Int)
     }
 
-    fn size(&mut self, ty: OpaqueType, image: Expr, level: Option<Val>) -> Result<Val> {
+    pub(super) fn size(&mut self, ty: OpaqueType, image: Expr, level: Option<Val>) -> Result<Val> {
         let n = match ty.dim {
             TextureDim::Cube => 2,
             _ => ty.coordinates(),
@@ -305,7 +241,7 @@ impl Fun<'_, '_> {
     }
 
     /// The coordinates of a texel, and its layer.
-    fn texel(&mut self, ty: OpaqueType, at: &Val) -> Result<(Val, Option<Expr>)> {
+    pub(super) fn texel(&mut self, ty: OpaqueType, at: &Val) -> Result<(Val, Option<Expr>)> {
         let n = ty.coordinates();
         let coordinates = self.swizzle(at, &(0..n).collect::<Vec<_>>())?;
         let layer = if ty.arrayed { Some(self.part(at.e, u32::from(n))) } else { None };
@@ -435,7 +371,8 @@ impl Fun<'_, '_> {
             if let Some(lod) = take(self)? {
                 level = SampleLevel::Exact(lod.e);
             }
-        } else if let Some(Some(bias)) = rest.iter().skip(1 + usize::from(ty.shadow && self.separate(ty))).find(|v| v.is_some())
+        } else if let Some(Some(bias)) =
+            rest.iter().skip(1 + usize::from(ty.shadow && self.separate(ty))).find(|v| v.is_some())
         {
             let bias = floats(self, bias.clone())?;
             if !matches!(level, SampleLevel::Zero) {
@@ -512,8 +449,7 @@ impl Fun<'_, '_> {
             let divisor = self.widened(Val { e: last, ty: Type::FLOAT }, &coordinates.ty);
             let e = self.add(Expression::Binary { op: B::Divide, left: coordinates.e, right: divisor.e });
             coordinates = Val { e, ty: coordinates.ty };
-            reference =
-                reference.map(|r| self.add(Expression::Binary { op: B::Divide, left: r, right: last }));
+            reference = reference.map(|r| self.add(Expression::Binary { op: B::Divide, left: r, right: last }));
         }
         let layer = if ty.arrayed {
             let layer = self.part(at.e, u32::from(n));
@@ -530,39 +466,6 @@ impl Fun<'_, '_> {
             coordinates = Val { e, ty: coordinates.ty };
         }
         Ok(Lookup { ty, image, sampler, at: coordinates, layer, reference })
-    }
-
-    fn image_call(
-        &mut self,
-        name: &str,
-        ty: OpaqueType,
-        image: Expr,
-        rest: &[Option<Val>],
-        span: Span,
-    ) -> Result<Option<Option<Val>>> {
-        let value = |k: usize| rest.get(k).cloned().flatten();
-        match name {
-            "imageSize" => Ok(Some(Some(self.size(ty, image, None)?))),
-            "imageLoad" | "imageStore" => {
-                let Some(at) = value(0) else {
-                    return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate"));
-                };
-                let (at, array_index) = self.texel(ty, &at)?;
-                if name == "imageLoad" {
-                    let load = Expression::ImageLoad { image, coordinate: at.e, array_index, sample: None, level: None };
-                    return Ok(Some(Some(Val { e: self.add(load), ty: Type::Vector(ty.scalar, 4) })));
-                }
-                let Some(value) = value(1) else {
-                    return Err(self.build.unsupported(span, "`imageStore` like this", "give it a value"));
-                };
-                let value = self.convert(value, &Type::Vector(ty.scalar, 4))?;
-                let store =
-                    naga::Statement::ImageStore { image, coordinate: at.e, array_index, value: value.e };
-                self.push(store);
-                Ok(Some(None))
-            }
-            _ => Err(self.build.unsupported(span, format!("`{name}`"), "use a storage buffer")),
-        }
     }
 }
 
@@ -597,7 +500,6 @@ fn offset_argument(name: &str, count: usize) -> Option<usize> {
     };
     (fixed < count).then_some(fixed)
 }
-
 
 #[cfg(test)]
 mod tests {

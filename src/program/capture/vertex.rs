@@ -124,7 +124,8 @@ fn attributes(
     let mut attributes = Vec::new();
     for (i, port) in program.inputs.iter().enumerate() {
         if matches!(port.at, PortAt::Arguments { .. }) {
-            let what = format!("attribute `{}` of type `{}` as one vertex attribute", port.field.name, port.field.shape);
+            let what =
+                format!("attribute `{}` of type `{}` as one vertex attribute", port.field.name, port.field.shape);
             return Err(ProgramError::Unsupported { what });
         }
         let PortAt::Argument(k) = port.at else {
