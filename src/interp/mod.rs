@@ -109,6 +109,10 @@ pub fn author_span(program: &Program, place: &Place) -> Option<crate::text::Span
 /// # Errors
 /// [`InterpError::Unsupported`] for constructs that are not interpreted.
 pub fn compile(program: &Program) -> Result<Executable, InterpError> {
+    if let Some(what) = program.unfed.first() {
+        let what = format!("{what}, which cannot be fed or read");
+        return Err(InterpError::Unsupported { what, span: naga::Span::UNDEFINED });
+    }
     let bindings = |ports: &[Port]| ports.iter().map(Binding::from).collect::<Vec<_>>();
     Executable::compile(&Subject {
         module: &program.module,

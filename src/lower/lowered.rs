@@ -10,6 +10,10 @@ use crate::value::{Field, Shape};
 pub enum Role {
     /// A vertex stage: attributes in, `gl_Position` and varyings out.
     Vertex,
+    /// A fragment stage: interpolated inputs in, colours out.
+    Fragment,
+    /// A compute stage.
+    Compute,
     /// A geometry stage, turned into a function over the vertices of one primitive.
     Geometry(Primitives),
     /// One function of a library: parameters in, `out` parameters and the return value out.

@@ -22,10 +22,15 @@ pub(super) fn parse(lowered: &Lowered) -> Result<(Module, ModuleInfo), ProgramEr
     let module = contain(|| glsl::Frontend::default().parse(&options, text))
         .map_err(|panic| panicked(lowered, &panic))?
         .map_err(|errors| ProgramError::Source(errors.errors.iter().map(|e| parse_error(lowered, e)).collect()))?;
-    let info = contain(|| validator().validate(&module).map_err(Box::new))
-        .map_err(|panic| panicked(lowered, &panic))?
-        .map_err(|error| ProgramError::Source(vec![validation_error(lowered, &module, &error)]))?;
+    let info = validate_lowered(lowered, &module)?;
     Ok((module, info))
+}
+
+/// Validates a module whose spans are those of the lowered text.
+pub(super) fn validate_lowered(lowered: &Lowered, module: &Module) -> Result<ModuleInfo, ProgramError> {
+    contain(|| validator().validate(module).map_err(Box::new))
+        .map_err(|panic| panicked(lowered, &panic))?
+        .map_err(|error| ProgramError::Source(vec![validation_error(lowered, module, &error)]))
 }
 
 fn panicked(lowered: &Lowered, panic: &str) -> ProgramError {

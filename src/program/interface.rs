@@ -53,12 +53,23 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
     };
     // A type that was added for an input changes what the validator knows.
     let info = if matches!(lowered.role, Role::Geometry(_)) { super::validate(&module)? } else { info };
-    Ok(Program { module, info, entry, role: lowered.role.clone(), inputs, uniforms, outputs, built_ins, lowered })
+    Ok(Program {
+        module,
+        info,
+        entry,
+        role: lowered.role.clone(),
+        inputs,
+        uniforms,
+        outputs,
+        built_ins,
+        unfed: Vec::new(),
+        lowered,
+    })
 }
 
 fn entry(module: &Module, role: &Role) -> Result<Entry, ProgramError> {
     match role {
-        Role::Vertex | Role::Geometry(_) => {
+        Role::Vertex | Role::Fragment | Role::Compute | Role::Geometry(_) => {
             if module.entry_points.is_empty() {
                 return Err(ProgramError::internal("the lowered text has no entry point".to_owned()));
             }

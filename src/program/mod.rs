@@ -1,5 +1,6 @@
 //! A program: a naga module with the interface that the author sees and the way back to the text.
 
+mod build;
 mod capture;
 mod contain;
 mod front;
@@ -17,7 +18,8 @@ use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};
 use thiserror::Error;
 
 use crate::diagnostic::Diagnostic;
-use crate::lower::{Lowered, Role};
+use crate::glsl::Shader;
+use crate::lower::{Lowered, Role, Target};
 use crate::value::Field;
 
 pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding};
@@ -74,6 +76,13 @@ pub enum PortAt {
     Argument(u32),
     /// An argument, by reference (`out`, `inout`).
     Reference(u32),
+    /// Several arguments, one for each vector of a matrix or array.
+    Arguments {
+        /// The first one.
+        first: u32,
+        /// How many there are.
+        count: u32,
+    },
     /// The value that the function returns.
     Result,
     /// A member of the structure that the entry point returns.
@@ -82,6 +91,13 @@ pub enum PortAt {
     Global(Handle<GlobalVariable>),
     /// A member of a global structure.
     Member(Handle<GlobalVariable>, u32),
+    /// A part of a global variable, further in.
+    Part {
+        /// The variable.
+        global: Handle<GlobalVariable>,
+        /// Indices of members, elements and columns on the way there.
+        path: Vec<u32>,
+    },
     /// One member of each element of a global array of structures: `gl_in[].gl_Position`.
     Vertices {
         /// The array.
@@ -125,6 +141,8 @@ pub struct Program {
     pub outputs: Vec<Port>,
     /// Built-in arguments of the entry point, by argument index.
     pub built_ins: Vec<(u32, BuiltIn)>,
+    /// What the harness has no way to feed or read: such a program is translated, and not run.
+    pub unfed: Vec<String>,
     /// The lowered text and the way back.
     pub lowered: Lowered,
 }
@@ -139,6 +157,25 @@ impl Program {
         let (module, info) = front::parse(&lowered)?;
         interface::resolve(module, info, lowered)
     }
+
+    /// Builds a program out of the syntax tree, in whatever version it is written, without naga's reader.
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] for what naga cannot express, at its place in the author's text.
+    pub fn build(shader: &Shader, target: &Target) -> Result<Self, ProgramError> {
+        build::program(shader, target)
+    }
+
+    /// Refuses a program that takes or gives what the harness cannot pass.
+    ///
+    /// # Errors
+    /// [`ProgramError::Unsupported`] with the name of what cannot be passed.
+    pub fn check_fed(&self) -> Result<(), ProgramError> {
+        match self.unfed.first() {
+            Some(what) => Err(ProgramError::Unsupported { what: format!("{what} cannot be fed or read") }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Validates a module that a pass of our own made.
@@ -149,5 +186,5 @@ pub(crate) fn validate(module: &Module) -> Result<ModuleInfo, ProgramError> {
 }
 
 pub(crate) fn validator() -> Validator {
-    Validator::new(ValidationFlags::all(), Capabilities::default() | Capabilities::CLIP_DISTANCES)
+    Validator::new(ValidationFlags::all(), Capabilities::all())
 }

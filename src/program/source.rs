@@ -25,6 +25,9 @@ impl Program {
             return Err(ProgramError::Source(errors));
         }
         let target = target(&parsed.shader)?;
+        if target == Target::Stage && matches!(stage, Stage::Fragment | Stage::Compute) {
+            return Self::build(&parsed.shader, &target);
+        }
         Self::new(lower(&parsed.shader, &target).map_err(ProgramError::Source)?)
     }
 }

@@ -142,6 +142,8 @@ impl Program {
                 let (module, info) = padded.as_ref().map_or((&self.module, &self.info), |(m, i)| (m, i));
                 translate(module, info, ShaderStage::Vertex, language)
             }
+            Role::Fragment => translate(&self.module, &self.info, ShaderStage::Fragment, language),
+            Role::Compute => translate(&self.module, &self.info, ShaderStage::Compute, language),
             Role::Geometry(_) | Role::Function { .. } => {
                 let mut module = self.compute_kernel()?.module;
                 // What the kernel has taken over is left without use, `main` of a library for one.
@@ -260,7 +262,11 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
             naga::front::wgsl::parse_str(text).map(Some).map_err(|e| e.emit_to_string(text))
         }
         (Translation::Text(text), Language::Glsl450) => {
-            let stage = if *role == Role::Vertex { ShaderStage::Vertex } else { ShaderStage::Compute };
+            let stage = match role {
+                Role::Vertex => ShaderStage::Vertex,
+                Role::Fragment => ShaderStage::Fragment,
+                Role::Compute | Role::Geometry(_) | Role::Function { .. } => ShaderStage::Compute,
+            };
             let options = naga::front::glsl::Options::from(stage);
             // naga writes the names of OpenGL, and reads those of Vulkan alone.
             let text = &text.replace("gl_VertexID", "gl_VertexIndex").replace("gl_InstanceID", "gl_InstanceIndex");

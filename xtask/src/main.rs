@@ -28,6 +28,10 @@ usage: cargo xtask <task> [arguments]
   soundness [--samples N] [--seed N]
                     judge devices that err as far as they may, 100 million samples unless told
                     otherwise; status 1 when one of them is accused
+  survey FOLDER... [--list REASON] [--tree] [--every N]
+                    how many shaders of some folders reach a valid module, by version and stage, and what
+                    stops the others; --list names the files that REASON stops, --tree leaves out the
+                    lowering in place, --every takes one file in N
 
 Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
 may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.
@@ -53,6 +57,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),
         Some("bench") => tasks::bench(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
+        Some("survey") if !rest.is_empty() => tasks::survey(&rest),
         Some("help" | "--help" | "-h") => {
             io::stdout().write_all(USAGE.as_bytes())?;
             Ok(0)
@@ -95,7 +100,7 @@ mod tests {
 
     #[test]
     fn usage_names_every_task() {
-        for task in ["check", "test", "tidy", "bench", "soundness"] {
+        for task in ["check", "test", "tidy", "bench", "soundness", "survey"] {
             assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
         }
     }

@@ -94,6 +94,13 @@ pub fn soundness(arguments: &[OsString]) -> Result<u8> {
     status(cargo(run).args(arguments))
 }
 
+/// Prints how many shaders of some folders reach a valid module, and what stops the others.
+pub fn survey(arguments: &[OsString]) -> Result<u8> {
+    // The profile of development is optimised, and most often built already.
+    let run = ["bench", "--quiet", "--profile", "dev", "--package", "shadercheck", "--bench", "survey", "--"];
+    status(cargo(run).args(arguments))
+}
+
 fn complain(lines: &[String], messages: &mut dyn Write) -> Result<u8> {
     for line in lines {
         writeln!(messages, "xtask: {line}")?;

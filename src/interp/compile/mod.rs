@@ -245,6 +245,15 @@ impl<'m> Compiler<'m> {
                 *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Pointer(pointer));
                 Ok(slots.to_vec())
             }
+            PortAt::Arguments { first, count } => {
+                let slots = self.variable(binding.ty, naga::Span::UNDEFINED)?;
+                let each = slots.len() / (count as usize).max(1);
+                for (k, part) in slots.chunks(each.max(1)).enumerate() {
+                    *arguments.get_mut(first as usize + k).ok_or_else(strange)? = Some(Value::Slots(part.into()));
+                }
+                Ok(slots.to_vec())
+            }
+            PortAt::Part { global, ref path } => self.part_of(global, path).ok_or_else(strange)?,
             PortAt::Global(global) => Ok(self.global(global)?.to_vec()),
             PortAt::Member(global, member) => {
                 let slots = self.global(global)?;
@@ -263,6 +272,27 @@ impl<'m> Compiler<'m> {
             }
             PortAt::Result | PortAt::ResultMember(_) => Err(strange()),
         }
+    }
+
+    /// The registers of a part of a global variable.
+    fn part_of(&mut self, global: Handle<GlobalVariable>, path: &[u32]) -> Option<Result<Vec<Slot>, InterpError>> {
+        let slots = match self.global(global) {
+            Ok(slots) => slots,
+            Err(error) => return Some(Err(error)),
+        };
+        let mut ty = self.module.global_variables[global].ty;
+        let (mut start, mut count) = (0, slots.len());
+        for &index in path {
+            let inner = &self.module.types[ty].inner;
+            let (at, len) = types::part(self.module, inner, index)?;
+            (start, count) = (start + at, len);
+            ty = match inner {
+                naga::TypeInner::Struct { members, .. } => members.get(index as usize)?.ty,
+                naga::TypeInner::Array { base, .. } => *base,
+                _ => return None,
+            };
+        }
+        Some(Ok(slots[start..start + count].to_vec()))
     }
 
     /// The registers in which an output lies in the end.
@@ -302,7 +332,9 @@ impl<'m> Compiler<'m> {
                 (slots.to_vec(), true)
             }
             PortAt::Global(global) => (self.global(global)?.to_vec(), true),
-            PortAt::Argument(_) | PortAt::Member(..) | PortAt::Vertices { .. } => return Err(strange()),
+            PortAt::Member(global, member) => (self.part_of(global, &[member]).ok_or_else(strange)??, true),
+            PortAt::Part { global, ref path } => (self.part_of(global, path).ok_or_else(strange)??, true),
+            PortAt::Argument(_) | PortAt::Arguments { .. } | PortAt::Vertices { .. } => return Err(strange()),
         };
         if let Some(backing) = binding.backing {
             let backing = self.global(backing)?;
@@ -340,7 +372,9 @@ impl<'m> Compiler<'m> {
             AddressSpace::Private | AddressSpace::Function => {}
             AddressSpace::Uniform => {
                 let fed = self.subject.uniforms.iter().any(|binding| match binding.at {
-                    PortAt::Global(global) | PortAt::Member(global, _) => global == handle,
+                    PortAt::Global(global) | PortAt::Member(global, _) | PortAt::Part { global, .. } => {
+                        global == handle
+                    }
                     _ => false,
                 });
                 if !fed {

@@ -72,6 +72,7 @@ pub(super) fn as_function(program: &Program, module: &mut Module) -> Handle<naga
 }
 
 pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
+    program.check_fed()?;
     let mut module = program.module.clone();
     let layout = program.output_layout();
     for port in program.inputs.iter().chain(&program.uniforms).chain(&program.outputs) {
@@ -89,7 +90,7 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
     // Uniforms become private variables, filled before the call: each invocation has its own.
     for port in &program.uniforms {
         let global = match port.at {
-            PortAt::Global(global) | PortAt::Member(global, _) => global,
+            PortAt::Global(global) | PortAt::Member(global, _) | PortAt::Part { global, .. } => global,
             ref other => return Err(ProgramError::internal(format!("uniform at {other:?}"))),
         };
         let variable = &mut module.global_variables[global];
@@ -98,7 +99,7 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
     }
     let emission = match program.role {
         Role::Geometry(primitives) => Some(geometry::Emission::insert(program, &mut module, &harness, primitives)?),
-        Role::Vertex | Role::Function { .. } => None,
+        Role::Vertex | Role::Fragment | Role::Compute | Role::Function { .. } => None,
     };
     let function = as_function(program, &mut module);
     let direct = Direct::insert(program, &mut module, &harness);
@@ -135,6 +136,12 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
                 };
                 match port.at {
                     PortAt::Argument(k) => arguments[k as usize] = Some(value),
+                    PortAt::Arguments { first, count } => {
+                        let parts = vectors(b, &module, port.ty, value);
+                        for (slot, part) in arguments[first as usize..][..count as usize].iter_mut().zip(parts) {
+                            *slot = Some(part);
+                        }
+                    }
                     PortAt::Reference(k) => {
                         let local = b.local(&port.field.name, port.ty);
                         b.store(local, value);
@@ -157,7 +164,10 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
             arguments[k as usize] = Some(match built_in {
                 BuiltIn::VertexIndex => index,
                 // Instances are not drawn: the first one is meant.
-                _ => b.u32(0),
+                _ => {
+                    let ty = module.functions[function].arguments[k as usize].ty;
+                    b.name(Expression::ZeroValue(ty))
+                }
             });
         }
         let record = scaled(b, index, layout.words());
@@ -235,6 +245,10 @@ pub(super) fn canary(b: &mut Builder, harness: &Harness, index: Expr) -> Expr {
 /// Writes a value to where a port lies in global variables.
 fn put(b: &mut Builder, at: &PortAt, value: Expr) {
     match *at {
+        PortAt::Part { global, ref path } => {
+            let pointer = reach(b, global, path);
+            b.store(pointer, value);
+        }
         PortAt::Global(global) => {
             let pointer = b.global(global);
             b.store(pointer, value);
@@ -254,22 +268,45 @@ fn put(b: &mut Builder, at: &PortAt, value: Expr) {
             }
         }
         // Arguments and results are handled where the call is made.
-        PortAt::Argument(_) | PortAt::Reference(_) | PortAt::Result | PortAt::ResultMember(_) => {}
+        PortAt::Argument(_)
+        | PortAt::Arguments { .. }
+        | PortAt::Reference(_)
+        | PortAt::Result
+        | PortAt::ResultMember(_) => {}
     }
+}
+
+/// A pointer to a part of a global variable.
+fn reach(b: &mut Builder, global: Handle<GlobalVariable>, path: &[u32]) -> Expr {
+    path.iter().fold(b.global(global), |pointer, &k| b.member(pointer, k))
+}
+
+/// The vectors and numbers of a value, in order.
+fn vectors(b: &mut Builder, module: &Module, ty: Handle<naga::Type>, value: Expr) -> Vec<Expr> {
+    use naga::TypeInner;
+    let (count, part) = match module.types[ty].inner {
+        TypeInner::Matrix { columns, .. } => return (0..columns as u32).map(|k| b.member(value, k)).collect(),
+        TypeInner::Array { base, size: naga::ArraySize::Constant(len), .. } => (len.get(), base),
+        _ => return vec![value],
+    };
+    let elements: Vec<Expr> = (0..count).map(|k| b.member(value, k)).collect();
+    elements.into_iter().flat_map(|element| vectors(b, module, part, element)).collect()
 }
 
 /// Fills the global variables that stand for outputs with the sentinel, so that an output that the
 /// shader does not write shows.
 pub(super) fn poison(b: &mut Builder, harness: &Harness, program: &Program, module: &Module) {
     for port in program.outputs.iter().filter(|port| !Direct::writes(port)) {
-        let global = match port.at {
-            PortAt::Global(global) => Some(global),
-            _ => port.backing,
+        let (global, path) = match &port.at {
+            PortAt::Global(global) => (Some(*global), Vec::new()),
+            PortAt::Member(global, member) => (Some(*global), vec![*member]),
+            PortAt::Part { global, path } => (Some(*global), path.clone()),
+            _ => (port.backing, Vec::new()),
         };
         let Some(global) = global else { continue };
         let word = param(b, harness, SENTINEL);
         if let Some(value) = filled(b, module, port.ty, word) {
-            let pointer = b.global(global);
+            let pointer = reach(b, global, &path);
             b.store(pointer, value);
         }
     }
@@ -318,6 +355,14 @@ pub(super) fn store_outputs(
             }
             (PortAt::Global(global), _) if !Direct::writes(port) => {
                 let pointer = b.global(*global);
+                b.load(pointer)
+            }
+            (PortAt::Member(global, member), _) => {
+                let pointer = reach(b, *global, &[*member]);
+                b.load(pointer)
+            }
+            (PortAt::Part { global, path }, _) => {
+                let pointer = reach(b, *global, path);
                 b.load(pointer)
             }
             // A trace stands there already. `Program` places outputs nowhere else; a slot left out is

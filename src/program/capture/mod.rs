@@ -141,7 +141,10 @@ impl Program {
     pub fn output_layout(&self) -> OutputLayout {
         let max_vertices = match self.role {
             crate::lower::Role::Geometry(primitives) => Some(primitives.max_vertices),
-            crate::lower::Role::Vertex | crate::lower::Role::Function { .. } => None,
+            crate::lower::Role::Vertex
+            | crate::lower::Role::Fragment
+            | crate::lower::Role::Compute
+            | crate::lower::Role::Function { .. } => None,
         };
         OutputLayout { vertex: Arc::new(record(self.outputs.iter().map(|p| &p.field))), max_vertices }
     }

@@ -48,6 +48,7 @@ pub struct UniformSlot {
 }
 
 pub(super) fn kernel(program: &Program, components: &[u8]) -> Result<Kernel, ProgramError> {
+    program.check_fed()?;
     let Role::Vertex = program.role else {
         return Err(ProgramError::Unsupported { what: "only a vertex stage runs as a vertex stage".to_owned() });
     };
@@ -122,6 +123,11 @@ fn attributes(
 ) -> Result<Vec<Attribute>, ProgramError> {
     let mut attributes = Vec::new();
     for (i, port) in program.inputs.iter().enumerate() {
+        if matches!(port.at, PortAt::Arguments { .. }) {
+            let what =
+                format!("attribute `{}` of type `{}` as one vertex attribute", port.field.name, port.field.shape);
+            return Err(ProgramError::Unsupported { what });
+        }
         let PortAt::Argument(k) = port.at else {
             return Err(ProgramError::internal(format!("attribute at {:?}", port.at)));
         };
@@ -155,6 +161,7 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
                 };
                 (global, members[member as usize].offset)
             }
+            PortAt::Part { global, ref path } => (global, offset_of(module, module.global_variables[global].ty, path)),
             ref other => return Err(ProgramError::internal(format!("uniform at {other:?}"))),
         };
         let at = blocks.iter().position(|(g, _)| *g == global).unwrap_or_else(|| {
@@ -174,4 +181,18 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
         variable.binding = Some(ResourceBinding { group: 1, binding: k as u32 });
     }
     Ok(blocks.into_iter().map(|(_, block)| block).collect())
+}
+
+/// Where a part of a variable begins, in bytes.
+fn offset_of(module: &Module, ty: Handle<naga::Type>, path: &[u32]) -> u32 {
+    let Some((&index, rest)) = path.split_first() else { return 0 };
+    match &module.types[ty].inner {
+        TypeInner::Struct { members, .. } => {
+            let member = &members[index as usize];
+            member.offset + offset_of(module, member.ty, rest)
+        }
+        TypeInner::Array { base, stride, .. } => index * stride + offset_of(module, *base, rest),
+        // Parts smaller than a vector or matrix are not fed by themselves.
+        _ => 0,
+    }
 }

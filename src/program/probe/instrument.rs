@@ -49,7 +49,7 @@ pub(super) fn probed(program: &Program, words: u32) -> Result<Probed, ProgramErr
     }
     match program.role {
         Role::Geometry(_) => flatten(&mut probed, &mut points, store)?,
-        Role::Vertex | Role::Function { .. } => {
+        Role::Vertex | Role::Fragment | Role::Compute | Role::Function { .. } => {
             let function = match program.entry {
                 Entry::Point(index) => &mut probed.module.entry_points[index].function,
                 Entry::Function(handle) => &mut probed.module.functions[handle],

@@ -119,7 +119,9 @@ impl Search<'_> {
                 }
                 return Ok(Place { name: name.clone(), ty, at: PortAt::Vertices { global, member, count } });
             }
-            PortAt::ResultMember(_) => return Err(format!("`{name}` lies at {:?}", port.at)),
+            PortAt::ResultMember(_) | PortAt::Arguments { .. } | PortAt::Part { .. } => {
+                return Err(format!("`{name}` lies at {:?}", port.at));
+            }
         };
         let ty = ty.ok_or_else(|| format!("`{name}` is not there"))?;
         if shape_of(module, ty) != shape_of(&self.program.module, port.ty) {

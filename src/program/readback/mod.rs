@@ -89,6 +89,8 @@ impl Program {
         let info = validate(&module)?;
         let read = match self.role {
             Role::Vertex => stage::resolve(self, language, module, info),
+            // A fragment or compute stage is translated as it is; what it means is not compared.
+            Role::Fragment | Role::Compute => return Ok(None),
             Role::Geometry(_) | Role::Function { .. } => kernel::resolve(self, language, module, info),
         };
         read.map(Some)

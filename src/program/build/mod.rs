@@ -1,0 +1,225 @@
+//! From the typed syntax tree to a naga module, without a detour through text: what GLSL of any version
+//! means is said in naga's own terms, with the author's places.
+//!
+//! Functions are built when they are first called, once for each set of samplers that they get.
+//! Variables of the interface are private variables that the entry point fills and hands on. What naga
+//! cannot express is refused by name, at its place.
+
+mod builtin;
+mod call;
+mod constructor;
+mod effect;
+mod entry;
+mod expression;
+mod function;
+mod global;
+mod image;
+mod io;
+mod math;
+mod operator;
+mod place;
+mod single;
+mod statement;
+mod texture;
+mod types;
+
+use std::collections::HashMap;
+
+use naga::proc::Layouter;
+use naga::{BuiltIn, Expression, Function, GlobalVariable, Handle, Module};
+
+use super::{Entry, Port, Program, ProgramError, contain, front};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::glsl::ast::ExprId;
+use crate::glsl::symbols::{FunctionId, SymbolId};
+use crate::glsl::{Shader, Stage};
+use crate::lower::{INCOMPLETE, Lowered, Primitives, Role, Target, UNSUPPORTED, Variable};
+use crate::text::{Edited, PositionMap, Span};
+
+type Expr = Handle<Expression>;
+type Result<T> = std::result::Result<T, Box<Diagnostic>>;
+
+/// A module under construction.
+struct Build<'s> {
+    shader: &'s Shader,
+    module: Module,
+    layouter: Layouter,
+    globals: HashMap<SymbolId, global::Global>,
+    /// Symbols by place and name of their declaration.
+    by_place: HashMap<(usize, String), Vec<SymbolId>>,
+    functions: HashMap<(FunctionId, Vec<String>), Handle<Function>>,
+    /// Functions being built, to find recursion.
+    active: Vec<FunctionId>,
+    emission: HashMap<String, Handle<Function>>,
+    textures: HashMap<String, texture::Texture>,
+    /// Built-in variables that the text does not name.
+    unnamed: HashMap<String, Handle<GlobalVariable>>,
+    next_binding: u32,
+    /// Initial values that are computed when the program starts.
+    initial: Vec<(SymbolId, ExprId)>,
+    incoming: Vec<io::Incoming>,
+    outgoing: Vec<io::Outgoing>,
+    in_locations: io::Locations,
+    out_locations: io::Locations,
+    inputs: Vec<Port>,
+    uniforms: Vec<Port>,
+    built_in_outputs: Vec<Port>,
+    outputs: Vec<Port>,
+    built_ins: Vec<(u32, BuiltIn)>,
+    /// What the harness has no way to feed or read.
+    unfed: Vec<String>,
+    workgroup: [u32; 3],
+}
+
+/// Builds a program out of a shader in which the front end found no error.
+pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<Program, ProgramError> {
+    let mut build = Build {
+        shader,
+        module: Module::default(),
+        layouter: Layouter::default(),
+        globals: HashMap::new(),
+        by_place: HashMap::new(),
+        functions: HashMap::new(),
+        active: Vec::new(),
+        emission: HashMap::new(),
+        textures: HashMap::new(),
+        unnamed: HashMap::new(),
+        next_binding: 0,
+        initial: Vec::new(),
+        incoming: Vec::new(),
+        outgoing: Vec::new(),
+        in_locations: io::Locations::default(),
+        out_locations: io::Locations::default(),
+        inputs: Vec::new(),
+        uniforms: Vec::new(),
+        built_in_outputs: Vec::new(),
+        outputs: Vec::new(),
+        built_ins: Vec::new(),
+        unfed: Vec::new(),
+        workgroup: workgroup(shader),
+    };
+    let built = contain(|| build.run(target))
+        .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
+    let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
+    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, textures, .. } = build;
+    if !textures.is_empty() {
+        unfed.insert(0, "textures and images".to_owned());
+    }
+    let text = shader.file().text();
+    let edited = Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) };
+    let variables = |ports: &[Port]| {
+        let variable = |p: &Port| Variable {
+            name: p.field.name.clone(),
+            shape: p.field.shape,
+            span: place_of(shader, &p.field.name),
+            location: None,
+        };
+        ports.iter().map(variable).collect::<Vec<_>>()
+    };
+    let lowered = Lowered {
+        file: shader.file().clone(),
+        edited,
+        stage: shader.stage(),
+        role: role.clone(),
+        inputs: variables(&inputs),
+        uniforms: variables(&uniforms),
+        outputs: variables(&outputs),
+    };
+    let info = front::validate_lowered(&lowered, &module)?;
+    Ok(Program { module, info, entry, role, inputs, uniforms, outputs, built_ins, unfed, lowered })
+}
+
+/// Where a variable of that name is declared.
+fn place_of(shader: &Shader, name: &str) -> Span {
+    let root = name.split(['.', '[']).next().unwrap_or(name);
+    let found = shader.interface().variables().find(|v| v.name == root).map(|v| v.name_span);
+    found.unwrap_or_default()
+}
+
+fn workgroup(shader: &Shader) -> [u32; 3] {
+    let entry = |key: &str| {
+        let layouts = &shader.interface().stage_layouts;
+        let value = layouts.iter().find_map(|l| l.qualifiers.layout_entry(key))?.value?;
+        u32::try_from(shader.fold(value)?.as_integer()?).ok()
+    };
+    ["local_size_x", "local_size_y", "local_size_z"].map(|key| entry(key).unwrap_or(1))
+}
+
+fn naga_span(span: Span) -> naga::Span {
+    let part = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    naga::Span::new(part(span.start), part(span.end))
+}
+
+impl Build<'_> {
+    fn run(&mut self, target: &Target) -> Result<(Entry, Role)> {
+        let shader = self.shader;
+        self.reserve_locations();
+        self.declare()?;
+        match (target, shader.stage()) {
+            (Target::Function(name), _) => self.single(name),
+            (Target::Stage, Stage::Vertex | Stage::Fragment | Stage::Compute | Stage::Geometry) => {
+                let role = match shader.stage() {
+                    Stage::Vertex => Role::Vertex,
+                    Stage::Fragment => Role::Fragment,
+                    Stage::Geometry => Role::Geometry(self.primitives()?),
+                    _ => Role::Compute,
+                };
+                if matches!(role, Role::Geometry(_)) {
+                    self.emission("EmitVertex");
+                    self.emission("EndPrimitive");
+                }
+                let mut mains = shader.functions().filter(|(_, f)| f.name.name == "main" && f.definition.is_some());
+                let Some((main, _)) = mains.next() else {
+                    return Err(self.incomplete(Span::at(0), "there is no `main`", "write it, or choose a function"));
+                };
+                self.entry(main)?;
+                Ok((Entry::Point(0), role))
+            }
+            (Target::Stage, Stage::TessControl | Stage::TessEvaluation | Stage::Library) => {
+                let message = format!("a {} shader as a stage", shader.stage().name());
+                Err(self.unsupported(
+                    Span::at(0),
+                    message,
+                    "run one of its functions: `stage = \"function\"` and `entry`",
+                ))
+            }
+        }
+    }
+
+    fn primitives(&mut self) -> Result<Primitives> {
+        let layout = &self.shader.interface().geometry;
+        let all = layout.input.zip(layout.output).zip(layout.max_vertices);
+        let Some(((input, output), max)) = all else {
+            let help = "write `layout(triangles) in;` and `layout(triangle_strip, max_vertices = N) out;`";
+            return Err(self.incomplete(Span::at(0), "the geometry shader has no layout", help));
+        };
+        // Invocations run one after the other, and all that they emit comes out.
+        let most = max.value.saturating_mul(layout.invocations.map_or(1, |n| n.value));
+        Ok(Primitives { input: input.value, output: output.value, max_vertices: most })
+    }
+
+    /// A function that capture fills in.
+    fn emission(&mut self, name: &str) -> Handle<Function> {
+        if let Some(&handle) = self.emission.get(name) {
+            return handle;
+        }
+        let mut body = naga::Block::new();
+        body.push(naga::Statement::Return { value: None }, naga::Span::UNDEFINED);
+        let function = Function { name: Some(name.to_owned()), body, ..Function::default() };
+        let handle = self.module.functions.append(function, naga::Span::UNDEFINED);
+        self.emission.insert(name.to_owned(), handle);
+        handle
+    }
+
+    fn unsupported(&self, span: Span, what: impl Into<String>, help: &str) -> Box<Diagnostic> {
+        let what: String = what.into();
+        let message = format!("{what} cannot be expressed by the translator");
+        Box::new(Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message).with_help(help))
+    }
+
+    fn incomplete(&self, span: Span, message: &str, help: &str) -> Box<Diagnostic> {
+        Box::new(
+            Diagnostic::new(INCOMPLETE, Severity::Error, self.shader.file(), span, message.to_owned()).with_help(help),
+        )
+    }
+}
