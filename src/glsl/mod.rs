@@ -8,6 +8,7 @@ mod check;
 mod constructor;
 pub mod errors;
 mod fold;
+pub mod include;
 pub mod interface;
 mod language;
 mod lexer;

@@ -2,7 +2,7 @@
 
 use super::Tape;
 use super::arena::{Id, Kind};
-use crate::bound::profile::grid::MIN_NORMAL;
+use crate::bound::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use crate::interp::LANES;
 
 impl Tape<'_> {
@@ -66,6 +66,7 @@ impl Tape<'_> {
         }
         *self.arena.roundings.get_mut(terms) = term;
         if kind.is_polynomial() {
+            let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
             let (size, radius) = (self.arena.size.get(at), self.arena.radius.get_mut(at));
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
@@ -75,10 +76,33 @@ impl Tape<'_> {
                 let relative = count * unit;
                 // γ_n = n·u/(1 − n·u); flushed terms keep their size.
                 own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
+                // The terms themselves may be too large, whatever their sum is.
+                if lost[lane] || size[lane] + own[lane] > MAX_FINITE {
+                    own[lane] = f64::INFINITY;
+                }
                 radius[lane] += own[lane];
             }
             *self.arena.local.get_mut(at) = own;
             self.arena.nodes[at].exact = false;
         }
+    }
+
+    /// In which lanes a sum or product inside of this one leaves the range of binary32: it is too large,
+    /// or a factor that a device may flush to zero. What a regrouped whole errs by does not say that.
+    fn lost_inside(&self, kind: Kind) -> [bool; LANES] {
+        let (parts, factors) = match kind {
+            Kind::Sum { a, b, signs } => (if signs.1 == 0.0 { [a, a] } else { [a, b] }, false),
+            Kind::Product { a, b } => ([a, b], true),
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => return [false; LANES],
+        };
+        let mut lost = [false; LANES];
+        for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
+            let (local, size) = (self.arena.local.get(part as usize), self.arena.size.get(part as usize));
+            for lane in 0..LANES {
+                let small = factors && size[lane] > 0.0 && size[lane] < MIN_NORMAL;
+                lost[lane] |= local[lane] == f64::INFINITY || small;
+            }
+        }
+        lost
     }
 }
