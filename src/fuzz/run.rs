@@ -301,25 +301,25 @@ fn finding(
 fn message(named: &Named, shown: &str) -> String {
     let op = named.op.map(|op| applied(op, &named.args));
     let by = |what: &str| op.as_ref().map_or_else(String::new, |op| format!(": {op} {what}"));
+    // Where binary64 loses the value on the way, it knows no result either.
+    let known = named.meaning.is_finite();
+    let result = if known { format!("the result is {}, ", decimal(named.meaning)) } else { String::new() };
     let strict = if named.strict.is_nan() { "nan".to_owned() } else { format!("{:?}", named.strict) };
     match named.kind {
         Kind::NoValue if named.value.is_infinite() => format!("`{shown} has no value{}", by("is infinite")),
         Kind::NoValue => format!("`{shown} has no value{}", by("has none")),
         Kind::Infinite => format!("`{shown} is infinite{}", by("is")),
         Kind::Overflow => format!(
-            "overflow on the way to `{shown}{}; the result is {}, binary32 gives {strict}",
-            by("is too large for binary32"),
-            decimal(named.meaning)
+            "overflow on the way to `{shown}{}; {result}binary32 gives {strict}",
+            by("is too large for binary32")
         ),
         Kind::Underflow => format!(
-            "underflow on the way to `{shown}{}; the result is {}, binary32 gives {strict}",
-            by("is too small for binary32"),
-            decimal(named.meaning)
+            "underflow on the way to `{shown}{}; {result}binary32 gives {strict}",
+            by("is too small for binary32")
         ),
         Kind::Lost => format!(
-            "rounding leaves `{shown} without a value{}; the result is {}, binary32 gives {strict}",
-            by("has no right digit left"),
-            decimal(named.meaning)
+            "rounding leaves `{shown} without a value{}; binary32 gives {strict}",
+            by("has no right digit left")
         ),
         Kind::IllConditioned => {
             let lost = (f64::from(named.strict) - named.meaning).abs() / named.meaning.abs();

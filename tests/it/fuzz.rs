@@ -114,6 +114,28 @@ fn a_function_that_is_right_has_no_findings() {
 }
 
 #[test]
+fn what_overflows_on_the_way_is_not_held_against_a_lane() {
+    let text = "float product(vec2 a) { return a.x * a.y; }\nvec2 between(vec2 a, vec2 b) { return mix(a, b, 0.5); }\n\
+                float part(vec3 a, vec3 b) { float l = dot(b, b); vec3 c = a; if (l > 0.0) c -= b * clamp(dot(a, b) / l, 0.0, 1.0); return length(c); }\n\
+                float lit(vec3 n, vec3 l) { return max(dot(n, normalize(l)), 0.0); }\n\
+                float turned(vec3 v, float k) { return (v.x * v.y) * v.z + k * (2.0 * v.x); }\n";
+    let vulkan = || Rulings::of_api(Api::Vulkan);
+    let device =
+        Adversary::lane(by_name("vulkan-1.4").unwrap(), shadercheck::lane::Stage::Compute, Strategy::Extreme, 5, true);
+    for subject in functions("a.glsl", text) {
+        for lane in [&*embedded::open().unwrap(), &device as &dyn Lane] {
+            for domain in
+                ["", "a=[1e18,1e20];b=[-1e20,1e20];n=[1,2];l=[-1e-20,1e-20]", "v=[-1e20,1e20];k=[-1e-19,1e30]"]
+            {
+                let report = on(&subject, domain, lane, vulkan());
+                let wrong: Vec<&Finding> = report.findings.iter().filter(|f| f.kind == Kind::LaneDeviation).collect();
+                assert!(wrong.is_empty(), "{} {domain}: {:?}", subject.label, wrong[0]);
+            }
+        }
+    }
+}
+
+#[test]
 fn a_lane_with_a_wrong_sine_is_blamed() {
     let vulkan = by_name("vulkan-1.4").unwrap();
     let rulings = || Rulings { text: vulkan, conformance: None, measured: None };

@@ -65,10 +65,12 @@ impl Tape<'_> {
             }
         }
         *self.arena.roundings.get_mut(terms) = term;
+        self.peak(at, kind);
         if kind.is_polynomial() {
             let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
-            let (size, radius) = (self.arena.size.get(at), self.arena.radius.get_mut(at));
+            let (size, peak) = (self.arena.size.get(at), self.arena.peak.get(at));
+            let radius = self.arena.radius.get_mut(at);
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
             let mut own = [0.0; LANES];
             for lane in 0..LANES {
@@ -77,7 +79,7 @@ impl Tape<'_> {
                 // γ_n = n·u/(1 − n·u); flushed terms keep their size.
                 own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
                 // The terms themselves may be too large, whatever their sum is.
-                if lost[lane] || size[lane] + own[lane] > MAX_FINITE {
+                if lost[lane] || peak[lane] + own[lane] > MAX_FINITE {
                     own[lane] = f64::INFINITY;
                 }
                 radius[lane] += own[lane];
@@ -96,13 +98,36 @@ impl Tape<'_> {
             Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => return [false; LANES],
         };
         let mut lost = [false; LANES];
-        for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
+        for part in parts {
+            let polynomial = self.arena.nodes[part as usize].kind.is_polynomial();
             let (local, size) = (self.arena.local.get(part as usize), self.arena.size.get(part as usize));
             for lane in 0..LANES {
                 let small = factors && size[lane] > 0.0 && size[lane] < MIN_NORMAL;
-                lost[lane] |= local[lane] == f64::INFINITY || small;
+                lost[lane] |= small || (polynomial && local[lane] == f64::INFINITY);
             }
         }
         lost
+    }
+
+    /// The largest value on any way to a sum or product: small factors may be taken out and come last.
+    fn peak(&mut self, at: usize, kind: Kind) {
+        self.arena.peak.more();
+        let size = *self.arena.size.get(at);
+        let (before, peak) = self.arena.peak.split(at);
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => *peak = size,
+            Kind::Sum { a, b, signs } => {
+                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                for lane in 0..LANES {
+                    peak[lane] = if signs.1 == 0.0 { pa[lane] } else { pa[lane] + pb[lane] };
+                }
+            }
+            Kind::Product { a, b } => {
+                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                for lane in 0..LANES {
+                    peak[lane] = pa[lane].max(pb[lane]).max(pa[lane] * pb[lane]);
+                }
+            }
+        }
     }
 }
