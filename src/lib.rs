@@ -4,6 +4,7 @@ pub mod bound;
 pub mod cli;
 pub mod diagnostic;
 pub mod formula;
+pub mod fuzz;
 pub mod glsl;
 pub mod interp;
 pub mod lane;

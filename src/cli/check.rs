@@ -296,7 +296,7 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: 
 }
 
 /// A word as a shell takes it.
-fn shell_word(word: &str) -> String {
+pub(super) fn shell_word(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+@%:,".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()

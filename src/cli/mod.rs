@@ -4,6 +4,7 @@
 pub mod calibrate;
 pub mod check;
 pub mod explain;
+pub mod fuzz;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;
@@ -56,6 +57,8 @@ pub struct Cli {
 pub enum Command {
     /// Run shaders on many inputs and compare every output with its formula
     Check(check::CheckArgs),
+    /// Run every function of a shader file on generated inputs, without a suite
+    Fuzz(fuzz::FuzzArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
     Lint(lint::LintArgs),
     /// Show the page of a lint rule
@@ -73,7 +76,7 @@ pub enum Command {
 impl Command {
     /// True when the command opens devices.
     pub fn opens_devices(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_))
+        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_))
     }
 }
 
@@ -86,6 +89,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let mut err = WhileRead::new(&stderr);
     let result = match &cli.command {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
+        Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),

@@ -114,6 +114,21 @@ impl Diagnostic {
         }
     }
 
+    /// The same about the files that an assembled text comes from: one with its includes read, for
+    /// example. A repair of such a text is dropped, since it is none of those files.
+    #[must_use]
+    pub fn at_origin(mut self) -> Self {
+        let (file, span) = self.file.origin(self.span);
+        if file != self.file {
+            self.fix = None;
+            (self.file, self.span) = (file, span);
+        }
+        for label in &mut self.related {
+            (label.file, label.span) = label.file.origin(label.span);
+        }
+        self
+    }
+
     /// Sets the words beside the underlined text.
     #[must_use]
     pub fn with_label(mut self, label: impl Into<Told>) -> Self {

@@ -9,6 +9,7 @@ mod constructor;
 mod dialect;
 pub mod errors;
 mod fold;
+pub mod include;
 pub mod interface;
 mod language;
 mod lexer;

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod diagnostics;
+pub mod fuzz;
 pub mod lint;
 pub mod mutate;
 pub mod page;

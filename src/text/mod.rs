@@ -1,11 +1,13 @@
 //! Source text: files with line and column positions, byte spans, encodings, and edits that map
 //! positions both ways. A leaf of the dependency graph.
 
+mod assembly;
 mod edit;
 mod encoding;
 mod fingerprint;
 mod source;
 
+pub use assembly::Assembly;
 pub use edit::{Edit, EditConflict, EditList, Edited, PositionMap};
 pub use encoding::{Decoded, EncodeError, Encoding, Form, decode, decode_western};
 pub use fingerprint::fingerprint;

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::assembly::Part;
+
 /// A half-open range of bytes, `start..end`, in a [`SourceFile`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Span {
@@ -107,6 +109,8 @@ pub struct SourceFile {
     name: Arc<str>,
     text: Arc<str>,
     line_starts: Arc<[usize]>,
+    /// Where an assembled text comes from.
+    parts: Option<Arc<[Part]>>,
 }
 
 impl fmt::Debug for SourceFile {
@@ -127,7 +131,15 @@ impl SourceFile {
                 starts.push(i + 1);
             }
         }
-        Self { name: name.into(), text, line_starts: starts.into() }
+        Self { name: name.into(), text, line_starts: starts.into(), parts: None }
+    }
+
+    pub(super) fn with_parts(self, parts: Vec<Part>) -> Self {
+        Self { parts: Some(parts.into()), ..self }
+    }
+
+    pub(super) fn parts(&self) -> Option<&[Part]> {
+        self.parts.as_deref()
     }
 
     /// Reads bytes as UTF-8.
@@ -198,9 +210,10 @@ impl SourceFile {
         self.text[start..end].trim_end_matches(['\n', '\r'])
     }
 
-    /// `name:line:column` of a byte offset.
+    /// `name:line:column` of a byte offset; in an assembled text, of the file that it comes from.
     pub fn locate(&self, offset: usize) -> String {
-        format!("{}:{}", self.name, self.position(offset))
+        let (file, span) = self.origin(Span::at(offset));
+        format!("{}:{}", file.name, file.position(span.start))
     }
 }
 

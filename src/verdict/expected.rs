@@ -133,6 +133,21 @@ impl Reference {
         Ok(this)
     }
 
+    /// No formula: every output is judged by what the shader itself means, and nothing is expected of it.
+    pub fn without_formula() -> Self {
+        static NOTHING: Formula =
+            Formula { name: "", source: "", inputs: &[], outputs: &[], rule: Rule::Pointwise(|_, _| {}) };
+        Self {
+            formula: &NOTHING,
+            invocation: Vec::new(),
+            case: Vec::new(),
+            input_words: 0,
+            vectors: Arc::default(),
+            outputs: Vec::new(),
+            vertex_words: 0,
+        }
+    }
+
     fn bind_input(
         &mut self,
         param: &Param,

@@ -117,14 +117,16 @@ pub(super) struct Arena {
     /// For rearrangement: the value with all terms positive, and the number of roundings.
     pub size: Pool,
     pub roundings: Pool,
+    /// For rearrangement: the largest value on any way to this one.
+    pub peak: Pool,
 }
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, partials, masks, size, roundings } = self;
+        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak } = self;
         nodes.clear();
         masks.clear();
-        for pool in [value, radius, local, partials, size, roundings] {
+        for pool in [value, radius, local, partials, size, roundings, peak] {
             pool.clear();
         }
     }

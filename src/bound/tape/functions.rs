@@ -208,9 +208,13 @@ pub(super) fn image2(op: Op, (x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2
         Op::Div => quotient((x, ex), (y, ey)),
         Op::Min | Op::Max => {
             let takes_y = if op == Op::Min { y < x } else { x < y };
-            let straddles = (x - y).abs() <= ex + ey && ex + ey > 0.0;
+            // A radius that is no number says nothing about which of the two is taken.
+            let lost = (ex + ey).is_nan();
+            let straddles = ((x - y).abs() <= ex + ey && ex + ey > 0.0) || lost;
             let bend = if straddles { 1.0 } else { 0.0 };
-            let moves = if straddles {
+            let moves = if lost {
+                f64::INFINITY
+            } else if straddles {
                 ex.max(ey)
             } else if takes_y {
                 ey

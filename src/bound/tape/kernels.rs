@@ -72,6 +72,12 @@ pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Clo
     rounded(closing, node, |lane| (x[lane] * y[lane], carried_by_product(x[lane], ex[lane], y[lane], ey[lane])))
 }
 
+/// A radius that is no number says nothing: 0 times an infinite one is one that may be anything.
+#[inline(always)]
+pub(super) fn or_infinite(e: f64) -> f64 {
+    if e < f64::INFINITY { e } else { f64::INFINITY }
+}
+
 /// How far a product moves within the radii of its factors.
 #[inline(always)]
 pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
@@ -83,6 +89,7 @@ fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl F
     let mut tiny = 0_u64;
     for lane in 0..LANES {
         let (v, e) = of(lane);
+        let e = or_infinite(e);
         let (b, small) = finished(v, e, rounding(closing.part, v, e), closing.flushes);
         value[lane] = v;
         local[lane] = b;

@@ -5,7 +5,7 @@ use super::arena::{Id, Kind, Lanes, Meta};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{power_by_exp2, root_by_inverse};
-use super::kernels::{self, Node, Out1, Out2, reach};
+use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::profile::{Definition, Op};
@@ -330,7 +330,7 @@ impl Tape<'_> {
         }
         for lane in 0..LANES {
             value[lane] = x[lane] * y[lane];
-            carried[lane] = kernels::carried_by_product(x[lane], ex[lane], y[lane], ey[lane]);
+            carried[lane] = or_infinite(kernels::carried_by_product(x[lane], ex[lane], y[lane], ey[lane]));
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));

@@ -2,7 +2,7 @@
 
 use super::Tape;
 use super::arena::{Id, Kind};
-use crate::bound::profile::grid::MIN_NORMAL;
+use crate::bound::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use crate::interp::LANES;
 
 impl Tape<'_> {
@@ -65,9 +65,12 @@ impl Tape<'_> {
             }
         }
         *self.arena.roundings.get_mut(terms) = term;
+        self.peak(at, kind);
         if kind.is_polynomial() {
+            let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
-            let (size, radius) = (self.arena.size.get(at), self.arena.radius.get_mut(at));
+            let (size, peak) = (self.arena.size.get(at), self.arena.peak.get(at));
+            let radius = self.arena.radius.get_mut(at);
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
             let mut own = [0.0; LANES];
             for lane in 0..LANES {
@@ -75,10 +78,56 @@ impl Tape<'_> {
                 let relative = count * unit;
                 // γ_n = n·u/(1 − n·u); flushed terms keep their size.
                 own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
+                // The terms themselves may be too large, whatever their sum is.
+                if lost[lane] || peak[lane] + own[lane] > MAX_FINITE {
+                    own[lane] = f64::INFINITY;
+                }
                 radius[lane] += own[lane];
             }
             *self.arena.local.get_mut(at) = own;
             self.arena.nodes[at].exact = false;
+        }
+    }
+
+    /// In which lanes a sum or product inside of this one leaves the range of binary32: it is too large,
+    /// or a factor that a device may flush to zero. What a regrouped whole errs by does not say that.
+    fn lost_inside(&self, kind: Kind) -> [bool; LANES] {
+        let (parts, factors) = match kind {
+            Kind::Sum { a, b, signs } => (if signs.1 == 0.0 { [a, a] } else { [a, b] }, false),
+            Kind::Product { a, b } => ([a, b], true),
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => return [false; LANES],
+        };
+        let mut lost = [false; LANES];
+        for part in parts {
+            let polynomial = self.arena.nodes[part as usize].kind.is_polynomial();
+            let (local, size) = (self.arena.local.get(part as usize), self.arena.size.get(part as usize));
+            for lane in 0..LANES {
+                let small = factors && size[lane] > 0.0 && size[lane] < MIN_NORMAL;
+                lost[lane] |= small || (polynomial && local[lane] == f64::INFINITY);
+            }
+        }
+        lost
+    }
+
+    /// The largest value on any way to a sum or product: small factors may be taken out and come last.
+    fn peak(&mut self, at: usize, kind: Kind) {
+        self.arena.peak.more();
+        let size = *self.arena.size.get(at);
+        let (before, peak) = self.arena.peak.split(at);
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => *peak = size,
+            Kind::Sum { a, b, signs } => {
+                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                for lane in 0..LANES {
+                    peak[lane] = if signs.1 == 0.0 { pa[lane] } else { pa[lane] + pb[lane] };
+                }
+            }
+            Kind::Product { a, b } => {
+                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                for lane in 0..LANES {
+                    peak[lane] = pa[lane].max(pb[lane]).max(pa[lane] * pb[lane]);
+                }
+            }
         }
     }
 }

@@ -102,6 +102,33 @@ impl Tape<'_> {
         parts.into_iter().map(share).collect()
     }
 
+    /// The operation at which a value goes wrong in a lane: the first on the way to it that has no finite
+    /// value, is too large for binary32, or has an error of more than `limit` of its size; of errors
+    /// nothing is asked where `limit` is infinite. With its relative condition number. `None` where the
+    /// value itself is fine.
+    pub fn culprit(&self, output: Column, lane: usize, limit: f64) -> Option<(Cause, f64)> {
+        let value = |id: Id| self.arena.value.get(id as usize)[lane];
+        let lost = |id: &Id| !value(*id).is_finite();
+        let large = |id: &Id| value(*id).abs() > MAX_FINITE;
+        // Written so that a radius that is no number counts.
+        let loose =
+            |id: &Id| limit.is_finite() && !(self.arena.radius.get(*id as usize)[lane] <= limit * value(*id).abs());
+        let mut id = self.id(&output);
+        if !lost(&id) && !large(&id) && !loose(&id) {
+            return None;
+        }
+        // Arguments have smaller numbers: this ends.
+        loop {
+            let arguments = || self.arguments(id, lane);
+            let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| large(a)));
+            let before = before.or_else(|| arguments().find(|a| loose(a)));
+            match before {
+                Some(before) => id = before,
+                None => return Some((self.cause_at(id, lane), self.condition(Column(id), lane))),
+            }
+        }
+    }
+
     /// The operation behind a column in a lane, selections left out.
     fn operation(&self, column: Column, lane: usize) -> Id {
         let mut id = self.id(&column);

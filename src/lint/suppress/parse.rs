@@ -67,6 +67,9 @@ pub(super) fn read(file: &SourceFile, comment: Span, rules: &[&'static Rule]) ->
     let end_of_inner = comment.start + opening + inner.len();
     let at = |rest: &str| end_of_inner - rest.len();
     let body = body.trim_start();
+    if states_domain(body) {
+        return None;
+    }
     let word_length = body.find(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_')).unwrap_or(body.len());
     let (word, behind) = body.split_at(word_length);
     let word_span = Span::new(at(body), at(body) + word.len());
@@ -102,6 +105,16 @@ pub(super) fn read(file: &SourceFile, comment: Span, rules: &[&'static Rule]) ->
         }
     }
     Some(read)
+}
+
+/// True for a comment that says which values inputs take, which is for `shadercheck fuzz` to read:
+/// `x in [0, 1]`, `t > 0`, `normalised n`.
+fn states_domain(body: &str) -> bool {
+    const LAWS: [&str; 9] =
+        ["normalised", "normalized", "unit", "nonzero", "rotation", "orthonormal", "whole", "integer", "in"];
+    let first = body.split([',', ';', '\n']).next().unwrap_or_default();
+    let mut words = first.split_whitespace().filter(|w| !w.starts_with("ignore"));
+    words.any(|word| LAWS.contains(&word) || word.starts_with(['<', '>'])) && !body.starts_with("ignore")
 }
 
 /// The code as the registry has it.

@@ -125,3 +125,11 @@ fn what_is_silenced_is_not_fixed_and_unused_codes_leave_the_list() {
     let named = format!("{LITERAL} // shadercheck: ignore[low-precision-pi]");
     assert_eq!(fixed(&named, Safety::Safe).unwrap(), silenced);
 }
+
+#[test]
+fn comments_that_state_domains_are_left_alone() {
+    for hint in ["turn in [0, 1], normalised n", "t > 0", "nonzero v", "n normalised"] {
+        told(&format!("  // shadercheck: {hint}\n{LITERAL}"), &["N014"]);
+    }
+    told(&format!("  // shadercheck: ignored in [0, 1]\n{LITERAL}"), &["N014", "X002"]);
+}

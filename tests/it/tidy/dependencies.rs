@@ -42,15 +42,23 @@ const MODULES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "fuzz",
+        &["verdict", "bound", "property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "value"],
+    ),
+    (
         "mutate",
         &["suite", "verdict", "bound", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"],
     ),
-    ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
+    (
+        "report",
+        &["mutate", "fuzz", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"],
+    ),
     (
         "cli",
         &[
             "report",
             "mutate",
+            "fuzz",
             "suite",
             "lint",
             "verdict",

@@ -1,0 +1,292 @@
+//! `shadercheck fuzz`: every function of a shader file on generated inputs, without a suite.
+
+mod files;
+mod stub;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::check::Format;
+use super::check::progress::Progress;
+use super::check::shell_word;
+use crate::bound::profile::Rulings;
+use crate::cli::status::ExitStatus;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::fuzz::{self, Domain, Request, Stated, Subject};
+use crate::lane::{self, Lane, Stage};
+use crate::property::nearest;
+use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
+use crate::suite::run::DEFAULT_SEED;
+use files::Source;
+
+/// Samples of a function, when none are asked for.
+const SAMPLES: u64 = 1 << 16;
+
+/// Arguments of `shadercheck fuzz`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(after_long_help = "\
+Inputs. Without a stated domain an input takes ordinary sizes (0, and 1/1024 to 1024 either sign, spread \
+evenly over the magnitudes), special values, related inputs (equal, parallel and nearly equal vectors, \
+zero vectors, directions, identity and singular matrices), and now and then anything finite: subnormal \
+and huge numbers. A domain is stated by a comment before the function,
+
+  // shadercheck: x in [0, 1], t > 0, normalised n, nonzero v, rotation m, whole k
+
+or by --domain. Neither NaN nor infinity is ever an input.
+
+What is a finding. A lane that gives something else than the function means, or gives different outputs \
+for the same inputs. An output that has no value, is infinite, is not written, or is lost to overflow or \
+underflow on the way although real numbers are fine: where the inputs lie in their stated domains and all \
+others are of ordinary size. Where only other inputs show it, it is a note. Outputs that are themselves \
+too large, indices, integers and loops without end are findings only where every input has a stated \
+domain. A function that loses digits (ill-conditioned) gets a warning.
+
+Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, or nothing could be run.")]
+pub struct FuzzArgs {
+    /// Shader files; the extension tells the stage, and a file without `main` is a library
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
+    #[arg(long, value_name = "NAME")]
+    pub function: Vec<String>,
+    /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
+    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
+    pub domain: Vec<String>,
+    /// Folders that are searched for included files
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
+    /// Only these lanes; all that can be had without it
+    #[arg(long, value_name = "LANE", value_delimiter = ',')]
+    pub lane: Vec<String>,
+    /// Samples of each function
+    #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: u64,
+    /// Seed of the inputs: the same seed gives the same inputs everywhere
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Run only this case, as a report's `reproduce` line gives it; needs --function
+    #[arg(long, value_name = "INPUTS", requires = "function")]
+    pub case: Option<String>,
+    /// Also show what only inputs bring about that may never come
+    #[arg(long)]
+    pub notes: bool,
+    /// Write a first suite for each function that ran beside its file; never over one that is there
+    #[arg(long)]
+    pub write_suite: bool,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Runs the command: the result goes to `out`, progress and complaints to `err`.
+///
+/// The status is [`ExitStatus::Findings`] when a function or lane is at fault or a file does not compile,
+/// and [`ExitStatus::Error`] when nothing could be run.
+///
+/// # Errors
+/// When a file cannot be read, a name is unknown, a domain cannot be read, no lane can be had, or output
+/// fails.
+pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let mut stated = Vec::new();
+    for text in &args.domain {
+        stated.extend(fuzz::option(text).map_err(|why| anyhow::anyhow!("--domain `{text}`: {why}"))?);
+    }
+    let sources = args.files.iter().map(|path| files::read(path, &args.include)).collect::<anyhow::Result<Vec<_>>>()?;
+    let mut summary = Summary { seed: args.seed, ..Summary::default() };
+    let lanes = open_lanes(args, &mut summary)?;
+    let lanes: Vec<(&dyn Lane, Rulings)> =
+        lanes.iter().map(|lane| (lane.as_ref(), Rulings::of_lane(lane.description()))).collect();
+    let mut inputs = Inputs::new(&stated);
+    let mut progress = Progress::new(args.format == Format::Text);
+    let mut known: Vec<String> = Vec::new();
+    for source in &sources {
+        let mut printed = Printed { out, args, color, many: sources.len() > 1 };
+        let report = one_file(args, source, &lanes, &mut inputs, &mut known, &mut progress, &mut printed)?;
+        summary.files.push(report);
+    }
+    progress.finish();
+    let unknown = args.function.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
+    if let (Some(name), true) = (unknown, summary.totals().broken == 0) {
+        let hint = nearest(name, known.iter().map(String::as_str));
+        let hint =
+            hint.map_or_else(|| format!("there are: {}", known.join(", ")), |near| format!("did you mean `{near}`?"));
+        anyhow::bail!("there is no function `{name}` with a body; {hint}");
+    }
+    inputs.all_used()?;
+    match args.format {
+        Format::Text => {
+            for file in &summary.files {
+                out.write_all(findings(file, args.notes, color).as_bytes())?;
+            }
+            writeln!(out)?;
+            out.write_all(totals(&summary, args.notes, color).as_bytes())?;
+        }
+        Format::Json => out.write_all(json(&summary).as_bytes())?,
+    }
+    if args.write_suite {
+        stub::write(&sources, &summary, err)?;
+    }
+    out.flush()?;
+    let totals = summary.totals();
+    Ok(if totals.findings + totals.broken > 0 {
+        ExitStatus::Findings
+    } else if totals.run == 0 {
+        writeln!(err, "error: nothing could be run")?;
+        ExitStatus::Error
+    } else {
+        ExitStatus::Clean
+    })
+}
+
+/// The name of a function without the types of its parameters.
+fn base(label: &str) -> &str {
+    label.split('(').next().unwrap_or(label)
+}
+
+/// Where lines go while functions run.
+struct Printed<'a> {
+    out: &'a mut dyn Write,
+    args: &'a FuzzArgs,
+    color: bool,
+    many: bool,
+}
+
+fn one_file(
+    args: &FuzzArgs,
+    source: &Source,
+    lanes: &[(&dyn Lane, Rulings)],
+    inputs: &mut Inputs<'_>,
+    known: &mut Vec<String>,
+    progress: &mut Progress,
+    printed: &mut Printed<'_>,
+) -> anyhow::Result<FileReport> {
+    let mut report = FileReport { file: source.name.clone(), ..FileReport::default() };
+    let text = printed.args.format == Format::Text;
+    if text && printed.many {
+        progress.suspend(|| writeln!(printed.out, "{}", source.name))?;
+    }
+    let parsed = source.parsed();
+    let errors = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
+    report.errors = errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
+    if !report.errors.is_empty() {
+        return Ok(report);
+    }
+    let wanted = |name: &str| args.function.is_empty() || args.function.iter().any(|f| f == name);
+    let subjects = fuzz::subjects(&parsed.shader, &wanted)
+        .map_err(|bad| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why))?;
+    for (_, info) in parsed.shader.functions().filter(|(_, f)| f.definition.is_some()) {
+        known.push(info.name.name.clone());
+    }
+    known.extend(subjects.iter().map(|s| s.label.clone()));
+    for subject in &subjects {
+        let domain = inputs.domain(subject)?;
+        progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
+        let request =
+            Request { samples: args.samples, seed: args.seed, case: args.case.clone(), command: command(args, source) };
+        let function = fuzz::run(subject, &domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))?;
+        if text {
+            progress.suspend(|| printed.out.write_all(line(&function, printed.color).as_bytes()))?;
+        }
+        report.functions.push(function);
+    }
+    Ok(report)
+}
+
+/// The command line up to the function.
+fn command(args: &FuzzArgs, source: &Source) -> String {
+    let mut words = format!("shadercheck fuzz {}", shell_word(&source.name));
+    for folder in &args.include {
+        words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
+    }
+    for domain in &args.domain {
+        words = format!("{words} --domain {}", shell_word(domain));
+    }
+    if !args.lane.is_empty() {
+        words = format!("{words} --lane {}", args.lane.join(","));
+    }
+    words
+}
+
+/// Domains of the command line, with those that no function has an input for.
+struct Inputs<'a> {
+    stated: &'a [Stated],
+    used: Vec<bool>,
+    names: Vec<String>,
+}
+
+impl<'a> Inputs<'a> {
+    fn new(stated: &'a [Stated]) -> Self {
+        Self { stated, used: vec![false; stated.len()], names: Vec::new() }
+    }
+
+    /// The domain of a function: what the command line states goes before what comments do.
+    fn domain(&mut self, subject: &Subject) -> anyhow::Result<Domain> {
+        let Ok(ready) = &subject.ready else { return Ok(Domain::default()) };
+        let (invocation, case) = (ready.kernel.invocation.fields(), ready.kernel.case.fields());
+        let name = base(&subject.label);
+        let names = || invocation.iter().chain(case).map(|f| f.name.as_str());
+        self.names.extend(names().map(str::to_owned));
+        let mut all: Vec<Stated> = Vec::new();
+        for (stated, used) in self.stated.iter().zip(&mut self.used) {
+            if names().any(|input| stated.is_about(name, input)) {
+                *used = true;
+                all.push(stated.clone());
+            }
+        }
+        let given = all.len();
+        for stated in &subject.stated {
+            let mut about = names().filter(|input| stated.is_about(name, input)).peekable();
+            if about.peek().is_none() && !stated.whole_file {
+                let hint = nearest(&stated.input, names()).map_or_else(
+                    || format!("it has: {}", names().collect::<Vec<_>>().join(", ")),
+                    |near| format!("did you mean `{near}`?"),
+                );
+                anyhow::bail!("{}: `{name}` has no input `{}`; {hint}", stated.at, stated.input);
+            }
+            if !about.any(|input| all[..given].iter().any(|s| s.is_about(name, input))) {
+                all.push(stated.clone());
+            }
+        }
+        Ok(Domain::new(name, invocation, case, &all))
+    }
+
+    fn all_used(&self) -> anyhow::Result<()> {
+        let Some(k) = self.used.iter().position(|used| !used) else { return Ok(()) };
+        let input = &self.stated[k].input;
+        let hint = nearest(input, self.names.iter().map(String::as_str))
+            .map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+        anyhow::bail!("--domain: no function that was run has an input `{input}`{hint}")
+    }
+}
+
+/// Opens the lanes that are asked for, or all.
+fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
+    let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
+    for asked in &args.lane {
+        if !names.contains(&asked.as_str()) {
+            let hint = nearest(asked, names.iter().copied())
+                .map_or_else(|| format!("lanes are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
+            anyhow::bail!("there is no lane `{asked}`; {hint}");
+        }
+    }
+    let mut lanes = Vec::new();
+    for candidate in lane::registry() {
+        if !args.lane.is_empty() && !args.lane.iter().any(|n| n == candidate.name) {
+            continue;
+        }
+        match (candidate.open)() {
+            Ok(lane) => {
+                summary.lanes.push(lane.description().clone());
+                lanes.push(lane);
+            }
+            Err(missing) => summary.unavailable.push((candidate.name, missing)),
+        }
+    }
+    if lanes.is_empty() {
+        let missing: Vec<String> = summary.unavailable.iter().map(|(n, e)| format!("lane `{n}`: {e}")).collect();
+        anyhow::bail!("no lane can be had, so nothing was run: {}", missing.join("; "));
+    }
+    Ok(lanes)
+}

@@ -1,0 +1,118 @@
+//! A first suite beside a shader, for `--write-suite`.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use super::Source;
+use crate::fuzz::{FunctionReport, Law};
+use crate::report::fuzz::Summary;
+use crate::value::{Scalar, Shape};
+
+/// Range of an input for which none is stated.
+const RANGE: (f64, f64) = (-2.0, 2.0);
+
+/// Writes a suite file for each function that ran, beside its file. A file that is there already is told
+/// and left alone.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(sources: &[Source], summary: &Summary, err: &mut dyn Write) -> anyhow::Result<()> {
+    for (source, report) in sources.iter().zip(&summary.files) {
+        for function in report.functions.iter().filter(|f| f.not_run.is_none()) {
+            let name = &function.function;
+            let text = match suite(source, function) {
+                Ok(text) => text,
+                Err(why) => {
+                    writeln!(err, "note: no suite for `{name}`: {why}")?;
+                    continue;
+                }
+            };
+            let path = beside(&source.path, name);
+            // Made new or not at all, whatever comes in between.
+            match std::fs::OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(mut file) => {
+                    file.write_all(text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
+                    writeln!(err, "note: wrote {}", path.display())?;
+                }
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+                    writeln!(err, "note: `{}` is there already and stays as it is", path.display())?;
+                }
+                Err(error) => return Err(error).with_context(|| format!("cannot write `{}`", path.display())),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `lib.glsl` and `blend` give `lib.blend.suite.toml`.
+fn beside(path: &Path, function: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}.{function}.suite.toml"))
+}
+
+fn suite(source: &Source, function: &FunctionReport) -> Result<String, String> {
+    let name = &function.function;
+    if name.contains('(') {
+        return Err("the file has several functions of this name".to_owned());
+    }
+    let shader = source.path.file_name().unwrap_or_default().to_string_lossy();
+    let mut text = format!(
+        "# A first suite: say what the function should give, with a formula that is built in (`formula`) or by\n\
+         # relations between its outputs (`relations`), and narrow the ranges of its inputs.\n\
+         suite = {}\ntitle = {}\nshader = {}\n",
+        quoted(name),
+        quoted(&format!("{name} of {shader}")),
+        quoted(&shader)
+    );
+    if name == "main" {
+        let _ = writeln!(text, "stage = {}", quoted(source.stage.name()));
+    } else {
+        let _ = writeln!(text, "stage = \"function\"\nentry = {}", quoted(name));
+    }
+    text.push_str("# formula = \"\"\n# relations = []\n");
+    for (input, laws) in &function.inputs {
+        let (ty, input) = input.split_once(' ').unwrap_or(("", input));
+        if input.contains(['.', '[']) {
+            return Err(format!("its input `{input}` is a part of a structure, which suites do not feed"));
+        }
+        let shape: Shape = ty.parse().map_err(|_| format!("its input `{input}` is of type `{ty}`"))?;
+        let _ = writeln!(text, "\n[[inputs]]\nnames = [{}]", quoted(input));
+        text.push_str(&generator(shape, laws));
+    }
+    Ok(text)
+}
+
+/// The generator that comes nearest to what is stated.
+fn generator(shape: Shape, laws: &[Law]) -> String {
+    let interval = laws.iter().find_map(|law| match law {
+        Law::Within(interval) => Some(*interval),
+        Law::Normalised | Law::NonZero | Law::Rotation | Law::Whole => None,
+    });
+    let end = |x: f64, other: f64| if x.is_finite() { x } else { other };
+    let (low, high) = interval.map_or(RANGE, |i| {
+        let low = end(i.low, (i.high - 4.0).min(RANGE.0));
+        (low, end(i.high, (low + 4.0).max(RANGE.1)))
+    });
+    let ranged = |name: &str| format!("generator = \"{name}\"\nrange = [{low:?}, {high:?}]\n");
+    if shape.scalar == Scalar::Bool {
+        return "generator = \"index\"\nrange = [0.0, 1.0]\n".to_owned();
+    }
+    if shape.scalar != Scalar::F32 {
+        let (low, high) = if interval.is_some() { (low.ceil(), high.floor()) } else { (0.0, 8.0) };
+        return format!("generator = \"index\"\nrange = [{low:?}, {high:?}]\n");
+    }
+    match (shape.columns > 1, laws.contains(&Law::Normalised), laws.contains(&Law::Rotation)) {
+        (true, _, true) => "generator = \"rigid\"\n".to_owned(),
+        (true, _, false) => "generator = \"affine\"\n".to_owned(),
+        (false, true, _) => "generator = \"direction\"\n".to_owned(),
+        (false, false, _) => ranged("interval"),
+    }
+}
+
+/// A text as TOML has it.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}

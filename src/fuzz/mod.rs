@@ -1,0 +1,29 @@
+//! Fuzzing without a suite: every function of a GLSL file is run on inputs from its domain, on all lanes,
+//! and judged by what it means itself.
+//!
+//! ```text
+//! file ─ slice ─▶ one function alone ─ wrapper ─▶ text ─▶ Program, Kernel
+//! domain ─ generate ─▶ Batch ─┬─ scan: binary64 beside strict binary32 ─▶ troubles ─ name ─▶ findings
+//!                             └─ lanes ─▶ verdicts, blame, determinism ─▶ findings
+//! ```
+
+mod builtin;
+mod domain;
+mod finding;
+mod generate;
+mod hint;
+mod lanes;
+mod name;
+mod run;
+mod scan;
+mod shrinking;
+mod slice;
+mod subject;
+mod wrapper;
+
+pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Stated};
+pub use finding::{Finding, FunctionReport, InputValue, Kind, LaneReport, Severity};
+pub use hint::{FORMS, option};
+pub use run::{Request, run};
+pub use scan::{LIMIT, Trouble};
+pub use subject::{BadHint, Ready, Subject, subjects};

@@ -1,0 +1,230 @@
+//! The second look at samples that are in trouble: which operation brings it about.
+
+use rayon::prelude::*;
+
+use super::scan::{LIMIT, Look, ROUNDS, Trouble};
+use super::subject::Ready;
+use crate::bound::profile::{Op, Profile, Rulings};
+use crate::bound::tape::{Model, Tape};
+use crate::interp::{Binary32, Binary64, LANES, Machine, OutputColumn, Site, author_span};
+use crate::lane::{Api, Stage};
+use crate::text::Span;
+use crate::value::Batch;
+
+use super::finding::Kind;
+
+/// What is known about the trouble of one sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// What it is.
+    pub kind: Kind,
+    /// The operation.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// Its value, exactly.
+    pub value: f64,
+    /// By how much it enlarges a relative error of its arguments.
+    pub condition: f64,
+    /// The output word: vertex and word.
+    pub place: (usize, usize),
+    /// What the word means.
+    pub meaning: f64,
+    /// What strict binary32 gives.
+    pub strict: f32,
+}
+
+/// Samples with one name are one finding.
+pub type Key = (Kind, Option<Op>, Option<Site>);
+
+impl Named {
+    /// What makes it one finding with others.
+    pub fn key(&self) -> Key {
+        (self.kind, self.op, self.site)
+    }
+}
+
+/// A device that rounds every operation correctly.
+fn strict() -> &'static Profile {
+    Rulings::of_api(Api::Binary32).text
+}
+
+/// Names the trouble of samples; `None` where there is none after all: a comparison could go either way,
+/// and decides the output.
+pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option<Named>> {
+    let model = Model::Device { profile: strict(), stage: Stage::Compute, rearranged: false };
+    let chunks: Vec<Vec<Option<Named>>> = looks
+        .par_chunks(LANES)
+        .map_init(
+            || {
+                let executable = &ready.executable;
+                (
+                    Machine::new(executable, Tape::new(model), ROUNDS),
+                    Machine::new(executable, Binary32::default(), ROUNDS),
+                    Machine::new(executable, Binary64::default(), ROUNDS),
+                )
+            },
+            |(tape, narrow, wide), looks| {
+                let invocations: Vec<usize> = looks.iter().map(|(i, _)| *i).collect();
+                tape.run_some(batch, &invocations);
+                narrow.run_some(batch, &invocations);
+                let one = |(lane, (invocation, look)): (usize, &(usize, Look))| {
+                    one(tape, narrow, wide, batch, (lane, *invocation), look)
+                };
+                looks.iter().enumerate().map(one).collect()
+            },
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+fn one(
+    tape: &mut Machine<'_, Tape<'_>>,
+    narrow: &Machine<'_, Binary32>,
+    wide: &mut Machine<'_, Binary64>,
+    batch: &Batch,
+    (lane, invocation): (usize, usize),
+    look: &Look,
+) -> Option<Named> {
+    let trouble = look.trouble?;
+    let mut named = Named {
+        kind: Kind::Endless,
+        op: None,
+        site: None,
+        args: Vec::new(),
+        value: f64::NAN,
+        condition: f64::NAN,
+        place: look.place,
+        meaning: f64::NAN,
+        strict: f32::NAN,
+    };
+    let plain = |kind| Some(Named { kind, ..named.clone() });
+    if let Some(kind) = trouble.of_integers() {
+        wide.take_findings();
+        wide.run_some(batch, &[invocation]);
+        named.site = wide.take_findings().iter().find(|f| f.kind == kind).map(|f| f.site);
+        named.kind = match trouble {
+            Trouble::Index => Kind::Index,
+            Trouble::DivisionByZero => Kind::DivisionByZero,
+            Trouble::Shift => Kind::Shift,
+            Trouble::Conversion => Kind::Conversion,
+            _ => Kind::IntegerOverflow,
+        };
+        return Some(named);
+    }
+    match trouble {
+        Trouble::Endless => return plain(Kind::Endless),
+        Trouble::TooManyVertices => return plain(Kind::TooManyVertices),
+        Trouble::NotWritten => return plain(Kind::NotWritten),
+        _ => {}
+    }
+    let (vertex, word) = look.place;
+    let OutputColumn::Real(&column) = tape.output(vertex, word) else { return None };
+    if let OutputColumn::Real(found) = narrow.output(vertex, word) {
+        named.strict = found.values()[lane];
+    }
+    let tape = tape.domain();
+    named.meaning = tape.values(column)[lane];
+    let undefined = matches!(trouble, Trouble::NoValue | Trouble::Infinite);
+    let mut culprit = tape.culprit(column, lane, LIMIT);
+    // Where real numbers have no value, binary64 may have lost one on the way; if not, the operation
+    // without one is meant.
+    if undefined && !culprit.as_ref().is_some_and(|(cause, _)| vanished(cause.op, &cause.args, cause.value)) {
+        culprit = tape.culprit(column, lane, f64::INFINITY);
+    }
+    let forked = tape.fork(lane).is_some();
+    if let Some((cause, condition)) = &culprit {
+        (named.op, named.site, named.args, named.value) = (cause.op, cause.site, cause.args.clone(), cause.value);
+        named.condition = *condition;
+    }
+    let value = named.value;
+    named.kind = match trouble {
+        _ if vanished(named.op, &named.args, value) => Kind::Underflow,
+        Trouble::NoValue | Trouble::Infinite if value.is_infinite() && !is_pole(named.op, &named.args) => {
+            Kind::TooLarge
+        }
+        Trouble::NoValue => Kind::NoValue,
+        Trouble::Infinite => Kind::Infinite,
+        Trouble::TooLarge => Kind::TooLarge,
+        _ if value.abs() > f64::from(f32::MAX) => Kind::Overflow,
+        _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => Kind::Underflow,
+        _ if forked => return None,
+        Trouble::Lost => Kind::Lost,
+        _ => Kind::IllConditioned,
+    };
+    Some(named)
+}
+
+/// True for an operation whose value is too small even for binary64.
+fn vanished(op: Option<Op>, args: &[f64], value: f64) -> bool {
+    let some = args.iter().all(|x| *x != 0.0 && x.is_finite());
+    let can = match op {
+        Some(Op::Mul | Op::Div) => some,
+        Some(Op::Exp | Op::Exp2) => true,
+        Some(Op::Pow) => args.first() != Some(&0.0),
+        Some(_) | None => false,
+    };
+    can && value == 0.0
+}
+
+/// True for an operation that is infinite at its arguments, and not merely too large for binary64.
+fn is_pole(op: Option<Op>, args: &[f64]) -> bool {
+    let zero = |k: usize| args.get(k) == Some(&0.0);
+    match op {
+        Some(Op::Div | Op::Rem | Op::Mod) => zero(1),
+        Some(Op::Log | Op::Log2 | Op::InverseSqrt | Op::Pow) => zero(0),
+        Some(Op::Atanh) => true,
+        Some(_) | None => false,
+    }
+}
+
+/// An operation with its arguments, as people write it.
+pub fn applied(op: Op, args: &[f64]) -> String {
+    let args: Vec<String> = args.iter().map(|&x| decimal(x)).collect();
+    let sign = match op {
+        Op::Add => " + ",
+        Op::Sub => " - ",
+        Op::Mul => " * ",
+        Op::Div => " / ",
+        _ => return format!("{}({})", op.name(), args.join(", ")),
+    };
+    let grouped: Vec<String> =
+        args.into_iter().map(|x| if x.starts_with('-') { format!("({x})") } else { x }).collect();
+    grouped.join(sign)
+}
+
+/// A number in few enough digits to read.
+pub fn decimal(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || (1e-4..1e7).contains(&x.abs()) {
+        let short = format!("{x:?}");
+        if x.is_nan() {
+            "nan".to_owned()
+        } else if short.len() <= 12 {
+            short
+        } else {
+            format!("{x:.9}")
+        }
+    } else {
+        let short = format!("{x:e}");
+        if short.len() <= 14 { short } else { format!("{x:.7e}") }
+    }
+}
+
+/// Where a site stands in the author's files, and the text there; none in generated text.
+pub fn place(ready: &Ready, site: Option<Site>) -> Option<(String, String)> {
+    let span = author_span(&ready.program, &ready.executable.place(site?))?;
+    let file = &ready.program.lowered.file;
+    let (origin, there) = file.origin(span);
+    if there.is_empty() {
+        return None;
+    }
+    let mut text = origin.slice(there).split_whitespace().collect::<Vec<_>>().join(" ");
+    // Spans of expressions end before closing brackets that belong to them.
+    let open = text.matches('(').count().saturating_sub(text.matches(')').count());
+    let behind = origin.slice(Span::new(there.end, origin.text().len()));
+    let closing = behind.chars().filter(|c| !c.is_whitespace()).take_while(|&c| c == ')').count();
+    text.push_str(&")".repeat(open.min(closing)));
+    Some((origin.locate(there.start), text))
+}

@@ -1,0 +1,354 @@
+//! One function from its inputs to what was found.
+
+use std::collections::HashMap;
+
+use super::domain::{Domain, InputDomain, Law};
+use super::finding::{Finding, FunctionReport, Kind, Severity};
+use super::generate;
+use super::lanes::OnLane;
+use super::name::{Key, Named, applied, decimal, name, place};
+use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
+use super::shrinking::{batch_of, inputs, sample_of, smallest};
+use super::subject::{Ready, Subject};
+use crate::bound::profile::Rulings;
+use crate::lane::Lane;
+use crate::property::{Sample, Stream, regressions};
+use crate::value::{Batch, Record};
+use crate::verdict::{Oracle, Reference};
+
+/// Samples of one batch, and words of its largest record in all.
+const BATCH: usize = 1 << 16;
+const BATCH_WORDS: usize = 1 << 22;
+/// Every sixteenth sample is one that the batch has elsewhere already.
+const TWIN: usize = 16;
+/// Places that are told for one function; the rest is counted.
+const TOLD: usize = 8;
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Samples of each function.
+    pub samples: u64,
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// Inputs that are run alone, as `name=words` parts.
+    pub case: Option<String>,
+    /// The command line up to the function, for reproduction.
+    pub command: String,
+}
+
+/// Trouble with one name.
+struct Group {
+    count: u64,
+    counting: u64,
+    /// One that shows it, and whether it counts.
+    sample: Sample,
+    counts: bool,
+}
+
+/// Runs a function on all lanes. `Err` for a case that does not fit its inputs.
+///
+/// # Errors
+/// What is wrong with the case that was asked for.
+pub fn run(
+    subject: &Subject,
+    domain: &Domain,
+    lanes: &[(&dyn Lane, Rulings)],
+    request: &Request,
+) -> Result<FunctionReport, String> {
+    let mut report = FunctionReport {
+        function: subject.label.clone(),
+        at: subject.at.clone(),
+        samples: 0,
+        not_run: None,
+        inputs: Vec::new(),
+        max_error: 0.0,
+        lanes: Vec::new(),
+        findings: Vec::new(),
+    };
+    let ready = match &subject.ready {
+        Ok(ready) => ready,
+        Err(why) => {
+            report.not_run = Some(why.clone());
+            return Ok(report);
+        }
+    };
+    report.inputs = described(ready, domain);
+    let oracle = match Oracle::new(&ready.program) {
+        Ok(oracle) => oracle,
+        Err(error) => {
+            report.not_run = Some(error.locate(&ready.program));
+            return Ok(report);
+        }
+    };
+    let reference = Reference::without_formula();
+    let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
+    let (invocation, uniforms) = (&ready.kernel.invocation, &ready.kernel.case);
+    let widest = ready.kernel.output.words().max(invocation.words()).max(uniforms.words()).max(1);
+    let size = BATCH.min(BATCH_WORDS / widest).max(1);
+    let constant = invocation.words() + uniforms.words() == 0;
+    let samples = if case.is_some() || constant { 1 } else { request.samples };
+    let capacity = size.min(samples as usize);
+    let mut on: Vec<OnLane<'_>> = lanes
+        .iter()
+        .map(|(lane, rulings)| OnLane::new((*lane, rulings), ready, (&reference, &oracle), capacity))
+        .collect();
+    let key = crate::property::mix(request.seed, text_key(&subject.label));
+    let mut groups: HashMap<Key, Group> = HashMap::new();
+    let mut first = 0;
+    while first < samples {
+        let count = (samples - first).min(size as u64) as usize;
+        let mut batch = match &case {
+            Some(sample) => batch_of(std::slice::from_ref(sample)),
+            None => generate::batch(invocation, uniforms, domain, key, first, count),
+        };
+        let twins = double(&mut batch, count);
+        let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+        sort(ready, domain, &batch, &looks, &mut groups, &mut report);
+        let (batch, twins) = without_endless(batch, &looks, twins);
+        if batch.invocation_count() > 0 && !(constant && looks[0].trouble == Some(Trouble::Endless)) {
+            on.iter_mut().for_each(|lane| lane.run(&batch, &twins));
+        }
+        first += count as u64;
+        report.samples += count as u64;
+    }
+    let reproduce = |sample: &Sample| {
+        let inputs = regressions::inputs_text(sample);
+        format!("{} --function '{}' --seed {} --case '{inputs}'", request.command, subject.label, request.seed)
+    };
+    for lane in on {
+        let (lane, findings) = lane.finish(domain, &reproduce);
+        report.lanes.push(lane);
+        report.findings.extend(findings);
+    }
+    tell(ready, domain, groups, request.case.is_some(), &reproduce, &mut report);
+    report.findings.sort_by_key(|f| (f.severity, f.kind));
+    Ok(report)
+}
+
+fn text_key(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |key, byte| Stream::new(key ^ u64::from(byte)).bits())
+}
+
+/// Each input with its laws.
+fn described(ready: &Ready, domain: &Domain) -> Vec<(String, Vec<Law>)> {
+    let side = |record: &Record, inputs: &[InputDomain]| -> Vec<(String, Vec<Law>)> {
+        let all = record.fields().iter().zip(inputs);
+        all.map(|(field, input)| (format!("{} {}", field.shape, field.name), input.laws.clone())).collect()
+    };
+    [side(&ready.kernel.invocation, &domain.invocation), side(&ready.kernel.case, &domain.case)].concat()
+}
+
+/// The sample of `--case`.
+fn given(ready: &Ready, text: &str) -> Result<Sample, String> {
+    let file = crate::text::SourceFile::new("--case", format!("case {text}"));
+    let parsed = regressions::parse(&file).map_err(|e| e.to_string())?;
+    let first = parsed.first().ok_or("--case is empty; give inputs such as `t=3f000000`")?;
+    first.to_sample(&ready.kernel.invocation, &ready.kernel.case).map_err(|e| e.to_string())
+}
+
+/// Puts copies of samples into a batch; gives the pairs.
+fn double(batch: &mut Batch, count: usize) -> Vec<(usize, usize)> {
+    let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
+    let mut twins = Vec::new();
+    for copy in (TWIN - 1..count).step_by(TWIN) {
+        // From the other half: another work group, and another thread of most devices.
+        let mut from = (copy + count / 2) % count;
+        if from % TWIN == TWIN - 1 {
+            from -= 1;
+        }
+        batch.invocations.copy_within(from * words..(from + 1) * words, copy * words);
+        batch.cases.copy_within(from * case_words..(from + 1) * case_words, copy * case_words);
+        twins.push((from, copy));
+    }
+    twins
+}
+
+/// Sorts samples in trouble by its name.
+fn sort(
+    ready: &Ready,
+    domain: &Domain,
+    batch: &Batch,
+    looks: &[Look],
+    groups: &mut HashMap<Key, Group>,
+    report: &mut FunctionReport,
+) {
+    let open: Vec<(usize, Look)> =
+        looks.iter().copied().enumerate().filter(|(_, look)| look.trouble.is_some()).collect();
+    for (invocation, look) in looks.iter().enumerate() {
+        if look.error > report.max_error && domain.counts(&sample_of(batch, invocation)) {
+            report.max_error = look.error;
+        }
+    }
+    for ((invocation, _), named) in open.iter().zip(name(ready, batch, &open)) {
+        let Some(named) = named else { continue };
+        let sample = sample_of(batch, *invocation);
+        let counts = domain.counts(&sample);
+        let group = groups.entry(named.key()).or_insert_with(|| Group {
+            count: 0,
+            counting: 0,
+            sample: sample.clone(),
+            counts,
+        });
+        group.count += 1;
+        group.counting += u64::from(counts);
+        if counts && !group.counts {
+            (group.sample, group.counts) = (sample, true);
+        }
+    }
+}
+
+/// Leaves out the samples that would hold a device up.
+fn without_endless(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> (Batch, Vec<(usize, usize)>) {
+    let endless = |k: usize| looks[k].trouble == Some(Trouble::Endless);
+    if !(0..looks.len()).any(endless) || batch.invocation_record.words() + batch.case_record.words() == 0 {
+        return (batch, twins);
+    }
+    let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
+    let mut kept = Batch::with_capacity(invocation, case, 1, looks.len());
+    let mut moved = vec![usize::MAX; looks.len()];
+    let mut count = 0;
+    for k in (0..looks.len()).filter(|&k| !endless(k)) {
+        kept.invocations.extend_from_slice(batch.invocation(k));
+        kept.cases.extend_from_slice(batch.case_of(k));
+        moved[k] = count;
+        count += 1;
+    }
+    let twins = twins.into_iter().filter(|&(a, b)| !endless(a) && !endless(b)).map(|(a, b)| (moved[a], moved[b]));
+    (kept, twins.collect())
+}
+
+/// Shrinks one sample of each group and tells it.
+fn tell(
+    ready: &Ready,
+    domain: &Domain,
+    groups: HashMap<Key, Group>,
+    as_given: bool,
+    reproduce: &dyn Fn(&Sample) -> String,
+    report: &mut FunctionReport,
+) {
+    let stated = domain.is_stated();
+    let mut groups: Vec<(Key, Group)> = groups.into_iter().collect();
+    let severity = |key: &Key, group: &Group| key.0.severity(group.counts, stated);
+    groups.sort_by_key(|(key, group)| {
+        (
+            severity(key, group),
+            key.0,
+            std::cmp::Reverse(group.counting),
+            key.2.map(|s| s.index()),
+            key.1.map(|op| op.name()),
+        )
+    });
+    for (index, (key, group)) in groups.into_iter().enumerate() {
+        let severity = severity(&key, &group);
+        // What is only worth a note is not looked at for long.
+        let (sample, named) = if as_given || index >= TOLD {
+            let named = super::shrinking::names(ready, std::slice::from_ref(&group.sample)).pop().flatten();
+            (group.sample, named)
+        } else {
+            smallest(ready, domain, group.sample, key, group.counts)
+        };
+        let Some(named) = named else { continue };
+        report.findings.push(finding(ready, severity, &named, &sample, (group.count, group.counting), reproduce));
+    }
+}
+
+fn finding(
+    ready: &Ready,
+    severity: Severity,
+    named: &Named,
+    sample: &Sample,
+    (count, counting): (u64, u64),
+    reproduce: &dyn Fn(&Sample) -> String,
+) -> Finding {
+    let record = &ready.kernel.output.vertex;
+    let (vertex, word) = named.place;
+    let output = record.word_name(word);
+    let shown = if ready.kernel.output.max_vertices.is_some() {
+        format!("{output}` of vertex {vertex}")
+    } else {
+        format!("{output}`")
+    };
+    let real = matches!(
+        named.kind,
+        Kind::NoValue
+            | Kind::Infinite
+            | Kind::Overflow
+            | Kind::Underflow
+            | Kind::Lost
+            | Kind::IllConditioned
+            | Kind::TooLarge
+    );
+    Finding {
+        kind: named.kind,
+        severity,
+        message: message(named, &shown),
+        place: place(ready, named.site),
+        lane: None,
+        count,
+        counting,
+        inputs: inputs(sample),
+        output: real.then_some(output),
+        meaning: real.then_some(named.meaning),
+        found: real.then_some(named.strict.to_bits()),
+        condition: (named.kind == Kind::IllConditioned && named.condition.is_finite()).then_some(named.condition),
+        diagnosis: None,
+        reproduce: Some(reproduce(sample)),
+    }
+}
+
+/// What is wrong, in one sentence. `shown` is the name of the output with the closing quote.
+fn message(named: &Named, shown: &str) -> String {
+    let op = named.op.map(|op| applied(op, &named.args));
+    let by = |what: &str| op.as_ref().map_or_else(String::new, |op| format!(": {op} {what}"));
+    // Where binary64 loses the value on the way, it knows no result either.
+    let known = named.meaning.is_finite();
+    let result = if known { format!("the result is {}, ", decimal(named.meaning)) } else { String::new() };
+    let strict = if named.strict.is_nan() { "nan".to_owned() } else { format!("{:?}", named.strict) };
+    match named.kind {
+        Kind::NoValue if named.value.is_infinite() => format!("`{shown} has no value{}", by("is infinite")),
+        Kind::NoValue => format!("`{shown} has no value{}", by("has none")),
+        Kind::Infinite => format!("`{shown} is infinite{}", by("is")),
+        Kind::Overflow => format!(
+            "overflow on the way to `{shown}{}; {result}binary32 gives {strict}",
+            by("is too large for binary32")
+        ),
+        Kind::Underflow => format!(
+            "underflow on the way to `{shown}{}; {result}binary32 gives {strict}",
+            by("is too small for binary32")
+        ),
+        Kind::Lost => format!(
+            "rounding leaves `{shown} without a value{}; binary32 gives {strict}",
+            by("has no right digit left")
+        ),
+        Kind::IllConditioned => {
+            let lost = (f64::from(named.strict) - named.meaning).abs() / named.meaning.abs();
+            let bits = (24.0 + lost.max(LIMIT * LIMIT).log2()).clamp(0.0, 24.0);
+            let many = if named.condition.is_finite() {
+                format!(" enlarges rounding errors {} times", short(named.condition))
+            } else {
+                " keeps no right digit".to_owned()
+            };
+            let op = op.as_ref().map_or_else(|| "an operation".to_owned(), Clone::clone);
+            format!(
+                "ill-conditioned: {op}{many}; `{shown} is {}, binary32 gives {strict}: {bits:.0} of 24 bits are lost",
+                decimal(named.meaning)
+            )
+        }
+        Kind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
+        Kind::NotWritten => format!("`{shown} is not written"),
+        Kind::TooManyVertices => "more vertices are emitted than `max_vertices`; those past it are lost".to_owned(),
+        Kind::Endless => format!("a loop goes on after {ROUNDS} rounds"),
+        Kind::Index => "an index lies outside of its array".to_owned(),
+        Kind::DivisionByZero => "an integer is divided by zero".to_owned(),
+        Kind::Shift => "a shift by 32 bits or more".to_owned(),
+        Kind::Conversion => "a number does not fit the integer that it is converted to".to_owned(),
+        Kind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
+        Kind::LaneDeviation | Kind::NotDeterministic | Kind::LaneFailed => named.kind.name().to_owned(),
+    }
+}
+
+/// A factor, in few digits.
+fn short(x: f64) -> String {
+    if x < 1e4 { format!("{x:.0}") } else { format!("{x:.1e}") }
+}

@@ -1,0 +1,186 @@
+//! The first look at samples: what a function means, in binary64, beside what strict binary32 gives.
+
+use rayon::prelude::*;
+
+use crate::interp::{Binary32, Binary64, Executable, Kind, LANES, Machine, Number, OutputColumn};
+use crate::value::{Batch, Record};
+
+/// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
+pub const LIMIT: f64 = 1.0 / 1024.0;
+
+/// Rounds of loops that one sample may go through: far above what shaders need, and few enough that
+/// samples without end do not hold everything up.
+pub const ROUNDS: u32 = 1 << 13;
+
+const MAX_FINITE: f64 = f32::MAX as f64;
+const MIN_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+
+/// What is wrong with a sample, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Trouble {
+    /// A loop goes on for longer than [`ROUNDS`].
+    Endless,
+    /// An output is NaN in real numbers.
+    NoValue,
+    /// An output is infinite in real numbers.
+    Infinite,
+    /// An output is NaN or infinite in binary32, and fits binary32 in real numbers.
+    Lost,
+    /// An output is too large for binary32 in real numbers.
+    TooLarge,
+    /// An output is never written.
+    NotWritten,
+    /// More vertices than `max_vertices`.
+    TooManyVertices,
+    /// Rounding moves an output by more than [`LIMIT`] of its size.
+    Moved,
+    /// An index outside of its array.
+    Index,
+    /// An integer divided by zero.
+    DivisionByZero,
+    /// A shift by 32 or more.
+    Shift,
+    /// A number that does not fit the integer that it is converted to.
+    Conversion,
+    /// A signed integer that does not fit.
+    IntegerOverflow,
+}
+
+impl Trouble {
+    /// What the interpreter calls it, for what concerns integers.
+    pub fn of_integers(self) -> Option<Kind> {
+        Some(match self {
+            Self::Index => Kind::Index,
+            Self::DivisionByZero => Kind::DivisionByZero,
+            Self::Shift => Kind::Shift,
+            Self::Conversion => Kind::Conversion,
+            Self::IntegerOverflow => Kind::Overflow,
+            Self::Endless
+            | Self::NoValue
+            | Self::Infinite
+            | Self::Lost
+            | Self::TooLarge
+            | Self::NotWritten
+            | Self::TooManyVertices
+            | Self::Moved => return None,
+        })
+    }
+}
+
+/// One sample, looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// What is wrong with it.
+    pub trouble: Option<Trouble>,
+    /// Where it shows: vertex and word of the output.
+    pub place: (usize, usize),
+    /// The largest error of binary32, as part of the size of the variable; 0 where there is trouble of
+    /// another kind.
+    pub error: f64,
+}
+
+impl Look {
+    fn note(&mut self, trouble: Trouble, place: (usize, usize)) {
+        if self.trouble.is_none_or(|before| trouble < before) {
+            (self.trouble, self.place) = (Some(trouble), place);
+        }
+    }
+}
+
+/// Looks at every sample of a batch, on all cores. `record` is that of the outputs.
+pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look> {
+    let count = batch.invocation_count();
+    let chunks: Vec<Vec<Look>> = (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || {
+                let meaning = Machine::new(executable, Binary64::default(), ROUNDS);
+                (meaning, Machine::new(executable, Binary32::default(), ROUNDS))
+            },
+            |(meaning, strict), chunk| chunk_of(meaning, strict, record, batch, chunk * LANES),
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+fn chunk_of(
+    meaning: &mut Machine<'_, Binary64>,
+    strict: &mut Machine<'_, Binary32>,
+    record: &Record,
+    batch: &Batch,
+    first: usize,
+) -> Vec<Look> {
+    let lanes = meaning.run(batch, first);
+    strict.run(batch, first);
+    // They are asked for one by one when they are named.
+    meaning.take_findings();
+    strict.take_findings();
+    let mut looks = vec![Look::default(); lanes];
+    for (lane, look) in looks.iter_mut().enumerate() {
+        let (wide, narrow) = (meaning.flags()[lane], strict.flags()[lane]);
+        if wide.has(Kind::Fuel) || narrow.has(Kind::Fuel) {
+            look.note(Trouble::Endless, (0, 0));
+            continue;
+        }
+        for trouble in
+            [Trouble::Index, Trouble::DivisionByZero, Trouble::Shift, Trouble::Conversion, Trouble::IntegerOverflow]
+        {
+            if trouble.of_integers().is_some_and(|kind| wide.has(kind)) {
+                look.note(trouble, (0, 0));
+            }
+        }
+        if meaning.is_emitting() && meaning.emitted()[lane] as usize > meaning.room() {
+            look.note(Trouble::TooManyVertices, (0, 0));
+        }
+    }
+    for vertex in 0..meaning.room() {
+        for field in 0..record.fields().len() {
+            let range = record.range(field);
+            let mut scale = [0.0_f64; LANES];
+            for word in range.clone() {
+                if let OutputColumn::Real(column) = meaning.output(vertex, word) {
+                    scale.iter_mut().zip(column.values()).for_each(|(s, v)| *s = s.max(v.abs()));
+                }
+            }
+            for word in range {
+                let (OutputColumn::Real(wide), OutputColumn::Real(narrow)) =
+                    (meaning.output(vertex, word), strict.output(vertex, word))
+                else {
+                    continue;
+                };
+                for (lane, look) in looks.iter_mut().enumerate() {
+                    let emitted = |count: u32| !meaning.is_emitting() || (vertex as u32) < count;
+                    // Where binary32 goes another way there is nothing to compare.
+                    if !emitted(meaning.emitted()[lane]) || !emitted(strict.emitted()[lane]) {
+                        continue;
+                    }
+                    let (exact, found) = (wide.values()[lane], narrow.values()[lane]);
+                    value(look, exact, f64::from(found), found.is_poison(), scale[lane], (vertex, word));
+                }
+            }
+        }
+    }
+    looks
+}
+
+/// Compares one word.
+fn value(look: &mut Look, exact: f64, found: f64, unwritten: bool, scale: f64, place: (usize, usize)) {
+    if exact.is_nan() {
+        let trouble = if exact.is_poison() { Trouble::NotWritten } else { Trouble::NoValue };
+        look.note(trouble, place);
+    } else if exact.is_infinite() {
+        look.note(Trouble::Infinite, place);
+    } else if exact.abs() > MAX_FINITE {
+        look.note(Trouble::TooLarge, place);
+    } else if !found.is_finite() {
+        if !unwritten {
+            look.note(Trouble::Lost, place);
+        }
+    } else if scale >= MIN_NORMAL && scale <= MAX_FINITE {
+        let error = (found - exact).abs() / scale;
+        if error > LIMIT {
+            look.note(Trouble::Moved, place);
+        }
+        look.error = look.error.max(error);
+    }
+}

@@ -1,0 +1,156 @@
+//! The functions of a file, each made ready to run or told why it cannot be.
+
+use super::domain::Stated;
+use super::hint;
+use super::slice::slice;
+use super::wrapper::{self, Wrapped};
+use crate::diagnostic::Diagnostic;
+use crate::glsl::symbols::{FunctionId, FunctionInfo};
+use crate::glsl::{Shader, Stage};
+use crate::interp::{self, Executable};
+use crate::lower::Target;
+use crate::program::{Kernel, Program, ProgramError};
+use crate::text::Span;
+
+/// A function of a file.
+pub struct Subject {
+    /// Its name; with the types of its parameters where the file has several of that name.
+    pub label: String,
+    /// `name:line:column` of its name.
+    pub at: String,
+    /// The function, ready to run, or why it cannot be run.
+    pub ready: Result<Box<Ready>, String>,
+    /// Domains that comments in the file state for it.
+    pub stated: Vec<Stated>,
+}
+
+/// A function that can be run.
+pub struct Ready {
+    /// The program.
+    pub program: Program,
+    /// Its kernel.
+    pub kernel: Kernel,
+    /// What the interpreter runs.
+    pub executable: Executable,
+}
+
+/// A comment that cannot be read, or names no input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadHint {
+    /// Where.
+    pub at: String,
+    /// What is wrong.
+    pub why: String,
+}
+
+/// The functions of a shader that have a body, in the order of the text; those that `wanted` wants are
+/// made ready.
+///
+/// # Errors
+/// Comments that state domains in a way that cannot be read.
+pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Subject>, BadHint> {
+    let hints = Hints::read(shader)?;
+    let defined: Vec<(FunctionId, &FunctionInfo)> =
+        shader.functions().filter(|(_, f)| f.definition.is_some()).collect();
+    let mut subjects = Vec::new();
+    for &(id, info) in &defined {
+        let name = &info.name.name;
+        let overloaded = defined.iter().filter(|(_, f)| f.name.name == *name).count() > 1;
+        let label = if overloaded { signature(info) } else { name.clone() };
+        if !wanted(name) && !wanted(&label) {
+            continue;
+        }
+        let at = shader.file().locate(info.name.span.start);
+        let stated = hints.about(info);
+        subjects.push(Subject { label, at, ready: ready(shader, id, info).map(Box::new), stated });
+    }
+    Ok(subjects)
+}
+
+/// `name(vec3, float)`
+fn signature(info: &FunctionInfo) -> String {
+    let types: Vec<String> = info.params.iter().map(|p| p.ty.to_string()).collect();
+    format!("{}({})", info.name.name, types.join(", "))
+}
+
+fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
+    let main = info.name.name == "main";
+    if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry) {
+        // The stage as it is; where that cannot be run, the same as an ordinary function.
+        let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
+        match stage.and_then(made) {
+            Ok(ready) => return Ok(ready),
+            Err(why) if shader.stage() == Stage::Geometry => return Err(why),
+            Err(_) => {}
+        }
+    }
+    let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
+    let target = Target::Function(wrapper::NAME.to_owned());
+    let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;
+    if (program.inputs.len(), program.outputs.len()) != (inputs.len(), outputs.len()) {
+        return Err("internal error, please report: its parameters got lost".to_owned());
+    }
+    program.inputs.iter_mut().zip(inputs).for_each(|(port, name)| port.field.name = name);
+    program.outputs.iter_mut().zip(outputs).for_each(|(port, name)| port.field.name = name);
+    made(program)
+}
+
+fn made(program: Program) -> Result<Ready, String> {
+    let kernel = program.compute_kernel().map_err(|e| reason(&e))?;
+    let executable = interp::compile(&program).map_err(|e| e.locate(&program))?;
+    Ok(Ready { program, kernel, executable })
+}
+
+/// Why a program cannot be made, in one line with the place in the author's file.
+fn reason(error: &ProgramError) -> String {
+    let first = |found: &[Diagnostic]| {
+        let d = found.first()?.clone().at_origin();
+        Some(format!("{}: {}", d.file.locate(d.span.start), d.message))
+    };
+    match error {
+        ProgramError::Source(found) => first(found).unwrap_or_else(|| error.to_string()),
+        ProgramError::Unsupported { .. } | ProgramError::Internal(_) => error.to_string(),
+    }
+}
+
+/// Domains that comments state.
+struct Hints {
+    /// Each with the item that it stands before: the function's, or none for a comment before anything
+    /// else, which is about the whole file.
+    all: Vec<(Option<usize>, Stated)>,
+}
+
+impl Hints {
+    fn read(shader: &Shader) -> Result<Self, BadHint> {
+        use crate::glsl::ast::ItemKind;
+        let items = &shader.unit().items;
+        let mut all = Vec::new();
+        for comment in shader.comments() {
+            let text = shader.file().slice(comment.span);
+            let at = shader.file().locate(comment.span.start);
+            let stated = match hint::comment(text, &at) {
+                None => continue,
+                Some(Ok(stated)) => stated,
+                Some(Err(why)) => return Err(BadHint { at, why }),
+            };
+            // A comment inside of a function, or behind its head, is about that function.
+            let inside = items.iter().position(|item| item.span.contains(comment.span.start));
+            let after = items.iter().position(|item| item.span.start >= comment.span.end);
+            let on_line = |index: &usize| {
+                let between = Span::new(items[*index].span.end, comment.span.start);
+                !between.is_empty() && !shader.file().slice(between).contains('\n')
+            };
+            let before = (0..items.len()).rev().find(|&k| items[k].span.end <= comment.span.start).filter(on_line);
+            let item = inside.or(before).or(after);
+            let function = item.filter(|&k| matches!(items[k].kind, ItemKind::Function(_)));
+            all.extend(stated.into_iter().map(|s| (function, Stated { whole_file: function.is_none(), ..s })));
+        }
+        Ok(Self { all })
+    }
+
+    fn about(&self, info: &FunctionInfo) -> Vec<Stated> {
+        let here =
+            |item: &Option<usize>| item.is_none_or(|k| info.definition == Some(k) || info.prototypes.contains(&k));
+        self.all.iter().filter(|(item, _)| here(item)).map(|(_, s)| s.clone()).collect()
+    }
+}

@@ -1,0 +1,72 @@
+//! Reports of `fuzz`.
+
+mod json;
+mod text;
+
+use crate::diagnostic::Diagnostic;
+use crate::fuzz::{FunctionReport, Severity};
+use crate::lane::{Description, Unavailable};
+
+pub use json::json;
+pub use text::{findings, line, totals};
+
+/// A run of `fuzz`.
+#[derive(Debug, Default)]
+pub struct Summary {
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// Lanes that were used.
+    pub lanes: Vec<Description>,
+    /// Lanes that could not be had, by name.
+    pub unavailable: Vec<(&'static str, Unavailable)>,
+    /// The files, in the order of the command line.
+    pub files: Vec<FileReport>,
+}
+
+/// What came of one file.
+#[derive(Debug, Default)]
+pub struct FileReport {
+    /// Name of the file, as it was given.
+    pub file: String,
+    /// Why it does not compile.
+    pub errors: Vec<Diagnostic>,
+    /// Its functions in the order of the text.
+    pub functions: Vec<FunctionReport>,
+}
+
+/// How many of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Functions that were run.
+    pub run: usize,
+    /// Functions that were not.
+    pub not_run: usize,
+    /// Findings.
+    pub findings: usize,
+    /// Warnings.
+    pub warnings: usize,
+    /// Notes.
+    pub notes: usize,
+    /// Files that do not compile.
+    pub broken: usize,
+}
+
+impl Summary {
+    /// Everything counted.
+    pub fn totals(&self) -> Totals {
+        let mut totals = Totals::default();
+        for file in &self.files {
+            totals.broken += usize::from(!file.errors.is_empty());
+            for function in &file.functions {
+                match function.not_run {
+                    None => totals.run += 1,
+                    Some(_) => totals.not_run += 1,
+                }
+                totals.findings += function.of(Severity::Finding).count();
+                totals.warnings += function.of(Severity::Warning).count();
+                totals.notes += function.of(Severity::Note).count();
+            }
+        }
+        totals
+    }
+}

@@ -1,0 +1,332 @@
+//! `shadercheck fuzz`: planted faults, each found and blamed on what it is; functions of all shapes; and
+//! the command.
+
+use std::fs;
+
+use shadercheck::bound::adversary::{Adversary, Fault, Strategy};
+use shadercheck::bound::profile::{Op, Rulings, by_name};
+use shadercheck::fuzz::{Domain, Finding, FunctionReport, Kind, Request, Severity, Subject, option, run, subjects};
+use shadercheck::glsl::{Shader, Stage};
+use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, embedded};
+use shadercheck::program::Kernel;
+use shadercheck::text::SourceFile;
+use shadercheck::value::Batch;
+use shadercheck::verdict::diagnosis::Origin;
+
+use crate::binary::{run_in, run_reported};
+
+fn request() -> Request {
+    Request { samples: 4096, seed: 1, case: None, command: "shadercheck fuzz a.glsl".to_owned() }
+}
+
+fn functions(name: &str, text: &str) -> Vec<Subject> {
+    let stage = Stage::from_path(name).unwrap();
+    let parsed = Shader::parse(&SourceFile::new(name, format!("#version 450\n{text}")), stage);
+    assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+    subjects(&parsed.shader, &|_| true).unwrap()
+}
+
+fn on(subject: &Subject, domain: &str, lane: &dyn Lane, rulings: Rulings) -> FunctionReport {
+    let mut stated = option(domain).unwrap();
+    stated.extend(subject.stated.clone());
+    let domain = match &subject.ready {
+        Ok(ready) => Domain::new(&subject.label, ready.kernel.invocation.fields(), ready.kernel.case.fields(), &stated),
+        Err(_) => Domain::default(),
+    };
+    run(subject, &domain, &[(lane, rulings)], &request()).unwrap()
+}
+
+fn strict(subject: &Subject, domain: &str) -> FunctionReport {
+    on(subject, domain, &*embedded::open().unwrap(), Rulings::of_api(Api::Binary32))
+}
+
+/// The report of the only function of a library.
+#[track_caller]
+fn only(text: &str, domain: &str) -> FunctionReport {
+    let all = functions("a.glsl", text);
+    assert_eq!(all.len(), 1);
+    let report = strict(&all[0], domain);
+    assert_eq!(report.not_run, None);
+    report
+}
+
+fn kinds(report: &FunctionReport, severity: Severity) -> Vec<Kind> {
+    report.of(severity).map(|f| f.kind).collect()
+}
+
+fn values(finding: &Finding) -> Vec<String> {
+    finding.inputs.iter().map(|input| format!("{} = {}", input.name, input.decimal.join(", "))).collect()
+}
+
+#[test]
+fn a_division_that_has_no_value_is_found_at_its_smallest() {
+    let report = only("float part(float a, float b) { return a / (a + b); }", "");
+    let none = report.findings.iter().find(|f| f.kind == Kind::NoValue).unwrap();
+    assert_eq!(none.severity, Severity::Finding);
+    assert_eq!(none.message, "`return` has no value: 0.0 / 0.0 has none");
+    assert_eq!(none.place, Some(("a.glsl:2:39".to_owned(), "a / (a + b)".to_owned())));
+    assert_eq!(values(none), ["float a = 0.0", "float b = 0.0"]);
+    let infinite = report.findings.iter().find(|f| f.kind == Kind::Infinite).unwrap();
+    assert_eq!(values(infinite), ["float a = -1.0", "float b = 1.0"]);
+    // Inputs that never come are left out.
+    assert!(!only("float part(float a, float b) { return a / (a + b); }", "a=(0,1];b=(0,1]").fails());
+}
+
+#[test]
+fn weights_that_all_vanish_are_an_underflow() {
+    let text = "float first(vec2 d) { vec2 w = exp(-d * d); return w.x / (w.x + w.y); }";
+    let report = only(text, "d=[-20,20]");
+    let found: Vec<&Finding> = report.of(Severity::Finding).collect();
+    assert!(found.iter().any(|f| f.kind == Kind::Underflow), "{:?}", report.findings);
+    assert!(found.iter().all(|f| f.kind == Kind::Underflow), "{:?}", report.findings);
+    assert_eq!(found[0].place.as_ref().unwrap().1, "exp(-d * d)");
+    assert!(!only(text, "d=[-4,4]").fails());
+}
+
+#[test]
+fn an_overflow_that_only_huge_inputs_bring_about_is_a_note() {
+    let text = "float far(float a) { return sqrt(a * a); }";
+    let report = only(text, "");
+    assert!(!report.fails(), "{:?}", report.findings);
+    assert!(kinds(&report, Severity::Note).contains(&Kind::Overflow), "{:?}", report.findings);
+    let report = only(text, "a=[1e20,1e21]");
+    assert_eq!(kinds(&report, Severity::Finding), [Kind::Overflow]);
+    assert_eq!(report.findings[0].place.as_ref().unwrap().1, "a * a");
+}
+
+#[test]
+fn catastrophic_cancellation_is_named_with_its_condition() {
+    let report = only("float versine(float x) { return 1.0 - cos(x); }", "x=[0.0001,1]");
+    assert_eq!(kinds(&report, Severity::Warning), [Kind::IllConditioned]);
+    let found = &report.findings[0];
+    assert_eq!(found.place.as_ref().unwrap().1, "1.0 - cos(x)");
+    assert!(found.condition.unwrap() > 1e3, "{:?}", found.condition);
+    assert!(!report.fails());
+}
+
+#[test]
+fn a_function_that_is_right_has_no_findings() {
+    let report = only("float smoothed(float t) { float c = clamp(t, 0.0, 1.0); return c * c * (3.0 - 2.0 * c); }", "");
+    assert!(report.findings.is_empty(), "{:?}", report.findings);
+    assert_eq!(report.samples, 4096);
+    let verdicts = &report.lanes[0].verdicts;
+    assert!(verdicts.agreed > 3900 && verdicts.deviated == 0, "{verdicts:?}");
+}
+
+#[test]
+fn what_overflows_on_the_way_is_not_held_against_a_lane() {
+    let text = "float product(vec2 a) { return a.x * a.y; }\nvec2 between(vec2 a, vec2 b) { return mix(a, b, 0.5); }\n\
+                float part(vec3 a, vec3 b) { float l = dot(b, b); vec3 c = a; if (l > 0.0) c -= b * clamp(dot(a, b) / l, 0.0, 1.0); return length(c); }\n\
+                float lit(vec3 n, vec3 l) { return max(dot(n, normalize(l)), 0.0); }\n\
+                float turned(vec3 v, float k) { return (v.x * v.y) * v.z + k * (2.0 * v.x); }\n";
+    let vulkan = || Rulings::of_api(Api::Vulkan);
+    let device =
+        Adversary::lane(by_name("vulkan-1.4").unwrap(), shadercheck::lane::Stage::Compute, Strategy::Extreme, 5, true);
+    for subject in functions("a.glsl", text) {
+        for lane in [&*embedded::open().unwrap(), &device as &dyn Lane] {
+            for domain in
+                ["", "a=[1e18,1e20];b=[-1e20,1e20];n=[1,2];l=[-1e-20,1e-20]", "v=[-1e20,1e20];k=[-1e-19,1e30]"]
+            {
+                let report = on(&subject, domain, lane, vulkan());
+                let wrong: Vec<&Finding> = report.findings.iter().filter(|f| f.kind == Kind::LaneDeviation).collect();
+                assert!(wrong.is_empty(), "{} {domain}: {:?}", subject.label, wrong[0]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lane_with_a_wrong_sine_is_blamed() {
+    let vulkan = by_name("vulkan-1.4").unwrap();
+    let rulings = || Rulings { text: vulkan, conformance: None, measured: None };
+    let subject = &functions("a.glsl", "float wave(float x) { return 0.5 * sin(x) + 1.0; }")[0];
+    let device = Adversary::lane(vulkan, shadercheck::lane::Stage::Compute, Strategy::Extreme, 1, false);
+    let report = on(subject, "x=[-3,3]", &device, rulings());
+    assert!(!report.fails(), "{:?}", report.findings);
+    let faulty = device.with_fault(Fault { op: Op::Sin, factor: 2.0 });
+    let report = on(subject, "x=[-3,3]", &faulty, rulings());
+    let found = report.findings.iter().find(|f| f.kind == Kind::LaneDeviation).unwrap();
+    assert_eq!(found.lane, Some("adversary"));
+    let Some(Origin::BuiltIn { op, .. }) = found.diagnosis.as_ref().unwrap().origin else { panic!("{found:?}") };
+    assert_eq!(op, Op::Sin);
+    assert!(found.reproduce.as_ref().unwrap().contains("--function 'wave' --seed 1 --case 'x="));
+}
+
+/// A lane that gives some invocations the inputs of others.
+struct Mixed(Box<dyn Lane>);
+
+struct MixedRunner(Box<dyn Runner>);
+
+impl Lane for Mixed {
+    fn description(&self) -> &Description {
+        self.0.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        Ok(Box::new(MixedRunner(self.0.prepare(kernel, capacity)?)))
+    }
+}
+
+impl Runner for MixedRunner {
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let mut batch = batch.clone();
+        let words = batch.invocation_record.words();
+        if batch.invocation_count() > 64 {
+            batch.invocations.copy_within(0..words, 15 * words);
+        }
+        self.0.run(&batch)
+    }
+}
+
+#[test]
+fn equal_inputs_with_different_outputs_are_found() {
+    let subject = &functions("a.glsl", "float twice(float x) { return 2.0 * x; }")[0];
+    let rulings = || Rulings::of_api(Api::Binary32);
+    let report = on(subject, "", &Mixed(embedded::open().unwrap()), rulings());
+    assert!(kinds(&report, Severity::Finding).contains(&Kind::NotDeterministic), "{:?}", report.findings);
+    let report = on(subject, "", &*embedded::open().unwrap(), rulings());
+    assert!(!report.fails(), "{:?}", report.findings);
+}
+
+/// Each function of a text with its inputs, or why it does not run.
+fn shapes(name: &str, text: &str) -> Vec<(String, Result<Vec<String>, String>)> {
+    let all = functions(name, text);
+    let told = |subject: &Subject| {
+        let report = strict(subject, "");
+        let inputs = report.inputs.into_iter().map(|(input, _)| input).collect();
+        (report.function, report.not_run.map_or(Ok(inputs), Err))
+    };
+    all.iter().map(told).collect()
+}
+
+#[test]
+fn functions_of_all_shapes_run() {
+    let text = "struct Light { vec3 at; float power[2]; };\nuniform Light sun;\nuniform mat3 turn;\nint calls;\n\
+                vec3 shade(Light l, vec3 p, inout float sum) { sum += l.power[1]; calls++; return l.at - p + sun.at; }\n\
+                mat2 flip(mat2 m, bool on) { return on ? transpose(m) : m; }\n\
+                vec3 turned(vec3 v) { return turn * v; }\n\
+                Light[2] two(Light a[2]) { a[0].at = a[1].at; return a; }\n\
+                float same(float x) { return x; }\nvec2 same(vec2 x) { return x; }\n\
+                void nothing(float x) { x = 1.0; }\nfloat image(sampler2D t) { return textureLod(t, vec2(0.0), 0.0).x; }\n";
+    let all = shapes("a.glsl", text);
+    let of = |name: &str| all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("{all:?}")).1.clone();
+    let inputs =
+        ["vec3 l.at", "float[2] l.power", "vec3 p", "float sum", "vec3 sun.at", "float[2] sun.power", "int calls"];
+    assert_eq!(of("shade"), Ok(inputs.map(str::to_owned).to_vec()));
+    assert_eq!(of("flip"), Ok(vec!["mat2 m".to_owned(), "bool on".to_owned()]));
+    assert_eq!(of("turned"), Ok(vec!["vec3 v".to_owned(), "mat3 turn".to_owned()]));
+    assert_eq!(of("same(vec2)"), Ok(vec!["vec2 x".to_owned()]));
+    assert_eq!(of("same(float)"), Ok(vec!["float x".to_owned()]));
+    assert!(of("two").is_ok(), "{:?}", of("two"));
+    assert!(of("nothing").unwrap_err().starts_with("it gives nothing back"));
+    assert_eq!(of("image").unwrap_err(), "its parameter `t` is of type `sampler2D`, which only a host can give");
+}
+
+#[test]
+fn stages_run_by_their_interface() {
+    let fragment = "in vec3 normal;\nin VS { vec2 uv; } from;\nuniform vec3 light;\nout vec4 color;\n\
+                    void main() { color = vec4(max(dot(normal, light), 0.0) * from.uv, gl_FragCoord.x, 1.0); }\n";
+    let all = shapes("a.frag", fragment);
+    let inputs = ["vec3 normal", "vec3 light", "vec2 from.uv", "vec4 gl_FragCoord"];
+    assert_eq!(all, [("main".to_owned(), Ok(inputs.map(str::to_owned).to_vec()))]);
+    let vertex = "layout(location = 0) in vec4 p;\nuniform mat4 mc;\nvoid main() { gl_Position = mc * p; }\n";
+    let all = shapes("a.vert", vertex);
+    assert_eq!(all, [("main".to_owned(), Ok(vec!["vec4 p".to_owned(), "mat4 mc".to_owned()]))]);
+    let compute = "layout(local_size_x = 1) in;\nbuffer Data { float x[]; };\nvoid main() { x[0] = 1.0; }\n\
+                   float own(uint k) { return float(k + gl_GlobalInvocationID.x); }\n";
+    let all = shapes("a.comp", compute);
+    assert!(all[0].1.is_err(), "{all:?}");
+    assert_eq!(all[1].1, Ok(vec!["uint k".to_owned(), "uvec3 gl_GlobalInvocationID".to_owned()]));
+}
+
+#[test]
+fn loops_without_end_are_told_and_hold_nothing_up() {
+    let text = "float steps(float x) { float s = 0.0; for (float t = 0.0; t < 1.0; t += x) { s += 1.0; } return s; }";
+    let report = only(text, "");
+    let found = report.findings.iter().find(|f| f.kind == Kind::Endless).unwrap();
+    assert_eq!(found.severity, Severity::Note);
+    assert!(kinds(&only(text, "x=[0,1]"), Severity::Finding).contains(&Kind::Endless));
+    assert!(!only(text, "x=[0.1,1]").fails());
+}
+
+#[test]
+fn comments_before_a_function_state_its_domain() {
+    let text = "// shadercheck: x in (0, 1]\nfloat log_of(float x) { return log(x); }\n\
+                float raw(float x) { return log(x); }\n";
+    let all = functions("a.glsl", text);
+    assert!(!strict(&all[0], "").fails());
+    assert!(strict(&all[1], "").fails());
+}
+
+const LIBRARY: &str = "#include \"lib/part.glsl\"\nfloat whole(float a, float b) { return part(a, b) + 1.0; }\n";
+const PART: &str = "// a part\nfloat part(float a, float b) { return a / b; }\n";
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("lib")).unwrap();
+    fs::write(folder.path().join("whole.glsl"), LIBRARY).unwrap();
+    fs::write(folder.path().join("lib/part.glsl"), PART).unwrap();
+    folder
+}
+
+#[test]
+fn included_files_keep_their_names_and_the_command_shows_it_again() {
+    let folder = folder();
+    let ran = run_in(folder.path(), "fuzz whole.glsl --samples 2048 --lane embedded --format json").expect(1);
+    let report = ran.json();
+    let function = &report["files"][0]["functions"][1];
+    assert_eq!(function["function"], "whole");
+    let finding = &function["findings"][0];
+    assert_eq!((finding["kind"].as_str(), finding["at"].as_str()), (Some("no_value"), Some("lib/part.glsl:2:39")));
+    let again = run_reported(folder.path(), finding["reproduce"].as_str().unwrap(), &[]).expect(1);
+    assert!(again.out.contains(finding["message"].as_str().unwrap()), "{}", again.out);
+    // A stated domain leaves it out.
+    run_in(folder.path(), "fuzz whole.glsl --samples 2048 --lane embedded --domain b=[1,2]").expect(0);
+    run_in(folder.path(), "fuzz whole.glsl --samples 512 --lane embedded --domain whole.b=[1,2] --function whole")
+        .expect(0);
+}
+
+#[test]
+fn wrong_usage_is_told() {
+    let folder = folder();
+    let told = |args: &str, text: &str| {
+        let ran = run_in(folder.path(), &format!("fuzz whole.glsl --samples 64 --lane embedded {args}")).expect(2);
+        assert!(ran.err.contains(text), "{}", ran.err);
+    };
+    told("--function hole", "there is no function `hole` with a body; did you mean `whole`?");
+    told("--domain c=[0,1]", "--domain: no function that was run has an input `c`");
+    told("--domain b=[1,0]", "`[1,0]` is empty");
+    told("--lane vulcan", "did you mean `vulkan`?");
+    fs::write(folder.path().join("whole.glsl"), "// shadercheck: z in [0,1]\nfloat f(float x) { return x; }\n")
+        .unwrap();
+    told("", "whole.glsl:1:1: `f` has no input `z`; it has: x");
+    fs::write(folder.path().join("whole.glsl"), "// shadercheck: x on [0,1]\nfloat f(float x) { return x; }\n")
+        .unwrap();
+    told("", "whole.glsl:1:1: this comment states no domain: `x on [0,1]` is no domain");
+    fs::write(folder.path().join("whole.glsl"), "#include \"gone.glsl\"\nfloat f(float x) { return x; }\n").unwrap();
+    let ran = run_in(folder.path(), "fuzz whole.glsl --lane embedded").expect(1);
+    assert!(ran.out.contains("`gone.glsl` is not found") && ran.out.contains("-I FOLDER"), "{}", ran.out);
+    fs::write(folder.path().join("whole.glsl"), "float f(sampler2D t) { return 1.0; }\n").unwrap();
+    let ran = run_in(folder.path(), "fuzz whole.glsl --lane embedded").expect(2);
+    assert!(ran.out.contains("not run: its parameter `t`"), "{}", ran.out);
+}
+
+#[test]
+fn a_first_suite_is_written_once() {
+    let folder = folder();
+    let args = "fuzz whole.glsl --samples 64 --lane embedded --domain a=[0,1];b=[1,2] --write-suite";
+    let ran = run_in(folder.path(), args).expect(0);
+    assert!(ran.err.contains("note: wrote whole.part.suite.toml"), "{}", ran.err);
+    let path = folder.path().join("whole.part.suite.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.contains("entry = \"part\"") && text.contains("range = [1.0, 2.0]"), "{text}");
+    toml::from_str::<toml::Table>(&text).unwrap();
+    fs::write(&path, "mine").unwrap();
+    let ran = run_in(folder.path(), args).expect(0);
+    assert!(ran.err.contains("is there already and stays as it is"), "{}", ran.err);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+}
