@@ -4,6 +4,7 @@
 pub mod calibrate;
 pub mod check;
 pub mod explain;
+pub mod init;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;
@@ -56,6 +57,8 @@ pub struct Cli {
 pub enum Command {
     /// Run shaders on many inputs and compare every output with its formula
     Check(check::CheckArgs),
+    /// Write first suites for a folder of shaders
+    Init(init::InitArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
     Lint(lint::LintArgs),
     /// Show the page of a lint rule
@@ -86,6 +89,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let mut err = WhileRead::new(&stderr);
     let result = match &cli.command {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
+        Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),

@@ -204,16 +204,22 @@ pub struct Shader {
     functions: Vec<FunctionInfo>,
     uses: Vec<Use>,
     interface: Interface,
+    defines: Vec<(String, String)>,
 }
 
 impl Shader {
     /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
     /// next `;` or `}`.
     pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
+        Self::parse_with(file, stage, &[])
+    }
+
+    /// The same with macros that are given from outside: names and values.
+    pub fn parse_with(file: &SourceFile, stage: Stage, defines: &[(String, String)]) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexer::lex(file.text());
         let preprocess::Preprocessed { tokens, version, extensions, raw, incomplete } =
-            preprocess::run(&pieces, &mut sink);
+            preprocess::run(&pieces, defines, &mut sink);
         let language = language::Language::new(&version, &extensions);
         let (unit, arena) = parser::parse(tokens, &language, &mut sink);
         let check::Checked { types, values, names, calls, symbols, functions, uses, interface } =
@@ -235,6 +241,7 @@ impl Shader {
             functions,
             uses,
             interface,
+            defines: defines.to_vec(),
         };
         Parsed { shader, diagnostics: sink.finish() }
     }
@@ -242,6 +249,11 @@ impl Shader {
     /// The file.
     pub fn file(&self) -> &SourceFile {
         &self.file
+    }
+
+    /// Macros that were given from outside.
+    pub fn defines(&self) -> &[(String, String)] {
+        &self.defines
     }
 
     /// The stage.

@@ -47,6 +47,23 @@ const MODULES: &[(&str, &[&str])] = &[
     ),
     ("report", &["mutate", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"]),
     (
+        "api",
+        &[
+            "report",
+            "suite",
+            "verdict",
+            "bound",
+            "property",
+            "lane",
+            "program",
+            "lower",
+            "glsl",
+            "text",
+            "diagnostic",
+            "value",
+        ],
+    ),
+    (
         "cli",
         &[
             "report",
