@@ -1,21 +1,72 @@
-//! Property tests, lint and reference data for shaders, on a machine without a GPU.
+//! Tests for shaders, on a machine without a GPU.
+//!
+//! A [`Shader`] is run on many generated inputs on lavapipe, Mesa's Vulkan driver for the processor, or on
+//! an interpreter in strict binary32, and every output is compared with what it should be in `f64`: a
+//! closure, another shader, or the shader's own meaning, with [`Law`]s beside it. What differs is shrunk to
+//! the smallest inputs that still show it. [`test_main`] makes a test of cargo of every suite file in a
+//! folder.
+//!
+//! ```
+//! use shadercheck::{Domain, Law, Shader};
+//!
+//! Shader::from_text("reflect.glsl", "vec3 mirror(vec3 v, vec3 n) { return v - 2.0 * dot(v, n) * n; }")
+//!     .function("mirror")
+//!     .input("v", -2.0..=2.0)
+//!     .input("n", Domain::direction())
+//!     .expect("return", |inputs| {
+//!         let (v, n): ([f64; 3], [f64; 3]) = (inputs.array("v"), inputs.array("n"));
+//!         let dot: f64 = v.iter().zip(n).map(|(v, n)| v * n).sum();
+//!         (0..3).map(|k| v[k] - 2.0 * dot * n[k]).collect()
+//!     })
+//!     .law(Law::odd(["v"]))
+//!     .law(Law::even(["n"]))
+//!     .lane("embedded")
+//!     .samples(512)
+//!     .assert_agrees();
+//! ```
+//!
+//! What is named on this page is the interface of the library. The modules behind it are those of the
+//! program `shadercheck`; they are hidden here, and change without notice.
 
+mod api;
+
+pub use api::{Components, Domain, Error, Inputs, Law, Outcome, Shader, test_main};
+
+#[doc(hidden)]
 pub mod bound;
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
 pub mod diagnostic;
+#[doc(hidden)]
 pub mod formula;
+#[doc(hidden)]
 pub mod fuzz;
+#[doc(hidden)]
 pub mod glsl;
+#[doc(hidden)]
 pub mod interp;
+#[doc(hidden)]
 pub mod lane;
+#[doc(hidden)]
 pub mod lint;
+#[doc(hidden)]
 pub mod lower;
+#[doc(hidden)]
 pub mod math;
+#[doc(hidden)]
 pub mod mutate;
+#[doc(hidden)]
 pub mod program;
+#[doc(hidden)]
 pub mod property;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
 pub mod suite;
+#[doc(hidden)]
 pub mod text;
+#[doc(hidden)]
 pub mod value;
+#[doc(hidden)]
 pub mod verdict;

@@ -13,7 +13,7 @@ use crate::report::page;
 /// Show what a rule of the lint tool means; without a code, list all rules
 #[derive(Args, Clone, Debug, Default)]
 pub struct ExplainArgs {
-    /// Code (T001) or name (constructor-too-many-args) of a rule
+    /// Code (T001) or name (constructor-too-many-args) of a rule, or `suite` for the keys of suite files
     #[arg(value_name = "CODE")]
     pub code: Option<String>,
     /// Language of the page; LANG decides when it is left out
@@ -44,6 +44,10 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         }
         return Ok(ExitStatus::Clean);
     };
+    if given.eq_ignore_ascii_case("suite") {
+        out.write_all(crate::suite::page().as_bytes())?;
+        return Ok(ExitStatus::Clean);
+    }
     let Some(rule) = by_code(given) else {
         if let Some((code, line)) = errors::ALL.iter().find(|(c, _)| c.0.eq_ignore_ascii_case(given)) {
             writeln!(out, "{code}  error of the front end: {line}")?;

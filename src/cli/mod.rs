@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod check;
 pub mod explain;
 pub mod fuzz;
+pub mod init;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;
@@ -59,6 +60,8 @@ pub enum Command {
     Check(check::CheckArgs),
     /// Run every function of a shader file on generated inputs, without a suite
     Fuzz(fuzz::FuzzArgs),
+    /// Write first suites for a folder of shaders
+    Init(init::InitArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
     Lint(lint::LintArgs),
     /// Show the page of a lint rule
@@ -90,6 +93,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let result = match &cli.command {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
+        Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),

@@ -81,7 +81,7 @@ pub fn run(
             return Ok(report);
         }
     };
-    let reference = Reference::without_formula();
+    let reference = Reference::nothing(&ready.program);
     let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
     let (invocation, uniforms) = (&ready.kernel.invocation, &ready.kernel.case);
     let widest = ready.kernel.output.words().max(invocation.words()).max(uniforms.words()).max(1);

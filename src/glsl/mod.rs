@@ -207,22 +207,32 @@ pub struct Shader {
     uses: Vec<Use>,
     unknown: bool,
     interface: Interface,
+    defines: Vec<(String, String)>,
 }
 
 impl Shader {
     /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
     /// next `;` or `}`.
     pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
-        Self::parse_behind(file, stage, None)
+        Self::read(file, stage, &[], None)
     }
 
     /// Reads a shader that a host puts behind another text, which states this version and may declare
     /// names that this one does not.
-    pub fn parse_behind(file: &SourceFile, stage: Stage, before: Option<Version>) -> Parsed {
+    pub fn parse_behind(file: &SourceFile, stage: Stage, before: Version) -> Parsed {
+        Self::read(file, stage, &[], Some(before))
+    }
+
+    /// Reads a shader with macros that are given from outside: names and values.
+    pub fn parse_with(file: &SourceFile, stage: Stage, defines: &[(String, String)]) -> Parsed {
+        Self::read(file, stage, defines, None)
+    }
+
+    fn read(file: &SourceFile, stage: Stage, defines: &[(String, String)], before: Option<Version>) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexer::lex(file.text());
         let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete } =
-            preprocess::run(&pieces, before, &mut sink);
+            preprocess::run(&pieces, defines, before, &mut sink);
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
         let (unit, arena) = parser::parse(tokens, &language, &mut sink);
@@ -246,6 +256,7 @@ impl Shader {
             uses,
             unknown,
             interface,
+            defines: defines.to_vec(),
         };
         Parsed { shader, diagnostics: sink.finish() }
     }
@@ -253,6 +264,11 @@ impl Shader {
     /// The file.
     pub fn file(&self) -> &SourceFile {
         &self.file
+    }
+
+    /// Macros that were given from outside.
+    pub fn defines(&self) -> &[(String, String)] {
+        &self.defines
     }
 
     /// The stage.

@@ -25,7 +25,7 @@ pub fn read(file: &SourceFile, stage: Stage) -> Parsed {
     let mut best = plain;
     for (number, profile) in STATED {
         let before = Version { number, profile, span: None };
-        let parsed = Shader::parse_behind(file, stage, Some(before));
+        let parsed = Shader::parse_behind(file, stage, before);
         if weight(&parsed) < weight(&best) {
             best = parsed;
         }

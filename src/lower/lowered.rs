@@ -73,4 +73,6 @@ pub struct Lowered {
     /// Outputs that are captured: `gl_Position` first when it is written, then the user's outputs in
     /// order of declaration; for a function, `return` first, then `out` and `inout` parameters.
     pub outputs: Vec<Variable>,
+    /// Macros that are given from outside: names and values.
+    pub defines: Vec<(String, String)>,
 }

@@ -70,7 +70,8 @@ pub fn lower(shader: &Shader, target: &Target) -> Result<Lowered, Vec<Diagnostic
         let message = format!("the interface cannot be rewritten in place: {conflict}");
         vec![Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), Span::at(0), message)]
     })?;
-    Ok(Lowered { file: shader.file().clone(), edited, stage: shader.stage(), role, inputs, uniforms, outputs })
+    let (file, stage, defines) = (shader.file().clone(), shader.stage(), shader.defines().to_vec());
+    Ok(Lowered { file, edited, stage, role, inputs, uniforms, outputs, defines })
 }
 
 /// A lowering under way.

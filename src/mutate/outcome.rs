@@ -15,7 +15,7 @@ pub enum Kill {
     /// Loops take more iterations than the original could ever need.
     NotFinished,
     /// A relation between outputs does not hold: its name.
-    Relation(&'static str),
+    Relation(String),
     /// Segments of strands are not drawn.
     Coverage,
 }
@@ -179,7 +179,7 @@ mod tests {
         let all = [
             tested("sign", Outcome::Killed(Kill::NotFinished)),
             tested("sign", Outcome::Killed(Kill::Coverage)),
-            tested("sign", Outcome::Killed(Kill::Relation("r"))),
+            tested("sign", Outcome::Killed(Kill::Relation("r".to_owned()))),
             tested(CONSTANT_ULP, survived),
             tested("sign", Outcome::Unmoved),
             tested("sign", Outcome::Equivalent("e")),

@@ -93,7 +93,7 @@ pub fn run(
         Stage::Geometry => glsl::Stage::Geometry,
         Stage::Function => glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library),
     };
-    let parsed = Shader::parse(shader, stage).shader;
+    let parsed = Shader::parse_with(shader, stage, &suite.chosen).shader;
     let written = written(&parsed);
     let mutants = mutants(&parsed, suite.entry.as_deref().unwrap_or("main"), &request.operators);
     let mut tested = Vec::with_capacity(mutants.len());
@@ -141,7 +141,7 @@ fn ready(
         }
         Err(error) => {
             // GLSL may leave an output without a value. A suite cannot run such a shader, and says so.
-            let parsed = Shader::parse(&mutant.shader, stage);
+            let parsed = Shader::parse_with(&mutant.shader, stage, &suite.chosen);
             let missing = outputs.difference(&written(&parsed.shader)).next().cloned();
             let broken = parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
             Err(match (missing, error) {
@@ -267,7 +267,7 @@ fn outcome(
 /// What relations and coverage say of a mutant.
 fn related(trial: &mut Trial<'_>, bench: &Bench<'_>) -> Result<Option<Kill>, LaneError> {
     if let Some(relation) = bench.probes.first_broken(&trial.court()) {
-        return Ok(Some(Kill::Relation(relation)));
+        return Ok(Some(Kill::Relation(relation.to_owned())));
     }
     Ok((!covers(trial, bench.seed)?).then_some(Kill::Coverage))
 }

@@ -18,7 +18,8 @@ pub const VALIDATOR: Code = Code("E902");
 pub(super) fn parse(lowered: &Lowered) -> Result<(Module, ModuleInfo), ProgramError> {
     let stage = if lowered.stage == Stage::Vertex { ShaderStage::Vertex } else { ShaderStage::Compute };
     let text = &lowered.edited.text;
-    let options = glsl::Options::from(stage);
+    let defines = lowered.defines.iter().cloned().collect();
+    let options = glsl::Options { stage, defines };
     let module = contain(|| glsl::Frontend::default().parse(&options, text))
         .map_err(|panic| panicked(lowered, &panic))?
         .map_err(|errors| ProgramError::Source(errors.errors.iter().map(|e| parse_error(lowered, e)).collect()))?;

@@ -18,7 +18,20 @@ impl Program {
         stage: Stage,
         target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
     ) -> Result<Self, ProgramError> {
-        let parsed = Shader::parse(file, stage);
+        Self::from_source_with(file, stage, &[], target)
+    }
+
+    /// The same with macros that are given from outside: names and values.
+    ///
+    /// # Errors
+    /// As of [`Program::from_source`].
+    pub fn from_source_with(
+        file: &SourceFile,
+        stage: Stage,
+        defines: &[(String, String)],
+        target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
+    ) -> Result<Self, ProgramError> {
+        let parsed = Shader::parse_with(file, stage, defines);
         let errors: Vec<Diagnostic> =
             parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
         if !errors.is_empty() {

@@ -2,6 +2,7 @@
 
 pub mod generators;
 mod nearest;
+mod own;
 mod plan;
 pub mod regressions;
 mod relation;
@@ -13,9 +14,11 @@ mod strategy;
 mod stream;
 
 pub use nearest::nearest;
+pub use own::Own;
 pub use plan::{InputGroup, Plan, PlanError};
 pub use relation::{Claim, Observed, Relation};
 pub use sample::Sample;
+pub(crate) use sample::{decode, encode};
 pub use sampler::Sampler;
 pub use strategy::{CaseStrategy, CaseTree};
 pub use stream::{Stream, mix};

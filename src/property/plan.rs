@@ -11,6 +11,7 @@ use crate::value::{Record, Shape};
 use super::Sample;
 use super::generators::{Generator, Group, Options};
 use super::nearest::nearest;
+use super::own::Own;
 use super::shrink::Domain;
 use super::stream::{mix, mix_text};
 
@@ -20,7 +21,7 @@ pub struct InputGroup {
     /// Names of the inputs, in the order in which the generator takes them.
     pub names: Vec<String>,
     /// The generator.
-    pub generator: &'static dyn Generator,
+    pub generator: Own<dyn Generator>,
     /// What the suite says beside that.
     pub options: Options,
     /// Where the suite says it, such as `skinning.suite.toml:14:1`; shown before messages.
@@ -108,7 +109,7 @@ fn hint(suggestion: &Option<String>) -> String {
 /// A group with its place in the records.
 #[derive(Debug)]
 pub(super) struct Planned {
-    pub generator: &'static dyn Generator,
+    pub generator: Own<dyn Generator>,
     pub group: Group,
     /// Where the words lie, neighbours joined, in the order of the names.
     pub spans: Vec<Range<usize>>,
@@ -170,6 +171,16 @@ impl Plan {
         }
     }
 
+    /// A plan that makes no samples of its own: all are given one by one, and whatever they hold is admitted.
+    pub fn of_given(invocation: Arc<Record>, case: Arc<Record>) -> Self {
+        Self { invocation_record: invocation, case_record: case, invocation: vec![], case: vec![] }
+    }
+
+    /// True for a plan that makes samples.
+    pub fn makes_samples(&self) -> bool {
+        self.groups() > 0 || self.invocation_record.words() + self.case_record.words() == 0
+    }
+
     fn add(&mut self, group: &InputGroup) -> Result<(), PlanError> {
         let at = || group.at.clone();
         let (mut uniform, mut input) = (None, None);
@@ -203,12 +214,12 @@ impl Plan {
                 _ => spans.push(span),
             }
         }
-        let resolved = Group::new(group.generator, &shapes, group.options.clone()).map_err(|message| {
+        let resolved = Group::new(&*group.generator, &shapes, group.options.clone()).map_err(|message| {
             let names = group.names.iter().zip(&shapes).map(|(name, shape)| format!("{shape} {name}"));
             PlanError::Unfit { at: at(), names: names.collect::<Vec<_>>().join(", "), message }
         })?;
         let salt = group.names.iter().fold(0, |salt, name| mix_text(salt, name));
-        side.push(Planned { generator: group.generator, group: resolved, spans, salt });
+        side.push(Planned { generator: group.generator.clone(), group: resolved, spans, salt });
         Ok(())
     }
 

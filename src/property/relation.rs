@@ -33,12 +33,12 @@ pub struct Claim {
 /// The runner calls [`Relation::inputs`] on a sample, runs these inputs on a
 /// lane, and hands all outputs to [`Relation::claims`]. A claim whose sides differ by more than its
 /// slack, or that holds a NaN, is a failure.
-pub trait Relation: Sync {
+pub trait Relation: Send + Sync {
     /// Name, as suites write it: lower case with `_`.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// What it says, as one sentence without a full stop.
-    fn statement(&self) -> &'static str;
+    fn statement(&self) -> &str;
 
     /// The inputs to run. The first is usually the sample itself, possibly simplified (an identity
     /// matrix in place of the projection, say). Empty when the relation says nothing about it.

@@ -117,7 +117,7 @@ mod tests {
     fn group(names: &[&str], generator: &str, range: Option<[f64; 2]>) -> InputGroup {
         InputGroup {
             names: names.iter().map(|&n| n.to_owned()).collect(),
-            generator: by_name(generator).unwrap(),
+            generator: crate::property::Own::Static(by_name(generator).unwrap()),
             options: Options { range, ..Options::default() },
             at: String::new(),
         }

@@ -209,7 +209,7 @@ fn mutant(tested: &Tested) -> Value {
             match kill {
                 Kill::Formula(told) | Kill::Shape(told) => value["message"] = told.as_str().into(),
                 Kill::MissingOutput(name) => value["output"] = name.as_str().into(),
-                Kill::Relation(name) => value["relation"] = (*name).into(),
+                Kill::Relation(name) => value["relation"] = name.as_str().into(),
                 Kill::NotFinished | Kill::Coverage => {}
             }
         }
@@ -247,7 +247,7 @@ mod tests {
             shader: "sphere.vert".into(),
             samples: 512,
             tested: vec![
-                tested("arithmetic", Outcome::Killed(Kill::Relation("sphere_radius"))),
+                tested("arithmetic", Outcome::Killed(Kill::Relation("sphere_radius".to_owned()))),
                 tested("arithmetic", Outcome::Survived(moved.clone())),
                 tested("constant-ulp", Outcome::Survived(moved)),
                 tested("sign", Outcome::Invalid("it does not compile".into())),

@@ -52,6 +52,26 @@ pub enum LoadError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A folder cannot be searched.
+    #[error("cannot read the folder `{}`: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Another file that a suite names cannot be read.
+    #[error("{at}: cannot read the {what} `{}`: {source}", path.display())]
+    Named {
+        /// Where the suite names it.
+        at: String,
+        /// What it is to the suite.
+        what: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A file cannot be written.
     #[error("cannot write `{}`: {source}", path.display())]
     Write {

@@ -9,7 +9,10 @@ use crate::property::regressions::{self, Regression};
 use crate::text::{SourceFile, decode};
 
 use super::error::LoadError;
-use super::{Suite, parse};
+use super::{Expect, Suite, parse};
+
+/// Ending of a suite file.
+pub const ENDING: &str = ".suite.toml";
 
 /// A suite with its shader.
 #[derive(Clone, Debug)]
@@ -26,7 +29,10 @@ fn read(path: &Path) -> Result<SourceFile, LoadError> {
 }
 
 /// Reads a shader, in any encoding that is known.
-fn read_shader(path: &Path) -> Result<SourceFile, LoadError> {
+///
+/// # Errors
+/// A file that cannot be read, and one that is no text.
+pub fn read_shader(path: &Path) -> Result<SourceFile, LoadError> {
     let bytes = fs::read(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
     Ok(decode(&path.display().to_string(), &bytes)?.file)
 }
@@ -36,8 +42,10 @@ fn read_shader(path: &Path) -> Result<SourceFile, LoadError> {
 /// # Errors
 /// A file that cannot be read or is no text, and everything that is wrong in the suite file.
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
-    let suite = parse(&read(path)?)?;
-    let shader = path.parent().unwrap_or(Path::new("")).join(&suite.shader);
+    let mut suite = parse(&read(path)?)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    attach(&mut suite, folder)?;
+    let shader = folder.join(&suite.shader);
     let shader = read_shader(&shader).map_err(|error| match error {
         LoadError::Read { path, source } => {
             let text = suite.file.text();
@@ -47,6 +55,49 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
         other => other,
     })?;
     Ok(Loaded { suite, shader })
+}
+
+/// Suite files (`*.suite.toml`) below a folder, sorted. Hidden folders and build folders are left out.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn search(folder: &Path) -> Result<Vec<PathBuf>, LoadError> {
+    let mut files = Vec::new();
+    walk(folder, &mut files)?;
+    Ok(files)
+}
+
+fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LoadError> {
+    let failed = |source| LoadError::Folder { path: folder.to_owned(), source };
+    let mut entries: Vec<_> = fs::read_dir(folder).and_then(Iterator::collect::<Result<_, _>>).map_err(failed)?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        // A link to a folder is not followed: it may lead back here.
+        if entry.file_type().map_err(failed)?.is_dir() {
+            if !name.starts_with('.') && name != "target" && name != "node_modules" {
+                walk(&path, files)?;
+            }
+        } else if name.ends_with(ENDING) {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Reads the files that say what a suite expects.
+fn attach(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
+    let (what, file, at, text) = match &mut suite.expect {
+        Expect::Reference(reference) => ("reference", &reference.file, &reference.at, &mut reference.text),
+        Expect::Recorded(recorded) => ("record", &recorded.file, &recorded.at, &mut recorded.text),
+        Expect::Formula(_) | Expect::Nothing => return Ok(()),
+    };
+    let read = if what == "reference" { read_shader(&folder.join(file)) } else { self::read(&folder.join(file)) };
+    *text = Some(read.map_err(|error| match error {
+        LoadError::Read { path, source } => LoadError::Named { at: at.clone(), what, path, source },
+        other => other,
+    })?);
+    Ok(())
 }
 
 /// The regression file of a suite file: `sphere.suite.toml` has `sphere.regressions` beside it.

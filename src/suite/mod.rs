@@ -1,9 +1,13 @@
 //! Suites: a shader, the domain of its inputs, the formula that says what it should compute, and
 //! how strictly it is judged. A suite is a TOML file beside its shader.
 
+pub mod draft;
 mod error;
+mod expect;
 mod files;
+mod keys;
 mod parse;
+mod record;
 pub mod run;
 mod shipped;
 pub(crate) mod table;
@@ -11,13 +15,17 @@ pub(crate) mod table;
 use std::sync::Arc;
 
 use crate::property::generators::Strands;
+use crate::property::relations::law::Law;
 use crate::property::{InputGroup, Plan, PlanError};
 use crate::text::SourceFile;
 use crate::value::Record;
 
 pub use error::{LoadError, Problem, SuiteError};
-pub use files::{Loaded, load, read_regressions, regressions_path, save_regressions};
+pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
+pub use files::{ENDING, Loaded, load, read_regressions, read_shader, regressions_path, save_regressions, search};
+pub use keys::{page, schema};
 pub use parse::{Names, parse, parse_with};
+pub use record::rows;
 pub use shipped::{ShippedSuite, UnknownSuite, find, shipped};
 
 /// What kind of code a suite tests.
@@ -57,6 +65,17 @@ pub struct Floors {
 }
 
 impl Floors {
+    /// The floors of a suite that states none.
+    pub fn usual(samples: u64) -> Self {
+        let floors = Self { judged: 0, undetermined: parse::UNDETERMINED, reason: String::new() };
+        Self { judged: floors.rest(samples), ..floors }
+    }
+
+    /// Samples that are left when as many are undetermined as may be; at least 1.
+    fn rest(&self, samples: u64) -> u64 {
+        (((1.0 - self.undetermined) * samples as f64).floor() as u64).max(1)
+    }
+
     /// Samples that have to be judged when only `samples` of `of` are run: the same share.
     pub fn judged_of(&self, samples: u64, of: u64) -> u64 {
         let share = u128::from(self.judged) * u128::from(samples) / u128::from(of.max(1));
@@ -77,14 +96,20 @@ pub struct Suite {
     pub stage: Stage,
     /// The function that is called; for the stage `function` alone.
     pub entry: Option<String>,
-    /// Name of the reference formula.
-    pub formula: String,
+    /// What gives the expected outputs.
+    pub expect: Expect,
+    /// Macros with the values that they take: each combination is run.
+    pub defines: Vec<Define>,
+    /// The macros of this variant of the shader.
+    pub chosen: Defines,
     /// Samples of a full run; at least 1.
     pub samples: u64,
     /// Invocations that share one set of uniforms; at least 1.
     pub per_case: usize,
     /// Names of relations that are checked.
     pub relations: Vec<String>,
+    /// Laws that are checked.
+    pub laws: Vec<Law>,
     /// What fills the inputs.
     pub inputs: Vec<InputGroup>,
     /// What a run must reach.
@@ -96,6 +121,17 @@ pub struct Suite {
 }
 
 impl Suite {
+    /// The suite once for each combination of its macros, under a name that tells them apart.
+    pub fn variants(&self) -> Vec<Self> {
+        let variant = |(name, chosen): (String, Defines)| Self {
+            name: format!("{}{name}", self.name),
+            defines: Vec::new(),
+            chosen,
+            ..self.clone()
+        };
+        combinations(&self.defines).into_iter().map(variant).collect()
+    }
+
     /// Fits the suite to the inputs of its shader: `invocation` holds attributes, inputs of a
     /// primitive or arguments, `case` the uniforms.
     ///

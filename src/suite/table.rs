@@ -61,6 +61,12 @@ pub struct At<T> {
     pub offset: usize,
 }
 
+/// One of a list of texts and tables.
+pub enum Item<'a> {
+    Text(At<String>),
+    Table(Table<'a>),
+}
+
 /// A table of the document.
 #[derive(Clone, Copy)]
 pub struct Table<'a> {
@@ -165,6 +171,100 @@ impl<'a> Table<'a> {
             }
         }
         texts
+    }
+
+    /// True for a key whose value is a text.
+    pub fn is_text(&self, key: &str) -> bool {
+        self.value(key).is_some_and(|value| value.get_ref().as_str().is_some())
+    }
+
+    /// `true` or `false`.
+    pub fn flag(&self, key: &str) -> Option<bool> {
+        let value = self.value(key)?;
+        let flag = value.get_ref().as_bool();
+        if flag.is_none() {
+            self.wrong(key, value.span(), "true or false", value.get_ref());
+        }
+        flag
+    }
+
+    /// A whole number that may be negative.
+    pub fn signed(&self, key: &str, least: i64, most: i64) -> Option<i64> {
+        let value = self.value(key)?;
+        let Some(integer) = value.get_ref().as_integer() else {
+            self.wrong(key, value.span(), "a whole number", value.get_ref());
+            return None;
+        };
+        let number = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
+        let number = number.filter(|n| (least..=most).contains(n));
+        if number.is_none() {
+            let message = format!("`{key}` is {integer}, which is not from {least} to {most}");
+            self.reader.problem(value.span().start, message);
+        }
+        number
+    }
+
+    /// A value of a macro or a list of them: texts, numbers, `true` for 1; `None` stands for `false`.
+    pub fn words(&self, key: &str) -> Vec<Option<String>> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let one = std::slice::from_ref(value);
+        let list: Vec<&Spanned<DeValue<'_>>> = match value.get_ref().as_array() {
+            Some(list) => list.iter().collect(),
+            None => one.iter().collect(),
+        };
+        if list.is_empty() {
+            self.reader.problem(value.span().start, format!("`{key}` has no values"));
+        }
+        let mut words: Vec<Option<String>> = Vec::new();
+        for item in list {
+            let word = match item.get_ref() {
+                DeValue::String(text) if !text.contains(['\n', '\r']) => Some(text.to_string()),
+                DeValue::Integer(n) => Some(n.as_str().to_owned()),
+                DeValue::Float(x) => Some(x.as_str().to_owned()),
+                DeValue::Boolean(true) => Some("1".to_owned()),
+                DeValue::Boolean(false) => None,
+                DeValue::String(_) | DeValue::Datetime(_) | DeValue::Array(_) | DeValue::Table(_) => {
+                    self.wrong(key, item.span(), "a text of one line, a number, true or false", item.get_ref());
+                    return Vec::new();
+                }
+            };
+            if words.contains(&word) {
+                let word = word.unwrap_or_else(|| "false".to_owned());
+                self.reader.problem(item.span().start, format!("`{word}` stands twice in `{key}`"));
+                return Vec::new();
+            }
+            words.push(word);
+        }
+        words
+    }
+
+    /// A list of texts and tables; empty when the key is missing.
+    pub fn texts_or_tables(&self, key: &str, title: &'a str) -> Vec<Item<'a>> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let wanted = format!("a list of texts and tables `{title}`");
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong(key, value.span(), &wanted, value.get_ref());
+            return Vec::new();
+        };
+        let mut items: Vec<Item<'a>> = Vec::new();
+        for item in list.iter() {
+            let offset = item.span().start;
+            match item.get_ref() {
+                DeValue::String(text) => {
+                    let twice = |item: &Item<'a>| matches!(item, Item::Text(known) if known.value == **text);
+                    if items.iter().any(twice) {
+                        self.reader.problem(offset, format!("`{text}` stands twice in `{key}`"));
+                    } else if text.is_empty() {
+                        self.reader.problem(offset, format!("`{key}` holds an empty text"));
+                    } else {
+                        items.push(Item::Text(At { value: text.to_string(), offset }));
+                    }
+                }
+                DeValue::Table(table) => items.push(Item::Table(Table { reader: self.reader, table, title, offset })),
+                other => self.wrong(key, item.span(), &wanted, other),
+            }
+        }
+        items
     }
 
     /// A number, whole or not.

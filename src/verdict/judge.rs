@@ -242,12 +242,24 @@ impl Deviation {
     }
 }
 
+impl Deviation {
+    /// The deviation in words; `against` is what the shader is compared with, such as `formula`.
+    pub fn told(&self, against: &str) -> String {
+        match self.blame {
+            Blame::Shader => format!("the shader deviates from its {against}: {self:#}"),
+            Blame::Lane => self.to_string(),
+        }
+    }
+}
+
+/// With `{:#}`, without the side to blame.
 impl fmt::Display for Deviation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self.blame {
-            Blame::Shader => "the shader deviates from its formula: ",
-            Blame::Lane => "the lane deviates from the shader: ",
-        })?;
+        match self.blame {
+            _ if f.alternate() => {}
+            Blame::Shader => f.write_str("the shader deviates from its formula: ")?,
+            Blame::Lane => f.write_str("the lane deviates from the shader: ")?,
+        }
         let at = |vertex: &Option<usize>| vertex.map_or_else(String::new, |v| format!(" of vertex {v}"));
         match &self.what {
             What::Value(value) => {

@@ -4,11 +4,11 @@
 mod batch;
 pub mod diagnosis;
 mod expectations;
-mod expected;
 mod judge;
 mod literals;
 mod observe;
 mod oracle;
+mod reference;
 mod survey;
 mod suspects;
 mod tightness;
@@ -17,10 +17,10 @@ mod used;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
 pub use expectations::{Movement, movement, shader_deviation};
-pub use expected::{Expected, Reference, ReferenceError};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
+pub use reference::{Expected, Given, Recorded, RecordedRow, Reference, ReferenceError};
 pub use survey::{Survey, survey};
 pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

@@ -14,7 +14,7 @@ use crate::value::Batch;
 /// The outputs of every invocation of a batch as numbers, each with how far it may be from what the
 /// author wrote: what the most lenient promise allows, and the rounding of literals; infinite where
 /// nothing is promised. The words are those of the formula's outputs, in
-/// their order; nothing else of the formula is used.
+/// their order, and then all others; nothing else of the formula is used.
 pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
     let slack = slack(court, batch);
     (0..batch.invocation_count()).map(|i| observed(court, actual, i, &slack[i])).collect()
@@ -89,7 +89,7 @@ fn meant(court: &Court<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, sl
     let vertices = stored.min(machine.room());
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
     for vertex in 0..vertices {
-        for output in &court.reference.outputs {
+        for output in &court.reference.seen {
             for word in output.actual.clone() {
                 let value = match machine.output(vertex, word) {
                     OutputColumn::Real(&column) => machine.domain().values(column)[lane],
@@ -110,7 +110,7 @@ fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]
     let width = court.oracle.executable.outputs().len();
     for vertex in 0..vertices {
         let words = actual.vertex(invocation, vertex);
-        for output in &court.reference.outputs {
+        for output in &court.reference.seen {
             for word in output.actual.clone() {
                 observed.words.push(real(words[word], output.scalar));
                 observed.slack.push(slack.get(vertex * width + word).copied().unwrap_or(f64::INFINITY));

@@ -8,9 +8,9 @@ use crate::interp::{self, Binary64, Executable, FUEL, InterpError, Machine};
 use crate::lane::Stage;
 use crate::program::Program;
 
-use super::expected::Reference;
 use super::judge::Promise;
 use super::literals;
+use super::reference::Reference;
 
 /// The meaning of a program.
 #[derive(Clone, Debug)]

@@ -3,9 +3,9 @@
 use std::collections::HashSet;
 
 use super::batch::{NEAR, Suspect, same_shape};
-use super::expected::{Expected, Output};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
 use super::oracle::Court;
+use super::reference::{Evaluator, Expected, Output};
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::tape::{Model, Tape};
 use crate::interp::{Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
@@ -17,17 +17,17 @@ use crate::value::{Batch, Scalar, ulp_at};
 const USELESS: f64 = 1.0 / 1024.0;
 
 /// The same for two evaluations in binary64.
-const USELESS_64: f64 = 1.0 / (1_u64 << 30) as f64;
+pub(super) const USELESS_64: f64 = 1.0 / (1_u64 << 30) as f64;
 
 /// Formula and shader are two ways to compute the same; each may be off by what binary64 does to it.
-const TWO_WAYS: f64 = 8.0;
+pub(super) const TWO_WAYS: f64 = 8.0;
 
 /// Judges samples with the tape. The machines are made when they are first needed.
 pub(super) struct Suspects<'a> {
     court: Court<'a>,
     ideal: Option<Machine<'a, Tape<'a>>>,
     tiers: Vec<Tier<'a>>,
-    inputs: Vec<f64>,
+    evaluator: Evaluator<'a>,
     max_ulp: f64,
     /// Invocations in which a comparison could go either way in the order of the source.
     forked: HashSet<usize>,
@@ -46,7 +46,7 @@ impl<'a> Suspects<'a> {
             court: *court,
             ideal: None,
             tiers: court.tiers().into_iter().map(tier).collect(),
-            inputs: court.reference.scratch(),
+            evaluator: Evaluator::bounded(court.reference),
             max_ulp: 0.0,
             forked: HashSet::new(),
         }
@@ -119,16 +119,15 @@ impl<'a> Suspects<'a> {
         invocations: &[usize],
     ) -> Vec<Option<Verdict>> {
         let forked = self.decided_by_rounding(batch, invocations);
-        let Self { court, ideal, inputs, .. } = self;
+        let Self { court, ideal, evaluator, .. } = self;
         let reference = court.reference;
         let machine = ideal.get_or_insert_with(|| court.oracle.ideal_tape());
         let lanes = machine.run_some(batch, invocations);
         let mut verdicts = vec![None; lanes];
         let mut expected = vec![Expected::default(); lanes];
+        evaluator.turn_to(batch, &invocations[..lanes]);
         for lane in 0..lanes {
-            reference.read_case(batch, invocations[lane] / batch.per_case, inputs);
-            reference.read_invocation(batch, invocations[lane], inputs);
-            reference.eval(inputs, &mut expected[lane]);
+            evaluator.expected(batch, invocations[lane], lane, &mut expected[lane]);
             verdicts[lane] = shape_of_shader(machine, court, &expected[lane], lane).map(Verdict::Deviate);
         }
         for vertex in 0..machine.room() {
@@ -140,12 +139,20 @@ impl<'a> Suspects<'a> {
                 };
                 let scales: Vec<f64> = (0..lanes).map(scale).collect();
                 for k in 0..output.expected.len() {
-                    let target = |lane: usize| expected[lane].words.get(base + output.expected.start + k).copied();
+                    let at = base + output.expected.start + k;
+                    let target = |lane: usize| expected[lane].words.get(at).copied();
+                    let slack = |lane: usize| expected[lane].slack(at);
                     let open: Vec<usize> = (0..lanes)
                         .filter(|&lane| !matches!(verdicts[lane], Some(Verdict::Deviate(_))) && target(lane).is_some())
                         .collect();
                     let word = output.actual.start + k;
-                    let found = word_of_shader(machine, word, vertex, output, &open, &target, &scales);
+                    let found = word_of_shader(
+                        machine,
+                        (vertex, word),
+                        output,
+                        &open,
+                        &Aim { target: &target, slack: &slack, scales: &scales },
+                    );
                     for (lane, verdict) in found {
                         let verdict = match verdict {
                             Err(doubt) => Verdict::Undetermined(doubt),
@@ -192,20 +199,14 @@ impl<'a> Suspects<'a> {
 
     /// Whether a lane is within what a tier allows.
     fn lane(&mut self, tier: usize, batch: &Batch, actual: &Actual, invocations: &[usize]) -> Vec<Verdict> {
-        let Self { court, tiers, inputs, max_ulp, forked, .. } = self;
+        let Self { court, tiers, max_ulp, forked, .. } = self;
         let Tier { promise, model, machine } = &mut tiers[tier];
         let machine = machine.get_or_insert_with(|| court.oracle.tape(*model));
         let lanes = machine.run_some(batch, invocations);
         let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); lanes];
         let mut ulps = vec![0.0_f64; lanes];
-        let vectors: Vec<f64> = invocations
-            .iter()
-            .map(|&invocation| {
-                court.reference.read_case(batch, invocation / batch.per_case, inputs);
-                court.reference.read_invocation(batch, invocation, inputs);
-                court.reference.vector_size(inputs)
-            })
-            .collect();
+        let vectors: Vec<f64> =
+            invocations.iter().map(|&invocation| court.reference.vector_size(batch, invocation)).collect();
         for lane in 0..lanes {
             if let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) {
                 verdicts[lane] = Verdict::Deviate(deviation);
@@ -406,16 +407,23 @@ fn underflow(machine: &mut Machine<'_, Tape<'_>>, vertex: usize, word: usize, la
 
 type Found = (usize, Result<(Option<f64>, f64), Doubt>);
 
+/// What one word should be, for each lane.
+struct Aim<'t> {
+    target: &'t dyn Fn(usize) -> Option<f64>,
+    /// How far the target itself may be off.
+    slack: &'t dyn Fn(usize) -> f64,
+    /// Size of the largest component of the variable.
+    scales: &'t [f64],
+}
+
 /// Judges one word of the formula in some lanes: those in which the shader means something else, with
 /// its meaning and what binary64 allows, or with a doubt.
 fn word_of_shader(
     machine: &mut Machine<'_, Tape<'_>>,
-    word: usize,
-    vertex: usize,
+    (vertex, word): (usize, usize),
     output: &Output,
     open: &[usize],
-    target: &dyn Fn(usize) -> Option<f64>,
-    scales: &[f64],
+    &Aim { target, slack, scales }: &Aim<'_>,
 ) -> Vec<Found> {
     let column = match machine.output(vertex, word) {
         OutputColumn::Real(&column) => column,
@@ -424,7 +432,15 @@ fn word_of_shader(
             let wrong = |&lane: &usize| {
                 let (meaning, wanted) = (<f64 as Number>::exact(words[lane], output.scalar), target(lane)?);
                 let meaning = (words[lane] != POISON).then_some(meaning);
-                (meaning != Some(wanted)).then_some((lane, Ok((meaning, 0.0))))
+                if meaning.is_some_and(|meaning| agrees(meaning, wanted, slack(lane)) || meaning == wanted) {
+                    return None;
+                }
+                if wanted.is_nan() || slack(lane) == f64::INFINITY {
+                    // Nothing is expected here, or it is not known what.
+                    let reason = if wanted.is_nan() { Reason::Domain } else { Reason::Branch };
+                    return Some((lane, Err(Doubt::of(reason))));
+                }
+                Some((lane, Ok((meaning, slack(lane)))))
             };
             return open.iter().filter_map(wrong).collect();
         }
@@ -442,7 +458,7 @@ fn word_of_shader(
     let bounds = tape.bounds(column, &mut |_| false);
     let judge = |(lane, error): (usize, f64)| -> Option<Found> {
         let wanted = target(lane)?;
-        let bound = TWO_WAYS * bounds.bound[lane] + NEAR * scales[lane];
+        let bound = TWO_WAYS * bounds.bound[lane] + NEAR * scales[lane] + slack(lane);
         if values[lane].is_poison() {
             return Some((lane, Ok((None, 0.0))));
         }
@@ -450,8 +466,12 @@ fn word_of_shader(
             // The formula has no value here.
             return Some((lane, Err(Doubt { reason: Reason::Domain, cause: tape.cause(column, lane) })));
         }
+        if slack(lane) == f64::INFINITY {
+            // What is expected is not known well enough to be compared with.
+            return Some((lane, Err(Doubt::of(Reason::IllConditioned))));
+        }
         if agrees(error, 0.0, bound) {
-            let useless = error > USELESS_64 * scales[lane].max(MIN_NORMAL);
+            let useless = error - slack(lane) > USELESS_64 * scales[lane].max(MIN_NORMAL);
             return useless.then(|| (lane, Err(Doubt::of(Reason::IllConditioned))));
         }
         // A shader without a value where the formula has one is wrong.

@@ -35,7 +35,7 @@ fn decode(word: u32, scalar: Scalar) -> f64 {
 /// The inputs of the formula, by name, as numbers; those of one invocation behind each other.
 fn inputs(prepared: &Prepared, batch: &Batch, invocation: usize) -> Vec<f64> {
     let mut all = Vec::new();
-    for param in prepared.reference.formula().inputs {
+    for param in prepared.reference.formula().unwrap().inputs {
         let own = (&batch.invocation_record, batch.invocation(invocation));
         let case = (&batch.case_record, batch.case_of(invocation));
         let (record, words) = if own.0.index_of(param.name).is_some() { own } else { case };
@@ -58,7 +58,7 @@ fn inputs(prepared: &Prepared, batch: &Batch, invocation: usize) -> Vec<f64> {
 }
 
 fn formula(prepared: &Prepared, inputs: &[f64]) -> (Vec<f64>, Vec<u32>) {
-    let formula = prepared.reference.formula();
+    let formula = prepared.reference.formula().unwrap();
     let args = Args::new(formula.inputs, inputs);
     match formula.rule {
         Rule::Pointwise(rule) => {
@@ -79,7 +79,7 @@ fn outputs(prepared: &Prepared, meaning: &Meaning<f64>, invocation: usize) -> Ve
     let record = prepared.program.output_layout().vertex;
     let mut all = Vec::new();
     for vertex in 0..meaning.stored(invocation) {
-        for param in prepared.reference.formula().outputs {
+        for param in prepared.reference.formula().unwrap().outputs {
             let index = record.index_of(param.name).unwrap();
             all.extend(&meaning.vertex(invocation, vertex)[record.range(index)]);
         }
@@ -95,7 +95,7 @@ fn sensitivity(prepared: &Prepared, inputs: &[f64], base: &[f64]) -> Vec<f64> {
     let mut moved = inputs.to_vec();
     for k in 0..inputs.len() {
         // Integers are not moved.
-        if inputs[k].fract() == 0.0 && prepared.reference.formula().inputs[0].name == "part" {
+        if inputs[k].fract() == 0.0 && prepared.reference.formula().unwrap().inputs[0].name == "part" {
             continue;
         }
         moved[k] = inputs[k] + size * step;

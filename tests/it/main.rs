@@ -15,6 +15,7 @@ mod lint_cli;
 mod lowering;
 mod lowering_vertex;
 mod mutate;
+mod own;
 mod positions;
 mod probe;
 mod regress;

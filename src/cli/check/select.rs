@@ -22,9 +22,6 @@ pub struct Selected {
     pub saved: Vec<Regression>,
 }
 
-/// Ending of a suite file.
-const ENDING: &str = ".suite.toml";
-
 /// The suites that the arguments name; all shipped ones without arguments.
 pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
     if arguments.is_empty() {
@@ -37,14 +34,18 @@ pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
         match suite::find(argument) {
             Ok(found) => selected.push(shipped(found)?),
             Err(_) if path.is_dir() => {
-                let mut files = Vec::new();
-                walk(path, &mut files)?;
-                anyhow::ensure!(!files.is_empty(), "`{argument}` holds no suite file (*{ENDING})");
+                let files = suite::search(path)?;
+                anyhow::ensure!(!files.is_empty(), "`{argument}` holds no suite file (*{})", suite::ENDING);
                 for file in files {
-                    selected.push(from_file(&file)?);
+                    selected.extend(from_file(&file)?);
                 }
             }
-            Err(_) if argument.ends_with(".toml") || path.exists() => selected.push(from_file(path)?),
+            Err(_) if variant(argument).is_some() && !path.exists() => {
+                if let Some((file, wanted)) = variant(argument) {
+                    selected.push(one_variant(Path::new(file), wanted)?);
+                }
+            }
+            Err(_) if argument.ends_with(".toml") || path.exists() => selected.extend(from_file(path)?),
             Err(_) if argument.contains(['.', '/', '\\']) => {
                 anyhow::bail!("there is no file or folder `{argument}`, and suites have no such names")
             }
@@ -66,34 +67,65 @@ fn shipped(suite: &suite::ShippedSuite) -> anyhow::Result<Selected> {
     })
 }
 
-fn from_file(path: &Path) -> anyhow::Result<Selected> {
+/// The suite of a file, once for each combination of its macros.
+fn from_file(path: &Path) -> anyhow::Result<Vec<Selected>> {
     let name = path.display().to_string();
-    anyhow::ensure!(
-        name.ends_with(".toml"),
-        "`{name}` is no suite file; to run a shader under a suite, write `check SUITE --shader {name}`"
-    );
+    if !name.ends_with(".toml") {
+        return of_shader(path);
+    }
     let loaded = suite::load(path)?;
     let regressions = suite::regressions_path(path);
     let saved = suite::read_regressions(&regressions)?;
-    Ok(Selected { suite: loaded.suite, shader: loaded.shader, argument: name, regressions: Some(regressions), saved })
+    let variants = loaded.suite.variants();
+    let several = variants.len() > 1;
+    let selected = |suite: Suite| {
+        let variant = suite.name.strip_prefix(&loaded.suite.name).filter(|_| several).unwrap_or_default();
+        let argument = format!("{name}{variant}");
+        let (regressions, saved) = (Some(regressions.clone()), saved.clone());
+        Selected { suite, shader: loaded.shader.clone(), argument, regressions, saved }
+    };
+    Ok(variants.into_iter().map(selected).collect())
 }
 
-/// Suite files below a folder, sorted. Hidden folders and build folders are left out.
-fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
-    let context = || format!("cannot read the folder `{}`", folder.display());
-    let mut entries: Vec<_> =
-        std::fs::read_dir(folder).and_then(Iterator::collect::<Result<_, _>>).with_context(context)?;
-    entries.sort_by_key(std::fs::DirEntry::file_name);
-    for entry in entries {
-        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        // A link to a folder is not followed: it may lead back here.
-        if entry.file_type().with_context(context)?.is_dir() {
-            if !name.starts_with('.') && name != "target" && name != "node_modules" {
-                walk(&path, files)?;
-            }
-        } else if name.ends_with(ENDING) {
-            files.push(path);
+/// The suites beside a shader that are about it.
+fn of_shader(path: &Path) -> anyhow::Result<Vec<Selected>> {
+    let name = path.display().to_string();
+    anyhow::ensure!(path.exists(), "cannot read `{name}`: there is no such file");
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut selected = Vec::new();
+    for file in suite::search(folder)? {
+        // A suite that cannot be read is told when its own file or folder is asked for.
+        if let Ok(loaded) = suite::load(&file)
+            && same_file(Path::new(loaded.shader.name()), path)
+        {
+            selected.extend(from_file(&file)?);
         }
     }
-    Ok(())
+    anyhow::ensure!(
+        !selected.is_empty(),
+        "`{name}` is no suite file, and no suite beside it is about it; to run a shader under a suite, write \
+         `check SUITE --shader {name}`; `shadercheck init` writes a first suite"
+    );
+    Ok(selected)
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}
+
+/// One variant of a suite file: `skin.suite.toml[BONES=4]`.
+fn variant(argument: &str) -> Option<(&str, &str)> {
+    let at = argument.rfind(".toml[").filter(|_| argument.ends_with(']'))? + ".toml".len();
+    Some(argument.split_at(at))
+}
+
+fn one_variant(path: &Path, wanted: &str) -> anyhow::Result<Selected> {
+    let all = from_file(path)?;
+    let names: Vec<String> = all.iter().map(|s| s.argument.clone()).collect();
+    all.into_iter()
+        .find(|selected| selected.suite.name.ends_with(wanted))
+        .with_context(|| format!("`{}` has no variant `{wanted}`; there are {}", path.display(), names.join(", ")))
 }

@@ -35,6 +35,8 @@ struct Conditional {
 
 struct Preprocessor<'a> {
     sink: &'a mut Sink,
+    /// Macros that are given from outside.
+    given: &'a [(String, String)],
     macros: Macros,
     conditionals: Vec<Conditional>,
     pending: Vec<Tok>,
@@ -47,9 +49,14 @@ struct Preprocessor<'a> {
     begun: bool,
 }
 
-/// Runs all directives. `before` is the version that a text states which stands before this one and is not
-/// here; names may be declared there.
-pub(crate) fn run(pieces: &Pieces, before: Option<Version>, sink: &mut Sink) -> Preprocessed {
+/// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option; `before` is
+/// the version that a text states which stands before this one and is not here: names may be declared there.
+pub(crate) fn run(
+    pieces: &Pieces,
+    defines: &[(String, String)],
+    before: Option<Version>,
+    sink: &mut Sink,
+) -> Preprocessed {
     if let Some(span) = pieces.open_comment {
         let diagnostic = sink
             .start(errors::TOKEN, span, "this comment is never closed")
@@ -60,6 +67,7 @@ pub(crate) fn run(pieces: &Pieces, before: Option<Version>, sink: &mut Sink) -> 
     }
     let mut this = Preprocessor {
         sink,
+        given: defines,
         macros: Macros::new(),
         conditionals: Vec::new(),
         pending: Vec::new(),
@@ -71,6 +79,9 @@ pub(crate) fn run(pieces: &Pieces, before: Option<Version>, sink: &mut Sink) -> 
         begun: false,
     };
     this.predefine();
+    for (name, value) in defines {
+        this.given(name, value);
+    }
     let mut raw = Vec::with_capacity(pieces.pieces.len());
     let mut at = 0;
     while at < pieces.pieces.len() {
@@ -133,6 +144,13 @@ impl Preprocessor<'_> {
 
     fn number(&mut self, name: &str, value: &str) {
         let body = vec![(Lex::Number, Spelling::Made(value.into()))];
+        self.macros.insert(name.to_owned(), Macro { params: None, body });
+    }
+
+    /// A macro from outside.
+    fn given(&mut self, name: &str, value: &str) {
+        let spelled = |piece: &Piece| (piece.lex, Spelling::Made(value[piece.span.range()].into()));
+        let body = super::lexer::lex(value).pieces.iter().map(spelled).collect();
         self.macros.insert(name.to_owned(), Macro { params: None, body });
     }
 
@@ -443,11 +461,13 @@ impl Preprocessor<'_> {
             && !self.same(old, &new)
         {
             let message = format!("macro `{text}` is defined twice with different bodies");
-            let diagnostic = self
-                .sink
-                .start(errors::MACRO, name.span, message)
-                .with_label("second definition")
-                .with_help(format!("put `#undef {text}` before it, or remove one of them"));
+            let diagnostic = self.sink.start(errors::MACRO, name.span, message).with_label("second definition");
+            let diagnostic = if self.given.iter().any(|(name, _)| *name == text) {
+                let help = format!("put this line between `#ifndef {text}` and `#endif`");
+                diagnostic.with_why("the first one is given from outside").with_help(help)
+            } else {
+                diagnostic.with_help(format!("put `#undef {text}` before it, or remove one of them"))
+            };
             self.sink.push(diagnostic);
         }
         self.macros.insert(text, new);

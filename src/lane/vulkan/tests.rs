@@ -28,6 +28,7 @@ fn lowered(text: &str, stage: Stage, role: Role) -> Lowered {
         inputs: Vec::new(),
         uniforms: Vec::new(),
         outputs: Vec::new(),
+        defines: Vec::new(),
     }
 }
 

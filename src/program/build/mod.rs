@@ -124,6 +124,7 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         inputs: variables(&inputs),
         uniforms: variables(&uniforms),
         outputs: variables(&outputs),
+        defines: shader.defines().to_vec(),
     };
     let info = front::validate_lowered(&lowered, &module)?;
     Ok(Program { module, info, entry, role, inputs, uniforms, outputs, built_ins, unfed, lowered })

@@ -34,11 +34,11 @@ fn special(group: &Group, stream: &mut Stream) -> DMat4 {
 }
 
 impl Generator for Affine {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "affine"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "invertible affine maps: stretched by 1/2 to 2, mirrored or not, translated within `range`"
     }
 

@@ -60,11 +60,11 @@ fn blend_matrix(root: DVec3, tip: DVec3, pose: &DMat4) -> DMat4 {
 const NEAR: f64 = 1.0 / 1024.0;
 
 impl Generator for Bones {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "bones"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "a skeleton: number of bones, roots, tips (both in `range`) and blend matrices that belong together"
     }
 

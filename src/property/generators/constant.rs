@@ -17,11 +17,11 @@ fn write(group: &Group, out: &mut [u32]) {
 }
 
 impl Generator for Constant {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "constant"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "the numbers of `values`: one for all components, or one for each"
     }
 

@@ -29,11 +29,11 @@ fn even(n: usize, stream: &mut Stream) -> [f64; 3] {
 }
 
 impl Generator for Direction {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "direction"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "vectors of length one; the fourth component is 0"
     }
 

@@ -15,11 +15,11 @@ fn ends(group: &Group) -> (i64, i64) {
 }
 
 impl Generator for Index {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "index"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "whole numbers in `range`, both ends included"
     }
 

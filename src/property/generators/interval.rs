@@ -8,11 +8,11 @@ use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_
 pub struct Interval;
 
 impl Generator for Interval {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "interval"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "numbers in `range`, each component for itself"
     }
 
@@ -25,9 +25,7 @@ impl Generator for Interval {
     }
 
     fn check(&self, shapes: &[Shape], _options: &Options) -> Result<(), String> {
-        every_shape(self.name(), shapes, "floats, vectors and arrays of them", |s| {
-            s.scalar == Scalar::F32 && s.columns == 1
-        })
+        every_shape(self.name(), shapes, "floats, vectors, matrices and arrays of them", |s| s.scalar == Scalar::F32)
     }
 
     #[inline]

@@ -14,6 +14,7 @@ mod affine;
 mod bones;
 mod constant;
 mod direction;
+mod drawn;
 mod group;
 mod index;
 mod interval;
@@ -30,6 +31,7 @@ mod simplex;
 mod spatial;
 mod vector;
 
+pub use drawn::Drawn;
 pub use group::Group;
 pub use range::Range;
 
@@ -59,6 +61,9 @@ pub fn all() -> &'static [&'static dyn Generator] {
         &constant::Constant,
     ]
 }
+
+/// The generator of fixed values.
+pub static CONSTANT: constant::Constant = constant::Constant;
 
 /// The generator called `name`.
 pub fn by_name(name: &str) -> Option<&'static dyn Generator> {
@@ -139,12 +144,12 @@ pub struct Place {
 }
 
 /// A distribution of the values of a group of inputs.
-pub trait Generator: Sync {
+pub trait Generator: Send + Sync {
     /// Name, as suites write it: lower case with `_`.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// What it makes, as one sentence without a full stop.
-    fn about(&self) -> &'static str;
+    fn about(&self) -> &str;
 
     /// Whether it takes a range.
     fn range(&self) -> RangeRule;

@@ -59,11 +59,11 @@ impl Strand {
 }
 
 impl Generator for NodeRun {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "node_run"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "consecutive nodes of strands with coordinates in `range`; neighbouring primitives share nodes"
     }
 

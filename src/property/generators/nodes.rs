@@ -64,11 +64,11 @@ fn special(group: &Group, stream: &mut Stream, out: &mut [u32]) {
 }
 
 impl Generator for Nodes {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "nodes"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "points with coordinates in `range` that may coincide or lie on a line; the fourth component is 1"
     }
 

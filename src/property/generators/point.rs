@@ -9,11 +9,11 @@ use super::{Generator, Group, Options, Place, RangeRule, Stream, every_shape, is
 pub struct Point;
 
 impl Generator for Point {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "point"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "points with coordinates in `range`; the fourth component is 1"
     }
 

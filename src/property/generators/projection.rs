@@ -36,11 +36,11 @@ fn parallel(stream: &mut Stream) -> DMat4 {
 }
 
 impl Generator for Projection {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "projection"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "perspective and parallel projections of views that are rigid, with translations in `range`"
     }
 

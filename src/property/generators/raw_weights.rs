@@ -18,11 +18,11 @@ impl RawWeights {
 }
 
 impl Generator for RawWeights {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "raw_weights"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "weights in `range` that are not negative, not all zero, and have any sum"
     }
 

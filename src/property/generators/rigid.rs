@@ -12,11 +12,11 @@ use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_
 pub struct Rigid;
 
 impl Generator for Rigid {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "rigid"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "rotations followed by a translation with components in `range`"
     }
 

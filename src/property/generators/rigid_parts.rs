@@ -19,11 +19,11 @@ fn turned_about(m: &DMat4, joint: DVec3, turn: DMat3) -> DMat4 {
 }
 
 impl Generator for RigidParts {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "rigid_parts"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "rigid transforms of the parts of a figure, each turned about a joint shared with the part before; joints lie in `range`"
     }
 

@@ -46,11 +46,11 @@ fn special(stream: &mut Stream, out: &mut [u32]) {
 }
 
 impl Generator for Simplex {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "simplex"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "weights that are not negative and add up to exactly one"
     }
 

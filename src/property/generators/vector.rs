@@ -9,11 +9,11 @@ use super::{Generator, Group, Options, Place, RangeRule, Stream, every_shape, is
 pub struct Vector;
 
 impl Generator for Vector {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "vector"
     }
 
-    fn about(&self) -> &'static str {
+    fn about(&self) -> &str {
         "vectors with components in `range`, the zero vector among them; the fourth component is 0"
     }
 

@@ -5,7 +5,7 @@ use crate::value::Field;
 fn group(names: &[&str], generator: &str, options: Options) -> InputGroup {
     InputGroup {
         names: names.iter().map(|&n| n.to_owned()).collect(),
-        generator: by_name(generator).unwrap(),
+        generator: crate::property::Own::Static(by_name(generator).unwrap()),
         options,
         at: "s.suite.toml:9:1".into(),
     }

@@ -11,6 +11,7 @@ mod blending;
 mod faults;
 mod hair;
 mod joints;
+pub mod law;
 mod morph;
 mod projection;
 mod rule;

@@ -27,11 +27,11 @@ pub(super) struct Rule {
 }
 
 impl Relation for Rule {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         self.name
     }
 
-    fn statement(&self) -> &'static str {
+    fn statement(&self) -> &str {
         self.statement
     }
 
@@ -56,7 +56,7 @@ impl Relation for Rule {
 }
 
 /// The claims of one relation on one sample.
-pub(super) struct Claims<'a>(&'a mut Vec<Claim>);
+pub(super) struct Claims<'a>(pub(super) &'a mut Vec<Claim>);
 
 impl Claims<'_> {
     /// Claims that two numbers are equal; nothing when one of them is unknown.
@@ -188,6 +188,19 @@ impl Exact {
     pub(super) fn rigid(choice: u64) -> Self {
         let shift = std::array::from_fn(|k| ((choice >> (8 + 3 * k)) % 7) as f64 - 3.0);
         Self { shift, ..Self::turn(choice) }
+    }
+
+    /// The same without a reflection.
+    pub(super) fn proper(self) -> Self {
+        // Exchanging two axes is a reflection, and so is each change of sign.
+        let exchanges = (0..3).flat_map(|i| (i + 1..3).map(move |j| (i, j)));
+        let odd = exchanges.filter(|&(i, j)| self.axes[i] > self.axes[j]).count();
+        let negative = self.signs.iter().filter(|s| **s < 0.0).count();
+        let mut signs = self.signs;
+        if (odd + negative) % 2 == 1 {
+            signs[0] = -signs[0];
+        }
+        Self { signs, ..self }
     }
 
     /// A rotation with a scale of 1/2 or 2, followed by a shift.

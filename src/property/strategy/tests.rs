@@ -12,7 +12,7 @@ fn strategy() -> CaseStrategy {
     };
     let group = |names: &[&str], generator: &str, range| InputGroup {
         names: names.iter().map(|&n| n.to_owned()).collect(),
-        generator: by_name(generator).unwrap(),
+        generator: crate::property::Own::Static(by_name(generator).unwrap()),
         options: Options { range, ..Options::default() },
         at: String::new(),
     };

@@ -167,7 +167,7 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     if let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?)))
         && value.scalar == Scalar::F32
     {
-        sides(text, deviation, value);
+        sides(text, case.against, deviation, value);
     }
     origins(text, &case.diagnosis);
     if case.tried > 0 && !told {
@@ -193,10 +193,11 @@ fn origins(text: &mut String, diagnosis: &Diagnosis) {
 }
 
 /// A component on all sides.
-fn sides(text: &mut String, deviation: &Deviation, value: &Value) {
+fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value) {
     let Value { component, expected, meaning, actual, bound, .. } = value;
     if let Some(expected) = expected {
-        let _ = writeln!(text, "  formula    {component} = {expected:?}");
+        let label = if against == "expectation" { "expected" } else { against };
+        let _ = writeln!(text, "  {label:<9}  {component} = {expected:?}");
     }
     let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
     let _ = writeln!(text, "  shader     {component} = {meaning:?}{allowed}");

@@ -1,7 +1,7 @@
 //! Findings: what a report shows a person.
 
 use super::trial::{Trial, batch_of};
-use super::{Report, Request};
+use super::{Prepared, Report, Request};
 use crate::lane::{Lane, LaneError, Stage as LaneStage};
 use crate::program::{Port, Program};
 use crate::property::shrink::{self, Shrunk};
@@ -82,6 +82,8 @@ pub struct Case {
     pub inputs: Vec<InputValue>,
     /// How the sample deviates.
     pub deviation: Option<Deviation>,
+    /// What the shader was compared with, in a word: `formula`, `reference`.
+    pub against: &'static str,
     /// Where that comes from, as far as it could be found out.
     pub diagnosis: Diagnosis,
     /// Rounds of shrinking.
@@ -113,7 +115,7 @@ pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
         }
     }
     let diagnosis = Diagnosis::default();
-    Case { inputs, deviation, diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
+    Case { inputs, deviation, against: "formula", diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
 }
 
 /// The command that runs one sample again.
@@ -149,6 +151,7 @@ pub(super) fn deviations(
         return Ok(());
     }
     let plan = trial.prepared.plan.clone();
+    let against = trial.prepared.reference.noun();
     let first: Vec<Sample> = failing.into_iter().take(SHRUNK).collect();
     let mut oracle = |samples: &[Sample]| trial.deviates(samples);
     let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
@@ -176,10 +179,10 @@ pub(super) fn deviations(
         let diagnosis = diagnose(trial, lane, &shrunk.sample, &deviation)?;
         report.findings.push(Finding {
             kind: FindingKind::Deviation,
-            message: deviation.to_string(),
+            message: deviation.told(against),
             count: report.verdicts.deviated,
             reproduce: Some(reproduce(request, report, &shrunk.sample)),
-            case: Some(Case { diagnosis, ..case(shrunk, Some(deviation)) }),
+            case: Some(Case { diagnosis, against, ..case(shrunk, Some(deviation)) }),
         });
         shown.push((what, shrunk.sample.clone()));
     }
@@ -249,7 +252,8 @@ pub(super) fn ranges(report: &mut Report) {
 }
 
 /// Findings about the run itself: too little judged, too much undetermined, segments not drawn.
-pub(super) fn shortfalls(suite: &Suite, request: &Request, wanted: u64, report: &mut Report) {
+pub(super) fn shortfalls(prepared: &Prepared, request: &Request, wanted: u64, report: &mut Report) {
+    let suite = &prepared.suite;
     if let Some(coverage) = &report.coverage
         && !coverage.is_complete()
     {
@@ -276,7 +280,8 @@ pub(super) fn shortfalls(suite: &Suite, request: &Request, wanted: u64, report: 
         return;
     }
     let least = suite.floors.judged_of(wanted.min(suite.samples), suite.samples);
-    if judged < least {
+    // What is stated one by one is no part of a number of samples to be made.
+    if judged < least && prepared.plan.makes_samples() {
         floor(format!("only {judged} samples were judged; the suite asks for {least}"), judged);
     }
     let undetermined = report.verdicts.undetermined_count();

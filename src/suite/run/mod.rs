@@ -21,7 +21,7 @@ use crate::verdict::{BatchVerdict, Survey};
 pub use coverage::{Coverage, check as coverage};
 pub use doubts::Doubtful;
 pub use finding::{Case, Finding, FindingKind, InputValue};
-pub use prepare::{Prepared, RunError, prepare};
+pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
 pub use summary::{Entry, LaneUsed, Outcome, Status, Summary, Totals};
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
@@ -138,7 +138,8 @@ pub fn run(
         findings: Vec::new(),
         failing: Vec::new(),
     };
-    let wanted = request.samples_of(&prepared.suite);
+    let makes_samples = prepared.plan.makes_samples();
+    let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let kernel = match stage {
         Stage::Compute => &prepared.compute,
         Stage::Vertex => match &prepared.vertex {
@@ -159,7 +160,10 @@ pub fn run(
     };
     let mut failing = sampling::replay(&mut trial, &request.replay, &mut report)?;
     if !request.replay_only {
-        failing.extend(sampling::sample(&mut trial, request, wanted, &mut report, progress)?);
+        failing.extend(sampling::replay(&mut trial, &prepared.rows, &mut report)?);
+        if makes_samples {
+            failing.extend(sampling::sample(&mut trial, request, wanted, &mut report, progress)?);
+        }
         if let Some(strands) = prepared.suite.strands {
             report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }
@@ -168,7 +172,7 @@ pub fn run(
     finding::deviations(&mut trial, lane, failing, request, &mut report)?;
     report.doubts = doubts::told(prepared, &report.verdicts);
     finding::ranges(&mut report);
-    finding::shortfalls(&prepared.suite, request, wanted, &mut report);
+    finding::shortfalls(prepared, request, wanted, &mut report);
     survey::warn(&mut report);
     report.findings.sort_by_key(|f| f.kind);
     Ok(report)

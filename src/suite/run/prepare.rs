@@ -8,10 +8,12 @@ use crate::diagnostic::Diagnostic;
 use crate::glsl;
 use crate::lower::Target;
 use crate::program::{Kernel, Program, ProgramError};
-use crate::property::{Plan, PlanError, Relation, relations};
-use crate::suite::{Stage, Suite};
+use crate::property::relations::law::LawError;
+use crate::property::{Own, Plan, PlanError, Relation, Sample, relations};
+use crate::suite::record::{self, Interface};
+use crate::suite::{Expect, Problem, RecordedFile, ReferenceFile, Stage, Suite};
 use crate::text::SourceFile;
-use crate::verdict::{Oracle, Reference, ReferenceError};
+use crate::verdict::{Oracle, Recorded, Reference, ReferenceError};
 
 /// Why a suite cannot be run.
 #[derive(Debug, Error)]
@@ -42,6 +44,30 @@ pub enum RunError {
         /// Why.
         source: Box<ReferenceError>,
     },
+    /// The reference shader is wrong, or cannot be run.
+    #[error("the reference of suite `{suite}` cannot be used: {source}")]
+    ReferenceProgram {
+        /// Name of the suite.
+        suite: String,
+        /// Why.
+        source: ProgramError,
+    },
+    /// Recorded values cannot be read.
+    #[error("{}", .problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+    Recorded {
+        /// What is wrong in the file.
+        problems: Vec<Problem>,
+    },
+    /// A law does not fit the shader.
+    #[error("suite `{suite}`, {shader}: {source}")]
+    Law {
+        /// Name of the suite.
+        suite: String,
+        /// The shader.
+        shader: String,
+        /// Why.
+        source: LawError,
+    },
     /// The inputs of the suite do not fit the shader.
     #[error("suite `{suite}`, {shader}: {source}")]
     Plan {
@@ -71,59 +97,74 @@ pub struct Prepared {
     /// What fills the inputs.
     pub plan: Arc<Plan>,
     /// The relations that the suite names.
-    pub relations: Vec<&'static dyn Relation>,
+    pub relations: Vec<Own<dyn Relation>>,
+    /// Samples that the suite states one by one: the rows of recorded values.
+    pub rows: Vec<Sample>,
     /// What the program means.
     pub oracle: Oracle,
 }
 
-/// Reads, lowers, translates and captures the shader of a suite, and binds formula and inputs to it.
+/// Reads, lowers, translates and captures the shader of a suite, and binds what is expected and inputs to
+/// it.
 ///
 /// # Errors
 /// [`RunError`]: what does not fit.
 pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError> {
+    prepare_with(suite, shader, &|program| expected(suite, shader, program))
+}
+
+/// What is expected of a program, with the samples that this is stated for.
+type Expectation = (Reference, Vec<Sample>);
+
+/// The same, with an expectation of the caller's in place of what the suite names.
+///
+/// # Errors
+/// [`RunError`]: what does not fit.
+pub fn prepare_with(
+    suite: &Suite,
+    shader: &SourceFile,
+    expected: &dyn Fn(&Program) -> Result<Expectation, RunError>,
+) -> Result<Prepared, RunError> {
     let name = || suite.name.clone();
-    let stage = match suite.stage {
-        Stage::Vertex => glsl::Stage::Vertex,
-        Stage::Geometry => glsl::Stage::Geometry,
-        Stage::Function => glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library),
-    };
-    let target = match &suite.entry {
-        Some(entry) => Target::Function(entry.clone()),
-        None => Target::Stage,
-    };
     let captured = |source| match source {
         ProgramError::Source(diagnostics) => RunError::Shader { suite: name(), diagnostics },
         source => RunError::Program { suite: name(), source },
     };
-    let program = Program::from_source(shader, stage, |_| Ok(target)).map_err(captured)?;
+    let program = program(suite, shader, suite.entry.as_deref()).map_err(captured)?;
     let compute = program.compute_kernel().map_err(captured)?;
     let vertex = match suite.stage {
         Stage::Vertex => Some(program.vertex_kernel(&super::finding::components(suite, &program)).map_err(captured)?),
         Stage::Geometry | Stage::Function => None,
     };
     let shader_name = || shader.name().to_owned();
-    // The suite file was checked against the registry when it was read.
-    let formula = crate::formula::by_name(&suite.formula).ok_or_else(|| RunError::Program {
-        suite: name(),
-        source: ProgramError::Internal(format!("there is no formula `{}`", suite.formula)),
-    })?;
-    let reference = Reference::new(formula, &program).map_err(|source| RunError::Reference {
-        suite: name(),
-        shader: shader_name(),
-        source: Box::new(source),
-    })?;
-    let plan = suite.plan(&compute.invocation, &compute.case).map_err(|source| RunError::Plan {
-        suite: name(),
-        shader: shader_name(),
-        source: Box::new(source),
-    })?;
+    let (reference, rows) = expected(&program)?;
+    // Recorded rows are samples enough: a suite need not say how to make others.
+    let plan = if suite.inputs.is_empty() && !rows.is_empty() {
+        Plan::of_given(compute.invocation.clone(), compute.case.clone())
+    } else {
+        suite.plan(&compute.invocation, &compute.case).map_err(|source| RunError::Plan {
+            suite: name(),
+            shader: shader_name(),
+            source: Box::new(source),
+        })?
+    };
     let oracle = Oracle::new(&program).map_err(|error| RunError::Program {
         suite: name(),
         source: ProgramError::Unsupported { what: error.locate(&program) },
     })?;
+    let mut all: Vec<Own<dyn Relation>> =
+        suite.relations.iter().filter_map(|r| relations::by_name(r)).map(Own::Static).collect();
+    let range = |input: &str| {
+        suite.inputs.iter().find(|g| g.names.iter().any(|n| n == input)).and_then(|group| group.options.range)
+    };
+    for law in &suite.laws {
+        let bound = law.bind(reference.fields(), [&compute.invocation, &compute.case], &range);
+        all.push(bound.map_err(|source| RunError::Law { suite: name(), shader: shader_name(), source })?);
+    }
     Ok(Prepared {
         oracle,
-        relations: suite.relations.iter().filter_map(|r| relations::by_name(r)).collect(),
+        relations: all,
+        rows,
         suite: suite.clone(),
         shader: shader_name(),
         plan: Arc::new(plan),
@@ -132,4 +173,85 @@ pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError>
         vertex,
         reference,
     })
+}
+
+/// What a suite runs of a text: its stage, or a function.
+fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
+    let stage = match suite.stage {
+        Stage::Vertex if function.is_none() => glsl::Stage::Vertex,
+        Stage::Geometry if function.is_none() => glsl::Stage::Geometry,
+        Stage::Vertex | Stage::Geometry | Stage::Function => {
+            glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library)
+        }
+    };
+    let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
+    Program::from_source_with(shader, stage, &suite.chosen, |_| Ok(target))
+}
+
+/// What a suite says is expected of its program.
+fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Expectation, RunError> {
+    let name = || suite.name.clone();
+    let unfit =
+        |source| RunError::Reference { suite: name(), shader: shader.name().to_owned(), source: Box::new(source) };
+    let unread = |file: &str| RunError::Program {
+        suite: name(),
+        source: ProgramError::Internal(format!("`{file}` has not been read")),
+    };
+    match &suite.expect {
+        Expect::Formula(formula) => {
+            // The suite file was checked against the registry when it was read.
+            let formula = crate::formula::by_name(formula).ok_or_else(|| RunError::Program {
+                suite: name(),
+                source: ProgramError::Internal(format!("there is no formula `{formula}`")),
+            })?;
+            Ok((Reference::new(formula, program).map_err(unfit)?, Vec::new()))
+        }
+        Expect::Reference(ReferenceFile { file, function, output, text, at: _ }) => {
+            let text = text.as_ref().ok_or_else(|| unread(file))?;
+            let entry = function.as_deref().or(suite.entry.as_deref());
+            let model = self::program(suite, text, entry)
+                .map_err(|source| RunError::ReferenceProgram { suite: name(), source })?;
+            let by = match function {
+                Some(function) => format!("the reference `{function}` of {}", text.name()),
+                None => format!("the reference {}", text.name()),
+            };
+            Ok((Reference::model(&model, &by, output.as_deref(), program).map_err(unfit)?, Vec::new()))
+        }
+        Expect::Recorded(recorded) => {
+            let text = recorded.text.as_ref().ok_or_else(|| unread(&recorded.file))?;
+            let (invocation, case) = (Arc::new(program.invocation_record()), Arc::new(program.case_record()));
+            let output = program.output_layout().vertex;
+            let interface = Interface { invocation: &invocation, case: &case, output: &output };
+            rows_of(recorded, text, &interface, program).map_err(|error| error.into_run_error(&unfit))
+        }
+        Expect::Nothing => Ok((Reference::nothing(program), Vec::new())),
+    }
+}
+
+/// What can be wrong with recorded values.
+enum RowsError {
+    File(Vec<Problem>),
+    Fit(ReferenceError),
+}
+
+impl RowsError {
+    fn into_run_error(self, unfit: &dyn Fn(ReferenceError) -> RunError) -> RunError {
+        match self {
+            Self::File(problems) => RunError::Recorded { problems },
+            Self::Fit(error) => unfit(error),
+        }
+    }
+}
+
+fn rows_of(
+    recorded: &RecordedFile,
+    text: &SourceFile,
+    interface: &Interface<'_>,
+    program: &Program,
+) -> Result<Expectation, RowsError> {
+    let (outputs, rows) = record::rows(recorded, text, interface).map_err(RowsError::File)?;
+    let samples = rows.iter().map(|row| row.sample.clone()).collect();
+    let by = format!("the record {}", text.name());
+    let record = Recorded::new(by, outputs, rows).map_err(RowsError::Fit)?;
+    Ok((Reference::recorded(record, program).map_err(RowsError::Fit)?, samples))
 }

@@ -5,7 +5,7 @@ use super::finding::{self, Finding, FindingKind};
 use super::trial::{Trial, batch_of};
 use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
-use crate::property::{Claim, Observed, Relation, Sample, Sampler, shrink};
+use crate::property::{Claim, Observed, Own, Relation, Sample, Sampler, shrink};
 use crate::value::Batch;
 use crate::verdict::{Court, meaning, observe};
 
@@ -32,7 +32,8 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> R
         all.extend(samples(prepared, request.seed, if request.quick { QUICK_SAMPLES } else { SAMPLES }));
     }
     let samples = all;
-    for &relation in &prepared.relations {
+    for relation in &prepared.relations {
+        let relation = &**relation;
         let outcomes = outcomes(trial, relation, &samples)?;
         let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
         report.relations.push((relation.name().to_owned(), checked));
@@ -65,7 +66,7 @@ pub struct Probes {
 }
 
 struct Probe {
-    relation: &'static dyn Relation,
+    relation: Own<dyn Relation>,
     inputs: Vec<Vec<Sample>>,
     /// All of them, one after the other; `None` when there are none.
     batch: Option<Batch>,
@@ -75,18 +76,18 @@ impl Probes {
     /// The inputs of all relations of a suite.
     pub fn new(prepared: &Prepared, seed: u64) -> Self {
         let samples = samples(prepared, seed, SAMPLES);
-        let probe = |&relation: &&'static dyn Relation| {
-            let (inputs, batch) = related(relation, &samples);
-            Probe { relation, inputs, batch }
+        let probe = |relation: &Own<dyn Relation>| {
+            let (inputs, batch) = related(&**relation, &samples);
+            Probe { relation: relation.clone(), inputs, batch }
         };
         Self { probes: prepared.relations.iter().map(probe).collect() }
     }
 
     /// The first relation that the meaning of a shader does not keep on some sample, by name.
-    pub fn first_broken(&self, court: &Court<'_>) -> Option<&'static str> {
+    pub fn first_broken(&self, court: &Court<'_>) -> Option<&str> {
         let broken = |probe: &&Probe| {
             let observed = probe.batch.as_ref().map_or_else(Vec::new, |batch| meaning(court, batch));
-            verdicts(probe.relation, &probe.inputs, observed).any(|o| matches!(o, Outcome::Fails(_)))
+            verdicts(&*probe.relation, &probe.inputs, observed).any(|o| matches!(o, Outcome::Fails(_)))
         };
         self.probes.iter().find(broken).map(|probe| probe.relation.name())
     }
@@ -115,6 +116,9 @@ fn verdicts<'i>(
 
 /// Samples of the suite's plan, whole strands where the suite has them.
 fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample> {
+    if !prepared.plan.makes_samples() {
+        return prepared.rows.iter().take(count as usize).cloned().collect();
+    }
     let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
     let batch = Sampler::new(prepared.plan.clone(), seed).batch(0, (count as usize).div_ceil(per_case), per_case);
     (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect()

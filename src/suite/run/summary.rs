@@ -99,7 +99,14 @@ impl Summary {
             match &entry.outcome {
                 Outcome::Ran(report) => failed |= !report.errors().is_empty(),
                 Outcome::Refused(RunError::Shader { .. }) | Outcome::LaneFailed(_) => failed = true,
-                Outcome::Refused(RunError::Program { .. } | RunError::Reference { .. } | RunError::Plan { .. }) => {
+                Outcome::Refused(
+                    RunError::Program { .. }
+                    | RunError::Reference { .. }
+                    | RunError::ReferenceProgram { .. }
+                    | RunError::Recorded { .. }
+                    | RunError::Law { .. }
+                    | RunError::Plan { .. },
+                ) => {
                     return Status::Broken;
                 }
             }

@@ -74,7 +74,9 @@ fn compare(
     if !request.replay.is_empty() {
         batches.push(batch_of(&request.replay));
     }
-    if !request.replay_only {
+    if !request.replay_only && !prepared.plan.makes_samples() && !prepared.rows.is_empty() {
+        batches.push(batch_of(&prepared.rows[..prepared.rows.len().min(SAMPLES as usize)]));
+    } else if !request.replay_only {
         let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
         let cases = request.samples_of(&prepared.suite).min(SAMPLES).div_ceil(per_case as u64);
         batches.push(Sampler::new(prepared.plan.clone(), request.seed).batch(0, cases as usize, per_case));

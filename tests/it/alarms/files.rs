@@ -100,10 +100,10 @@ fn unknown_names_are_told_with_the_one_that_was_meant() {
 }
 
 #[test]
-fn a_shader_in_place_of_a_suite_is_told_how_to_run_it() {
-    let said =
-        "`shaders/chapter9/sphere.vert` is no suite file; to run a shader under a suite, write `check SUITE --shader";
-    refused(root(), "check shaders/chapter9/sphere.vert", &[said]);
+fn a_shader_without_a_suite_is_told_how_to_run_it() {
+    let said = "`fixtures/printed/cylinder.vert` is no suite file, and no suite beside it is about it; to run a shader \
+                under a suite, write `check SUITE --shader fixtures/printed/cylinder.vert`";
+    refused(root(), "check fixtures/printed/cylinder.vert", &[said]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::lanes::{prepared, reports_of};
 /// Runs a shipped suite against another rule in place of its formula.
 fn against(suite: &str, rule: Rule) -> Vec<Report> {
     let mut prepared = prepared(suite);
-    let right = prepared.reference.formula();
+    let right = prepared.reference.formula().unwrap();
     let Formula { name, source, inputs, outputs, .. } = *right;
     // A reference takes a formula that lives as long as the program; a few of them may.
     let wrong = Box::leak(Box::new(Formula { name, source, inputs, outputs, rule }));
@@ -42,7 +42,7 @@ macro_rules! rules {
 fn one_part_in_ten_thousand_is_found_in_every_suite() {
     let rules = rules!(0 1 2 3 4 5 6 7 8 9 10 11 12 13);
     for shipped in shadercheck::suite::shipped() {
-        let formula = prepared(shipped.name).reference.formula();
+        let formula = prepared(shipped.name).reference.formula().unwrap();
         let index = all().iter().position(|f| f.name == formula.name).unwrap();
         let (pointwise, emission) = rules[index];
         let rule = match formula.rule {

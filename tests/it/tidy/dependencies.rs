@@ -54,6 +54,23 @@ const MODULES: &[(&str, &[&str])] = &[
         &["mutate", "fuzz", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"],
     ),
     (
+        "api",
+        &[
+            "report",
+            "suite",
+            "verdict",
+            "bound",
+            "property",
+            "lane",
+            "program",
+            "lower",
+            "glsl",
+            "text",
+            "diagnostic",
+            "value",
+        ],
+    ),
+    (
         "cli",
         &[
             "report",

@@ -1,23 +1,30 @@
 //! From the text of a suite file to a [`Suite`].
 
+mod expect;
+mod laws;
+
 use toml::de::DeTable;
 
 use crate::formula;
 use crate::property::generators::{self, Ends, Generator, Options, RangeRule, Strands};
-use crate::property::{InputGroup, nearest, relations};
+use crate::property::{InputGroup, Own, relations};
 use crate::text::SourceFile;
 
 use super::error::SuiteError;
+use super::expect::hint;
 use super::table::{At, Reader, Table};
 use super::{Floors, Stage, Suite};
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 15] = [
     "suite",
     "title",
     "shader",
     "stage",
     "entry",
     "formula",
+    "reference",
+    "recorded",
+    "defines",
     "samples",
     "per_case",
     "relations",
@@ -32,7 +39,9 @@ const MOST_PER_CASE: u64 = 1 << 20;
 /// Invocations of a case when a suite does not say.
 const PER_CASE: u64 = 16;
 /// Largest share of undetermined samples when a suite does not say.
-const UNDETERMINED: f64 = 0.05;
+pub(super) const UNDETERMINED: f64 = 0.05;
+/// Samples when a suite does not say.
+pub(super) const SAMPLES: u64 = 16384;
 
 /// Names that a suite may use.
 #[derive(Clone, Debug)]
@@ -87,19 +96,15 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     }
     let root = root.only(&KEYS);
     let name = suite_name(root);
-    let title = root.required_text("title", "title = \"Points of a sphere\"");
+    let title = root.text("title");
     let shader = root.required_text("shader", "shader = \"sphere.vert\"");
     let stage = stage(root);
     let entry = entry(root, stage);
-    let formula = root.required_text("formula", "formula = \"sphere\"");
-    let formula = formula.and_then(|f| known(root, "formula", &f, names.formulas.iter().map(String::as_str)));
-    let samples = root.required_whole("samples", 1, MOST_SAMPLES, "samples = 65536");
+    let expect = expect::expect(root, names, stage);
+    let defines = expect::defines(root);
+    let samples = if root.has("samples") { root.whole("samples", 1, MOST_SAMPLES) } else { Some(SAMPLES) };
     let per_case = root.whole("per_case", 1, MOST_PER_CASE);
-    let relations = root
-        .texts("relations")
-        .into_iter()
-        .filter_map(|relation| known(root, "relation", &relation, names.relations.iter().map(String::as_str)));
-    let relations = relations.collect();
+    let (relations, laws) = laws::relations(root, names);
     let floors = floors(root, samples);
     let strands = strands(root, stage);
     let inputs = inputs(root, strands);
@@ -108,15 +113,18 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         root.reader.problem(root.offset_of("strands"), message);
     }
     Some(Suite {
+        title: title.map_or_else(|| name.clone().unwrap_or_default(), |title| title.value),
         name: name?,
-        title: title?.value,
         shader: shader?.value,
         stage: stage?,
         entry,
-        formula: formula?,
+        expect,
+        defines,
+        chosen: Vec::new(),
         samples: samples?,
         per_case: per_case.unwrap_or(PER_CASE) as usize,
         relations,
+        laws,
         inputs,
         floors: floors?,
         strands,
@@ -134,11 +142,7 @@ fn known<'n>(
     if all.clone().any(|name| name == given.value) {
         return Some(given.value.clone());
     }
-    let hint = match nearest(&given.value, all.clone()) {
-        Some(meant) => format!("did you mean `{meant}`?"),
-        None => format!("known: {}", all.collect::<Vec<_>>().join(", ")),
-    };
-    table.reader.problem(given.offset, format!("unknown {what} `{}`; {hint}", given.value));
+    table.reader.problem(given.offset, format!("unknown {what} `{}`; {}", given.value, hint(&given.value, all)));
     None
 }
 
@@ -174,10 +178,10 @@ fn entry(root: Table<'_>, stage: Option<Stage>) -> Option<String> {
 
 fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
     if !root.has("floors") {
-        root.missing("floors", "[floors] judged = 60000");
+        return Some(Floors::usual(samples?));
     }
     let table = root.table("floors", "[floors]")?.only(&["judged", "undetermined", "reason"]);
-    let judged = table.required_whole("judged", 1, MOST_SAMPLES, "judged = 60000");
+    let judged = table.whole("judged", 1, MOST_SAMPLES);
     if let (Some(judged), Some(samples)) = (judged, samples)
         && judged > samples
     {
@@ -197,7 +201,11 @@ fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
             format!("`undetermined` is above {UNDETERMINED}; say why: reason = \"sin has no promise beyond pi\"");
         table.reader.problem(offset, message);
     }
-    Some(Floors { judged: judged?, undetermined: share, reason })
+    if table.has("judged") && judged.is_none() {
+        return None;
+    }
+    let usual = Floors { undetermined: share.clamp(0.0, 1.0), ..Floors::usual(samples?) }.rest(samples?);
+    Some(Floors { judged: judged.unwrap_or(usual), undetermined: share, reason })
 }
 
 fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {
@@ -249,7 +257,7 @@ fn input(table: Table<'_>, strands: Option<Strands>) -> Option<InputGroup> {
     let components = table.whole("components", 1, 4).map(|n| n as u8);
     let options = Options { range, values: table.numbers("values"), components, strands };
     let at = table.reader.locate(table.offset_of("names"));
-    Some(InputGroup { names: Some(names).filter(|n| !n.is_empty())?, generator: generator?, options, at })
+    Some(InputGroup { names: Some(names).filter(|n| !n.is_empty())?, generator: Own::Static(generator?), options, at })
 }
 
 /// Notes keys that the generator wants and lacks, or has no use for. Whether the values fit the

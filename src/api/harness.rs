@@ -1,0 +1,102 @@
+//! Suites as tests of cargo: one test for each suite, and for each combination of its macros.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+use crate::bound::profile::Rulings;
+use crate::property::Sample;
+use crate::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
+use crate::suite::{self, Suite};
+use crate::text::SourceFile;
+
+use super::run;
+
+/// Runs every suite (`*.suite.toml`) of a folder as a test of its own, with the arguments that `cargo test`
+/// hands over: names that filter, `--list`, `--exact` and so on. It is the `main` of a test target without
+/// the usual harness:
+///
+/// ```toml
+/// [[test]]
+/// name = "shaders"
+/// harness = false
+/// ```
+///
+/// ```no_run
+/// // tests/shaders.rs
+/// fn main() -> std::process::ExitCode {
+///     shadercheck::test_main("shaders")
+/// }
+/// ```
+///
+/// Suites run on every device that can be had, and on the embedded lane where there is none. A folder
+/// without suites, and a suite that cannot be read, is a test that fails. Failing cases are kept beside the
+/// suite and run first the next time, as of `shadercheck check`.
+pub fn test_main(folder: impl AsRef<Path>) -> ExitCode {
+    let mut arguments = Arguments::from_args();
+    // A suite uses all cores by itself.
+    arguments.test_threads.get_or_insert(1);
+    libtest_mimic::run(&arguments, trials(folder.as_ref())).exit_code()
+}
+
+fn trials(folder: &Path) -> Vec<Trial> {
+    let fails = |name: String, message: String| vec![Trial::test(name, move || Err(Failed::from(message)))];
+    let files = match suite::search(folder) {
+        Ok(files) if files.is_empty() => {
+            return fails("suites".into(), format!("`{}` holds no suite file (*.suite.toml)", folder.display()));
+        }
+        Ok(files) => files,
+        Err(error) => return fails("suites".into(), error.to_string()),
+    };
+    let of = |path: PathBuf| {
+        let inside = path.strip_prefix(folder).unwrap_or(&path).display().to_string().replace('\\', "/");
+        let name = inside.trim_end_matches(".suite.toml").to_owned();
+        match suite::load(&path) {
+            Ok(loaded) => {
+                let whole = loaded.suite.name.clone();
+                let trial = |suite: Suite| {
+                    let variant = suite.name.strip_prefix(&whole).unwrap_or_default();
+                    let (name, shader, path) = (format!("{name}{variant}"), loaded.shader.clone(), path.clone());
+                    let kind = suite.stage.name();
+                    Trial::test(name, move || one(&suite, &shader, &path)).with_kind(kind)
+                };
+                loaded.suite.variants().into_iter().map(trial).collect()
+            }
+            Err(error) => fails(name, error.to_string()),
+        }
+    };
+    files.into_iter().flat_map(of).collect()
+}
+
+/// Runs one suite, saved cases first.
+fn one(suite: &Suite, shader: &SourceFile, path: &Path) -> Result<(), Failed> {
+    let prepared = prepare(suite, shader).map_err(|error| Failed::from(run::told(&error)))?;
+    let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
+    let regressions = suite::regressions_path(path);
+    let saved = suite::read_regressions(&regressions)?;
+    let own = saved.iter().filter(|regression| regression.suite == suite.name);
+    let replay: Vec<Sample> = own.map(|regression| regression.to_sample(invocation, case)).collect::<Result<_, _>>()?;
+    let lanes = run::lanes(&[]).map_err(Failed::from)?;
+    let entries = run::on_lanes(&prepared, &lanes, |lane| Request {
+        samples: None,
+        seed: DEFAULT_SEED,
+        quick: false,
+        replay: replay.clone(),
+        replay_only: false,
+        rulings: Rulings::of_lane(lane.description()),
+        arguments: path.display().to_string(),
+    });
+    let failing: Vec<Sample> = entries
+        .iter()
+        .flat_map(|entry| match &entry.outcome {
+            Run::Ran(report) => report.failing.clone(),
+            Run::Refused(_) | Run::LaneFailed(_) => Vec::new(),
+        })
+        .collect();
+    if !failing.is_empty() {
+        suite::save_regressions(&regressions, &suite.name, &failing)?;
+    }
+    let outcome = run::outcome(entries);
+    if outcome.passed() { Ok(()) } else { Err(Failed::from(outcome.report())) }
+}

@@ -1,0 +1,48 @@
+//! What came of a check.
+
+use thiserror::Error;
+
+/// Why nothing could be checked: a shader that does not compile, inputs that do not fit it, no lane.
+#[derive(Clone, Debug, Error)]
+#[error("{message}")]
+pub struct Error {
+    pub(super) message: String,
+}
+
+impl Error {
+    pub(super) fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into() }
+    }
+}
+
+/// What came of a check, on all lanes together.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub(super) judged: u64,
+    pub(super) undetermined: u64,
+    pub(super) passed: bool,
+    pub(super) report: String,
+}
+
+impl Outcome {
+    /// True when samples were judged and nothing is wrong.
+    pub fn passed(&self) -> bool {
+        self.passed
+    }
+
+    /// Samples that agree or deviate.
+    pub fn judged(&self) -> u64 {
+        self.judged
+    }
+
+    /// Samples that decide nothing: what is allowed to a device leaves them open.
+    pub fn undetermined(&self) -> u64 {
+        self.undetermined
+    }
+
+    /// What was found, for people: what deviates by how much, the smallest inputs that show it, and how to
+    /// run them again. For a check that passed, a line for each lane and stage.
+    pub fn report(&self) -> &str {
+        &self.report
+    }
+}

@@ -1,0 +1,224 @@
+//! From a builder to what came of it.
+
+use crate::bound::profile::Rulings;
+use crate::diagnostic::Lang;
+use crate::lane::{self, Lane, Stage as LaneStage};
+use crate::lower::Target;
+use crate::program::Program;
+use crate::property::regressions;
+use crate::property::{InputGroup, Own, Sample, generators};
+use crate::report;
+use crate::suite::draft::guess;
+use crate::suite::run::{
+    Entry, Outcome as Run, Prepared, Request, RunError, Status, Summary, prepare, prepare_with, run,
+};
+use crate::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
+use crate::text::SourceFile;
+use crate::verdict::Reference;
+
+use super::{Error, Outcome, Shader};
+
+pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
+    let suite = suite(shader)?;
+    let prepared = if shader.given.is_empty() {
+        prepare(&suite, &shader.file)
+    } else {
+        if shader.reference.is_some() {
+            return Err(Error::new("`expect` and `reference` both say what is right; use one of them"));
+        }
+        prepare_with(&suite, &shader.file, &|program| {
+            let given = Reference::given(shader.given.clone(), program);
+            Ok((given.map_err(|source| unfit(&suite, source))?, Vec::new()))
+        })
+    };
+    let prepared = prepared.map_err(|error| told(&error))?;
+    let replay = match &shader.case {
+        Some(text) => replay(&prepared, text)?,
+        None => Vec::new(),
+    };
+    let lanes = lanes(&shader.lanes)?;
+    let entries = on_lanes(&prepared, &lanes, |lane| Request {
+        samples: Some(shader.samples),
+        seed: shader.seed,
+        quick: false,
+        replay: replay.clone(),
+        replay_only: shader.case.is_some(),
+        rulings: Rulings::of_lane(lane.description()),
+        arguments: String::new(),
+    });
+    Ok(outcome(entries))
+}
+
+fn unfit(suite: &Suite, source: crate::verdict::ReferenceError) -> RunError {
+    RunError::Reference { suite: suite.name.clone(), shader: suite.shader.clone(), source: Box::new(source) }
+}
+
+/// An error with its diagnostics.
+pub(super) fn told(error: &RunError) -> Error {
+    match error {
+        RunError::Shader { diagnostics, .. } => {
+            let all: Vec<String> = diagnostics.iter().map(|d| report::diagnostics::text(d, Lang::En, false)).collect();
+            Error::new(format!("it does not compile\n\n{}", all.join("\n")))
+        }
+        other => Error::new(other.to_string()),
+    }
+}
+
+fn replay(prepared: &Prepared, text: &str) -> Result<Vec<Sample>, Error> {
+    let file = SourceFile::new("case", format!("case {text}"));
+    let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
+    let wrong = |error: regressions::RegressionError| Error::new(format!("`case`: {error}"));
+    let parsed = regressions::parse(&file).map_err(wrong)?;
+    parsed.iter().map(|regression| regression.to_sample(invocation, case).map_err(wrong)).collect()
+}
+
+/// The lanes that are named; without names every device, and the stand-in where there is none.
+pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
+    let all = lane::registry();
+    if let Some(name) = names.iter().find(|name| all.iter().all(|c| c.name != **name)) {
+        let known: Vec<&str> = all.iter().map(|c| c.name).collect();
+        return Err(Error::new(format!("there is no lane `{name}`; lanes are {}", known.join(", "))));
+    }
+    let mut lanes = Vec::new();
+    for candidate in all {
+        let named = names.iter().any(|name| name == candidate.name);
+        let wanted = if candidate.stand_in { lanes.is_empty() } else { true };
+        if !named && (!names.is_empty() || !wanted) {
+            continue;
+        }
+        match (candidate.open)() {
+            Ok(lane) => lanes.push(lane),
+            Err(missing) if named => {
+                return Err(Error::new(format!("the lane `{}` cannot be had: {missing}", candidate.name)));
+            }
+            Err(_) => {}
+        }
+    }
+    if lanes.is_empty() { Err(Error::new("no lane can run here")) } else { Ok(lanes) }
+}
+
+/// Runs a suite on every stage of every lane.
+pub(super) fn on_lanes(
+    prepared: &Prepared,
+    lanes: &[Box<dyn Lane>],
+    request: impl Fn(&dyn Lane) -> Request,
+) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for lane in lanes {
+        let request = request(lane.as_ref());
+        for &stage in &lane.description().stages {
+            if stage == LaneStage::Vertex && prepared.vertex.is_none() {
+                continue;
+            }
+            let outcome = match run(prepared, lane.as_ref(), stage, &request, &mut |_| {}) {
+                Ok(mut report) => {
+                    for finding in &mut report.findings {
+                        finding.reproduce = finding.reproduce.as_deref().and_then(again);
+                    }
+                    Run::Ran(Box::new(report))
+                }
+                Err(error) => Run::LaneFailed(error.to_string()),
+            };
+            let (suite, shader) = (prepared.suite.name.clone(), prepared.shader.clone());
+            entries.push(Entry { suite, shader, on: Some((lane.description().name, stage)), outcome });
+        }
+    }
+    entries
+}
+
+/// The case of a command line, as a builder takes it.
+fn again(command: &str) -> Option<String> {
+    let (_, case) = command.split_once("--case '")?;
+    Some(format!("add .case({:?})", case.trim_end_matches('\'')))
+}
+
+/// Counts and the report.
+pub(super) fn outcome(entries: Vec<Entry>) -> Outcome {
+    let summary = Summary { entries, ..Summary::default() };
+    let (totals, passed) = (summary.totals(), summary.status() == Status::Pass);
+    let lines = summary.entries.iter().map(|entry| report::check::line(entry, false));
+    let mut text: String = lines.collect();
+    for at in 0..summary.entries.len() {
+        text.push_str(&report::check::finding(&summary.entries, at, false));
+    }
+    Outcome { judged: totals.judged, undetermined: totals.undetermined, passed, report: text }
+}
+
+/// The builder as a suite.
+fn suite(shader: &Shader) -> Result<Suite, Error> {
+    if shader.stage == Stage::Function && shader.entry.is_none() {
+        let message = format!("`{}` is no .vert and no .geom; choose a function with `function`", shader.file.name());
+        return Err(Error::new(message));
+    }
+    let mut inputs = Vec::new();
+    for (name, domain) in &shader.inputs {
+        if let Some(problem) = &domain.problem {
+            return Err(Error::new(format!("input `{name}`: {problem}")));
+        }
+        inputs.push(InputGroup {
+            names: vec![name.clone()],
+            generator: domain.generator.clone(),
+            options: domain.options.clone(),
+            at: format!("input `{name}`"),
+        });
+    }
+    if shader.guess {
+        inputs.extend(guessed(shader)?);
+    }
+    let expect = shader.reference.as_ref().map_or(Expect::Nothing, |other| {
+        Expect::Reference(ReferenceFile {
+            file: other.file.name().to_owned(),
+            function: other.function.clone(),
+            output: other.output.clone(),
+            text: Some(other.file.clone()),
+            at: "reference".to_owned(),
+        })
+    });
+    let floors = Floors { undetermined: shader.undetermined, ..Floors::usual(shader.samples) };
+    Ok(Suite {
+        name: shader.entry.clone().unwrap_or_else(|| shader.file.name().to_owned()),
+        title: shader.file.name().to_owned(),
+        shader: shader.file.name().to_owned(),
+        stage: shader.stage,
+        entry: shader.entry.clone(),
+        expect,
+        defines: Vec::new(),
+        chosen: shader.defines.clone(),
+        samples: shader.samples,
+        per_case: 16,
+        relations: Vec::new(),
+        laws: shader.laws.iter().map(|law| law.0.clone()).collect(),
+        inputs,
+        // The share is what counts: as many samples are made as are asked for.
+        floors: Floors { judged: 1, ..floors },
+        strands: None,
+        file: SourceFile::new("", ""),
+    })
+}
+
+/// Groups for the inputs that the builder does not name.
+fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
+    let stage = match shader.stage {
+        Stage::Vertex => crate::glsl::Stage::Vertex,
+        Stage::Geometry => crate::glsl::Stage::Geometry,
+        Stage::Function => crate::glsl::Stage::from_path(shader.file.name()).unwrap_or(crate::glsl::Stage::Library),
+    };
+    let target = shader.entry.clone().map_or(Target::Stage, Target::Function);
+    let program = Program::from_source_with(&shader.file, stage, &shader.defines, |_| Ok(target))
+        .map_err(|error| Error::new(error.to_string()))?;
+    let (invocation, case) = (program.invocation_record(), program.case_record());
+    let fields = case.fields().iter().chain(invocation.fields());
+    let open = fields.filter(|field| shader.inputs.iter().all(|(name, _)| *name != field.name));
+    let group = |field: &crate::value::Field| {
+        let guess = guess::of(field);
+        let generator = generators::by_name(guess.generator)
+            .ok_or_else(|| Error::new(format!("there is no generator `{}`", guess.generator)))?;
+        Ok(InputGroup {
+            names: vec![field.name.clone()],
+            generator: Own::Static(generator),
+            options: generators::Options { range: guess.range, ..generators::Options::default() },
+            at: format!("input `{}`", field.name),
+        })
+    };
+    open.map(group).collect()
+}

@@ -1,0 +1,218 @@
+//! `shadercheck init`: first suites for a folder of shaders.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use ignore::WalkBuilder;
+
+use crate::cli::status::ExitStatus;
+use crate::glsl::Stage;
+use crate::suite::draft::{self, Subject};
+use crate::suite::{self, Suite};
+use crate::text::SourceFile;
+
+/// Write a first suite for every shader of a folder that can run
+///
+/// Files that are there already are never written over.
+#[derive(Args, Clone, Debug, Default)]
+pub struct InitArgs {
+    /// The folder; the current one without it
+    #[arg(value_name = "FOLDER")]
+    pub folder: Option<PathBuf>,
+    /// Print the JSON Schema of suite files, for editors, and write nothing
+    #[arg(long)]
+    pub schema: bool,
+    /// Show what would be written, and write nothing
+    #[arg(long, conflicts_with = "schema")]
+    pub dry_run: bool,
+}
+
+/// A configuration that changes nothing, to begin with.
+const CONFIGURATION: &str = "\
+# Configuration of shadercheck for this folder and those below.
+
+[lint]
+level = \"default\" # strict tells also what is sometimes meant; heuristic also guesses
+# ignore = [\"N014\"]
+";
+
+/// What a CI job runs.
+const SNIPPET: &str = "\
+# In the steps of a CI job (mesa-vulkan-drivers has lavapipe; without it the embedded lane is used):
+- run: sudo apt-get install -y mesa-vulkan-drivers
+- run: shadercheck lint .
+- run: shadercheck check . --require-lane vulkan
+";
+
+/// Runs the command: what was written goes to `out`, what could not be to `err`.
+///
+/// # Errors
+/// When a file cannot be read or written.
+pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    if args.schema {
+        writeln!(out, "{:#}", suite::schema())?;
+        return Ok(ExitStatus::Clean);
+    }
+    let root = args.folder.clone().unwrap_or_else(|| PathBuf::from("."));
+    anyhow::ensure!(root.is_dir(), "`{}` is no folder", root.display());
+    let (shaders, suites) = search(&root)?;
+    anyhow::ensure!(
+        !shaders.is_empty(),
+        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .glsl for a library",
+        root.display()
+    );
+    let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
+    let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
+    let mut written = 0;
+    for (path, stage) in &shaders {
+        let file = match super::translate::read(path) {
+            Ok(file) => file,
+            Err(error) => {
+                writeln!(err, "left out: {error:#}")?;
+                continue;
+            }
+        };
+        let (subjects, rest) = draft::subjects(&file, *stage);
+        if subjects.is_empty() {
+            writeln!(err, "left out: {}: it has neither a stage nor a function that can be run", path.display())?;
+        }
+        for subject in subjects {
+            if known.iter().any(|(shader, suite)| shader == path && suite.entry == subject.entry) {
+                writeln!(err, "left out: {} has a suite already", told(path, &subject))?;
+                continue;
+            }
+            written += u64::from(one(args, path, *stage, (&file, &subject), &mut names, out, err)?);
+        }
+        if rest > 0 {
+            writeln!(err, "left out: {rest} more functions of {}", path.display())?;
+        }
+    }
+    configuration(args, &root, out)?;
+    writeln!(out, "\n{SNIPPET}")?;
+    writeln!(out, "Next: shadercheck check {}", root.display())?;
+    writeln!(out, "`shadercheck explain suite` tells every key of a suite file.")?;
+    Ok(if written == 0 && known.is_empty() { ExitStatus::Findings } else { ExitStatus::Clean })
+}
+
+/// The shader and the suite of a suite file; none where it cannot be read.
+fn about(path: &Path) -> Option<(PathBuf, Suite)> {
+    let loaded = suite::load(path).ok()?;
+    Some((PathBuf::from(loaded.shader.name()), loaded.suite))
+}
+
+fn told(path: &Path, subject: &Subject) -> String {
+    match &subject.entry {
+        Some(entry) => format!("`{entry}` of {}", path.display()),
+        None => path.display().to_string(),
+    }
+}
+
+/// Writes the suite of one subject. True when it was written.
+fn one(
+    args: &InitArgs,
+    path: &Path,
+    stage: Stage,
+    (file, subject): (&SourceFile, &Subject),
+    names: &mut BTreeSet<String>,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> anyhow::Result<bool> {
+    let shader = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let (stem, ending) = shader.split_once('.').unwrap_or((&shader, ""));
+    let stem = subject.entry.as_ref().map_or_else(|| stem.to_owned(), |entry| format!("{stem}_{entry}"));
+    let mut name = plain(&stem);
+    if names.contains(&name) {
+        name = plain(&format!("{stem}_{ending}"));
+    }
+    let base = name.clone();
+    let mut number = 2;
+    while names.contains(&name) {
+        name = format!("{base}_{number}");
+        number += 1;
+    }
+    let target = path.with_file_name(format!("{name}.suite.toml"));
+    if target.exists() {
+        writeln!(err, "left out: {}: `{}` is there already", told(path, subject), target.display())?;
+        return Ok(false);
+    }
+    let draft = match draft::draft(file, stage, subject, &name, &shader) {
+        Ok(draft) => draft,
+        Err(why) => {
+            writeln!(err, "left out: {}: {why}", told(path, subject))?;
+            return Ok(false);
+        }
+    };
+    if !args.dry_run {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let context = || format!("cannot write `{}`", target.display());
+        let mut new = tempfile::NamedTempFile::new_in(folder).with_context(context)?;
+        new.write_all(draft.text.as_bytes()).with_context(context)?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            new.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).with_context(context)?;
+        }
+        // Another process may have made the file since it was looked for.
+        new.persist_noclobber(&target).map_err(|error| error.error).with_context(context)?;
+    }
+    names.insert(name);
+    let verb = if args.dry_run { "would write" } else { "wrote" };
+    let laws = if draft.laws == 1 { "1 law".to_owned() } else { format!("{} laws", draft.laws) };
+    writeln!(out, "{verb} {}: {} inputs, {laws}", target.display(), draft.inputs)?;
+    for complaint in &draft.complaints {
+        writeln!(out, "  does not pass: {complaint}")?;
+    }
+    Ok(true)
+}
+
+/// A name of a suite: small letters, digits and `_`.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
+}
+
+fn configuration(args: &InitArgs, root: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
+    let path = root.join("shadercheck.toml");
+    let path = path.strip_prefix(".").unwrap_or(&path).to_owned();
+    if path.exists() {
+        return Ok(());
+    }
+    if args.dry_run {
+        writeln!(out, "would write {}", path.display())?;
+        return Ok(());
+    }
+    let context = || format!("cannot write `{}`", path.display());
+    let mut file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path).with_context(context)?;
+    file.write_all(CONFIGURATION.as_bytes()).with_context(context)?;
+    writeln!(out, "wrote {}", path.display())?;
+    Ok(())
+}
+
+/// Shaders with their stages, and suite files, below a folder, sorted. What `.gitignore` names is left out,
+/// and so are hidden files and the folders that builds make.
+fn search(root: &Path) -> anyhow::Result<(Vec<(PathBuf, Stage)>, Vec<PathBuf>)> {
+    let (mut shaders, mut suites) = (Vec::new(), Vec::new());
+    let walk = WalkBuilder::new(root)
+        .require_git(false)
+        .git_global(false)
+        .filter_entry(|entry| !matches!(entry.file_name().to_str(), Some("target" | "node_modules")))
+        .build();
+    for entry in walk {
+        let entry = entry.context("cannot search the folder")?;
+        if !entry.path().is_file() {
+            continue;
+        }
+        let path = entry.path().strip_prefix(".").unwrap_or(entry.path()).to_owned();
+        let name = path.to_string_lossy().into_owned();
+        if name.ends_with(".suite.toml") {
+            suites.push(path);
+        } else if let Some(stage) = Stage::from_path(&name) {
+            shaders.push((path, stage));
+        }
+    }
+    shaders.sort_by(|a, b| a.0.cmp(&b.0));
+    suites.sort();
+    Ok((shaders, suites))
+}

@@ -1,0 +1,109 @@
+//! `shadercheck init`: suites for shaders that have none.
+
+use std::fs;
+use std::path::Path;
+
+use super::folder;
+use crate::binary::{Ran, command, run_in};
+
+const VERTEX: &str = "#version 330 core\nlayout(location = 0) in vec3 aPos;\nlayout(location = 1) in vec3 aNormal;\n\
+    layout(location = 2) in vec2 aTexCoord;\nuniform mat4 model;\nuniform mat4 view;\nuniform mat4 projection;\n\
+    uniform float time;\nout vec3 normal;\nout vec2 uv;\nvoid main() {\n  normal = mat3(model) * aNormal;\n\
+    uv = aTexCoord + vec2(0.25 * time, 0.0);\n  gl_Position = projection * view * model * vec4(aPos, 1.0);\n}\n";
+const LIBRARY: &str = "float cube(float x) { return x * x * x; }\nfloat mixed(float a, float b, float t) { return a + t * (b - a); }\n\
+    float mixed2(float a) { return mixed(a, 1.0, 0.5); }\n\
+    vec3 facing(vec3 normal, vec3 dir) { return dot(normal, dir) < 0.0 ? -normal : normal; }\n";
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn check(folder: &Path, args: &str) -> Ran {
+    command(folder, &format!("check . --lane embedded {args}")).output().unwrap().into()
+}
+
+#[test]
+fn what_is_written_passes() {
+    let folder = folder(&[("basic.vert", VERTEX), ("lib.glsl", LIBRARY)]);
+    let ran = run_in(folder.path(), "init").expect(0);
+    let suites = ["basic", "lib_cube", "lib_facing", "lib_mixed", "lib_mixed2"];
+    for suite in suites {
+        assert!(ran.out.contains(&format!("wrote {suite}.suite.toml: ")), "{}", ran.out);
+    }
+    assert!(!ran.out.contains("does not pass"), "{}", ran.out);
+    assert!(
+        ran.out.contains("wrote shadercheck.toml") && ran.out.contains("shadercheck check . --require-lane vulkan")
+    );
+    let text = |name: &str| fs::read_to_string(folder.path().join(format!("{name}.suite.toml"))).unwrap();
+    let vertex = text("basic");
+    for part in [
+        "names = [\"projection\"]\ngenerator = \"projection\"",
+        "taken for a direction\nnames = [\"aNormal\"]\ngenerator = \"direction\"",
+        "taken for texture coordinates\nnames = [\"aTexCoord\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]",
+        "taken for a time\nnames = [\"time\"]",
+    ] {
+        assert!(vertex.contains(part), "{part}\n{vertex}");
+    }
+    // Laws that hold are found, and no others.
+    assert!(text("lib_cube").contains("{ kind = \"odd\", inputs = [\"x\"] }"), "{}", text("lib_cube"));
+    assert!(!text("lib_cube").contains("even"), "{}", text("lib_cube"));
+    assert!(text("lib_facing").contains("{ kind = \"unit\", outputs = [\"return\"] }"), "{}", text("lib_facing"));
+    let ran = check(folder.path(), "").expect(0);
+    assert_eq!(ran.out.lines().filter(|line| line.starts_with("ok ")).count(), suites.len(), "{}", ran.out);
+    // And the configuration is one.
+    run_in(folder.path(), "lint .").expect(0);
+}
+
+#[test]
+fn a_fault_that_comes_later_is_noticed_by_the_laws() {
+    let folder = folder(&[("lib.glsl", "float cube(float x) { return x * x * x; }\n")]);
+    run_in(folder.path(), "init").expect(0);
+    fs::write(folder.path().join("lib.glsl"), "float cube(float x) { return x * x * x + 0.001; }\n").unwrap();
+    let ran = check(folder.path(), "").expect(1);
+    assert!(ran.out.contains("the relation `odd(x)` does not hold"), "{}", ran.out);
+}
+
+#[test]
+fn nothing_is_written_over() {
+    let folder = folder(&[
+        ("lib.glsl", LIBRARY),
+        ("lib_cube.suite.toml", "mine\n"),
+        ("shadercheck.toml", "# mine\n"),
+        ("other.suite.toml", "suite = \"other\"\nshader = \"lib.glsl\"\nstage = \"function\"\nentry = \"facing\"\n"),
+    ]);
+    let ran = run_in(folder.path(), "init").expect(0);
+    assert!(ran.err.contains("left out: `cube` of lib.glsl: `lib_cube.suite.toml` is there already"), "{}", ran.err);
+    assert!(ran.err.contains("left out: `facing` of lib.glsl has a suite already"), "{}", ran.err);
+    assert_eq!(fs::read_to_string(folder.path().join("lib_cube.suite.toml")).unwrap(), "mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("shadercheck.toml")).unwrap(), "# mine\n");
+    let before = names(folder.path());
+    run_in(folder.path(), "init").expect(0);
+    assert_eq!(names(folder.path()), before, "a second time nothing is new");
+}
+
+#[test]
+fn a_dry_run_writes_nothing() {
+    let folder = folder(&[("lib.glsl", LIBRARY)]);
+    let ran = run_in(folder.path(), "init --dry-run").expect(0);
+    assert!(ran.out.contains("would write lib_cube.suite.toml"), "{}", ran.out);
+    assert_eq!(names(folder.path()), ["lib.glsl"]);
+}
+
+#[test]
+fn what_cannot_run_is_told() {
+    let folder = folder(&[
+        ("broken.vert", "#version 330\nin vec3 p;\nvoid main() { gl_Position = vec4(q, 1.0); }\n"),
+        ("plain.frag", "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"),
+        ("none.txt", "no shader"),
+    ]);
+    let ran = run_in(folder.path(), "init").expect(1);
+    assert!(ran.err.contains("left out: broken.vert: broken.vert:3:34: error["), "{}", ran.err);
+    assert!(ran.err.contains("left out: plain.frag"), "{}", ran.err);
+    assert_eq!(names(folder.path()), ["broken.vert", "none.txt", "plain.frag", "shadercheck.toml"]);
+    let empty = tempfile::tempdir().unwrap();
+    assert!(run_in(empty.path(), "init").expect(2).err.contains("`.` holds no shader"));
+    assert!(run_in(empty.path(), "init gone").expect(2).err.contains("`gone` is no folder"));
+}
