@@ -19,6 +19,7 @@ mod own;
 mod positions;
 mod probe;
 mod regress;
+mod sarif;
 mod soundness;
 mod tidy;
 mod translate;

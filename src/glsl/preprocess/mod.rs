@@ -79,9 +79,7 @@ pub(crate) fn run(
         begun: false,
     };
     this.predefine();
-    for (name, value) in defines {
-        this.given(name, value);
-    }
+    defines.iter().for_each(|(name, value)| this.given(name, value));
     let mut raw = Vec::with_capacity(pieces.pieces.len());
     let mut at = 0;
     while at < pieces.pieces.len() {
