@@ -6,6 +6,7 @@ mod binary;
 mod blame;
 mod calibrate;
 mod check_cli;
+mod constructs;
 mod geometry;
 mod glsl_differential;
 mod interp;

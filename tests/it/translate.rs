@@ -59,9 +59,9 @@ fn readable(translation: &Translation, back: Option<&Module>) -> String {
 /// The module that is translated: the stage itself, or the kernel of what naga has no stage for.
 fn translated(program: &Program) -> Module {
     match program.role {
-        shadercheck::lower::Role::Vertex
-        | shadercheck::lower::Role::Fragment
-        | shadercheck::lower::Role::Compute => program.module.clone(),
+        shadercheck::lower::Role::Vertex | shadercheck::lower::Role::Fragment | shadercheck::lower::Role::Compute => {
+            program.module.clone()
+        }
         shadercheck::lower::Role::Geometry(_) | shadercheck::lower::Role::Function { .. } => {
             program.compute_kernel().unwrap().module
         }

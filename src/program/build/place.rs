@@ -6,9 +6,11 @@ use super::function::{Fun, Val};
 use super::texture::Opaque;
 use super::types::{count, same, size};
 use super::{Build, Expr, Result};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::{Callee, ExprId, ExprKind};
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ScalarType, Type};
+use crate::program::front::VALIDATOR;
 use crate::text::Span;
 
 /// What a name stands for.
@@ -51,7 +53,7 @@ impl Fun<'_, '_> {
             ExprKind::Name(name) => match self.variable(id, name, expr.span)? {
                 Var::Place(place) => Some(place),
                 Var::Value(_) => None,
-                Var::Opaque(o) => o.data.clone(),
+                Var::Opaque(opaque) => self.data_place(&opaque),
             },
             ExprKind::Paren(inner) => self.place(*inner)?,
             ExprKind::Field { base, field } => match self.place(*base)? {
@@ -155,7 +157,7 @@ impl Fun<'_, '_> {
         let at = self.shader.expr(index).span;
         if let Some(k) = self.constant_index(index) {
             if place.ty.index_count().is_some_and(|n| k >= n) {
-                return Err(self.build.unsupported(at, format!("the index {k} out of bounds"), "use a smaller index"));
+                return Err(self.out_of_bounds(k, at));
             }
             if let Some(picked) = &place.swizzle {
                 let one = picked.get(k as usize).copied().into_iter().collect();
@@ -174,8 +176,16 @@ impl Fun<'_, '_> {
         Ok(Some(Place { ptr, ty, host, swizzle: None }))
     }
 
+    fn out_of_bounds(&self, k: u32, span: Span) -> Box<Diagnostic> {
+        let message = format!("index {k} is out of bounds");
+        Box::new(Diagnostic::new(VALIDATOR, Severity::Error, self.shader.file(), span, message))
+    }
+
     /// An index that is known now.
     pub(super) fn constant_index(&self, index: ExprId) -> Option<u32> {
+        if let Some(k) = self.chosen.get(&index) {
+            return Some(*k);
+        }
         self.shader.fold(index)?.as_integer().and_then(|n| u32::try_from(n).ok())
     }
 
@@ -245,7 +255,7 @@ impl Fun<'_, '_> {
     /// have other strides.
     fn from_host(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
         let want = self.ty(ty)?;
-        if host == want || self.build.is_atomic(host) {
+        if host == want || (self.build.is_atomic(host) && ty.scalar() != Some(ScalarType::Bool)) {
             return Ok(e);
         }
         match ty {
@@ -259,7 +269,7 @@ impl Fun<'_, '_> {
 
     fn to_host(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
         let have = self.ty(ty)?;
-        if host == have || self.build.is_atomic(host) {
+        if host == have || (self.build.is_atomic(host) && ty.scalar() != Some(ScalarType::Bool)) {
             return Ok(e);
         }
         match ty {
@@ -350,8 +360,7 @@ impl Fun<'_, '_> {
                 };
                 if let Some(k) = self.constant_index(*index) {
                     if k >= count(&value.ty) {
-                        let message = format!("the index {k} out of bounds");
-                        return Err(self.build.unsupported(expr.span, message, "use a smaller index"));
+                        return Err(self.out_of_bounds(k, expr.span));
                     }
                     return Ok(Val { e: self.part(value.e, k), ty });
                 }
