@@ -193,11 +193,11 @@ impl Fun<'_, '_> {
     pub(super) fn load(&mut self, place: &Place) -> Result<Val> {
         let e = self.add(Expression::Load { pointer: place.ptr });
         let Some(picked) = &place.swizzle else {
-            let e = self.from_host(e, place.host, &place.ty)?;
+            let e = self.decoded(e, place.host, &place.ty)?;
             return Ok(Val { e, ty: place.ty.clone() });
         };
         let whole = self.wider(&place.ty, place.host);
-        let e = self.from_host(e, place.host, &whole)?;
+        let e = self.decoded(e, place.host, &whole)?;
         self.swizzle(&Val { e, ty: whole }, picked)
     }
 
@@ -213,7 +213,7 @@ impl Fun<'_, '_> {
     /// Writes a value of the place's type.
     pub(super) fn store(&mut self, place: &Place, value: &Val) -> Result<()> {
         let Some(picked) = place.swizzle.clone() else {
-            let value = self.to_host(value.e, place.host, &place.ty)?;
+            let value = self.encoded(value.e, place.host, &place.ty)?;
             self.push(Statement::Store { pointer: place.ptr, value });
             return Ok(());
         };
@@ -221,7 +221,7 @@ impl Fun<'_, '_> {
         let scalar = Type::Scalar(place.ty.scalar().unwrap_or(ScalarType::Float));
         for (k, &c) in picked.iter().enumerate() {
             let part = self.part(value.e, u32::try_from(k).unwrap_or(0));
-            let part = self.to_host(part, host, &scalar)?;
+            let part = self.encoded(part, host, &scalar)?;
             let pointer = self.add(Expression::AccessIndex { base: place.ptr, index: u32::from(c) });
             self.push(Statement::Store { pointer, value: part });
         }
@@ -253,7 +253,7 @@ impl Fun<'_, '_> {
 
     /// A value of memory as a value of the language: `bool` is stored as a number, and arrays may
     /// have other strides.
-    fn from_host(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
+    fn decoded(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
         let want = self.ty(ty)?;
         if host == want || (self.build.is_atomic(host) && ty.scalar() != Some(ScalarType::Bool)) {
             return Ok(e);
@@ -263,11 +263,11 @@ impl Fun<'_, '_> {
                 let zero = self.all(&ty.with_scalar(ScalarType::Uint), 0.0)?.e;
                 Ok(self.add(Expression::Binary { op: BinaryOperator::NotEqual, left: e, right: zero }))
             }
-            _ => self.rebuild(e, host, ty, want, Self::from_host),
+            _ => self.rebuild(e, host, ty, want, Self::decoded),
         }
     }
 
-    fn to_host(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
+    fn encoded(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
         let have = self.ty(ty)?;
         if host == have || (self.build.is_atomic(host) && ty.scalar() != Some(ScalarType::Bool)) {
             return Ok(e);
@@ -276,7 +276,7 @@ impl Fun<'_, '_> {
             Type::Scalar(ScalarType::Bool) | Type::Vector(ScalarType::Bool, _) => {
                 Ok(self.add(Expression::As { expr: e, kind: ScalarKind::Uint, convert: Some(4) }))
             }
-            _ => self.rebuild(e, host, ty, host, Self::to_host),
+            _ => self.rebuild(e, host, ty, host, Self::encoded),
         }
     }
 

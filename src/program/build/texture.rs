@@ -2,14 +2,13 @@
 
 use naga::{
     AddressSpace, BinaryOperator as B, Expression, GlobalVariable, Handle, ImageClass, ImageDimension, ImageQuery,
-    MathFunction, ResourceBinding, SampleLevel, ScalarKind, SwizzleComponent, TypeInner,
+    ResourceBinding, ScalarKind, TypeInner,
 };
 
 use super::function::{Fun, Val};
 use super::image::{ImageLayout, storage_format};
 use super::place::{Place, Var};
 use super::{Build, Expr, Result};
-use crate::glsl::Stage;
 use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
 use crate::text::Span;
