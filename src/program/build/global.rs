@@ -89,7 +89,12 @@ impl<'s> Build<'s> {
                 most = most.max(u32::try_from(k + 1).unwrap_or(0));
             }
         }
-        if most == 0 { ty.clone() } else { with_length(ty, most) }
+        match most {
+            // A built-in array that is only used as a whole: the least that an implementation must have.
+            0 if name.starts_with("gl_") => with_length(ty, 8),
+            0 => ty.clone(),
+            _ => with_length(ty, most),
+        }
     }
 
     /// The dimensions of a variable as written, outermost first.
