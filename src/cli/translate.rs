@@ -17,7 +17,7 @@ use crate::text::{SourceFile, decode};
 /// Arguments of `shadercheck translate`.
 #[derive(Args, Clone, Debug)]
 pub struct TranslateArgs {
-    /// Shader file; the extension tells the stage (.vert, .geom, or .glsl for a function library)
+    /// Shader file; the extension tells the stage (.vert, .frag, .geom, .comp, or .glsl for a function library)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Language: spirv, wgsl, glsl330 (or glsl), glsl450, glsl-es310, msl, hlsl
@@ -39,7 +39,7 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     let file = read(&args.file)?;
     let Some(stage) = Stage::from_path(file.name()) else {
         anyhow::bail!(
-            "{}: the extension does not tell the stage; use .vert, .geom, or .glsl for a function library",
+            "{}: the extension does not tell the stage; use .vert, .frag, .geom, .comp, or .glsl for a function library",
             file.name()
         );
     };

@@ -109,9 +109,10 @@ pub fn author_span(program: &Program, place: &Place) -> Option<crate::text::Span
 /// # Errors
 /// [`InterpError::Unsupported`] for constructs that are not interpreted.
 pub fn compile(program: &Program) -> Result<Executable, InterpError> {
-    if let Some(what) = program.unfed.first() {
-        let what = format!("{what}, which cannot be fed or read");
-        return Err(InterpError::Unsupported { what, span: naga::Span::UNDEFINED });
+    if let Some(found) = program.unfed.first() {
+        let part = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let span = naga::Span::new(part(found.span.start), part(found.span.end));
+        return Err(InterpError::Unsupported { what: found.message.to_string(), span });
     }
     let bindings = |ports: &[Port]| ports.iter().map(Binding::from).collect::<Vec<_>>();
     Executable::compile(&Subject {

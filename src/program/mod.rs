@@ -142,7 +142,7 @@ pub struct Program {
     /// Built-in arguments of the entry point, by argument index.
     pub built_ins: Vec<(u32, BuiltIn)>,
     /// What the harness has no way to feed or read: such a program is translated, and not run.
-    pub unfed: Vec<String>,
+    pub unfed: Vec<Diagnostic>,
     /// The lowered text and the way back.
     pub lowered: Lowered,
 }
@@ -169,12 +169,9 @@ impl Program {
     /// Refuses a program that takes or gives what the harness cannot pass.
     ///
     /// # Errors
-    /// [`ProgramError::Unsupported`] with the name of what cannot be passed.
+    /// [`ProgramError::Source`] with the places of what cannot be passed.
     pub fn check_fed(&self) -> Result<(), ProgramError> {
-        match self.unfed.first() {
-            Some(what) => Err(ProgramError::Unsupported { what: format!("{what} cannot be fed or read") }),
-            None => Ok(()),
-        }
+        if self.unfed.is_empty() { Ok(()) } else { Err(ProgramError::Source(self.unfed.clone())) }
     }
 }
 

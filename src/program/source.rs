@@ -38,9 +38,8 @@ impl Program {
             return Err(ProgramError::Source(errors));
         }
         let target = target(&parsed.shader)?;
-        if target == Target::Stage && matches!(stage, Stage::Fragment | Stage::Compute) {
-            return Self::build(&parsed.shader, &target);
-        }
-        Self::new(lower(&parsed.shader, &target).map_err(ProgramError::Source)?)
+        let by_edits = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
+        // What edits in place do not make readable to naga is built from the syntax tree.
+        by_edits.or_else(|_| Self::build(&parsed.shader, &target))
     }
 }

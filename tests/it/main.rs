@@ -7,6 +7,7 @@ mod blame;
 mod calibrate;
 mod check_cli;
 mod fuzz;
+mod constructs;
 mod geometry;
 mod glsl_differential;
 mod interp;

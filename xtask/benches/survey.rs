@@ -1,6 +1,7 @@
 //! How much of a folder of shaders reaches a valid module, by version and stage, and what stops the rest.
 //!
-//! A file counts when `glslangValidator` accepts it; where that program is missing, every file counts.
+//! A file counts when `glslangValidator` accepts it; where that program is missing, every file counts. A file
+//! without `main` is a part of a stage, and counted apart.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command prints its figures")]
 
@@ -31,6 +32,7 @@ struct Outcome {
     stage: Stage,
     extensions: bool,
     accepted: bool,
+    whole: bool,
     /// Why there is no valid module.
     reason: Option<String>,
 }
@@ -39,19 +41,30 @@ struct Outcome {
 struct Tally {
     files: usize,
     accepted: usize,
+    parts: usize,
     valid: usize,
+}
+
+impl Outcome {
+    fn counts(&self) -> bool {
+        self.accepted && self.whole
+    }
 }
 
 impl Tally {
     fn add(&mut self, outcome: &Outcome) {
         self.files += 1;
-        self.accepted += usize::from(outcome.accepted);
-        self.valid += usize::from(outcome.accepted && outcome.reason.is_none());
+        self.parts += usize::from(outcome.accepted && !outcome.whole);
+        self.accepted += usize::from(outcome.counts());
+        self.valid += usize::from(outcome.counts() && outcome.reason.is_none());
     }
 
     fn line(&self, name: &str, stage: &str) {
         let share = if self.accepted == 0 { 100.0 } else { 100.0 * self.valid as f64 / self.accepted as f64 };
-        println!("{name:<12}{stage:<10}{:>7}{:>10}{:>8}{share:>8.1} %", self.files, self.accepted, self.valid);
+        println!(
+            "{name:<12}{stage:<10}{:>7}{:>9}{:>10}{:>8}{share:>8.1} %",
+            self.files, self.parts, self.accepted, self.valid
+        );
     }
 }
 
@@ -83,7 +96,7 @@ fn run() -> Result<()> {
     }
     let outcomes: Vec<Outcome> = files.par_iter().filter_map(|path| examine(path, reference, request.tree)).collect();
     if let Some(wanted) = &request.list {
-        for o in outcomes.iter().filter(|o| o.accepted) {
+        for o in outcomes.iter().filter(|o| o.counts()) {
             if let Some(reason) = o.reason.as_ref().filter(|r| r.contains(wanted.as_str())) {
                 println!("{}: {reason}", o.path.display());
             }
@@ -92,7 +105,7 @@ fn run() -> Result<()> {
     }
     for extensions in [false, true] {
         println!("{}", if extensions { "with `#extension`" } else { "without extensions" });
-        println!("version     stage       files  accepted   valid");
+        println!("version     stage       files  no main  accepted   valid");
         report(outcomes.iter().filter(|o| o.extensions == extensions));
         println!();
     }
@@ -106,7 +119,7 @@ fn report<'a>(outcomes: impl Iterator<Item = &'a Outcome>) {
     for o in outcomes {
         table.entry((&o.group, o.stage.name())).or_default().add(o);
         all.add(o);
-        if let Some(reason) = o.reason.as_deref().filter(|_| o.accepted) {
+        if let Some(reason) = o.reason.as_deref().filter(|_| o.counts()) {
             *reasons.entry(reason).or_default() += 1;
         }
     }
@@ -182,6 +195,7 @@ fn examine(path: &Path, reference: bool, tree: bool) -> Option<Outcome> {
         stage,
         extensions: !parsed.extensions().is_empty(),
         accepted: !reference || accepted(path, stage),
+        whole: parsed.function("main").is_some(),
         reason: contain(|| reason(&file, stage, tree)).unwrap_or_else(|panic| Some(format!("panic: {panic}"))),
     })
 }

@@ -73,6 +73,9 @@ impl Build<'_> {
         }
         let written = self.shader.is_written(symbol);
         let handle = self.make_builtin(&name, &ty, written, span)?;
+        if info.read_only && !is_state(&name) {
+            self.stage_inputs.push((name, handle, span));
+        }
         self.globals.insert(symbol, Global::Whole { handle, ty });
         Ok(())
     }
@@ -212,9 +215,9 @@ impl Build<'_> {
 
     /// `gl_in` with the members that the text names, so that only these are fed.
     fn per_vertex(&self, ty: &Type) -> Result<Type> {
-        let (element, size) = match ty {
-            Type::Array(element, size) => (element.as_ref(), *size),
-            other => (other, ArraySize::Known(1)),
+        let element = match ty {
+            Type::Array(element, _) => element.as_ref(),
+            other => other,
         };
         let Type::Struct(s) = element else { return Ok(ty.clone()) };
         let uses = |name: &str| {
@@ -236,11 +239,7 @@ impl Build<'_> {
             fields.push(field);
         }
         let element = Type::Struct(Arc::new(StructType { name: "gl_PerVertex".to_owned(), fields, span: s.span }));
-        let size = match self.shader.interface().geometry.input {
-            Some(input) => ArraySize::Known(input.value.vertices()),
-            None => size,
-        };
-        Ok(Type::Array(Arc::new(element), size))
+        Ok(Type::Array(Arc::new(element), ArraySize::Known(self.input_primitive().vertices())))
     }
 
     fn greatest_index(&self, field: &str) -> u32 {

@@ -50,6 +50,14 @@ impl Fun<'_, '_> {
                 let message = format!("`{ty}` out of `{}`", value.ty);
                 return Err(self.build.unsupported(self.at, message, "use numbers"));
             };
+            if let (Type::Matrix(_, columns, rows), false) = (&value.ty, scalar.is_floating()) {
+                // There are no matrices of whole numbers: the columns are turned one by one.
+                for k in 0..*columns {
+                    let column = Val { e: self.part(value.e, u32::from(k)), ty: Type::Vector(from, *rows) };
+                    cast.push(self.cast(column, from, scalar)?);
+                }
+                continue;
+            }
             cast.push(self.cast(value, from, scalar)?);
         }
         if let ([only], false) = (&cast[..], matches!(ty, Type::Scalar(_))) {

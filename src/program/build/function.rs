@@ -10,6 +10,7 @@ use naga::{
 use super::place::{Place, Var};
 use super::{Build, Expr, Result};
 use crate::glsl::Shader;
+use crate::glsl::ast::ExprId;
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ScalarType, Type};
 use crate::text::Span;
@@ -31,6 +32,8 @@ pub(super) struct Fun<'b, 's> {
     locals: Arena<LocalVariable>,
     blocks: Vec<(Block, bool)>,
     pub names: HashMap<SymbolId, Var>,
+    /// Computed indices into samplers that stand for one number now.
+    pub chosen: HashMap<ExprId, u32>,
     /// What the function returns.
     pub result: Type,
     /// Where expressions and statements are taken from now.
@@ -47,6 +50,7 @@ impl<'b, 's> Fun<'b, 's> {
             locals: Arena::new(),
             blocks: vec![(Block::new(), false)],
             names: HashMap::new(),
+            chosen: HashMap::new(),
             result,
             at: Span::at(0),
         }
@@ -119,6 +123,13 @@ impl<'b, 's> Fun<'b, 's> {
     /// True behind `return`, `break`, `continue` and `discard`.
     pub(super) fn is_done(&self) -> bool {
         self.blocks.last().is_some_and(|(_, done)| *done)
+    }
+
+    /// Marks the end of the block as never reached.
+    pub(super) fn finish_block(&mut self) {
+        if let Some((_, done)) = self.blocks.last_mut() {
+            *done = true;
+        }
     }
 
     /// What `work` adds, as a block of its own.
@@ -204,15 +215,12 @@ impl<'b, 's> Fun<'b, 's> {
         accept: impl FnOnce(&mut Self) -> Result<()>,
         reject: impl FnOnce(&mut Self) -> Result<()>,
     ) -> Result<()> {
-        let (accept, ()) = self.block(accept)?;
-        let (reject, ()) = self.block(reject)?;
+        let (accept, first) = self.block(|f| accept(f).map(|()| f.is_done()))?;
+        let (reject, second) = self.block(|f| reject(f).map(|()| f.is_done()))?;
         self.push(Statement::If { condition, accept, reject });
+        if first && second {
+            self.finish_block();
+        }
         Ok(())
-    }
-
-    /// The all-zero value of a type.
-    pub(super) fn zero(&mut self, ty: &Type) -> Result<Val> {
-        let handle = self.ty(ty)?;
-        Ok(Val { e: self.add(Expression::ZeroValue(handle)), ty: ty.clone() })
     }
 }

@@ -6,7 +6,7 @@ use super::function::{Fun, Val};
 use super::image::ImageLayout;
 use super::place::{Place, Var};
 use super::statement::with_length;
-use super::texture::Opaque;
+use super::texture::{Data, Opaque};
 use super::types::{Layout, has_data};
 use super::{Build, Result};
 use crate::glsl::ast::{Callee, ExprId, ExprKind, Ident, UnaryOp};
@@ -65,10 +65,11 @@ impl<'s> Build<'s> {
         self.by_place.get(&(name.span.start, name.name.clone())).cloned().unwrap_or_default()
     }
 
-    /// The initialiser of a constant at file scope.
+    /// The initialiser of a constant.
     pub(super) fn initializer(&self, symbol: SymbolId) -> Option<ExprId> {
         let interface = self.shader.interface();
-        interface.constants.iter().find(|v| v.symbol == symbol)?.initializer
+        let global = interface.constants.iter().find(|v| v.symbol == symbol).and_then(|v| v.initializer);
+        global.or_else(|| self.local_constants.get(&symbol).copied())
     }
 
     /// An array without a written size takes the one of its initialiser, or of its greatest index.
@@ -88,7 +89,21 @@ impl<'s> Build<'s> {
                 most = most.max(u32::try_from(k + 1).unwrap_or(0));
             }
         }
-        if most == 0 { ty.clone() } else { with_length(ty, most) }
+        match most {
+            // A built-in array that is only used as a whole: the least that an implementation must have.
+            0 if name.starts_with("gl_") => with_length(ty, 8),
+            0 => ty.clone(),
+            _ => with_length(ty, most),
+        }
+    }
+
+    /// The dimensions of a variable as written, outermost first.
+    fn dims_of(&self, v: &'s interface::Variable) -> Vec<&'s crate::glsl::ast::ArrayDim> {
+        let of_type = match self.shader.unit().items.get(v.item).map(|i| &i.kind) {
+            Some(crate::glsl::ast::ItemKind::Declaration(d)) => d.ty.dims.as_slice(),
+            _ => &[],
+        };
+        v.dims.iter().chain(of_type).collect()
     }
 
     fn builtin_length(&self, name: &str) -> Option<u32> {
@@ -112,7 +127,7 @@ impl<'s> Build<'s> {
             | "gl_ObjectPlaneR"
             | "gl_ObjectPlaneQ" => 8,
             "gl_SampleMask" | "gl_SampleMaskIn" => 1,
-            "gl_in" => self.shader.interface().geometry.input.map(|p| p.value.vertices())?,
+            "gl_in" => self.input_primitive().vertices(),
             "gl_TexCoord" if self.indexed_freely(name) => 8,
             "gl_ClipDistance" | "gl_CullDistance" if self.indexed_freely(name) => 8,
             _ => return None,
@@ -165,7 +180,7 @@ impl<'s> Build<'s> {
     pub(super) fn uniform(&mut self, name: &str, ty: &Type, span: Span) -> Result<Handle<GlobalVariable>> {
         let host = self.make(ty, Layout::Uniform, span)?;
         let handle = self.bound(name, AddressSpace::Uniform, host);
-        self.uniform_ports(handle, host, name, ty);
+        self.uniform_ports(handle, host, name, ty, span);
         Ok(handle)
     }
 
@@ -230,7 +245,7 @@ impl<'s> Build<'s> {
             return Ok(());
         }
         let shared = v.storage == Storage::Shared;
-        let mut ty = self.with_size(v.symbol, &v.ty);
+        let mut ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
         if let (Some(value), Type::Array(_, ArraySize::Unsized | ArraySize::Unknown)) = (v.initializer, &ty) {
             ty = self.shader.type_of(value).clone();
         }
@@ -251,7 +266,10 @@ impl<'s> Build<'s> {
             self.private(&v.name, &ty, v.name_span)?
         };
         if let Some(value) = v.initializer {
-            match self.constant(value, &ty)? {
+            // Each invocation of a geometry stage starts anew.
+            let again = self.shader.interface().geometry.invocations.is_some_and(|n| n.value > 1);
+            let constant = if again && v.storage != Storage::Const { None } else { self.constant(value, &ty)? };
+            match constant {
                 Some(init) => self.module.global_variables[handle].init = Some(init),
                 None => self.initial.push((v.symbol, value)),
             }
@@ -347,7 +365,7 @@ impl<'s> Build<'s> {
                     host = self.atomic_type(host);
                 }
                 let access = StorageAccess::LOAD | StorageAccess::STORE;
-                self.unfed.push(format!("the storage block `{}`", block.name.name));
+                self.unfed.push((format!("the storage block `{}`", block.name.name), span));
                 (self.bound(&name, AddressSpace::Storage { access }, host), host)
             }
             _ => {
@@ -357,7 +375,7 @@ impl<'s> Build<'s> {
         };
         let prefix = block.instance.as_ref().map_or(String::new(), |i| i.name.clone());
         match block.storage {
-            Storage::Uniform => self.uniform_ports(handle, host, &prefix, &ty),
+            Storage::Uniform => self.uniform_ports(handle, host, &prefix, &ty, span),
             Storage::In => self.block_input(index, handle, &prefix, &ty)?,
             Storage::Out => self.block_output(index, handle, &prefix, &ty)?,
             _ => {}
@@ -384,7 +402,7 @@ impl<'s> Build<'s> {
         if block.name.name == "gl_PerVertex" || block.name.name.starts_with("gl_") {
             return None;
         }
-        let geometry = self.shader.interface().geometry.input.map(|p| p.value.vertices());
+        let geometry = self.is_geometry().then(|| self.input_primitive().vertices());
         Some(match (&block.ty, geometry) {
             (Type::Array(..), Some(n)) if block.storage == Storage::In => with_length(&block.ty, n),
             _ => match block.symbol {
@@ -480,7 +498,7 @@ impl Fun<'_, '_> {
                 Var::Value(self.initial(value, &ty)?)
             }
             Global::Opaque { key, ty, data, image } => {
-                let data = data.map(|handle| self.whole(handle, ty.clone()));
+                let data = data.map(|variable| Data { variable, path: Vec::new() });
                 Var::Opaque(Opaque { key, ty, data, image })
             }
             Global::Number(n) => Var::Value(Val { e: self.i32(n), ty: Type::INT }),

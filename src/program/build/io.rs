@@ -128,6 +128,18 @@ impl<'s> Build<'s> {
         u32::try_from(self.shader.fold(value)?.as_integer()?).ok()
     }
 
+    fn not_fed(&mut self, what: Vec<String>, span: Span) {
+        self.unfed.extend(what.into_iter().map(|what| (what, span)));
+    }
+
+    /// Parts of a location shared by several variables.
+    fn no_components(&self, qualifiers: &Qualifiers, span: Span) -> Result<()> {
+        match qualifiers.layout_entry("component") {
+            Some(_) => Err(self.unsupported(span, "`layout(component)`", "give each variable a location of its own")),
+            None => Ok(()),
+        }
+    }
+
     /// Keeps the locations that the text gives.
     pub(super) fn reserve_locations(&mut self) {
         let interface = self.shader.interface();
@@ -200,7 +212,7 @@ impl<'s> Build<'s> {
             at += count;
             self.port_in(&part.name, &part.ty, place, span)?;
         }
-        self.unfed.extend(unfed);
+        self.not_fed(unfed, span);
         Ok(())
     }
 
@@ -266,7 +278,7 @@ impl<'s> Build<'s> {
             let ty = self.value_type(&part.ty, span)?;
             ports.push(Port { field: Field { name: part.name, shape }, ty, at, backing: None });
         }
-        self.unfed.extend(unfed);
+        self.not_fed(unfed, span);
         Ok(ports)
     }
 
@@ -292,6 +304,7 @@ impl<'s> Build<'s> {
         host: Handle<naga::Type>,
         name: &str,
         ty: &Type,
+        span: Span,
     ) {
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
         parts(name, ty, &[], &mut found, &mut unfed);
@@ -307,18 +320,20 @@ impl<'s> Build<'s> {
             let at = self.at(handle, &part.path);
             self.uniforms.push(Port { field: Field { name: part.name, shape }, ty: inner, at, backing: None });
         }
-        self.unfed.extend(unfed);
+        self.not_fed(unfed, span);
     }
 
     pub(super) fn declare_input(&mut self, v: &'s interface::Variable) -> Result<()> {
         if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
             return Ok(());
         }
+        self.no_components(&v.qualifiers, v.name_span)?;
         let mut ty = self.with_size(v.symbol, &v.ty);
-        if let (true, Some(input)) = (self.is_geometry(), self.shader.interface().geometry.input) {
-            ty = super::statement::with_length(&v.ty, input.value.vertices());
+        if let (true, Some(input)) = (self.is_geometry(), Some(self.input_primitive())) {
+            ty = super::statement::with_length(&v.ty, input.vertices());
         }
         let handle = self.private(&v.name, &ty, v.name_span)?;
+        self.stage_inputs.push((v.name.clone(), handle, v.name_span));
         if self.is_geometry() {
             self.vertices(&v.name, &ty, handle, v.name_span)?;
         } else if self.shader.stage() != Stage::Library {
@@ -349,7 +364,7 @@ impl<'s> Build<'s> {
             for (k, field) in s.fields.iter().enumerate() {
                 let whole = field.ty.clone().array(*count);
                 if whole.shape().is_none() {
-                    self.unfed.push(format!("`{name}[].{}` of type `{}`", field.name, field.ty));
+                    self.not_fed(vec![format!("`{name}[].{}` of type `{}`", field.name, field.ty)], span);
                     continue;
                 }
                 let member = u32::try_from(k).unwrap_or(0);
@@ -359,7 +374,7 @@ impl<'s> Build<'s> {
             }
             return Ok(());
         }
-        self.unfed.push(format!("`{name}` of type `{ty}`"));
+        self.not_fed(vec![format!("`{name}` of type `{ty}`")], span);
         Ok(())
     }
 
@@ -367,6 +382,7 @@ impl<'s> Build<'s> {
         if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
             return Ok(());
         }
+        self.no_components(&v.qualifiers, v.name_span)?;
         let ty = self.with_size(v.symbol, &v.ty);
         let handle = self.private(&v.name, &ty, v.name_span)?;
         if !self.is_geometry() && self.shader.stage() != Stage::Library {
@@ -387,6 +403,7 @@ impl<'s> Build<'s> {
         ty: &Type,
     ) -> Result<()> {
         let block = &self.shader.interface().blocks[index];
+        self.stage_inputs.push((block.name.name.clone(), handle, block.name.span));
         if self.is_geometry() {
             return self.vertices(prefix, ty, handle, block.name.span);
         }

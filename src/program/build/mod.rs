@@ -15,6 +15,8 @@ mod function;
 mod global;
 mod image;
 mod io;
+mod known;
+mod lookup;
 mod math;
 mod operator;
 mod place;
@@ -31,12 +33,16 @@ use naga::{BuiltIn, Expression, Function, GlobalVariable, Handle, Module};
 use super::{Entry, Port, Program, ProgramError, contain, front};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::ExprId;
+use crate::glsl::interface::{InputPrimitive, OutputPrimitive, Storage};
 use crate::glsl::symbols::{FunctionId, SymbolId};
+use crate::glsl::types::{ArraySize, Type};
 use crate::glsl::{Shader, Stage};
 use crate::lower::{INCOMPLETE, Lowered, Primitives, Role, Target, UNSUPPORTED, Variable};
 use crate::text::{Edited, PositionMap, Span};
 
 type Expr = Handle<Expression>;
+/// Something that the harness has no way to pass, with its place.
+type Unfed = (String, Span);
 type Result<T> = std::result::Result<T, Box<Diagnostic>>;
 
 /// A module under construction.
@@ -55,6 +61,8 @@ struct Build<'s> {
     /// Built-in variables that the text does not name.
     unnamed: HashMap<String, Handle<GlobalVariable>>,
     next_binding: u32,
+    /// Initialisers of constants in functions.
+    local_constants: HashMap<SymbolId, ExprId>,
     /// Initial values that are computed when the program starts.
     initial: Vec<(SymbolId, ExprId)>,
     incoming: Vec<io::Incoming>,
@@ -66,8 +74,10 @@ struct Build<'s> {
     built_in_outputs: Vec<Port>,
     outputs: Vec<Port>,
     built_ins: Vec<(u32, BuiltIn)>,
+    /// Inputs of the stage, which a function alone does not get.
+    stage_inputs: Vec<(String, Handle<GlobalVariable>, Span)>,
     /// What the harness has no way to feed or read.
-    unfed: Vec<String>,
+    unfed: Vec<Unfed>,
     workgroup: [u32; 3],
 }
 
@@ -85,6 +95,7 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         textures: HashMap::new(),
         unnamed: HashMap::new(),
         next_binding: 0,
+        local_constants: HashMap::new(),
         initial: Vec::new(),
         incoming: Vec::new(),
         outgoing: Vec::new(),
@@ -95,15 +106,17 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         built_in_outputs: Vec::new(),
         outputs: Vec::new(),
         built_ins: Vec::new(),
+        stage_inputs: Vec::new(),
         unfed: Vec::new(),
         workgroup: workgroup(shader),
     };
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
-    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, textures, .. } = build;
+    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, textures, stage_inputs, .. } = build;
     if !textures.is_empty() {
-        unfed.insert(0, "textures and images".to_owned());
+        let span = shader.interface().uniforms.iter().find(|u| u.ty.contains_opaque()).map(|u| u.name_span);
+        unfed.insert(0, ("textures and images".to_owned(), span.unwrap_or_default()));
     }
     let text = shader.file().text();
     let edited = Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) };
@@ -127,6 +140,18 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         defines: shader.defines().to_vec(),
     };
     let info = front::validate_lowered(&lowered, &module)?;
+    if let Entry::Function(function) = entry {
+        let read = stage_inputs.into_iter().filter(|(_, handle, _)| !info[function][*handle].is_empty());
+        unfed.extend(read.map(|(name, _, span)| (format!("`{name}`, an input of the stage,"), span)));
+    }
+    let unfed = unfed
+        .into_iter()
+        .map(|(what, span)| {
+            let message = format!("{what} cannot be fed or read");
+            let help = "it can be translated; to run it, pass numbers, vectors, matrices and arrays of them";
+            Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), span, message).with_help(help)
+        })
+        .collect();
     Ok(Program { module, info, entry, role, inputs, uniforms, outputs, built_ins, unfed, lowered })
 }
 
@@ -189,14 +214,39 @@ impl Build<'_> {
 
     fn primitives(&mut self) -> Result<Primitives> {
         let layout = &self.shader.interface().geometry;
-        let all = layout.input.zip(layout.output).zip(layout.max_vertices);
-        let Some(((input, output), max)) = all else {
-            let help = "write `layout(triangles) in;` and `layout(triangle_strip, max_vertices = N) out;`";
-            return Err(self.incomplete(Span::at(0), "the geometry shader has no layout", help));
-        };
+        let (input, output, max) = (layout.input, layout.output, layout.max_vertices);
+        if input.is_none() || output.is_none() || max.is_none() {
+            // Another text of the stage may have the layout: the module stands, and is not run.
+            let what = "a geometry shader without `layout(…) in;` or `layout(…, max_vertices = N) out;`";
+            self.unfed.push((what.to_owned(), Span::at(0)));
+        }
         // Invocations run one after the other, and all that they emit comes out.
-        let most = max.value.saturating_mul(layout.invocations.map_or(1, |n| n.value));
-        Ok(Primitives { input: input.value, output: output.value, max_vertices: most })
+        let most = max.map_or(1, |m| m.value).saturating_mul(layout.invocations.map_or(1, |n| n.value));
+        Ok(Primitives {
+            input: self.input_primitive(),
+            output: output.map_or(OutputPrimitive::TriangleStrip, |o| o.value),
+            max_vertices: most,
+        })
+    }
+
+    /// The primitive that a geometry stage takes: the written one, or the one that its arrays fit.
+    fn input_primitive(&self) -> InputPrimitive {
+        let interface = self.shader.interface();
+        if let Some(input) = interface.geometry.input {
+            return input.value;
+        }
+        let blocks = interface.blocks.iter().filter(|b| b.storage == Storage::In).map(|b| &b.ty);
+        let sizes = interface.inputs.iter().map(|v| &v.ty).chain(blocks).find_map(|ty| match ty {
+            Type::Array(_, ArraySize::Known(n)) => Some(*n),
+            _ => None,
+        });
+        match sizes {
+            Some(1) => InputPrimitive::Points,
+            Some(2) => InputPrimitive::Lines,
+            Some(4) => InputPrimitive::LinesAdjacency,
+            Some(6) => InputPrimitive::TrianglesAdjacency,
+            _ => InputPrimitive::Triangles,
+        }
     }
 
     /// A function that capture fills in.

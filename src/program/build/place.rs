@@ -6,9 +6,11 @@ use super::function::{Fun, Val};
 use super::texture::Opaque;
 use super::types::{count, same, size};
 use super::{Build, Expr, Result};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::{Callee, ExprId, ExprKind};
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ScalarType, Type};
+use crate::program::front::VALIDATOR;
 use crate::text::Span;
 
 /// What a name stands for.
@@ -51,7 +53,7 @@ impl Fun<'_, '_> {
             ExprKind::Name(name) => match self.variable(id, name, expr.span)? {
                 Var::Place(place) => Some(place),
                 Var::Value(_) => None,
-                Var::Opaque(o) => o.data.clone(),
+                Var::Opaque(opaque) => self.data_place(&opaque),
             },
             ExprKind::Paren(inner) => self.place(*inner)?,
             ExprKind::Field { base, field } => match self.place(*base)? {
@@ -155,7 +157,7 @@ impl Fun<'_, '_> {
         let at = self.shader.expr(index).span;
         if let Some(k) = self.constant_index(index) {
             if place.ty.index_count().is_some_and(|n| k >= n) {
-                return Err(self.build.unsupported(at, format!("the index {k} out of bounds"), "use a smaller index"));
+                return Err(self.out_of_bounds(k, at));
             }
             if let Some(picked) = &place.swizzle {
                 let one = picked.get(k as usize).copied().into_iter().collect();
@@ -174,8 +176,16 @@ impl Fun<'_, '_> {
         Ok(Some(Place { ptr, ty, host, swizzle: None }))
     }
 
+    fn out_of_bounds(&self, k: u32, span: Span) -> Box<Diagnostic> {
+        let message = format!("index {k} is out of bounds");
+        Box::new(Diagnostic::new(VALIDATOR, Severity::Error, self.shader.file(), span, message))
+    }
+
     /// An index that is known now.
     pub(super) fn constant_index(&self, index: ExprId) -> Option<u32> {
+        if let Some(k) = self.chosen.get(&index) {
+            return Some(*k);
+        }
         self.shader.fold(index)?.as_integer().and_then(|n| u32::try_from(n).ok())
     }
 
@@ -183,11 +193,11 @@ impl Fun<'_, '_> {
     pub(super) fn load(&mut self, place: &Place) -> Result<Val> {
         let e = self.add(Expression::Load { pointer: place.ptr });
         let Some(picked) = &place.swizzle else {
-            let e = self.from_host(e, place.host, &place.ty)?;
+            let e = self.decoded(e, place.host, &place.ty)?;
             return Ok(Val { e, ty: place.ty.clone() });
         };
         let whole = self.wider(&place.ty, place.host);
-        let e = self.from_host(e, place.host, &whole)?;
+        let e = self.decoded(e, place.host, &whole)?;
         self.swizzle(&Val { e, ty: whole }, picked)
     }
 
@@ -203,7 +213,7 @@ impl Fun<'_, '_> {
     /// Writes a value of the place's type.
     pub(super) fn store(&mut self, place: &Place, value: &Val) -> Result<()> {
         let Some(picked) = place.swizzle.clone() else {
-            let value = self.to_host(value.e, place.host, &place.ty)?;
+            let value = self.encoded(value.e, place.host, &place.ty)?;
             self.push(Statement::Store { pointer: place.ptr, value });
             return Ok(());
         };
@@ -211,7 +221,7 @@ impl Fun<'_, '_> {
         let scalar = Type::Scalar(place.ty.scalar().unwrap_or(ScalarType::Float));
         for (k, &c) in picked.iter().enumerate() {
             let part = self.part(value.e, u32::try_from(k).unwrap_or(0));
-            let part = self.to_host(part, host, &scalar)?;
+            let part = self.encoded(part, host, &scalar)?;
             let pointer = self.add(Expression::AccessIndex { base: place.ptr, index: u32::from(c) });
             self.push(Statement::Store { pointer, value: part });
         }
@@ -243,9 +253,9 @@ impl Fun<'_, '_> {
 
     /// A value of memory as a value of the language: `bool` is stored as a number, and arrays may
     /// have other strides.
-    fn from_host(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
+    fn decoded(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
         let want = self.ty(ty)?;
-        if host == want || self.build.is_atomic(host) {
+        if host == want || (self.build.is_atomic(host) && ty.scalar() != Some(ScalarType::Bool)) {
             return Ok(e);
         }
         match ty {
@@ -253,20 +263,20 @@ impl Fun<'_, '_> {
                 let zero = self.all(&ty.with_scalar(ScalarType::Uint), 0.0)?.e;
                 Ok(self.add(Expression::Binary { op: BinaryOperator::NotEqual, left: e, right: zero }))
             }
-            _ => self.rebuild(e, host, ty, want, Self::from_host),
+            _ => self.rebuild(e, host, ty, want, Self::decoded),
         }
     }
 
-    fn to_host(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
+    fn encoded(&mut self, e: Expr, host: Handle<NagaType>, ty: &Type) -> Result<Expr> {
         let have = self.ty(ty)?;
-        if host == have || self.build.is_atomic(host) {
+        if host == have || (self.build.is_atomic(host) && ty.scalar() != Some(ScalarType::Bool)) {
             return Ok(e);
         }
         match ty {
             Type::Scalar(ScalarType::Bool) | Type::Vector(ScalarType::Bool, _) => {
                 Ok(self.add(Expression::As { expr: e, kind: ScalarKind::Uint, convert: Some(4) }))
             }
-            _ => self.rebuild(e, host, ty, host, Self::to_host),
+            _ => self.rebuild(e, host, ty, host, Self::encoded),
         }
     }
 
@@ -350,8 +360,7 @@ impl Fun<'_, '_> {
                 };
                 if let Some(k) = self.constant_index(*index) {
                     if k >= count(&value.ty) {
-                        let message = format!("the index {k} out of bounds");
-                        return Err(self.build.unsupported(expr.span, message, "use a smaller index"));
+                        return Err(self.out_of_bounds(k, expr.span));
                     }
                     return Ok(Val { e: self.part(value.e, k), ty });
                 }

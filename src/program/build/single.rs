@@ -52,16 +52,15 @@ impl Build<'_> {
             }
         }
         if self.outputs.is_empty() {
-            let message = format!("`{name}` gives nothing back");
-            return Err(self.incomplete(info.name.span, &message, "return a value or use `out` parameters"));
+            self.unfed.push((format!("`{name}`, which gives nothing back,"), info.name.span));
         }
         Ok((Entry::Function(handle), Role::Function { name: name.to_owned() }))
     }
 
     fn parameter(&mut self, name: &str, ty: &Type, at: PortAt, span: Span, input: bool) -> Result<()> {
         let Some(shape) = ty.shape() else {
-            let message = format!("`{name}` of type `{ty}` as something that is fed or captured");
-            return Err(self.unsupported(span, message, "pass numbers, vectors, matrices and arrays of them"));
+            self.unfed.push((format!("`{name}` of type `{ty}`"), span));
+            return Ok(());
         };
         let ty = self.value_type(ty, span)?;
         let port = Port { field: Field { name: name.to_owned(), shape }, ty, at, backing: None };

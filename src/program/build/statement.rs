@@ -6,9 +6,12 @@ use super::function::{Fun, Val};
 use super::place::Var;
 use super::types::same;
 use super::{Expr, Result};
-use crate::glsl::ast::{Block, Condition, Declaration, ExprId, Stmt, StmtKind};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::glsl::ast::{ArrayDim, Block, Condition, Declaration, ExprId, Stmt, StmtKind};
 use crate::glsl::types::{ArraySize, Type};
 use crate::glsl::{Const, Stage};
+use crate::program::front::VALIDATOR;
+use crate::text::Span;
 
 impl Fun<'_, '_> {
     pub(super) fn statements(&mut self, statements: &[Stmt]) -> Result<()> {
@@ -117,9 +120,23 @@ impl Fun<'_, '_> {
             self.at = declarator.span;
             let symbols = self.build.declared(&declarator.name);
             let Some(&first) = symbols.first() else {
-                return Err(self.build.unsupported(declarator.span, "a declaration without a symbol", "rename it"));
+                // An array that is declared again only gets its size.
+                if declarator.initializer.is_none() {
+                    continue;
+                }
+                return Err(self.build.unsupported(
+                    declarator.span,
+                    "an array that is declared again with a value",
+                    "declare it once",
+                ));
             };
-            let ty = self.shader.symbol(first).ty.clone();
+            let dims: Vec<&ArrayDim> = declarator.dims.iter().chain(&declaration.ty.dims).collect();
+            let ty = self.build.with_dims(&self.shader.symbol(first).ty, &dims);
+            if let Some(initializer) = declarator.initializer.as_ref().filter(|_| declaration.qualifiers.is_const()) {
+                for &symbol in &symbols {
+                    self.build.local_constants.insert(symbol, initializer.value);
+                }
+            }
             let value = match &declarator.initializer {
                 Some(initializer) => Some(self.initial(initializer.value, &ty)?),
                 None => None,
@@ -170,7 +187,11 @@ impl Fun<'_, '_> {
             f.statement(body)
         })?;
         let (continuing, ()) = self.block(|f| step.map_or(Ok(()), |step| f.discarded(step)))?;
+        let endless = condition.is_none() && !leaves(&block);
         self.push(Statement::Loop { body: block, continuing, break_if: None });
+        if endless {
+            self.finish_block();
+        }
         Ok(())
     }
 
@@ -221,7 +242,12 @@ impl Fun<'_, '_> {
         if !cases.iter().any(|c| c.value == SwitchValue::Default) {
             cases.push(SwitchCase { value: SwitchValue::Default, body: NagaBlock::new(), fall_through: false });
         }
+        let ends = |case: &SwitchCase| case.fall_through || (ends(&case.body) && !leaves(&case.body));
+        let all = cases.iter().all(ends);
         self.push(Statement::Switch { selector: selector.e, cases });
+        if all {
+            self.finish_block();
+        }
         Ok(())
     }
 
@@ -238,17 +264,38 @@ impl Fun<'_, '_> {
         }
     }
 
-    /// Ends a function whose text may end without `return`: its value is then undefined.
-    pub(super) fn end(&mut self) -> Result<()> {
+    /// Ends a function. One that ends without `return` has no value that could be judged.
+    pub(super) fn end(&mut self, name: &str, head: Span) -> Result<()> {
         if self.is_done() {
             return Ok(());
         }
-        let value = match self.result.clone() {
-            Type::Void => None,
-            ty => Some(self.zero(&ty)?.e),
-        };
-        self.push(Statement::Return { value });
-        Ok(())
+        if self.result == Type::Void {
+            self.push(Statement::Return { value: None });
+            return Ok(());
+        }
+        let message = format!("`{name}` can end without returning a value");
+        let file = self.shader.file();
+        let told = Diagnostic::new(VALIDATOR, Severity::Error, file, head, message);
+        Err(Box::new(told.with_help("return a value on every way through the function")))
+    }
+}
+
+/// True when a `break` in the block leaves the loop or `switch` around it.
+fn leaves(block: &NagaBlock) -> bool {
+    block.iter().any(|statement| match statement {
+        Statement::Break => true,
+        Statement::Block(inner) => leaves(inner),
+        Statement::If { accept, reject, .. } => leaves(accept) || leaves(reject),
+        _ => false,
+    })
+}
+
+/// True when the end of the block is never reached.
+fn ends(block: &NagaBlock) -> bool {
+    match block.last() {
+        Some(Statement::Return { .. } | Statement::Kill | Statement::Continue) => true,
+        Some(Statement::If { accept, reject, .. }) => ends(accept) && ends(reject),
+        _ => false,
     }
 }
 

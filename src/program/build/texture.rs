@@ -2,20 +2,34 @@
 
 use naga::{
     AddressSpace, BinaryOperator as B, Expression, GlobalVariable, Handle, ImageClass, ImageDimension, ImageQuery,
-    MathFunction, ResourceBinding, SampleLevel, ScalarKind, SwizzleComponent, TypeInner,
+    ResourceBinding, ScalarKind, TypeInner,
 };
 
 use super::function::{Fun, Val};
 use super::image::{ImageLayout, storage_format};
 use super::place::{Place, Var};
 use super::{Build, Expr, Result};
-use crate::glsl::Stage;
 use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
 use crate::text::Span;
 
 /// Group in which textures and storage are bound: the harness keeps the first two.
 pub(super) const GROUP: u32 = 2;
+
+/// Where the numbers of a structure with samplers lie: a variable, and the indices on the way in. It
+/// means the same in every function.
+#[derive(Clone, Debug)]
+pub(super) struct Data {
+    pub variable: Handle<GlobalVariable>,
+    pub path: Vec<u32>,
+}
+
+impl Data {
+    fn inside(mut self, index: u32) -> Self {
+        self.path.push(index);
+        self
+    }
+}
 
 /// A uniform that holds a sampler or image, or a part of one.
 #[derive(Clone, Debug)]
@@ -25,7 +39,7 @@ pub(super) struct Opaque {
     /// What it is.
     pub ty: Type,
     /// The rest of a structure that holds more than samplers.
-    pub data: Option<Place>,
+    pub data: Option<Data>,
     /// Format and access of an image.
     pub image: ImageLayout,
 }
@@ -99,17 +113,6 @@ impl Build<'_> {
     }
 }
 
-/// What a lookup asks for.
-struct Lookup {
-    ty: OpaqueType,
-    image: Expr,
-    sampler: Option<Expr>,
-    /// Coordinates of the texel or point.
-    at: Val,
-    layer: Option<Expr>,
-    reference: Option<Expr>,
-}
-
 impl Fun<'_, '_> {
     /// The sampler, image or structure with one inside that an expression names.
     pub(super) fn opaque(&mut self, id: ExprId) -> Result<Option<Opaque>> {
@@ -128,8 +131,8 @@ impl Fun<'_, '_> {
                 if !ty.contains_opaque() {
                     return Ok(None);
                 }
-                let data = match opaque.data {
-                    Some(place) if super::types::has_data(&ty) => self.field(place, &field.name, field.span)?,
+                let data = match (opaque.data, Build::member_index(s, &field.name)) {
+                    (Some(data), Some(index)) if super::types::has_data(&ty) => Some(data.inside(index)),
                     _ => None,
                 };
                 Some(Opaque { key: format!("{}.{}", opaque.key, field.name), ty, data, image: opaque.image })
@@ -144,19 +147,26 @@ impl Fun<'_, '_> {
                         "use numbers as indices",
                     ));
                 };
-                let data = match opaque.data {
-                    Some(place) => {
-                        let host = self.build.element(place.host);
-                        let ptr = self.add(Expression::AccessIndex { base: place.ptr, index: k });
-                        Some(Place { ptr, ty: ty.clone(), host, swizzle: None })
-                    }
-                    None => None,
-                };
+                let data = opaque.data.map(|data| data.inside(k));
                 Some(Opaque { key: format!("{}[{k}]", opaque.key), ty, data, image: opaque.image })
             }
             _ => None,
         };
         Ok(found)
+    }
+
+    /// The numbers of a structure with samplers, in this function.
+    pub(super) fn data_place(&mut self, opaque: &Opaque) -> Option<Place> {
+        let data = opaque.data.as_ref()?;
+        let mut place = self.whole(data.variable, opaque.ty.clone());
+        for &index in &data.path {
+            place.host = match self.build.members(place.host).get(index as usize) {
+                Some(&member) => member,
+                None => self.build.element(place.host),
+            };
+            place.ptr = self.add(Expression::AccessIndex { base: place.ptr, index });
+        }
+        Some(place)
     }
 
     /// A call of a function of textures or images: `None` when it is no such function, else its value.
@@ -172,6 +182,9 @@ impl Fun<'_, '_> {
             return Ok(None);
         }
         let Some(&first) = args.first() else { return Ok(None) };
+        if let Some((index, count)) = self.computed_index(first) {
+            return self.choose(id, (name, args), index, count, span).map(Some);
+        }
         let Some(opaque) = self.opaque(first)? else { return Ok(None) };
         let Type::Opaque(ty) = opaque.ty else { return Ok(None) };
         let texture = self.build.texture(&opaque, ty, self.shader.expr(first).span)?;
@@ -215,6 +228,55 @@ impl Fun<'_, '_> {
             _ => result,
         };
         Ok(Some(Some(result)))
+    }
+
+    /// An index into an array of samplers that is not known now, with the length of the array.
+    fn computed_index(&self, id: ExprId) -> Option<(ExprId, u32)> {
+        match self.shader.expr(id).kind {
+            ExprKind::Index { base, index } => {
+                if self.constant_index(index).is_none() {
+                    let count = argument_of(self.build, base)?.index_count()?;
+                    return Some((index, count));
+                }
+                self.computed_index(base)
+            }
+            ExprKind::Field { base, .. } | ExprKind::Paren(base) => self.computed_index(base),
+            _ => None,
+        }
+    }
+
+    /// A lookup in each texture of an array, of which the index chooses one.
+    fn choose(
+        &mut self,
+        id: ExprId,
+        (name, args): (&str, &[ExprId]),
+        index: ExprId,
+        count: u32,
+        span: Span,
+    ) -> Result<Option<Val>> {
+        let ty = self.shader.type_of(id).clone();
+        let chosen = self.expression(index)?;
+        let chosen = self.cast(chosen.clone(), chosen.ty.scalar().unwrap_or(ScalarType::Int), ScalarType::Uint)?;
+        let result = if ty == Type::Void { None } else { Some(self.local("sc_texel", &ty)?) };
+        for k in 0..count {
+            let number = self.number(ScalarType::Uint, f64::from(k));
+            let condition = self.add(Expression::Binary { op: B::Equal, left: chosen.e, right: number });
+            let result = result.clone();
+            self.branch(
+                condition,
+                |f| {
+                    f.chosen.insert(index, k);
+                    let value = f.builtin(id, name, args, span);
+                    f.chosen.remove(&index);
+                    match (result, value?) {
+                        (Some(place), Some(value)) => f.store(&place, &value),
+                        _ => Ok(()),
+                    }
+                },
+                |_| Ok(()),
+            )?;
+        }
+        result.map(|place| self.load(&place)).transpose()
     }
 
     fn query(&mut self, image: Expr, query: ImageQuery) -> Result<Val> {
@@ -311,161 +373,16 @@ impl Fun<'_, '_> {
             _ => None,
         }
     }
+}
 
-    #[expect(clippy::too_many_arguments, reason = "they are the parts of one call")]
-    fn sample(
-        &mut self,
-        name: &str,
-        ty: OpaqueType,
-        image: Expr,
-        sampler: Option<Expr>,
-        rest: &[Option<Val>],
-        offset: Option<Expr>,
-        span: Span,
-    ) -> Result<Val> {
-        let has = |part: &str| name.contains(part);
-        let floats = |f: &mut Self, v: Val| {
-            let from = v.ty.scalar().unwrap_or(ScalarType::Float);
-            f.cast(v, from, ScalarType::Float)
-        };
-        let Some(at) = rest.first().cloned().flatten() else {
-            return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate"));
-        };
-        let at = floats(self, at)?;
-        let mut next = 1;
-        let mut take = |f: &mut Self| -> Result<Option<Val>> {
-            let value = rest.get(next).cloned().flatten();
-            next += 1;
-            value.map(|v| floats(f, v)).transpose()
-        };
-        let gather = has("Gather");
-        let mut lookup = self.lookup(ty, image, sampler, &at, has("Proj"), gather)?;
-        if ty.shadow && lookup.reference.is_none() {
-            lookup.reference = take(self)?.map(|v| v.e);
+/// The type of a variable or a part of it, with the sizes that are known.
+pub(super) fn argument_of(build: &Build<'_>, id: ExprId) -> Option<Type> {
+    match &build.shader.expr(id).kind {
+        ExprKind::Name(_) => {
+            let symbol = build.shader.symbol_of(id)?;
+            Some(build.with_size(symbol, &build.shader.symbol(symbol).ty))
         }
-        let mut level = if matches!(self.shader.stage(), Stage::Fragment | Stage::Library) {
-            SampleLevel::Auto
-        } else {
-            // No other stage has derivatives: the first level is meant (GLSL 4.60, 8.9).
-            SampleLevel::Zero
-        };
-        let mut component = None;
-        if gather {
-            let chosen = rest.get(if ty.shadow { 2 } else { 1 }).cloned().flatten().filter(|_| !ty.shadow);
-            let chosen = chosen.map_or(Some(0), |v| match self.get(v.e) {
-                Expression::Literal(naga::Literal::I32(n)) => usize::try_from(*n).ok(),
-                _ => None,
-            });
-            let Some(pick) = chosen.and_then(|k| SwizzleComponent::XYZW.get(k)) else {
-                return Err(self.build.unsupported(span, "a gathered component that is computed", "write a number"));
-            };
-            component = Some(*pick);
-            level = SampleLevel::Zero;
-        } else if has("Grad") {
-            let (x, y) = (take(self)?, take(self)?);
-            let (Some(x), Some(y)) = (x, y) else {
-                return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it two derivatives"));
-            };
-            level = SampleLevel::Gradient { x: x.e, y: y.e };
-        } else if has("Lod") {
-            if let Some(lod) = take(self)? {
-                level = SampleLevel::Exact(lod.e);
-            }
-        } else if let Some(Some(bias)) =
-            rest.iter().skip(1 + usize::from(ty.shadow && self.separate(ty))).find(|v| v.is_some())
-        {
-            let bias = floats(self, bias.clone())?;
-            if !matches!(level, SampleLevel::Zero) {
-                level = SampleLevel::Bias(bias.e);
-            }
-        }
-        if ty.scalar != ScalarType::Float && !gather {
-            let message = format!("`{name}` of a `{ty}`");
-            return Err(self.build.unsupported(span, message, "use `texelFetch`"));
-        }
-        if lookup.reference.is_some() && !matches!(level, SampleLevel::Auto | SampleLevel::Zero) {
-            let zero = match level {
-                SampleLevel::Exact(e) => {
-                    matches!(self.get(e), Expression::Literal(naga::Literal::F32(v)) if *v == 0.0)
-                }
-                _ => false,
-            };
-            if !zero {
-                let message = format!("a level of detail in a lookup with comparison (`{name}`)");
-                return Err(self.build.unsupported(span, message, "compare without one"));
-            }
-            level = SampleLevel::Zero;
-        }
-        let Some(sampler) = lookup.sampler else {
-            return Err(self.build.unsupported(span, format!("`{name}` of a `{ty}`"), "use `texelFetch`"));
-        };
-        let compares = lookup.reference.is_some();
-        let e = self.add(Expression::ImageSample {
-            image: lookup.image,
-            sampler,
-            gather: component,
-            coordinate: lookup.at.e,
-            array_index: lookup.layer,
-            offset,
-            level,
-            depth_ref: lookup.reference,
-            clamp_to_edge: false,
-        });
-        let ty = if compares && !gather { Type::FLOAT } else { Type::Vector(lookup.ty.scalar, 4) };
-        Ok(Val { e, ty })
-    }
-
-    /// True when the reference value is an argument of its own.
-    fn separate(&self, ty: OpaqueType) -> bool {
-        ty.dim == TextureDim::Cube && ty.arrayed
-    }
-
-    /// Takes the coordinates of a lookup apart.
-    fn lookup(
-        &mut self,
-        ty: OpaqueType,
-        image: Expr,
-        sampler: Option<Expr>,
-        at: &Val,
-        projected: bool,
-        gather: bool,
-    ) -> Result<Lookup> {
-        let n = ty.coordinates();
-        let have = match at.ty {
-            Type::Vector(_, n) => n,
-            _ => 1,
-        };
-        let mut coordinates = self.swizzle(at, &(0..n).collect::<Vec<_>>())?;
-        let mut reference = None;
-        if ty.shadow && !gather && !self.separate(ty) {
-            // Behind the coordinates and the layer, but never before the third place.
-            let place = (n + u8::from(ty.arrayed)).max(2);
-            if place < have {
-                reference = Some(self.part(at.e, u32::from(place)));
-            }
-        }
-        if projected {
-            let last = self.part(at.e, u32::from(have - 1));
-            let divisor = self.widened(Val { e: last, ty: Type::FLOAT }, &coordinates.ty);
-            let e = self.add(Expression::Binary { op: B::Divide, left: coordinates.e, right: divisor.e });
-            coordinates = Val { e, ty: coordinates.ty };
-            reference = reference.map(|r| self.add(Expression::Binary { op: B::Divide, left: r, right: last }));
-        }
-        let layer = if ty.arrayed {
-            let layer = self.part(at.e, u32::from(n));
-            let layer = self.math(MathFunction::Round, &[layer]);
-            Some(self.add(Expression::As { expr: layer, kind: ScalarKind::Sint, convert: Some(4) }))
-        } else {
-            None
-        };
-        if ty.dim == TextureDim::Rect {
-            // Rectangles are addressed in texels.
-            let size = self.size(ty, image, None)?;
-            let size = self.cast(size, ScalarType::Int, ScalarType::Float)?;
-            let e = self.add(Expression::Binary { op: B::Divide, left: coordinates.e, right: size.e });
-            coordinates = Val { e, ty: coordinates.ty };
-        }
-        Ok(Lookup { ty, image, sampler, at: coordinates, layer, reference })
+        _ => Some(build.shader.type_of(id).clone()),
     }
 }
 

@@ -73,6 +73,12 @@ pub(super) fn as_function(program: &Program, module: &mut Module) -> Handle<naga
 
 pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
     program.check_fed()?;
+    if let (Role::Fragment, Entry::Point(index)) = (&program.role, program.entry)
+        && !program.info.get_entry_point(index).available_stages.contains(naga::valid::ShaderStages::COMPUTE)
+    {
+        let what = "a fragment shader that discards or takes derivatives, run by itself".to_owned();
+        return Err(ProgramError::Unsupported { what });
+    }
     let mut module = program.module.clone();
     let layout = program.output_layout();
     for port in program.inputs.iter().chain(&program.uniforms).chain(&program.outputs) {

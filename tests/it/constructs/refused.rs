@@ -1,0 +1,72 @@
+//! What no module can say is refused by name, at its place.
+
+use shadercheck::glsl::{Shader, Stage};
+use shadercheck::lower::Target;
+use shadercheck::program::{Program, ProgramError};
+use shadercheck::text::SourceFile;
+
+use super::built;
+
+#[track_caller]
+fn refused(name: &str, text: &str, at: &str, said: &str) {
+    let Err(ProgramError::Source(found)) = built(name, text) else { panic!("not refused:\n{text}") };
+    let first = &found[0];
+    assert!(first.message.contains(said), "{}", &*first.message);
+    assert!(text[first.span.start..].starts_with(at), "at `{}`", &text[first.span.start..]);
+}
+
+#[test]
+fn constructs_without_a_counterpart() {
+    let head = "#version 430\nuniform sampler2D t;\nuniform isampler2D n;\nin vec2 uv;\nout vec4 c;\n";
+    let cases = [
+        ("c = vec4(textureQueryLod(t, uv), 0, 0);", "textureQueryLod", "`textureQueryLod`"),
+        ("c = vec4(interpolateAtCentroid(uv), 0, 0);", "interpolateAtCentroid", "interpolation at another place"),
+        ("c = vec4(texture(n, uv));", "texture(n", "`texture` of a `isampler2D`"),
+        ("c = vec4(gl_SamplePosition, 0, 0);", "gl_SamplePosition", "the built-in variable `gl_SamplePosition`"),
+    ];
+    for (body, at, said) in cases {
+        refused("t.frag", &format!("{head}void main() {{ {body} }}\n"), at, said);
+    }
+}
+
+#[test]
+fn buffers_as_textures_and_streams() {
+    refused(
+        "t.vert",
+        "#version 330\nuniform samplerBuffer b;\nvoid main() { gl_Position = texelFetch(b, 0); }",
+        "b, 0",
+        "a texture that is a buffer",
+    );
+    refused(
+        "t.geom",
+        "#version 400\nlayout(points) in;\nlayout(points, max_vertices = 1) out;\nvoid main() { EmitStreamVertex(1); }",
+        "EmitStreamVertex",
+        "only the first vertex stream",
+    );
+}
+
+#[test]
+fn a_function_without_a_value_on_some_way() {
+    refused(
+        "t.vert",
+        "#version 330\nfloat f(float a) { if (a > 0.0) return 1.0; }\nvoid main() { gl_Position = vec4(f(1.0)); }",
+        "float f(float a)",
+        "can end without returning",
+    );
+    let fine = "#version 330\nfloat f(int a) { switch (a) { case 1: return 1.0; default: return 2.0; } }
+      float g(float a) { if (a > 0.0) { return 1.0; } else { return 2.0; } } float h() { for (;;) { return 3.0; } }
+      void main() { gl_Position = vec4(f(1), g(1.0), h(), 0); }";
+    assert!(built("t.vert", fine).is_ok());
+}
+
+#[test]
+fn a_function_that_reads_an_input_of_the_stage_is_not_run_alone() {
+    let text = "#version 330\nin vec4 p;\nvec4 f(float a) { return p * a; }\nfloat g(float a) { return float(gl_VertexID) * a; }
+      float h(float a) { return a; }\nvoid main() { gl_Position = f(1.0) * g(1.0) * h(1.0); }";
+    let shader = Shader::parse(&SourceFile::new("t.vert", text), Stage::Vertex).shader;
+    let function = |name: &str| Program::build(&shader, &Target::Function(name.to_owned())).unwrap();
+    for (name, said) in [("f", "`p`, an input of the stage,"), ("g", "`gl_VertexID`, an input of the stage,")] {
+        assert!(function(name).check_fed().unwrap_err().to_string().contains(said));
+    }
+    assert!(function("h").check_fed().is_ok());
+}
