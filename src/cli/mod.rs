@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod check;
 pub mod explain;
 pub mod fuzz;
+mod includes;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;
