@@ -1,6 +1,5 @@
 //! `shadercheck fuzz`: every function of a shader file on generated inputs, without a suite.
 
-mod files;
 mod stub;
 
 use std::io::Write;
@@ -11,6 +10,7 @@ use clap::Args;
 use super::check::Format;
 use super::check::progress::Progress;
 use super::check::shell_word;
+use super::includes::{self, Source};
 use crate::bound::profile::Rulings;
 use crate::cli::status::ExitStatus;
 use crate::diagnostic::{Diagnostic, Severity};
@@ -19,7 +19,6 @@ use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
 use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
 use crate::suite::run::DEFAULT_SEED;
-use files::Source;
 
 /// Samples of a function, when none are asked for.
 const SAMPLES: u64 = 1 << 16;
@@ -93,7 +92,8 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     for text in &args.domain {
         stated.extend(fuzz::option(text).map_err(|why| anyhow::anyhow!("--domain `{text}`: {why}"))?);
     }
-    let sources = args.files.iter().map(|path| files::read(path, &args.include)).collect::<anyhow::Result<Vec<_>>>()?;
+    let sources =
+        args.files.iter().map(|path| includes::read(path, &args.include)).collect::<anyhow::Result<Vec<_>>>()?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
     let lanes = open_lanes(args, &mut summary)?;
     let lanes: Vec<(&dyn Lane, Rulings)> =
@@ -183,8 +183,13 @@ fn one_file(
     for subject in &subjects {
         let domain = inputs.domain(subject)?;
         progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
-        let request =
-            Request { samples: args.samples, seed: args.seed, case: args.case.clone(), command: command(args, source) };
+        let request = Request {
+            samples: args.samples,
+            seed: args.seed,
+            case: args.case.clone(),
+            notes: args.notes,
+            command: command(args, source),
+        };
         let function = fuzz::run(subject, &domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))?;
         if text {
             progress.suspend(|| printed.out.write_all(line(&function, printed.color).as_bytes()))?;

@@ -6,6 +6,7 @@ pub mod check;
 pub mod explain;
 pub mod fuzz;
 pub mod init;
+mod includes;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;

@@ -178,6 +178,9 @@ pub struct Finding {
     pub found: Option<u32>,
     /// By how much the operation enlarges relative errors.
     pub condition: Option<f64>,
+    /// Of what loses digits: the largest error of strict binary32, as part of the output's size, and the
+    /// inputs that show it.
+    pub worst: Option<(f64, Vec<InputValue>)>,
     /// Where a deviation of a lane comes from.
     pub diagnosis: Option<Diagnosis>,
     /// A command that shows it again.

@@ -119,6 +119,7 @@ impl<'a> OnLane<'a> {
             meaning: None,
             found: None,
             condition: None,
+            worst: None,
             diagnosis: None,
             reproduce: None,
         };

@@ -195,21 +195,23 @@ pub fn applied(op: Op, args: &[f64]) -> String {
     grouped.join(sign)
 }
 
-/// A number in few enough digits to read.
+/// A number in few enough digits to read, and enough to see what it is near to.
 pub fn decimal(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() || (1e-4..1e7).contains(&x.abs()) {
-        let short = format!("{x:?}");
-        if x.is_nan() {
-            "nan".to_owned()
-        } else if short.len() <= 12 {
-            short
-        } else {
-            format!("{x:.9}")
-        }
-    } else {
-        let short = format!("{x:e}");
-        if short.len() <= 14 { short } else { format!("{x:.7e}") }
+    const DIGITS: usize = 12;
+    if x.is_nan() {
+        return "nan".to_owned();
     }
+    let plain = x == 0.0 || x.is_infinite() || (1e-4..1e7).contains(&x.abs());
+    let exact = if plain { format!("{x:?}") } else { format!("{x:e}") };
+    if exact.len() <= DIGITS {
+        return exact;
+    }
+    let rounded = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x);
+    // 0.9999999999999 is not 1.
+    if rounded == rounded.round() && plain {
+        return exact;
+    }
+    if plain { format!("{rounded:?}") } else { format!("{rounded:e}") }
 }
 
 /// Where a site stands in the author's files, and the text there; none in generated text.
@@ -220,11 +222,43 @@ pub fn place(ready: &Ready, site: Option<Site>) -> Option<(String, String)> {
     if there.is_empty() {
         return None;
     }
-    let mut text = origin.slice(there).split_whitespace().collect::<Vec<_>>().join(" ");
-    // Spans of expressions end before closing brackets that belong to them.
-    let open = text.matches('(').count().saturating_sub(text.matches(')').count());
+    let text = origin.slice(there).split_whitespace().collect::<Vec<_>>().join(" ");
+    // Spans of expressions leave out brackets at their ends that belong to them.
+    let (mut open, mut missing) = (0_usize, 0_usize);
+    for c in text.chars() {
+        match c {
+            '(' => open += 1,
+            ')' if open > 0 => open -= 1,
+            ')' => missing += 1,
+            _ => {}
+        }
+    }
+    let plain = |c: &char| !c.is_whitespace();
     let behind = origin.slice(Span::new(there.end, origin.text().len()));
-    let closing = behind.chars().filter(|c| !c.is_whitespace()).take_while(|&c| c == ')').count();
-    text.push_str(&")".repeat(open.min(closing)));
+    let closing = behind.chars().filter(plain).take_while(|&c| c == ')').count();
+    let before = origin.slice(Span::new(0, there.start));
+    let opening = before.chars().rev().filter(plain).take_while(|&c| c == '(').count();
+    let text = format!("{}{text}{}", "(".repeat(missing.min(opening)), ")".repeat(open.min(closing)));
     Some((origin.locate(there.start), text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_what_is_near_to_one_is_not_one() {
+        let told = |x| decimal(x);
+        assert_eq!([told(0.5), told(-0.0), told(1e-30), told(f64::NAN)], ["0.5", "-0.0", "1e-30", "nan"]);
+        assert_eq!([told(1.0 / 3.0), told(2e30 / 3.0)], ["0.333333333333", "6.66666666667e29"]);
+        assert_ne!(told(1.0 - 1e-14), "1.0");
+        assert_eq!(applied(Op::Sub, &[1.0, -2.0]), "1.0 - (-2.0)");
+        assert_eq!(applied(Op::Pow, &[0.0, -1.0]), "pow(0.0, -1.0)");
+    }
+
+    #[test]
+    fn what_vanishes_in_binary64_is_told_from_what_is_zero() {
+        assert!(vanished(Some(Op::Exp), &[-1e4], 0.0) && vanished(Some(Op::Mul), &[1e-200, 1e-200], 0.0));
+        assert!(!vanished(Some(Op::Mul), &[0.0, 1e-200], 0.0) && !vanished(Some(Op::Sub), &[1.0, 1.0], 0.0));
+    }
 }

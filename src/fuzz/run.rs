@@ -33,6 +33,8 @@ pub struct Request {
     pub seed: u64,
     /// Inputs that are run alone, as `name=words` parts.
     pub case: Option<String>,
+    /// Notes are shrunk as findings are; without it they are told with the first sample that shows them.
+    pub notes: bool,
     /// The command line up to the function, for reproduction.
     pub command: String,
 }
@@ -44,6 +46,8 @@ struct Group {
     /// One that shows it, and whether it counts.
     sample: Sample,
     counts: bool,
+    /// The one with the largest error of those that count, or of all where none does.
+    worst: (f64, Sample),
 }
 
 /// Runs a function on all lanes. `Err` for a case that does not fit its inputs.
@@ -121,7 +125,7 @@ pub fn run(
         report.lanes.push(lane);
         report.findings.extend(findings);
     }
-    tell(ready, domain, groups, request.case.is_some(), &reproduce, &mut report);
+    tell(ready, domain, groups, request, &reproduce, &mut report);
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
 }
@@ -180,7 +184,7 @@ fn sort(
             report.max_error = look.error;
         }
     }
-    for ((invocation, _), named) in open.iter().zip(name(ready, batch, &open)) {
+    for ((invocation, look), named) in open.iter().zip(name(ready, batch, &open)) {
         let Some(named) = named else { continue };
         let sample = sample_of(batch, *invocation);
         let counts = domain.counts(&sample);
@@ -189,10 +193,15 @@ fn sort(
             counting: 0,
             sample: sample.clone(),
             counts,
+            worst: (look.error, sample.clone()),
         });
         group.count += 1;
         group.counting += u64::from(counts);
-        if counts && !group.counts {
+        let first = counts && !group.counts;
+        if first || (counts == group.counts && look.error > group.worst.0) {
+            group.worst = (look.error, sample.clone());
+        }
+        if first {
             (group.sample, group.counts) = (sample, true);
         }
     }
@@ -223,7 +232,7 @@ fn tell(
     ready: &Ready,
     domain: &Domain,
     groups: HashMap<Key, Group>,
-    as_given: bool,
+    request: &Request,
     reproduce: &dyn Fn(&Sample) -> String,
     report: &mut FunctionReport,
 ) {
@@ -241,15 +250,19 @@ fn tell(
     });
     for (index, (key, group)) in groups.into_iter().enumerate() {
         let severity = severity(&key, &group);
-        // What is only worth a note is not looked at for long.
-        let (sample, named) = if as_given || index >= TOLD {
+        let shrunk = request.case.is_none() && index < TOLD && (request.notes || severity != Severity::Note);
+        let (sample, named) = if !shrunk {
             let named = super::shrinking::names(ready, std::slice::from_ref(&group.sample)).pop().flatten();
             (group.sample, named)
         } else {
             smallest(ready, domain, group.sample, key, group.counts)
         };
         let Some(named) = named else { continue };
-        report.findings.push(finding(ready, severity, &named, &sample, (group.count, group.counting), reproduce));
+        let mut finding = finding(ready, severity, &named, &sample, (group.count, group.counting), reproduce);
+        if named.kind == Kind::IllConditioned && request.case.is_none() {
+            finding.worst = Some((group.worst.0, inputs(&group.worst.1)));
+        }
+        report.findings.push(finding);
     }
 }
 
@@ -292,6 +305,7 @@ fn finding(
         meaning: real.then_some(named.meaning),
         found: real.then_some(named.strict.to_bits()),
         condition: (named.kind == Kind::IllConditioned && named.condition.is_finite()).then_some(named.condition),
+        worst: None,
         diagnosis: None,
         reproduce: Some(reproduce(sample)),
     }

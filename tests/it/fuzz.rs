@@ -16,7 +16,7 @@ use shadercheck::verdict::diagnosis::Origin;
 use crate::binary::{run_in, run_reported};
 
 fn request() -> Request {
-    Request { samples: 4096, seed: 1, case: None, command: "shadercheck fuzz a.glsl".to_owned() }
+    Request { samples: 4096, seed: 1, case: None, notes: true, command: "shadercheck fuzz a.glsl".to_owned() }
 }
 
 fn functions(name: &str, text: &str) -> Vec<Subject> {
@@ -101,6 +101,9 @@ fn catastrophic_cancellation_is_named_with_its_condition() {
     let found = &report.findings[0];
     assert_eq!(found.place.as_ref().unwrap().1, "1.0 - cos(x)");
     assert!(found.condition.unwrap() > 1e3, "{:?}", found.condition);
+    let (error, worst) = found.worst.as_ref().unwrap();
+    let x: f64 = worst[0].decimal[0].parse().unwrap();
+    assert!(*error > 0.5 && x < 1e-3, "{error} at {x}");
     assert!(!report.fails());
 }
 
@@ -131,6 +134,23 @@ fn what_overflows_on_the_way_is_not_held_against_a_lane() {
                 let wrong: Vec<&Finding> = report.findings.iter().filter(|f| f.kind == Kind::LaneDeviation).collect();
                 assert!(wrong.is_empty(), "{} {domain}: {:?}", subject.label, wrong[0]);
             }
+        }
+    }
+}
+
+#[test]
+fn a_library_of_many_kinds_holds_nothing_against_a_lane_that_is_right() {
+    let text = include_str!("../../xtask/benches/library.glsl").replace("#version 330 core", "");
+    let subjects = functions("library.glsl", &text);
+    assert_eq!(subjects.len(), 50);
+    for subject in subjects {
+        let ready = subject.ready.as_ref().unwrap_or_else(|why| panic!("{}: {why}", subject.label));
+        let domain = Domain::new("", ready.kernel.invocation.fields(), &[], &subject.stated);
+        let (lane, request) = (embedded::open().unwrap(), Request { samples: 8192, notes: false, ..request() });
+        for api in [Api::Binary32, Api::Vulkan] {
+            let report = run(&subject, &domain, &[(&*lane, Rulings::of_api(api))], &request).unwrap();
+            let wrong: Vec<&Finding> = report.findings.iter().filter(|f| f.lane.is_some()).collect();
+            assert!(wrong.is_empty(), "{} by {}: {:?}", subject.label, api.name(), wrong[0]);
         }
     }
 }

@@ -83,8 +83,21 @@ pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
         return against::run(rest, messages);
     }
     status(
-        cargo(["bench", "--package", "shadercheck", "--bench", "gate", "--bench", "math", "--bench", "lint", "--"])
-            .args(arguments),
+        cargo([
+            "bench",
+            "--package",
+            "shadercheck",
+            "--bench",
+            "gate",
+            "--bench",
+            "math",
+            "--bench",
+            "lint",
+            "--bench",
+            "fuzz",
+            "--",
+        ])
+        .args(arguments),
     )
 }
 

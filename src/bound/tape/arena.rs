@@ -119,14 +119,16 @@ pub(super) struct Arena {
     pub roundings: Pool,
     /// For rearrangement: the largest value on any way to this one.
     pub peak: Pool,
+    /// For rearrangement: the smallest product of some of its factors.
+    pub least: Pool,
 }
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak } = self;
+        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak, least } = self;
         nodes.clear();
         masks.clear();
-        for pool in [value, radius, local, partials, size, roundings, peak] {
+        for pool in [value, radius, local, partials, size, roundings, peak, least] {
             pool.clear();
         }
     }

@@ -69,7 +69,15 @@ pub(super) fn rounded_sum(
 /// The same for a product.
 #[inline(always)]
 pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: Node<'_>) -> bool {
-    rounded(closing, node, |lane| (x[lane] * y[lane], carried_by_product(x[lane], ex[lane], y[lane], ey[lane])))
+    let Node { value, radius, local } = node;
+    let again = Node { value, radius, local };
+    let tiny =
+        rounded(closing, again, |lane| (x[lane] * y[lane], carried_by_product(x[lane], ex[lane], y[lane], ey[lane])));
+    // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
+    for lane in 0..LANES {
+        local[lane] = if radius[lane] < f64::INFINITY { local[lane] } else { f64::INFINITY };
+    }
+    tiny
 }
 
 /// A radius that is no number says nothing: 0 times an infinite one is one that may be anything.

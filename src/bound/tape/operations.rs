@@ -523,12 +523,33 @@ impl Tape<'_> {
         }
     }
 
+    /// An argument that may be infinite, or no number, may give anything, whatever the function's values
+    /// elsewhere are: a device's `sin` of infinity is NaN, and so is 0 times infinity. Derivatives do not
+    /// say so.
+    fn lose(&mut self, id: Id) {
+        let at = id as usize;
+        let args = match self.arena.nodes[at].kind {
+            Kind::One { a, .. } => [a, a],
+            Kind::Two { a, b, .. } | Kind::Product { a, b } => [a, b],
+            Kind::Leaf | Kind::Sum { .. } | Kind::Select { .. } => return,
+        };
+        let local = self.arena.local.get_mut(at);
+        for arg in args {
+            let radius = self.arena.radius.get(arg as usize);
+            for lane in 0..LANES {
+                local[lane] = if radius[lane] < f64::INFINITY { local[lane] } else { f64::INFINITY };
+            }
+        }
+    }
+
     /// Completes a node: its local error and with it its radius.
     fn close(&mut self, id: Id) {
         let at = id as usize;
         let (value, local) = (self.arena.value.get(at), self.arena.local.get_mut(at));
         let carried = self.arena.radius.get_mut(at);
         self.arena.nodes[at].tiny = self.model.finish(value, carried, local);
+        self.lose(id);
+        let (local, carried) = (self.arena.local.get(at), self.arena.radius.get_mut(at));
         let regrouped = self.model.is_rearranged() && self.arena.nodes[at].kind.is_polynomial();
         if !regrouped {
             math::wide(|| carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b));

@@ -65,7 +65,7 @@ impl Tape<'_> {
             }
         }
         *self.arena.roundings.get_mut(terms) = term;
-        self.peak(at, kind);
+        self.extremes(at, kind);
         if kind.is_polynomial() {
             let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
@@ -90,30 +90,45 @@ impl Tape<'_> {
     }
 
     /// In which lanes a sum or product inside of this one leaves the range of binary32: it is too large,
-    /// or a factor that a device may flush to zero. What a regrouped whole errs by does not say that.
+    /// or some factors of a product give one that a device may flush to zero. What a regrouped whole errs
+    /// by does not say that.
     fn lost_inside(&self, kind: Kind) -> [bool; LANES] {
-        let (parts, factors) = match kind {
-            Kind::Sum { a, b, signs } => (if signs.1 == 0.0 { [a, a] } else { [a, b] }, false),
-            Kind::Product { a, b } => ([a, b], true),
+        let parts = match kind {
+            Kind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
+            Kind::Product { a, b } => [a, b],
             Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => return [false; LANES],
         };
         let mut lost = [false; LANES];
-        for part in parts {
-            let polynomial = self.arena.nodes[part as usize].kind.is_polynomial();
-            let (local, size) = (self.arena.local.get(part as usize), self.arena.size.get(part as usize));
+        for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
+            let local = self.arena.local.get(part as usize);
             for lane in 0..LANES {
-                let small = factors && size[lane] > 0.0 && size[lane] < MIN_NORMAL;
-                lost[lane] |= small || (polynomial && local[lane] == f64::INFINITY);
+                lost[lane] |= local[lane] == f64::INFINITY;
+            }
+        }
+        if let Kind::Product { a, b } = kind {
+            let [a, b] = [a, b].map(|x| (self.arena.value.get(x as usize), self.arena.least.get(x as usize)));
+            for lane in 0..LANES {
+                let ((x, lx), (y, ly)) = ((a.0[lane].abs(), a.1[lane]), (b.0[lane].abs(), b.1[lane]));
+                // All factors together are the product itself, which may be flushed as any result.
+                let some = if lx < x || ly < y { lx * ly } else { f64::INFINITY };
+                lost[lane] |= x != 0.0 && y != 0.0 && lx.min(ly).min(some) < MIN_NORMAL;
             }
         }
         lost
     }
 
-    /// The largest value on any way to a sum or product: small factors may be taken out and come last.
-    fn peak(&mut self, at: usize, kind: Kind) {
+    /// The largest value on any way to a sum or product, where small factors may be taken out and come
+    /// last; and the smallest product of some factors of a product, infinite where it is 0.
+    fn extremes(&mut self, at: usize, kind: Kind) {
         self.arena.peak.more();
+        self.arena.least.more();
         let size = *self.arena.size.get(at);
+        let value = self.arena.value.get(at);
         let (before, peak) = self.arena.peak.split(at);
+        let (earlier, least) = self.arena.least.split(at);
+        for lane in 0..LANES {
+            least[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
+        }
         match kind {
             Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => *peak = size,
             Kind::Sum { a, b, signs } => {
@@ -121,11 +136,18 @@ impl Tape<'_> {
                 for lane in 0..LANES {
                     peak[lane] = if signs.1 == 0.0 { pa[lane] } else { pa[lane] + pb[lane] };
                 }
+                if signs.1 == 0.0 {
+                    *least = *earlier[a as usize];
+                }
             }
             Kind::Product { a, b } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                let (la, lb) = (&earlier[a as usize], &earlier[b as usize]);
                 for lane in 0..LANES {
                     peak[lane] = pa[lane].max(pb[lane]).max(pa[lane] * pb[lane]);
+                    if value[lane] != 0.0 {
+                        least[lane] = la[lane].min(lb[lane]).min(la[lane] * lb[lane]);
+                    }
                 }
             }
         }

@@ -131,5 +131,5 @@ fn comments_that_state_domains_are_left_alone() {
     for hint in ["turn in [0, 1], normalised n", "t > 0", "nonzero v", "n normalised"] {
         told(&format!("  // shadercheck: {hint}\n{LITERAL}"), &["N014"]);
     }
-    told(&format!("  // shadercheck: ignored in [0, 1]\n{LITERAL}"), &["N014", "X002"]);
+    told(&format!("  // shadercheck: ignored in [0, 1]\n{LITERAL}"), &["X002", "N014"]);
 }

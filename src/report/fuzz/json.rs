@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Summary;
-use crate::fuzz::{Finding, FunctionReport, LaneReport};
+use crate::fuzz::{Finding, FunctionReport, InputValue, LaneReport};
 use crate::verdict::Reason;
 
 #[derive(Serialize)]
@@ -79,8 +79,15 @@ struct Found<'a> {
     meaning: Option<String>,
     found_bits: Option<String>,
     condition: Option<f64>,
+    worst: Option<Worst<'a>>,
     cause: Option<String>,
     reproduce: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Worst<'a> {
+    error: f64,
+    inputs: Vec<Input<'a>>,
 }
 
 #[derive(Serialize)]
@@ -159,20 +166,18 @@ fn found(finding: &Finding) -> Found<'_> {
         lane: finding.lane,
         samples: finding.count,
         counting: finding.counting,
-        inputs: finding
-            .inputs
-            .iter()
-            .map(|input| Input {
-                name: &input.name,
-                bits: input.bits.iter().map(|b| format!("{b:08x}")).collect(),
-                values: &input.decimal,
-            })
-            .collect(),
+        inputs: inputs(&finding.inputs),
         output: finding.output.as_deref(),
         meaning: finding.meaning.map(|m| format!("{m:?}")),
         found_bits: finding.found.map(|b| format!("{b:08x}")),
         condition: finding.condition,
+        worst: finding.worst.as_ref().map(|(error, worst)| Worst { error: *error, inputs: inputs(worst) }),
         cause: finding.diagnosis.as_ref().and_then(|d| d.origin.as_ref()).map(ToString::to_string),
         reproduce: finding.reproduce.as_deref(),
     }
+}
+
+fn inputs(values: &[InputValue]) -> Vec<Input<'_>> {
+    let input = |input: &'_ InputValue| input.bits.iter().map(|b| format!("{b:08x}")).collect();
+    values.iter().map(|value| Input { name: &value.name, bits: input(value), values: &value.decimal }).collect()
 }

@@ -109,6 +109,10 @@ fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
         let _ = writeln!(text, "  {label:<10} {} = {}", input.name, values(input));
         label = "";
     }
+    if let Some((error, inputs)) = &finding.worst {
+        let all: Vec<String> = inputs.iter().map(|input| format!("{} = {}", input.name, values(input))).collect();
+        let _ = writeln!(text, "  worst      off by {error:.1e} of the output's size: {}", all.join("; "));
+    }
     if let (Some(output), Some(found), Some(lane)) = (&finding.output, finding.found, finding.lane) {
         let _ = writeln!(text, "  {lane:<10} {output} = {:?}", F32Bits(found));
     }

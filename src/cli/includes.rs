@@ -1,4 +1,4 @@
-//! Shader files with their includes.
+//! Shader files with their includes, for commands that run them.
 
 use std::path::{Path, PathBuf};
 
