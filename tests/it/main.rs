@@ -2,6 +2,7 @@
 
 mod adversary;
 mod alarms;
+mod api;
 mod binary;
 mod blame;
 mod calibrate;
