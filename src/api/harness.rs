@@ -56,10 +56,10 @@ fn trials(folder: &Path) -> Vec<Trial> {
             Ok(loaded) => {
                 let whole = loaded.suite.name.clone();
                 let trial = |suite: Suite| {
-                    let variant = suite.name.strip_prefix(&whole).unwrap_or_default();
+                    let variant = suite.name.strip_prefix(&whole).unwrap_or_default().to_owned();
                     let (name, shader, path) = (format!("{name}{variant}"), loaded.shader.clone(), path.clone());
                     let kind = suite.stage.name();
-                    Trial::test(name, move || one(&suite, &shader, &path)).with_kind(kind)
+                    Trial::test(name, move || one(&suite, &shader, &path, &variant)).with_kind(kind)
                 };
                 loaded.suite.variants().into_iter().map(trial).collect()
             }
@@ -69,8 +69,8 @@ fn trials(folder: &Path) -> Vec<Trial> {
     files.into_iter().flat_map(of).collect()
 }
 
-/// Runs one suite, saved cases first.
-fn one(suite: &Suite, shader: &SourceFile, path: &Path) -> Result<(), Failed> {
+/// Runs one suite, saved cases first. `variant` tells it from the others of its file.
+fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result<(), Failed> {
     let prepared = prepare(suite, shader).map_err(|error| Failed::from(run::told(&error)))?;
     let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
     let regressions = suite::regressions_path(path);
@@ -85,7 +85,11 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path) -> Result<(), Failed> {
         replay: replay.clone(),
         replay_only: false,
         rulings: Rulings::of_lane(lane.description()),
-        arguments: path.display().to_string(),
+        arguments: if variant.is_empty() {
+            path.display().to_string()
+        } else {
+            format!("'{}{variant}'", path.display())
+        },
     });
     let failing: Vec<Sample> = entries
         .iter()
@@ -99,4 +103,48 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path) -> Result<(), Failed> {
     }
     let outcome = run::outcome(entries);
     if outcome.passed() { Ok(()) } else { Err(Failed::from(outcome.report())) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    const SUITE: &str = "suite = \"cube\"\nshader = \"cube.glsl\"\nstage = \"function\"\nentry = \"cube\"\nsamples = 256\n\
+        relations = [{ kind = \"odd\", inputs = [\"x\"] }]\ndefines = { ADD = [0.0, 0.5] }\n\
+        [[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [-2.0, 2.0]\n";
+
+    /// Tests that passed and that failed.
+    fn run(folder: &Path, filter: Option<&str>) -> (u64, u64) {
+        let arguments =
+            Arguments { filter: filter.map(str::to_owned), quiet: true, test_threads: Some(1), ..Arguments::default() };
+        let conclusion = libtest_mimic::run(&arguments, trials(folder));
+        (conclusion.num_passed, conclusion.num_failed)
+    }
+
+    #[test]
+    fn every_suite_and_variant_is_a_test() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("inner")).unwrap();
+        fs::write(folder.path().join("inner/cube.suite.toml"), SUITE).unwrap();
+        fs::write(folder.path().join("inner/cube.glsl"), "float cube(float x) { return x * x * x + ADD; }").unwrap();
+        let all = trials(folder.path());
+        let names: Vec<&str> = all.iter().map(|trial| trial.name()).collect();
+        assert_eq!(names, ["inner/cube[ADD=0.0]", "inner/cube[ADD=0.5]"]);
+        assert!(all.iter().all(|trial| trial.kind() == "function"));
+        assert_eq!(run(folder.path(), None), (1, 1), "x^3 + 0.5 is not odd");
+        let saved = fs::read_to_string(folder.path().join("inner/cube.regressions")).unwrap();
+        assert!(saved.contains("cube[ADD=0.5] x="), "{saved}");
+        assert_eq!(run(folder.path(), Some("ADD=0.0")), (1, 0));
+    }
+
+    #[test]
+    fn a_folder_without_suites_and_a_suite_that_is_wrong_fail() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(run(folder.path(), None), (0, 1));
+        assert_eq!(run(&folder.path().join("gone"), None), (0, 1));
+        fs::write(folder.path().join("cube.suite.toml"), SUITE.replace("odd", "od")).unwrap();
+        fs::write(folder.path().join("cube.glsl"), "float cube(float x) { return x; }").unwrap();
+        assert_eq!(run(folder.path(), None), (0, 1));
+    }
 }

@@ -37,7 +37,7 @@ pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
         None => Vec::new(),
     };
     let lanes = lanes(&shader.lanes)?;
-    let entries = on_lanes(&prepared, &lanes, |lane| Request {
+    let mut entries = on_lanes(&prepared, &lanes, |lane| Request {
         samples: Some(shader.samples),
         seed: shader.seed,
         quick: false,
@@ -46,6 +46,13 @@ pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
         rulings: Rulings::of_lane(lane.description()),
         arguments: String::new(),
     });
+    for entry in &mut entries {
+        if let Run::Ran(report) = &mut entry.outcome {
+            report.findings.iter_mut().for_each(|finding| {
+                finding.reproduce = finding.reproduce.as_deref().and_then(again);
+            });
+        }
+    }
     Ok(outcome(entries))
 }
 
@@ -111,12 +118,7 @@ pub(super) fn on_lanes(
                 continue;
             }
             let outcome = match run(prepared, lane.as_ref(), stage, &request, &mut |_| {}) {
-                Ok(mut report) => {
-                    for finding in &mut report.findings {
-                        finding.reproduce = finding.reproduce.as_deref().and_then(again);
-                    }
-                    Run::Ran(Box::new(report))
-                }
+                Ok(report) => Run::Ran(Box::new(report)),
                 Err(error) => Run::LaneFailed(error.to_string()),
             };
             let (suite, shader) = (prepared.suite.name.clone(), prepared.shader.clone());

@@ -150,9 +150,12 @@ impl Shader {
         self
     }
 
-    /// The values that an input takes. Every input needs some, unless [`Shader::guess_inputs`] is asked for.
+    /// The values that an input takes; the last ones that are said count. Every input needs some, unless
+    /// [`Shader::guess_inputs`] is asked for.
     pub fn input(mut self, name: impl Into<String>, domain: impl Into<Domain>) -> Self {
-        self.inputs.push((name.into(), domain.into()));
+        let name = name.into();
+        self.inputs.retain(|(known, _)| *known != name);
+        self.inputs.push((name, domain.into()));
         self
     }
 

@@ -5,7 +5,7 @@ pub(super) mod progress;
 pub(super) mod select;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
@@ -17,8 +17,8 @@ use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
 use crate::suite::run::{
-    DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, check_translations, prepare,
-    run as run_suite,
+    Bundle, DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, bundles, check_translations,
+    prepare, run as run_suite,
 };
 use crate::suite::save_regressions;
 
@@ -61,6 +61,10 @@ pub struct CheckArgs {
     /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
+    /// Write each failing case here: the shader, what it was lowered to, SPIR-V, inputs and outputs as
+    /// bits, the command that runs it again, and an Amber script for functions and geometry stages
+    #[arg(long, value_name = "DIR")]
+    pub report_dir: Option<PathBuf>,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -232,6 +236,11 @@ fn one_suite(
                     if std::mem::take(&mut untold) {
                         check_translations(&prepared, &request, &mut report);
                     }
+                    if let Some(folder) = &args.report_dir {
+                        for bundle in bundles(&prepared, lane.as_ref(), stage, &request.rulings, &report)? {
+                            write_bundle(folder, &bundle)?;
+                        }
+                    }
                     failing.extend(report.failing.iter().cloned());
                     Outcome::Ran(Box::new(report))
                 }
@@ -244,6 +253,16 @@ fn one_suite(
     if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some())
     {
         save_regressions(path, &suite.name, &failing)?;
+    }
+    Ok(())
+}
+
+fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {
+    let folder = folder.join(&bundle.name);
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    for (name, content) in &bundle.files {
+        let path = folder.join(name);
+        std::fs::write(&path, content).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     Ok(())
 }

@@ -122,7 +122,10 @@ fn one(
 ) -> anyhow::Result<bool> {
     let shader = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let (stem, ending) = shader.split_once('.').unwrap_or((&shader, ""));
-    let stem = subject.entry.as_ref().map_or_else(|| stem.to_owned(), |entry| format!("{stem}_{entry}"));
+    let stem = match &subject.entry {
+        Some(entry) if !entry.eq_ignore_ascii_case(stem) => format!("{stem}_{entry}"),
+        Some(_) | None => stem.to_owned(),
+    };
     let mut name = plain(&stem);
     if names.contains(&name) {
         name = plain(&format!("{stem}_{ending}"));

@@ -2,12 +2,13 @@
 
 mod adversary;
 mod alarms;
+mod api;
 mod binary;
 mod blame;
 mod calibrate;
 mod check_cli;
-mod fuzz;
 mod constructs;
+mod fuzz;
 mod geometry;
 mod glsl_differential;
 mod interp;

@@ -1,5 +1,6 @@
 //! Running a suite on a lane: from a suite and a shader to counted verdicts and findings.
 
+mod bundle;
 mod coverage;
 mod doubts;
 mod finding;
@@ -18,6 +19,7 @@ use crate::property::Sample;
 use crate::suite::Suite;
 use crate::verdict::{BatchVerdict, Survey};
 
+pub use bundle::{Bundle, bundles};
 pub use coverage::{Coverage, check as coverage};
 pub use doubts::Doubtful;
 pub use finding::{Case, Finding, FindingKind, InputValue};

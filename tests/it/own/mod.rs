@@ -1,6 +1,7 @@
 //! Suites of one's own: each kind of expectation and each law with a shader that keeps it and one that
 //! does not.
 
+mod bundle;
 mod defines;
 mod expectations;
 mod init;

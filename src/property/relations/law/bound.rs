@@ -6,6 +6,9 @@ use crate::property::relations::rule::{Claims, Exact, hash, on_grid, put, with};
 use crate::property::{Claim, Observed, Relation, Sample, decode, encode};
 use crate::value::{Field, Scalar};
 
+/// Half a step of binary32, relative to the number.
+const ROUNDING: f64 = 1.0 / (1_u32 << 24) as f64;
+
 /// What becomes of an output in a rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Aim {
@@ -189,8 +192,10 @@ impl BoundLaw {
             LawKind::Unit => {
                 let part = usize::from(field.shape.rows);
                 for element in 0..words / part {
-                    let square =
-                        (0..part).map(|k| ball(0, element * part + k)).fold(Ball::from(0.0), |sum, x| sum + x * x);
+                    // Components are binary32 numbers, and no nearer to real ones than their rounding.
+                    let rounded = |x: Ball| Ball { rad: x.rad + x.mid.abs() * ROUNDING, ..x };
+                    let parts = (0..part).map(|k| rounded(ball(0, element * part + k)));
+                    let square = parts.fold(Ball::from(0.0), |sum, x| sum + x * x);
                     let of = if words > part { format!("{}[{element}]", field.name) } else { field.name.clone() };
                     claims.equal(format!("|{of}|²"), square, Ball::from(1.0));
                 }
