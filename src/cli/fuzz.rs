@@ -38,7 +38,8 @@ or by --domain. Neither NaN nor infinity is ever an input.
 What is a finding. A lane that gives something else than the function means, or gives different outputs \
 for the same inputs. An output that has no value, is infinite, is not written, or is lost to overflow or \
 underflow on the way although real numbers are fine: where the inputs lie in their stated domains and all \
-others are of ordinary size. Where only other inputs show it, it is a note. Outputs that are themselves \
+others are of ordinary size. Where only other inputs show it, it is a note; so it is for numbers of a \
+stated range that are nearer to 0 than 2^-64 of it, or beyond 1024 where it has no end. Outputs that are themselves \
 too large, indices, integers and loops without end are findings only where every input has a stated \
 domain. A function that loses digits (ill-conditioned) gets a warning.
 

@@ -10,6 +10,9 @@ use crate::value::{Field, Scalar};
 /// Inputs beyond this size, and nearer to 0 than its inverse, are not moderate.
 pub const MODERATE: f64 = 1024.0;
 
+/// Numbers nearer to 0 than this part of their range are hardly meant: 2^-64.
+const TINY: f64 = 1.0 / (1_u128 << 64) as f64;
+
 /// How far the length of a normalised vector may be from 1, and the columns of a rotation from
 /// orthonormal: what rounding to binary32 does to them.
 const NEAR_ONE: f64 = 4e-7;
@@ -115,6 +118,26 @@ impl InputDomain {
         self.laws.contains(&law)
     }
 
+    /// True for a number that counts: of moderate size where nothing is stated. Of a stated range all do but
+    /// those that are hardly meant: beyond the moderate where it has no end, and far nearer to 0 than it
+    /// is wide.
+    fn counts(&self, x: f64) -> bool {
+        if !self.is_stated() || self.laws == [Law::NonZero] {
+            return is_moderate(x);
+        }
+        let (most, width) = match self.interval() {
+            Some(Interval { low, high, .. }) if low.is_finite() && high.is_finite() => {
+                (f64::INFINITY, low.abs().max(high.abs()))
+            }
+            Some(Interval { low, high, .. }) => {
+                let end = if low.is_finite() { low.abs() } else { high.abs() };
+                (if end.is_finite() { end.max(MODERATE) } else { MODERATE }, 1.0)
+            }
+            None => (MODERATE, 1.0),
+        };
+        x == 0.0 || (x.abs() <= most && x.abs() >= TINY * width)
+    }
+
     /// True for words that keep all laws and hold neither NaN nor infinity.
     pub fn admits(&self, field: &Field, words: &[u32]) -> bool {
         let values: Vec<f64> = words.iter().map(|&w| number(w, field.shape.scalar)).collect();
@@ -190,9 +213,7 @@ impl Domain {
     /// True for a sample that counts: inputs with a stated domain lie in it, and the others are of
     /// moderate size.
     pub fn counts(&self, sample: &Sample) -> bool {
-        self.all(sample).all(|(input, field, words)| {
-            input.is_stated() || words.iter().all(|&w| is_moderate(number(w, field.shape.scalar)))
-        })
+        self.all(sample).all(|(input, field, words)| words.iter().all(|&w| input.counts(number(w, field.shape.scalar))))
     }
 
     /// True for a sample that keeps all laws.
@@ -292,6 +313,20 @@ mod tests {
         assert!(admits(&[Law::Rotation], mat2, &[0.0, 1.0, -1.0, 0.0]));
         assert!(!admits(&[Law::Rotation], mat2, &[2.0, 0.0, 0.0, 1.0]));
         assert!(!admits(&[], Shape::FLOAT, &[f32::NAN]) && !admits(&[], Shape::FLOAT, &[f32::INFINITY]));
+    }
+
+    #[test]
+    fn what_is_hardly_meant_does_not_count() {
+        let within = |low, high| input(&[Law::Within(Interval { low, high, open_low: false, open_high: false })]);
+        let counts = |input: &InputDomain, x: f64| input.counts(x);
+        assert!(counts(&input(&[]), 1000.0) && !counts(&input(&[]), 1e4) && !counts(&input(&[]), 1e-4));
+        assert!(
+            counts(&within(0.0, 1.0), 1e-18) && !counts(&within(0.0, 1.0), 1e-20) && counts(&within(0.0, 1.0), 0.0)
+        );
+        assert!(counts(&within(1e20, 1e21), 1e20) && counts(&within(1e-30, 1e-29), 1e-30));
+        let positive = within(0.0, f64::INFINITY);
+        assert!(counts(&positive, 1000.0) && !counts(&positive, 1e30));
+        assert!(counts(&input(&[Law::Normalised]), 1e-10) && !counts(&input(&[Law::NonZero]), 1e-10));
     }
 
     #[test]

@@ -118,7 +118,9 @@ pub fn run(
     }
     let reproduce = |sample: &Sample| {
         let inputs = regressions::inputs_text(sample);
-        format!("{} --function '{}' --seed {} --case '{inputs}'", request.command, subject.label, request.seed)
+        let plain = subject.label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let function = if plain { subject.label.clone() } else { format!("'{}'", subject.label) };
+        format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
     for lane in on {
         let (lane, findings) = lane.finish(domain, &reproduce);

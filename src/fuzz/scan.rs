@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::interp::{Binary32, Binary64, Executable, Kind, LANES, Machine, Number, OutputColumn};
+use crate::interp::{Binary32, Binary64, Executable, Kind, LANES, Machine, Number, OutputColumn, POISON};
 use crate::value::{Batch, Record};
 
 /// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
@@ -143,10 +143,17 @@ fn chunk_of(
                 }
             }
             for word in range {
-                let (OutputColumn::Real(wide), OutputColumn::Real(narrow)) =
-                    (meaning.output(vertex, word), strict.output(vertex, word))
-                else {
-                    continue;
+                let (wide, narrow) = match (meaning.output(vertex, word), strict.output(vertex, word)) {
+                    (OutputColumn::Real(wide), OutputColumn::Real(narrow)) => (wide, narrow),
+                    (OutputColumn::Word(words), _) => {
+                        for (lane, look) in looks.iter_mut().enumerate().filter(|(lane, _)| words[*lane] == POISON) {
+                            if !meaning.is_emitting() || (vertex as u32) < meaning.emitted()[lane] {
+                                look.note(Trouble::NotWritten, (vertex, word));
+                            }
+                        }
+                        continue;
+                    }
+                    (OutputColumn::Real(_), OutputColumn::Word(_)) => continue,
                 };
                 for (lane, look) in looks.iter_mut().enumerate() {
                     let emitted = |count: u32| !meaning.is_emitting() || (vertex as u32) < count;

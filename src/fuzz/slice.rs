@@ -71,6 +71,15 @@ pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
             ItemKind::Precision(_) | ItemKind::Empty | ItemKind::Error => false,
         };
     }
+    // A stage chooses among its subroutines; one of them alone is an ordinary function.
+    let main = shader.function_info(root).name.name == "main";
+    for (index, item) in shader.unit().items.iter().enumerate().filter(|(_, item)| is_subroutine(shader, item.span)) {
+        dropped[index] &= !main;
+        if let (ItemKind::Function(function), false, false) = (&item.kind, main, dropped[index]) {
+            let qualifiers = Span::new(function.head_span.start, function.return_type.span.start);
+            slice.edits.push(Edit::delete(qualifiers));
+        }
+    }
     let spans: Vec<Span> = shader.unit().items.iter().map(|item| item.span).collect();
     for (index, item) in shader.unit().items.iter().enumerate().filter(|(k, _)| dropped[*k]) {
         // Items of one macro have one place: they go together or stay together.
@@ -162,6 +171,10 @@ fn without_directives(shader: &Shader, span: Span) -> Vec<Edit> {
 /// Where declarations can stand before all others: before the first item.
 fn head_at(shader: &Shader) -> usize {
     shader.unit().items.iter().map(|item| item.span.start).min().unwrap_or(shader.file().text().len())
+}
+
+fn is_subroutine(shader: &Shader, span: Span) -> bool {
+    shader.file().slice(span).starts_with("subroutine")
 }
 
 /// The structure that a declaration defines in place: where it ends, and its name.

@@ -207,11 +207,6 @@ impl<'a> Suspects<'a> {
         let mut ulps = vec![0.0_f64; lanes];
         let vectors: Vec<f64> =
             invocations.iter().map(|&invocation| court.reference.vector_size(batch, invocation)).collect();
-        for lane in 0..lanes {
-            if let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) {
-                verdicts[lane] = Verdict::Deviate(deviation);
-            }
-        }
         // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
         let regrouped = *promise == Promise::Rearranged;
         for lane in (0..lanes).filter(|_| !regrouped) {
@@ -220,6 +215,12 @@ impl<'a> Suspects<'a> {
             }
         }
         let decided: Vec<bool> = (0..lanes).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
+        for lane in 0..lanes {
+            let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) else { continue };
+            let tape = machine.domain();
+            let open = !decided[lane] && tape.fork(lane).is_some();
+            verdicts[lane] = if open { Verdict::Undetermined(fork(tape, lane)) } else { Verdict::Deviate(deviation) };
+        }
         let record = actual.layout().vertex.clone();
         for vertex in 0..machine.room() {
             for (field, shape) in record.fields().iter().enumerate().map(|(k, f)| (k, f.shape)) {
@@ -347,7 +348,8 @@ fn open_words(
             let (words, scalar) = (*words, actual.layout().vertex.scalar_of(word));
             let tape = machine.domain();
             let judge = |&lane: &usize| {
-                let outcome = if words[lane] == found(lane) {
+                let unwritten = words[lane] == POISON && actual.is_unwritten(found(lane));
+                let outcome = if words[lane] == found(lane) || unwritten {
                     Allowed::Within
                 } else if !decided[lane] && tape.fork(lane).is_some() {
                     Allowed::Doubtful(fork(tape, lane))

@@ -169,7 +169,7 @@ fn a_lane_with_a_wrong_sine_is_blamed() {
     assert_eq!(found.lane, Some("adversary"));
     let Some(Origin::BuiltIn { op, .. }) = found.diagnosis.as_ref().unwrap().origin else { panic!("{found:?}") };
     assert_eq!(op, Op::Sin);
-    assert!(found.reproduce.as_ref().unwrap().contains("--function 'wave' --seed 1 --case 'x="));
+    assert!(found.reproduce.as_ref().unwrap().contains("--function wave --seed 1 --case 'x="));
 }
 
 /// A lane that gives some invocations the inputs of others.
@@ -256,6 +256,9 @@ fn stages_run_by_their_interface() {
     let vertex = "layout(location = 0) in vec4 p;\nuniform mat4 mc;\nvoid main() { gl_Position = mc * p; }\n";
     let all = shapes("a.vert", vertex);
     assert_eq!(all, [("main".to_owned(), Ok(vec!["vec4 p".to_owned(), "mat4 mc".to_owned()]))]);
+    let subroutine = "subroutine float Shape(float x);\nsubroutine uniform Shape shape;\nout float y;\n\
+                      subroutine(Shape) float round_one(float x) { return x * x; }\nvoid main() { y = shape(1.0); }\n";
+    assert_eq!(shapes("a.frag", subroutine)[0], ("round_one".to_owned(), Ok(vec!["float x".to_owned()])));
     let compute = "layout(local_size_x = 1) in;\nbuffer Data { float x[]; };\nvoid main() { x[0] = 1.0; }\n\
                    float own(uint k) { return float(k + gl_GlobalInvocationID.x); }\n";
     let all = shapes("a.comp", compute);

@@ -111,7 +111,7 @@ fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
     }
     if let Some((error, inputs)) = &finding.worst {
         let all: Vec<String> = inputs.iter().map(|input| format!("{} = {}", input.name, values(input))).collect();
-        let _ = writeln!(text, "  worst      off by {error:.1e} of the output's size: {}", all.join("; "));
+        let _ = writeln!(text, "  worst      relative error {error:.1e}: {}", all.join("; "));
     }
     if let (Some(output), Some(found), Some(lane)) = (&finding.output, finding.found, finding.lane) {
         let _ = writeln!(text, "  {lane:<10} {output} = {:?}", F32Bits(found));
