@@ -193,9 +193,12 @@ fn configuration(args: &InitArgs, root: &Path, out: &mut dyn Write) -> anyhow::R
     Ok(())
 }
 
+/// Shader files with their stages.
+type Shaders = Vec<(PathBuf, Stage)>;
+
 /// Shaders with their stages, and suite files, below a folder, sorted. What `.gitignore` names is left out,
 /// and so are hidden files and the folders that builds make.
-fn search(root: &Path) -> anyhow::Result<(Vec<(PathBuf, Stage)>, Vec<PathBuf>)> {
+fn search(root: &Path) -> anyhow::Result<(Shaders, Vec<PathBuf>)> {
     let (mut shaders, mut suites) = (Vec::new(), Vec::new());
     let walk = WalkBuilder::new(root)
         .require_git(false)

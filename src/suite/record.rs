@@ -57,6 +57,9 @@ struct Reading<'a> {
 
 type Rows = Vec<Vec<f64>>;
 
+/// A record, and what one of its words is as a column.
+type Side<'r> = (&'r Record, fn(usize) -> Column);
+
 impl Reading<'_> {
     fn problem(&mut self, at: String, message: String) {
         self.problems.push(Problem { at, message });
@@ -174,8 +177,7 @@ impl Reading<'_> {
             Some(name) => (true, name.trim()),
             None => (false, name),
         };
-        let sides: [(&Record, fn(usize) -> Column); 3] =
-            [(invocation, Column::Invocation), (case, Column::Case), (output, Column::Output)];
+        let sides: [Side<'_>; 3] = [(invocation, Column::Invocation), (case, Column::Case), (output, Column::Output)];
         let found = sides.iter().skip(if output_only { 2 } else { 0 }).find_map(|(record, column)| {
             let index = record.index_of(name)?;
             Some((record.fields()[index].clone(), column(record.range(index).start)))
@@ -223,7 +225,7 @@ impl Reading<'_> {
         }
         let Interface { invocation, case, output } = self.interface;
         let at = format!("{}:1:1", self.file.name());
-        let sides: [(&Record, fn(usize) -> Column); 2] = [(invocation, Column::Invocation), (case, Column::Case)];
+        let sides: [Side<'_>; 2] = [(invocation, Column::Invocation), (case, Column::Case)];
         for (record, column) in sides {
             if let Some(word) = (0..record.words()).find(|&word| !columns.contains(&column(word))) {
                 self.problem(at.clone(), format!("the input `{}` is missing", record.word_name(word)));

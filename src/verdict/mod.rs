@@ -20,7 +20,7 @@ pub use expectations::{Movement, movement, shader_deviation};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
-pub use reference::{Expected, Given, Recorded, RecordedRow, Reference, ReferenceError};
+pub use reference::{Expected, Given, GivenRule, Recorded, RecordedRow, Reference, ReferenceError};
 pub use survey::{Survey, survey};
 pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

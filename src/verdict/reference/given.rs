@@ -9,6 +9,9 @@ use crate::program::Program;
 use crate::property::Sample;
 use crate::value::Batch;
 
+/// A function from inputs to the components of an output.
+pub type GivenRule = dyn Fn(&Sample, &mut [f64]) + Send + Sync;
+
 /// What one output should be, as a function of the inputs.
 #[derive(Clone)]
 pub struct Given {
@@ -16,7 +19,7 @@ pub struct Given {
     pub output: String,
     /// Writes the components of the output in order, matrices column by column, elements of arrays one
     /// after the other. NaN stands for an output without a value, which decides nothing.
-    pub rule: Arc<dyn Fn(&Sample, &mut [f64]) + Send + Sync>,
+    pub rule: Arc<GivenRule>,
 }
 
 impl fmt::Debug for Given {

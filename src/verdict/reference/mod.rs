@@ -18,7 +18,7 @@ use crate::value::{Batch, Field, Record, Scalar};
 pub use error::ReferenceError;
 pub(super) use evaluator::Evaluator;
 use formula::Bound;
-pub use given::Given;
+pub use given::{Given, GivenRule};
 use model::Model;
 pub use recorded::{Recorded, RecordedRow};
 

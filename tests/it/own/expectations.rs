@@ -78,12 +78,9 @@ fn geometry_stages_are_compared_with_their_vertices_and_strips() {
 
 #[test]
 fn the_value_of_a_function_stands_for_an_output() {
-    let suite = format!(
-        "{}",
-        STAGE_SUITE.replace(
-            "reference = \"old.vert\"",
-            "reference = { file = \"ref.glsl\", function = \"position\", output = \"gl_Position\" }"
-        )
+    let suite = STAGE_SUITE.replace(
+        "reference = \"old.vert\"",
+        "reference = { file = \"ref.glsl\", function = \"position\", output = \"gl_Position\" }",
     );
     let reference = |scale: &str| {
         format!("vec4 position(mat4 view, vec3 p, float scale) {{ return view * vec4({scale} * p, 1.0); }}\n")

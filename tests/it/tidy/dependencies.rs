@@ -106,6 +106,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("chardetng", &["src/text"]),
     ("ignore", &["src/cli"]),
     ("globset", &["src/cli"]),
+    ("libtest_mimic", &["src/api"]),
     ("std::fs", &["src/cli", "src/suite"]),
     ("std::env", &["src/cli", "src/suite"]),
     ("std::process::exit", &[]),
