@@ -143,7 +143,7 @@ fn the_table_holds_and_the_reference_compiler_agrees() {
 const FILES: &[(&str, &str)] = &[
     ("src/glsl/tests/shaders/grammar.frag", "drivers of desktop GLSL take a structure defined inside another"),
     ("src/glsl/tests/shaders/legacy.vert", "GLSL 1.10 has the variables of the fixed-function pipeline"),
-    ("fixtures/errors/naga_panic_size.vert", "built-in functions of constants are constant, `inverse` too"),
+    ("fixtures/panics/naga_panic_size.vert", "built-in functions of constants are constant, `inverse` too"),
     ("fixtures/errors/recursion.vert", "recursion is told when the program is linked"),
 ];
 

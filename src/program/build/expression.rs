@@ -4,10 +4,12 @@ use naga::{BinaryOperator, Expression, Literal as Number, UnaryOperator};
 
 use super::function::{Fun, Val};
 use super::{Expr, Result};
-use crate::glsl::Const;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::{BinaryOp, Callee, ExprId, ExprKind, Literal, UnaryOp};
 use crate::glsl::symbols::CallTarget;
 use crate::glsl::types::{ArraySize, ScalarType, Type};
+use crate::glsl::{Const, Fit};
+use crate::lower::UNSUPPORTED;
 use crate::text::Span;
 
 impl Fun<'_, '_> {
@@ -228,11 +230,31 @@ impl Fun<'_, '_> {
         own && expr.children().iter().all(|&c| self.is_simple(c))
     }
 
+    /// Refuses a constructor with arguments left over or missing, where the front end only warns.
+    fn check_components(&self, id: ExprId, span: Span) -> Result<()> {
+        let Some(constructor) = self.shader.constructor(id) else { return Ok(()) };
+        let (ty, needs) = (&constructor.ty, constructor.needs);
+        let (given, help) = match constructor.fit {
+            Fit::Fits | Fit::Unknown => return Ok(()),
+            Fit::TooMany { .. } => {
+                let total: usize = constructor.given.iter().flatten().sum();
+                (format!("{total} are given"), "run `shadercheck lint`, which explains and repairs it (T001)")
+            }
+            Fit::TooFew { given } => (format!("only {given} are given"), "give the missing components"),
+        };
+        let message = format!("`{ty}` takes {needs} components, and {given}");
+        let told = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
+        Err(Box::new(told.with_help(help)))
+    }
+
     /// A call: a constructor, a function of the shader or a built-in one.
     fn call(&mut self, id: ExprId, callee: &Callee, args: &[ExprId]) -> Result<Option<Val>> {
         let span = self.shader.expr(id).span;
         match (self.shader.callee(id), callee) {
-            (Some(CallTarget::Constructor(ty)), _) => self.constructor(&ty.clone(), args).map(Some),
+            (Some(CallTarget::Constructor(ty)), _) => {
+                self.check_components(id, span)?;
+                self.constructor(&ty.clone(), args).map(Some)
+            }
             (Some(CallTarget::User(function)), _) => self.user_call(*function, args, span),
             (Some(CallTarget::Builtin(_)), Callee::Name(name)) => self.builtin(id, &name.name, args, span),
             (Some(CallTarget::Builtin(_)), Callee::Type(_)) | (None, _) => {

@@ -70,3 +70,18 @@ fn a_function_that_reads_an_input_of_the_stage_is_not_run_alone() {
     }
     assert!(function("h").check_fed().is_ok());
 }
+
+#[test]
+fn a_constructor_with_arguments_left_over_or_missing() {
+    // The front end reads on; the module would drop the fourth number.
+    let head = "#version 330\nin vec4 v;\nvoid main() { gl_Position = ";
+    for (value, said) in [
+        ("vec4(vec3(v.x, v.y, v.z, 1.0), 1.0)", "`vec3` takes 3 components, and 4 are given"),
+        ("vec4(v.xyz)", "`vec4` takes 4 components, and only 3 are given"),
+    ] {
+        let text = format!("{head}{value}; }}\n");
+        let shader = Shader::parse(&SourceFile::new("t.vert", text.as_str()), Stage::Vertex).shader;
+        let error = Program::build(&shader, &Target::Stage).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+    }
+}
