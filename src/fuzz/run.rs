@@ -218,12 +218,10 @@ fn without_endless(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> 
     let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
     let mut kept = Batch::with_capacity(invocation, case, 1, looks.len());
     let mut moved = vec![usize::MAX; looks.len()];
-    let mut count = 0;
-    for k in (0..looks.len()).filter(|&k| !endless(k)) {
+    for (count, k) in (0..looks.len()).filter(|&k| !endless(k)).enumerate() {
         kept.invocations.extend_from_slice(batch.invocation(k));
         kept.cases.extend_from_slice(batch.case_of(k));
         moved[k] = count;
-        count += 1;
     }
     let twins = twins.into_iter().filter(|&(a, b)| !endless(a) && !endless(b)).map(|(a, b)| (moved[a], moved[b]));
     (kept, twins.collect())

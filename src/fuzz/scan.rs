@@ -183,7 +183,7 @@ fn value(look: &mut Look, exact: f64, found: f64, unwritten: bool, scale: f64, p
         if !unwritten {
             look.note(Trouble::Lost, place);
         }
-    } else if scale >= MIN_NORMAL && scale <= MAX_FINITE {
+    } else if (MIN_NORMAL..=MAX_FINITE).contains(&scale) {
         let error = (found - exact).abs() / scale;
         if error > LIMIT {
             look.note(Trouble::Moved, place);
