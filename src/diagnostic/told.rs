@@ -13,7 +13,7 @@ pub enum Lang {
     Ja,
 }
 
-/// The same words in each language. Made by [`told!`](told), or of one text that is the same in all
+/// The same words in each language. Made by `told!`, or of one text that is the same in all
 /// languages or has no translation. As a `str` it is the English text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Told {

@@ -18,7 +18,7 @@ const MIN_NORMAL: f64 = f32::MIN_POSITIVE as f64;
 /// What is wrong with a sample, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Trouble {
-    /// A loop goes on for longer than [`ROUNDS`].
+    /// A loop goes on for longer than `ROUNDS`.
     Endless,
     /// An output is NaN in real numbers.
     NoValue,
