@@ -60,8 +60,8 @@ fn suite(source: &Source, function: &FunctionReport) -> Result<String, String> {
     }
     let shader = source.path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
-        "# A first suite: say what the function should give, with a formula that is built in (`formula`) or by\n\
-         # relations between its outputs (`relations`), and narrow the ranges of its inputs.\n\
+        "# A first suite: say what the function should give (`shadercheck explain suite` tells every key), and\n\
+         # narrow the ranges of its inputs. Until then lanes are held against what the function itself means.\n\
          suite = {}\ntitle = {}\nshader = {}\n",
         quoted(name),
         quoted(&format!("{name} of {shader}")),
@@ -72,7 +72,7 @@ fn suite(source: &Source, function: &FunctionReport) -> Result<String, String> {
     } else {
         let _ = writeln!(text, "stage = \"function\"\nentry = {}", quoted(name));
     }
-    text.push_str("# formula = \"\"\n# relations = []\n");
+    text.push_str("# reference = { file = \"reference.glsl\", function = \"expected\" }\n# recorded = \"values.csv\"\n# relations = []\n");
     for (input, laws) in &function.inputs {
         let (ty, input) = input.split_once(' ').unwrap_or(("", input));
         if input.contains(['.', '[']) {
