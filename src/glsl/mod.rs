@@ -235,9 +235,13 @@ impl Shader {
             preprocess::run(&pieces, defines, before, &mut sink);
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);
-        let (unit, arena) = parser::parse(tokens, &language, &mut sink);
-        let check::Checked { types, values, names, calls, symbols, functions, uses, unknown, interface } =
+        let (unit, mut arena) = parser::parse(tokens, &language, &mut sink);
+        let check::Checked { types, values, names, calls, mut symbols, functions, mut uses, unknown, interface } =
             check::check(&unit, &arena, stage, language, incomplete, &mut sink);
+        // A project keeps thousands of these: what growing vectors hold in reserve adds up.
+        arena.shrink();
+        symbols.shrink_to_fit();
+        uses.shrink_to_fit();
         let shader = Self {
             file: file.clone(),
             stage,

@@ -31,6 +31,12 @@ pub struct Arena {
 }
 
 impl Arena {
+    /// Gives back the memory that nothing uses.
+    pub(crate) fn shrink(&mut self) {
+        self.exprs.shrink_to_fit();
+        self.depths.shrink_to_fit();
+    }
+
     /// Adds an expression; its operands must have been added before.
     pub(crate) fn add(&mut self, expr: Expr) -> ExprId {
         let depth = expr.children().iter().map(|c| self.depths[c.index()] + 1).max().unwrap_or(0);
