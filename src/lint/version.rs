@@ -13,11 +13,13 @@ const STATED: [(u32, Profile); 5] = [
     (460, Profile::Compatibility),
 ];
 
-/// Reads a shader. One without `#version` is GLSL 1.10, unless a host that puts another version in front of
-/// it leaves fewer errors: then it is read as such, and names may be declared in front as well.
+/// Reads a shader. One without `#version` is GLSL 1.10, unless it uses what came later and a host that puts
+/// another version in front of it leaves fewer errors: then it is read as such, and names may be declared in
+/// front as well.
 pub fn read(file: &SourceFile, stage: Stage) -> Parsed {
     let plain = Shader::parse(file, stage);
-    if plain.shader.version().span.is_some() || plain.diagnostics.is_empty() {
+    let later = [errors::NEEDS_VERSION, errors::EXTENSION, errors::FLOAT_SUFFIX];
+    if plain.shader.version().span.is_some() || !plain.diagnostics.iter().any(|d| later.contains(&d.code)) {
         return plain;
     }
     // Names that are not declared say nothing about the version.
@@ -65,6 +67,9 @@ mod tests {
         assert_eq!(told(Stage::Fragment, wrong).len(), 1);
         let old = "varying vec3 n;\nvoid main() { gl_FragColor = vec4(m, 1.0); }\n";
         assert_eq!(told(Stage::Fragment, old).len(), 1);
+        // Nothing here came later than 1.10, which has no such conversion.
+        let converted = "varying float x;\nvoid main() { gl_FragColor = vec4(x * 2); }\n";
+        assert_eq!(told(Stage::Fragment, converted).len(), 1);
         // A version that is stated is believed.
         let stated = "#version 110\nvoid main() { gl_FragColor = vec4(1.0f); }\n";
         assert_eq!(told(Stage::Fragment, stated).len(), 1);
