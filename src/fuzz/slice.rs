@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use super::builtin;
 use crate::glsl::Shader;
-use crate::glsl::ast::{ItemKind, TypeKind};
+use crate::glsl::ast::{Item, ItemKind, TypeKind};
 use crate::glsl::interface::{Storage, Variable};
 use crate::glsl::symbols::{CallTarget, FunctionId, SymbolId, SymbolKind};
 use crate::glsl::types::Type;
@@ -73,7 +73,7 @@ pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
     }
     // A stage chooses among its subroutines; one of them alone is an ordinary function.
     let main = shader.function_info(root).name.name == "main";
-    for (index, item) in shader.unit().items.iter().enumerate().filter(|(_, item)| is_subroutine(shader, item.span)) {
+    for (index, item) in shader.unit().items.iter().enumerate().filter(|(_, item)| is_subroutine(item)) {
         dropped[index] &= !main;
         if let (ItemKind::Function(function), false, false) = (&item.kind, main, dropped[index]) {
             let qualifiers = Span::new(function.head_span.start, function.return_type.span.start);
@@ -173,8 +173,14 @@ fn head_at(shader: &Shader) -> usize {
     shader.unit().items.iter().map(|item| item.span.start).min().unwrap_or(shader.file().text().len())
 }
 
-fn is_subroutine(shader: &Shader, span: Span) -> bool {
-    shader.file().slice(span).starts_with("subroutine")
+fn is_subroutine(item: &Item) -> bool {
+    match &item.kind {
+        ItemKind::Declaration(declaration) => declaration.qualifiers.is_subroutine(),
+        ItemKind::Function(function) => function.qualifiers.is_subroutine(),
+        ItemKind::Block(_) | ItemKind::Qualified(_) | ItemKind::Precision(_) | ItemKind::Empty | ItemKind::Error => {
+            false
+        }
+    }
 }
 
 /// The structure that a declaration defines in place: where it ends, and its name.

@@ -163,6 +163,11 @@ impl Qualifiers {
         self.list.iter().any(|q| q.kind == QualifierKind::Storage(StorageQualifier::Const))
     }
 
+    /// True for a subroutine type, a function of one, and a uniform that chooses among them.
+    pub fn is_subroutine(&self) -> bool {
+        self.list.iter().any(|q| matches!(q.kind, QualifierKind::Subroutine(_)))
+    }
+
     /// The interpolation qualifier with its place.
     pub fn interpolation(&self) -> Option<(Interpolation, Span)> {
         self.list.iter().find_map(|q| match q.kind {

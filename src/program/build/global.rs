@@ -225,6 +225,9 @@ impl<'s> Build<'s> {
         if self.globals.contains_key(&v.symbol) {
             return Ok(());
         }
+        if v.qualifiers.is_subroutine() {
+            return Err(self.unsupported(v.name_span, "a subroutine uniform", "call one of its functions instead"));
+        }
         let ty = self.with_size(v.symbol, &v.ty);
         let global = if ty.contains_opaque() {
             let data = if has_data(&ty) { Some(self.uniform(&v.name, &ty, v.name_span)?) } else { None };

@@ -5,9 +5,10 @@ pub mod guess;
 
 use std::fmt::Write;
 
-use super::run::{DEFAULT_SEED, FindingKind, Report, Request, prepare, run};
+use super::run::{DEFAULT_SEED, FindingKind, Report, Request, RunError, prepare, run};
 use super::{Stage, parse};
 use crate::bound::profile::Rulings;
+use crate::diagnostic::Diagnostic;
 use crate::glsl::{self, Shader};
 use crate::lane::{self, Lane};
 use crate::lower::Target;
@@ -132,17 +133,24 @@ pub fn draft(
 /// The first thing that is wrong, in a line.
 fn in_a_line(error: &ProgramError) -> String {
     match error {
-        ProgramError::Source(diagnostics) => diagnostics.first().map_or_else(
-            || "it does not compile".to_owned(),
-            |d| format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message),
-        ),
+        ProgramError::Source(diagnostics) => first_of(diagnostics),
         other => other.to_string().lines().next().unwrap_or_default().to_owned(),
     }
 }
 
+fn first_of(diagnostics: &[Diagnostic]) -> String {
+    diagnostics.first().map_or_else(
+        || "it does not compile".to_owned(),
+        |d| format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message),
+    )
+}
+
 fn tried(text: &str, shader: &SourceFile, lane: &dyn Lane) -> Result<Report, String> {
     let suite = parse(&SourceFile::new("the new suite", text)).map_err(|error| error.to_string())?;
-    let prepared = prepare(&suite, shader).map_err(|error| error.to_string())?;
+    let prepared = prepare(&suite, shader).map_err(|error| match error {
+        RunError::Shader { diagnostics, .. } => first_of(&diagnostics),
+        other => other.to_string(),
+    })?;
     let request = Request {
         samples: Some(SAMPLES),
         seed: DEFAULT_SEED,

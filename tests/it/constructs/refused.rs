@@ -43,6 +43,13 @@ fn buffers_as_textures_and_streams() {
         "EmitStreamVertex",
         "only the first vertex stream",
     );
+    refused(
+        "t.vert",
+        "#version 400\nsubroutine float Shape(float x);\nsubroutine uniform Shape shape;\n\
+            subroutine(Shape) float round_one(float x) { return x; }\nvoid main() { gl_Position = vec4(shape(1.0)); }",
+        "shape;",
+        "a subroutine uniform",
+    );
 }
 
 #[test]

@@ -98,11 +98,16 @@ fn what_cannot_run_is_told() {
         ("broken.vert", "#version 330\nin vec3 p;\nvoid main() { gl_Position = vec4(q, 1.0); }\n"),
         ("plain.frag", "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"),
         ("none.txt", "no shader"),
+        (
+            "lit.frag",
+            "#version 330\nuniform sampler2D t;\nout vec4 c;\nvec4 look(vec2 uv) { return texture(t, uv); }\nvoid main() { c = look(vec2(0.5)); }\n",
+        ),
     ]);
     let ran = run_in(folder.path(), "init").expect(1);
+    assert!(ran.err.contains("left out: `look` of lit.frag: lit.frag:2:19: error["), "{}", ran.err);
     assert!(ran.err.contains("left out: broken.vert: broken.vert:3:34: error["), "{}", ran.err);
     assert!(ran.err.contains("left out: plain.frag"), "{}", ran.err);
-    assert_eq!(names(folder.path()), ["broken.vert", "none.txt", "plain.frag", "shadercheck.toml"]);
+    assert_eq!(names(folder.path()), ["broken.vert", "lit.frag", "none.txt", "plain.frag", "shadercheck.toml"]);
     let empty = tempfile::tempdir().unwrap();
     assert!(run_in(empty.path(), "init").expect(2).err.contains("`.` holds no shader"));
     assert!(run_in(empty.path(), "init gone").expect(2).err.contains("`gone` is no folder"));
