@@ -2,7 +2,7 @@
 
 use super::domain::{Domain, Shrinking};
 use super::finding::{Finding, Kind, LaneReport, Severity};
-use super::shrinking::{batch_of, inputs, sample_of};
+use super::shrinking::inputs;
 use super::subject::Ready;
 use crate::bound::profile::Rulings;
 use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
@@ -84,7 +84,7 @@ impl<'a> OnLane<'a> {
             let Some(actual) = self.dispatch(part) else { return };
             let verdict = judge_batch(&self.court(), part, &actual);
             let room = 16_usize.saturating_sub(self.failing.len());
-            self.failing.extend(verdict.failures.iter().take(room).map(|f| sample_of(part, f.invocation)));
+            self.failing.extend(verdict.failures.iter().take(room).map(|f| Sample::of(part, f.invocation)));
             self.verdicts.merge(verdict);
             for &(a, b) in twins {
                 for k in [a, b].into_iter().filter(|k| (first..first + capacity).contains(k)) {
@@ -96,7 +96,7 @@ impl<'a> OnLane<'a> {
             if outputs[a] != outputs[b] {
                 self.unstable_count += 1;
                 if self.unstable.is_empty() {
-                    self.unstable.push(sample_of(batch, a));
+                    self.unstable.push(Sample::of(batch, a));
                 }
             }
         }
@@ -159,7 +159,7 @@ impl<'a> OnLane<'a> {
         let mut deviates = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
             let mut all = Vec::with_capacity(samples.len());
             for chunk in samples.chunks(runner.capacity().max(1)) {
-                let batch = batch_of(chunk);
+                let batch = Sample::batch(chunk);
                 let actual = runner.run(&batch)?;
                 let verdicts = judge_each(&court, &batch, &actual);
                 all.extend(verdicts.iter().map(|v| matches!(v, Verdict::Deviate(_))));
@@ -171,7 +171,7 @@ impl<'a> OnLane<'a> {
         let mut findings: Vec<Finding> = Vec::new();
         let mut told: Vec<(String, Sample)> = Vec::new();
         for sample in samples {
-            let batch = batch_of(std::slice::from_ref(&sample));
+            let batch = Sample::batch(std::slice::from_ref(&sample));
             let actual = runner.run(&batch)?;
             let Some(Verdict::Deviate(deviation)) = judge_each(&court, &batch, &actual).pop() else {
                 let message = "a sample deviated, and agreed when it was run again".to_owned();

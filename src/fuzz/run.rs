@@ -8,7 +8,7 @@ use super::generate;
 use super::lanes::OnLane;
 use super::name::{Key, Named, applied, decimal, name, place};
 use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
-use super::shrinking::{batch_of, inputs, sample_of, smallest};
+use super::shrinking::{inputs, smallest};
 use super::subject::{Ready, Subject};
 use crate::bound::profile::Rulings;
 use crate::lane::Lane;
@@ -103,7 +103,7 @@ pub fn run(
     while first < samples {
         let count = (samples - first).min(size as u64) as usize;
         let mut batch = match &case {
-            Some(sample) => batch_of(std::slice::from_ref(sample)),
+            Some(sample) => Sample::batch(std::slice::from_ref(sample)),
             None => generate::batch(invocation, uniforms, domain, key, first, count),
         };
         let twins = double(&mut batch, count);
@@ -182,13 +182,13 @@ fn sort(
     let open: Vec<(usize, Look)> =
         looks.iter().copied().enumerate().filter(|(_, look)| look.trouble.is_some()).collect();
     for (invocation, look) in looks.iter().enumerate() {
-        if look.error > report.max_error && domain.counts(&sample_of(batch, invocation)) {
+        if look.error > report.max_error && domain.counts(&Sample::of(batch, invocation)) {
             report.max_error = look.error;
         }
     }
     for ((invocation, look), named) in open.iter().zip(name(ready, batch, &open)) {
         let Some(named) = named else { continue };
-        let sample = sample_of(batch, *invocation);
+        let sample = Sample::of(batch, *invocation);
         let counts = domain.counts(&sample);
         let group = groups.entry(named.key()).or_insert_with(|| Group {
             count: 0,

@@ -9,32 +9,10 @@ use super::scan::{Look, scan};
 use super::subject::Ready;
 use crate::property::shrink::shrink;
 use crate::property::{Sample, regressions};
-use crate::value::Batch;
-
-/// Samples as a batch with one invocation a case; at least one sample.
-pub fn batch_of(samples: &[Sample]) -> Batch {
-    let first = &samples[0];
-    let mut batch = Batch::with_capacity(first.invocation_record.clone(), first.case_record.clone(), 1, samples.len());
-    for sample in samples {
-        batch.invocations.extend_from_slice(&sample.invocation);
-        batch.cases.extend_from_slice(&sample.case);
-    }
-    batch
-}
-
-/// One invocation of a batch as a sample.
-pub fn sample_of(batch: &Batch, invocation: usize) -> Sample {
-    Sample {
-        invocation_record: batch.invocation_record.clone(),
-        case_record: batch.case_record.clone(),
-        invocation: batch.invocation(invocation).to_vec(),
-        case: batch.case_of(invocation).to_vec(),
-    }
-}
 
 /// Looks at samples and names their trouble.
 pub fn names(ready: &Ready, samples: &[Sample]) -> Vec<Option<Named>> {
-    let batch = batch_of(samples);
+    let batch = Sample::batch(samples);
     let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
     let open: Vec<(usize, Look)> = looks.into_iter().enumerate().filter(|(_, l)| l.trouble.is_some()).collect();
     let mut all = vec![None; samples.len()];

@@ -18,6 +18,7 @@ mod number;
 mod parser;
 mod preprocess;
 mod sink;
+pub mod swizzle;
 pub mod symbols;
 #[cfg(test)]
 mod tests;

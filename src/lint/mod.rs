@@ -117,12 +117,11 @@ fn front_end_level(project: &Project, error: &Diagnostic) -> Level {
     let macro_like = name.len() > 1 && name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
     // A shader in a literal is itself a part of its host file.
     let count = |text: &str| text.matches(name).count();
-    let own = if project.shader_files().any(|(_, s)| s.file.name() == error.file.name()) {
-        0
-    } else {
-        count(error.file.text())
+    let of_the_host = || {
+        let is_file = project.shader_files().any(|(_, s)| s.file.name() == error.file.name());
+        let own = if is_file { 0 } else { count(error.file.text()) };
+        project.hosts().any(|h| count(h.file.text()) > own)
     };
-    let of_the_host = || project.hosts().any(|h| count(h.file.text()) > own);
     match error.code {
         errors::INCLUDE => Level::Strict,
         // A slip comes with what was meant.

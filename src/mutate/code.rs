@@ -7,6 +7,7 @@ use crate::glsl::ast::{
     Block, Callee, Condition, Declaration, ExprId, ExprKind, Item, ItemKind, Stmt, StmtKind, TypeSpecifier, UnaryOp,
 };
 use crate::glsl::interface::Storage;
+use crate::glsl::swizzle;
 use crate::glsl::symbols::{CallTarget, Direction, FunctionId, SymbolId, SymbolKind};
 use crate::text::{Edit, Span};
 
@@ -235,7 +236,7 @@ impl<'a> Code<'a> {
         let ExprKind::Field { base, field } = &self.shader.expr(id).kind else { return None };
         let mut chars = field.name.chars();
         let (Some(c), None) = (chars.next(), chars.next()) else { return None };
-        ["xyzw", "rgba", "stpq"].iter().find_map(|set| set.find(c)).and_then(|k| self.component(*base, k))
+        swizzle::component(c).and_then(|k| self.component(*base, k))
     }
 
     /// Component `k` of a constant vector that a name stands for and that lists its components.

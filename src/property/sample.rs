@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::value::{Record, Scalar};
+use crate::value::{Batch, Record, Scalar};
 
 /// The inputs of a single invocation: words of its own and words of its case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,6 +18,31 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// One invocation of a batch.
+    pub fn of(batch: &Batch, invocation: usize) -> Self {
+        Self {
+            invocation_record: batch.invocation_record.clone(),
+            case_record: batch.case_record.clone(),
+            invocation: batch.invocation(invocation).to_vec(),
+            case: batch.case_of(invocation).to_vec(),
+        }
+    }
+
+    /// Samples as a batch with one invocation a case.
+    ///
+    /// # Panics
+    /// Without a sample: there is no layout then.
+    pub fn batch(samples: &[Self]) -> Batch {
+        let first = &samples[0];
+        let (invocation, case) = (first.invocation_record.clone(), first.case_record.clone());
+        let mut batch = Batch::with_capacity(invocation, case, 1, samples.len());
+        for sample in samples {
+            batch.invocations.extend_from_slice(&sample.invocation);
+            batch.cases.extend_from_slice(&sample.case);
+        }
+        batch
+    }
+
     /// The words of an input by name; `None` when there is no such input.
     pub fn words(&self, name: &str) -> Option<&[u32]> {
         if let Some(i) = self.invocation_record.index_of(name) {

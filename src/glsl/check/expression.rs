@@ -6,6 +6,7 @@ use super::super::errors;
 use super::super::fold::{self, Const};
 use super::super::language::Feature;
 use super::super::names::nearest;
+use super::super::swizzle::SETS;
 use super::super::types::{ArraySize, ScalarType, Type};
 use super::operator::{self, Misfit};
 use super::{Checker, Entry};
@@ -195,7 +196,6 @@ impl Checker<'_> {
     }
 
     fn swizzle(&mut self, ty: &Type, scalar: ScalarType, size: u8, field: &Ident) -> Type {
-        const SETS: [&str; 3] = ["xyzw", "rgba", "stpq"];
         let mut problem = None;
         let (a_ty, name) = (format!("{} `{ty}`", article(ty)), &field.name);
         let no_member = || told!("{a_ty} has no member `{name}`", "`{ty}` に `{name}` というメンバはありません");

@@ -1,6 +1,7 @@
 //! Which components of which variable an expression names.
 
 use crate::glsl::ast::{ExprId, ExprKind};
+use crate::glsl::swizzle::component;
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::Type;
 use crate::glsl::{Const, Shader};
@@ -115,10 +116,6 @@ fn walk(shader: &Shader, id: ExprId) -> Option<Walk> {
         | ExprKind::List(_)
         | ExprKind::Error => None,
     }
-}
-
-fn component(letter: char) -> Option<usize> {
-    ["xyzw", "rgba", "stpq"].iter().find_map(|set| set.find(letter))
 }
 
 /// The letters of the components of a vector that a mask has, such as `zw`; none for other types.

@@ -90,20 +90,7 @@ fn takes_components(shader: &Shader, id: ExprId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lint::{Input, run};
-    use crate::text::{EditList, SourceFile};
-
-    /// Codes of the text, and the text with the first fix.
-    fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
-        let mut found = run(&[Input::new(SourceFile::new(name, text))]);
-        // Variables that nothing reads are beside the point here.
-        found.retain(|d| !d.code.0.starts_with('D'));
-        let fixed = found
-            .first()
-            .and_then(|d| d.fix.clone())
-            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
-        (found.iter().map(|d| d.code.0).collect(), fixed)
-    }
+    use crate::lint::glsl::testing::repaired_but_flow as lint;
 
     #[test]
     fn a_relation_becomes_a_call_where_a_bvec_is_wanted() {

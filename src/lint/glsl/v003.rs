@@ -98,17 +98,11 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::lint::{Input, Selection, Settings, run_with};
-    use crate::text::SourceFile;
+    use crate::lint::glsl::testing::strict_count;
 
     /// Findings of this rule at the strict level.
     fn count(name: &str, text: &str) -> usize {
-        let selection = Selection::default().at(crate::lint::Level::Strict);
-        let settings = Settings { selection, ..Settings::default() };
-        run_with(&[Input::new(SourceFile::new(name, text))], &settings)
-            .iter()
-            .filter(|d| d.code == super::RULE.code)
-            .count()
+        strict_count(super::RULE.code, name, text)
     }
 
     #[test]

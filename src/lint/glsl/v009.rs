@@ -46,18 +46,7 @@ fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lint::{Input, run};
-    use crate::text::{EditList, SourceFile};
-
-    /// Codes of the text, and the text with the first fix.
-    fn lint(name: &str, text: &str) -> (Vec<&'static str>, Option<(Safety, String)>) {
-        let found = run(&[Input::new(SourceFile::new(name, text))]);
-        let fixed = found
-            .first()
-            .and_then(|d| d.fix.clone())
-            .map(|f| (f.safety, f.edits.into_iter().collect::<EditList>().apply(text).unwrap().text));
-        (found.iter().map(|d| d.code.0).collect(), fixed)
-    }
+    use crate::lint::glsl::testing::repaired as lint;
 
     #[test]
     fn the_precision_is_declared_behind_the_directives() {

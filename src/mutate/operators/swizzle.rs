@@ -2,11 +2,10 @@
 
 use super::becomes;
 use crate::glsl::ast::ExprKind;
+use crate::glsl::swizzle::SETS;
 use crate::glsl::types::Type;
 use crate::mutate::{Code, Draft};
 use crate::text::Edit;
-
-const SETS: [&str; 3] = ["xyzw", "rgba", "stpq"];
 
 pub(super) fn make(code: &Code<'_>, drafts: &mut Vec<Draft>) {
     for &id in &code.exprs {

@@ -8,6 +8,7 @@ use super::types::{count, same, size};
 use super::{Build, Expr, Result};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::{Callee, ExprId, ExprKind};
+use crate::glsl::swizzle::component;
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ScalarType, Type};
 use crate::program::front::VALIDATOR;
@@ -39,10 +40,7 @@ pub(super) struct Place {
 
 /// Components that a swizzle names.
 pub(super) fn components(field: &str) -> Option<Vec<u8>> {
-    field
-        .chars()
-        .map(|c| ["xyzw", "rgba", "stpq"].iter().find_map(|set| set.find(c)).and_then(|k| u8::try_from(k).ok()))
-        .collect()
+    field.chars().map(|c| component(c).and_then(|k| u8::try_from(k).ok())).collect()
 }
 
 impl Fun<'_, '_> {

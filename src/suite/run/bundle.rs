@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::finding::{Case, Finding};
-use super::trial::{Trial, batch_of};
+use super::trial::Trial;
 use super::{Prepared, Report};
 use crate::bound::profile::Rulings;
 use crate::lane::{Actual, Lane, LaneError, Stage};
@@ -48,7 +48,7 @@ pub fn bundles(
     let mut all = Vec::new();
     for (k, (finding, case)) in cases.into_iter().enumerate() {
         let sample = sample(prepared, case);
-        let actual = trial.run(&batch_of(std::slice::from_ref(&sample)))?;
+        let actual = trial.run(&Sample::batch(std::slice::from_ref(&sample)))?;
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
         let suite: String = report.suite.chars().map(plain).collect();
         let name = format!("{suite}-{}-{stage}-{}", report.lane, k + 1);

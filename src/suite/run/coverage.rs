@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use super::trial::{Trial, batch_of, sample_of};
+use super::trial::Trial;
 use crate::lane::LaneError;
-use crate::property::Sampler;
 use crate::property::generators::{Ends, Strands};
+use crate::property::{Sample, Sampler};
 use crate::value::Shape;
 
 /// Strands that are looked at.
@@ -67,7 +67,7 @@ pub fn check(trial: &mut Trial<'_>, strands: Strands, seed: u64) -> Result<Cover
     let prepared = trial.prepared;
     let primitives = strands.primitives().max(1);
     let batch = Sampler::new(prepared.plan.clone(), seed).batch(0, STRANDS, primitives);
-    let mut samples: Vec<_> = (0..batch.invocation_count()).map(|i| sample_of(&batch, i)).collect();
+    let mut samples: Vec<_> = (0..batch.invocation_count()).map(|i| Sample::of(&batch, i)).collect();
     let identity: Vec<f64> = (0..16).map(|k| if k % 5 == 0 { 1.0 } else { 0.0 }).collect();
     for sample in &mut samples {
         let matrices: Vec<String> =
@@ -76,7 +76,7 @@ pub fn check(trial: &mut Trial<'_>, strands: Strands, seed: u64) -> Result<Cover
             sample.set(&name, &identity);
         }
     }
-    let batch = batch_of(&samples);
+    let batch = Sample::batch(&samples);
     let actual = trial.run(&batch)?;
     let position = actual.layout().vertex.index_of("gl_Position").map(|i| actual.layout().vertex.range(i));
     let mut drawn = vec![true; strands.nodes.saturating_sub(1)];

@@ -1,6 +1,6 @@
 //! Findings: what a report shows a person.
 
-use super::trial::{Trial, batch_of};
+use super::trial::Trial;
 use super::{Prepared, Report, Request};
 use crate::lane::{Lane, LaneError, Stage as LaneStage};
 use crate::program::{Port, Program};
@@ -156,7 +156,7 @@ pub(super) fn deviations(
     let mut oracle = |samples: &[Sample]| trial.deviates(samples);
     let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
-    let batch = batch_of(&samples);
+    let batch = Sample::batch(&samples);
     let actual = trial.run(&batch)?;
     let verdicts = judge_each(&trial.court(), &batch, &actual);
     let mut shown: Vec<(String, Sample)> = Vec::new();
@@ -198,7 +198,7 @@ fn diagnose(
     deviation: &Deviation,
 ) -> Result<Diagnosis, LaneError> {
     let (court, prepared) = (trial.court(), trial.prepared);
-    let batch = batch_of(std::slice::from_ref(sample));
+    let batch = Sample::batch(std::slice::from_ref(sample));
     match deviation.blame {
         Blame::Shader => Ok(diagnosis::shader(&court, &prepared.program, &batch, deviation)),
         Blame::Lane => {

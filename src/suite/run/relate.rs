@@ -2,7 +2,7 @@
 //! means and on the lane's own values.
 
 use super::finding::{self, Finding, FindingKind};
-use super::trial::{Trial, batch_of};
+use super::trial::Trial;
 use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Own, Relation, Sample, Sampler, shrink};
@@ -97,7 +97,7 @@ impl Probes {
 fn related(relation: &dyn Relation, samples: &[Sample]) -> (Vec<Vec<Sample>>, Option<Batch>) {
     let inputs: Vec<Vec<Sample>> = samples.iter().map(|s| relation.inputs(s)).collect();
     let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let batch = (!flat.is_empty()).then(|| batch_of(&flat));
+    let batch = (!flat.is_empty()).then(|| Sample::batch(&flat));
     (inputs, batch)
 }
 
@@ -121,7 +121,7 @@ fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample> {
     }
     let per_case = prepared.suite.strands.map_or(1, |s| s.primitives()).max(1);
     let batch = Sampler::new(prepared.plan.clone(), seed).batch(0, (count as usize).div_ceil(per_case), per_case);
-    (0..batch.invocation_count()).map(|i| super::trial::sample_of(&batch, i)).collect()
+    (0..batch.invocation_count()).map(|i| Sample::of(&batch, i)).collect()
 }
 
 /// What a relation says of a sample.

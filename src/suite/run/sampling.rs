@@ -1,7 +1,7 @@
 //! The main loop: batches of generated samples, streamed so that memory does not grow with them.
 
 use super::survey::MOST;
-use super::trial::{Trial, sample_of};
+use super::trial::Trial;
 use super::{Report, Request};
 use crate::lane::{Actual, LaneError};
 use crate::property::{Sample, Sampler};
@@ -15,7 +15,7 @@ pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], report: &mut Report) ->
     let court = trial.court();
     trial.run_samples(samples, |_, batch, actual| {
         let verdict = judge_batch(&court, batch, actual);
-        failing.extend(verdict.failures.iter().map(|f| sample_of(batch, f.invocation)));
+        failing.extend(verdict.failures.iter().map(|f| Sample::of(batch, f.invocation)));
         all.merge(verdict);
     })?;
     report.verdicts.merge(all);
@@ -64,7 +64,7 @@ pub fn sample(
         if let (Some((batch, _)), Some(mut verdict)) = (finished.take(), verdict) {
             for failure in std::mem::take(&mut verdict.failures) {
                 if failing.len() < KEPT {
-                    failing.push(sample_of(&batch, failure.invocation));
+                    failing.push(Sample::of(&batch, failure.invocation));
                 }
             }
             report.verdicts.merge(verdict);

@@ -16,7 +16,7 @@ use crate::property::{Sample, Sampler, mix};
 use crate::verdict::{Court, Deviation, Reason, Used, judge_batch, used};
 
 use super::Prepared;
-use super::trial::{Trial, sample_of};
+use super::trial::Trial;
 
 /// Most samples of one suite on one lane: the next ones are judged on lanes with other seeds, which
 /// rearrange in another way.
@@ -244,7 +244,7 @@ fn run(
             seed,
             component: value.map_or_else(String::new, |value| value.component.clone()),
             ratio,
-            sample: sample_of(&batch, failure.invocation),
+            sample: Sample::of(&batch, failure.invocation),
             deviation,
         }
     });

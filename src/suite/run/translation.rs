@@ -1,7 +1,6 @@
 //! The translations of a suite's shader, on samples of the suite.
 
 use super::finding::{self, Finding, FindingKind};
-use super::trial::{batch_of, sample_of};
 use super::{Prepared, Report, Request};
 use crate::program::Language;
 use crate::property::shrink::{self, Domain};
@@ -72,10 +71,10 @@ fn compare(
 ) -> Result<(), CompareError> {
     let mut batches = Vec::new();
     if !request.replay.is_empty() {
-        batches.push(batch_of(&request.replay));
+        batches.push(Sample::batch(&request.replay));
     }
     if !request.replay_only && !prepared.plan.makes_samples() && !prepared.rows.is_empty() {
-        batches.push(batch_of(&prepared.rows[..prepared.rows.len().min(SAMPLES as usize)]));
+        batches.push(Sample::batch(&prepared.rows[..prepared.rows.len().min(SAMPLES as usize)]));
     } else if !request.replay_only {
         let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
         let cases = request.samples_of(&prepared.suite).min(SAMPLES).div_ceil(per_case as u64);
@@ -109,7 +108,7 @@ fn compare(
 }
 
 fn samples(batch: &Batch, comparison: &Comparison, most: usize) -> Vec<Sample> {
-    comparison.deviating.iter().take(most).map(|&invocation| sample_of(batch, invocation)).collect()
+    comparison.deviating.iter().take(most).map(|&invocation| Sample::of(batch, invocation)).collect()
 }
 
 /// Shrinks deviating samples and reports the simplest.
@@ -120,7 +119,7 @@ fn fail(
     request: &Request,
     report: &mut Report,
 ) -> Result<(), CompareError> {
-    let mut oracle = |samples: &[Sample]| translations.deviates(language, &batch_of(samples));
+    let mut oracle = |samples: &[Sample]| translations.deviates(language, &Sample::batch(samples));
     let shrunk = if request.replay_only {
         finding::as_given(failing)
     } else {
@@ -128,7 +127,7 @@ fn fail(
     };
     let size = |sample: &Sample| shrink::complexity(sample, &Domain::simplest(&*prepared.plan, sample));
     let Some(simplest) = shrunk.into_iter().min_by_key(|shrunk| size(&shrunk.sample)) else { return Ok(()) };
-    let batch = batch_of(std::slice::from_ref(&simplest.sample));
+    let batch = Sample::batch(std::slice::from_ref(&simplest.sample));
     let compared = translations.compare(&batch)?;
     let deviation = compared.into_iter().find(|c| c.language == language).and_then(|c| c.first);
     let finding = Finding {

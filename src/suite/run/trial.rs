@@ -89,7 +89,7 @@ impl<'a> Trial<'a> {
     ) -> Result<(), LaneError> {
         let capacity = self.capacity();
         for (k, chunk) in samples.chunks(capacity).enumerate() {
-            let batch = batch_of(chunk);
+            let batch = Sample::batch(chunk);
             let actual = self.run(&batch)?;
             each(k * capacity, &batch, &actual);
         }
@@ -108,26 +108,5 @@ impl<'a> Trial<'a> {
             verdicts.extend(judge_each(&court, batch, actual).into_iter().map(deviates));
         })?;
         Ok(verdicts)
-    }
-}
-
-/// Samples as a batch with one invocation a case; at least one sample.
-pub fn batch_of(samples: &[Sample]) -> Batch {
-    let first = &samples[0];
-    let mut batch = Batch::with_capacity(first.invocation_record.clone(), first.case_record.clone(), 1, samples.len());
-    for sample in samples {
-        batch.invocations.extend_from_slice(&sample.invocation);
-        batch.cases.extend_from_slice(&sample.case);
-    }
-    batch
-}
-
-/// One invocation of a batch as a sample.
-pub fn sample_of(batch: &Batch, invocation: usize) -> Sample {
-    Sample {
-        invocation_record: batch.invocation_record.clone(),
-        case_record: batch.case_record.clone(),
-        invocation: batch.invocation(invocation).to_vec(),
-        case: batch.case_of(invocation).to_vec(),
     }
 }
