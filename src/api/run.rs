@@ -194,6 +194,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
         // The share is what counts: as many samples are made as are asked for.
         floors: Floors { judged: 1, ..floors },
         strands: None,
+        includes: shader.includes.clone(),
         file: SourceFile::new("", ""),
     })
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::property::Sample;
-use crate::suite::{self, Stage};
+use crate::suite::{self, Includes, Stage};
 use crate::text::SourceFile;
 use crate::verdict::Given;
 
@@ -50,6 +50,7 @@ use super::{Domain, Error, Inputs, Law, Outcome, run};
 #[must_use = "nothing is run before `check` or `assert_agrees`"]
 pub struct Shader {
     pub(super) file: SourceFile,
+    pub(super) includes: Includes,
     pub(super) stage: Stage,
     pub(super) entry: Option<String>,
     pub(super) defines: Vec<(String, String)>,
@@ -83,13 +84,28 @@ impl Shader {
         Self::of(SourceFile::new(name.as_ref(), text.as_ref()))
     }
 
-    /// A shader in a file, in any encoding that `shadercheck` reads. A relative path starts at the current
+    /// A shader in a file, in any encoding that `shadercheck` reads, with the files beside it that it includes. A relative path starts at the current
     /// folder, which in tests of cargo is that of the package.
     ///
     /// # Errors
     /// When the file cannot be read, or is no text.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
-        suite::read_shader(path.as_ref()).map(Self::of).map_err(|error| Error::new(error.to_string()))
+        Self::from_file_with(path, [] as [&Path; 0])
+    }
+
+    /// The same with folders in which files are looked for that the shader includes. Those beside the file
+    /// that includes them are found without it.
+    ///
+    /// # Errors
+    /// As of [`Shader::from_file`], of included files too.
+    pub fn from_file_with<P: AsRef<Path>>(
+        path: impl AsRef<Path>,
+        include: impl IntoIterator<Item = P>,
+    ) -> Result<Self, Error> {
+        let folders = include.into_iter().map(|folder| folder.as_ref().to_owned()).collect();
+        let mut includes = Includes::new(folders, "`Shader::from_file_with`");
+        let file = suite::read_shader(path.as_ref(), &mut includes).map_err(|error| Error::new(error.to_string()))?;
+        Ok(Self { includes, ..Self::of(file) })
     }
 
     fn of(file: SourceFile) -> Self {
@@ -107,6 +123,7 @@ impl Shader {
         };
         Self {
             file,
+            includes: Includes::default(),
             stage,
             entry: None,
             defines: Vec::new(),

@@ -68,8 +68,8 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
     let mut written = 0;
     for (path, stage) in &shaders {
-        let file = match super::translate::read(path) {
-            Ok(file) => file,
+        let file = match super::includes::read(path, &[]) {
+            Ok(source) => source.file,
             Err(error) => {
                 writeln!(err, "left out: {error:#}")?;
                 continue;

@@ -26,6 +26,9 @@ pub struct TranslateArgs {
     /// Function to translate, for a function library; the first one when there is only one
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
+    /// Folder in which included files are looked for, after that of the file that includes them
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
     /// File to write; standard output without it
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -36,18 +39,19 @@ pub struct TranslateArgs {
 /// # Errors
 /// When a file cannot be read or written.
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let file = read(&args.file)?;
+    let source = super::includes::read(&args.file, &args.include)?;
+    let file = &source.file;
     let Some(stage) = Stage::from_path(file.name()) else {
         anyhow::bail!(
             "{}: the extension does not tell the stage; use .vert, .frag, .geom, .comp, or .glsl for a function library",
             file.name()
         );
     };
-    let program = match program(&file, stage, args.entry.as_deref()) {
+    let program = match program(file, stage, args.entry.as_deref()) {
         Ok(program) => program,
         Err(ProgramError::Source(found)) => {
             for diagnostic in found {
-                write!(err, "{}", diagnostics::text(&diagnostic, Lang::En, false))?;
+                write!(err, "{}", diagnostics::text(&source.explained(diagnostic), Lang::En, false))?;
             }
             return Ok(ExitStatus::Findings);
         }

@@ -7,7 +7,7 @@ use super::builtin;
 use crate::glsl::Shader;
 use crate::glsl::ast::{Item, ItemKind, TypeKind};
 use crate::glsl::interface::{Storage, Variable};
-use crate::glsl::symbols::{CallTarget, FunctionId, SymbolId, SymbolKind};
+use crate::glsl::symbols::{FunctionId, SymbolId, SymbolKind};
 use crate::glsl::types::Type;
 use crate::text::{Edit, Span};
 
@@ -41,8 +41,8 @@ pub struct Slice {
 
 /// Leaves everything out that `root` does not need.
 pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
-    let functions = reachable(shader, root);
-    let used = used(shader, &functions);
+    let functions = shader.reachable(root);
+    let used = shader.used_by(&functions);
     let mut slice = Slice { edits: Vec::new(), head: String::new(), head_at: head_at(shader), globals: Vec::new() };
     let mut dropped: Vec<bool> = shader.unit().items.iter().map(|_| false).collect();
     for (index, item) in shader.unit().items.iter().enumerate() {
@@ -96,45 +96,6 @@ pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
     built_ins(shader, &used, &functions, &mut slice);
     slice.edits.sort_by_key(|e| (e.span.start, e.span.end));
     slice
-}
-
-/// The functions that can be called from `root`, itself included.
-fn reachable(shader: &Shader, root: FunctionId) -> Vec<FunctionId> {
-    let body = |f: FunctionId| Some(shader.function_syntax(shader.function_info(f))?.body.as_ref()?.span);
-    let calls: Vec<(Span, FunctionId)> = shader
-        .arena()
-        .iter()
-        .filter_map(|(id, e)| match shader.callee(id) {
-            Some(CallTarget::User(f)) => Some((e.span, *f)),
-            Some(CallTarget::Builtin(_) | CallTarget::Constructor(_)) | None => None,
-        })
-        .collect();
-    let mut found = vec![root];
-    let mut at = 0;
-    while let Some(&function) = found.get(at) {
-        if let Some(body) = body(function) {
-            for &(span, callee) in &calls {
-                if body.contains(span.start) && !found.contains(&callee) {
-                    found.push(callee);
-                }
-            }
-        }
-        at += 1;
-    }
-    // Calls in initialisers of globals.
-    let bodies: Vec<Span> = shader.functions().filter_map(|(f, _)| body(f)).collect();
-    for &(_, callee) in calls.iter().filter(|(s, _)| !bodies.iter().any(|b| b.contains(s.start))) {
-        if !found.contains(&callee) {
-            found.push(callee);
-        }
-    }
-    found
-}
-
-/// Variables that these functions use, and those that initialisers at file scope use.
-fn used(shader: &Shader, functions: &[FunctionId]) -> BTreeSet<SymbolId> {
-    let counts = |function: Option<FunctionId>| function.is_none_or(|f| functions.contains(&f));
-    shader.uses().iter().filter(|u| counts(u.function)).map(|u| u.symbol).collect()
 }
 
 fn is_used(shader: &Shader, block: usize, used: &BTreeSet<SymbolId>) -> bool {

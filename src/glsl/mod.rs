@@ -17,6 +17,7 @@ mod names;
 mod number;
 mod parser;
 mod preprocess;
+mod reach;
 mod sink;
 pub mod swizzle;
 pub mod symbols;

@@ -4,7 +4,7 @@ use super::Work;
 use super::declaration::{by_declaration, variable};
 use super::lowered::{Role, Variable};
 use crate::glsl::interface::{self, Storage};
-use crate::glsl::symbols::Direction;
+use crate::glsl::symbols::{Direction, FunctionId, SymbolKind};
 use crate::glsl::types::Type;
 use crate::glsl::{Stage, ast};
 use crate::text::{Edit, Span};
@@ -157,7 +157,7 @@ pub(super) fn function(work: &mut Work<'_>, name: &str) -> Parts {
     let shader = work.shader;
     let role = Role::Function { name: name.to_owned() };
     let mut found = shader.functions().filter(|(_, f)| f.name.name == name && f.definition.is_some());
-    let Some((_, info)) = found.next() else {
+    let Some((id, info)) = found.next() else {
         let known: Vec<&str> = shader.functions().map(|(_, f)| f.name.name.as_str()).collect();
         let help = format!("the file defines: {}", known.join(", "));
         work.incomplete(Span::at(0), format!("there is no function `{name}`"), &help);
@@ -166,6 +166,7 @@ pub(super) fn function(work: &mut Work<'_>, name: &str) -> Parts {
     if let Some((_, other)) = found.next() {
         work.unsupported(other.name.span, format!("`{name}` is overloaded"), "rename the one to test");
     }
+    inputs_of_the_stage(work, id);
     let mut inputs = Vec::new();
     let mut outputs = Vec::new();
     let value = |work: &mut Work<'_>, ty: &Type, name: &str, span: Span| {
@@ -206,4 +207,29 @@ pub(super) fn function(work: &mut Work<'_>, name: &str) -> Parts {
         }
     }
     (role, inputs, outputs)
+}
+
+/// A function that is run alone has nobody to give it what its stage takes: it would read zeros.
+fn inputs_of_the_stage(work: &mut Work<'_>, function: FunctionId) {
+    let shader = work.shader;
+    for id in shader.used_by(&shader.reachable(function)) {
+        let symbol = shader.symbol(id);
+        let fed = match symbol.kind {
+            SymbolKind::Global(storage) => storage == Storage::In,
+            SymbolKind::BlockMember(k) | SymbolKind::BlockInstance(k) => {
+                shader.interface().blocks.get(k).is_some_and(|b| b.storage == Storage::In)
+            }
+            // Limits are constants.
+            SymbolKind::Builtin => {
+                symbol.read_only && !symbol.name.starts_with("gl_Max") && !symbol.name.starts_with("gl_Min")
+            }
+            SymbolKind::Param(_) | SymbolKind::Local => false,
+        };
+        if fed {
+            let name = shader.function_info(function).name.span;
+            let span = symbol.span.or(shader.uses_of(id).next().map(|u| u.span)).unwrap_or(name);
+            let message = format!("`{}`, an input of the stage, cannot be fed or read", symbol.name);
+            work.unsupported(span, message, "pass it to the function as a parameter");
+        }
+    }
 }

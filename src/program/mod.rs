@@ -12,6 +12,7 @@ mod readback;
 mod source;
 mod strides;
 mod translate;
+mod wgsl;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};

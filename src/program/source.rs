@@ -32,14 +32,21 @@ impl Program {
         target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
     ) -> Result<Self, ProgramError> {
         let parsed = Shader::parse_with(file, stage, defines);
-        let errors: Vec<Diagnostic> =
-            parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error).collect();
+        let errors: Vec<Diagnostic> = parsed
+            .diagnostics
+            .into_iter()
+            .filter(|d| d.severity == Severity::Error)
+            .map(Diagnostic::at_origin)
+            .collect();
         if !errors.is_empty() {
             return Err(ProgramError::Source(errors));
         }
         let target = target(&parsed.shader)?;
         let by_edits = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
         // What edits in place do not make readable to naga is built from the syntax tree.
-        by_edits.or_else(|_| Self::build(&parsed.shader, &target))
+        by_edits.or_else(|_| Self::build(&parsed.shader, &target)).map_err(|error| match error {
+            ProgramError::Source(found) => ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()),
+            other => other,
+        })
     }
 }

@@ -72,6 +72,16 @@ pub enum LoadError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A file that a shader includes is there, and cannot be read.
+    #[error("{at}: cannot include `{path}`: {why}")]
+    Include {
+        /// Where the shader includes it.
+        at: String,
+        /// The file, as the shader names it.
+        path: String,
+        /// What the system says, or why it is no text.
+        why: String,
+    },
     /// A file cannot be written.
     #[error("cannot write `{}`: {source}", path.display())]
     Write {

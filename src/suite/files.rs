@@ -9,7 +9,7 @@ use crate::property::regressions::{self, Regression};
 use crate::text::{SourceFile, decode};
 
 use super::error::LoadError;
-use super::{Expect, Suite, parse};
+use super::{Expect, Includes, Suite, parse};
 
 /// Ending of a suite file.
 pub const ENDING: &str = ".suite.toml";
@@ -28,13 +28,14 @@ fn read(path: &Path) -> Result<SourceFile, LoadError> {
     Ok(SourceFile::from_bytes(&path.display().to_string(), &bytes)?)
 }
 
-/// Reads a shader, in any encoding that is known.
+/// Reads a shader, in any encoding that is known, with the files that it includes.
 ///
 /// # Errors
-/// A file that cannot be read, and one that is no text.
-pub fn read_shader(path: &Path) -> Result<SourceFile, LoadError> {
+/// A file that cannot be read, and one that is no text. A file that is included and not there is none: only
+/// the preprocessor knows whether it counts.
+pub fn read_shader(path: &Path, includes: &mut Includes) -> Result<SourceFile, LoadError> {
     let bytes = fs::read(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
-    Ok(decode(&path.display().to_string(), &bytes)?.file)
+    includes.resolve(&decode(&path.display().to_string(), &bytes)?.file)
 }
 
 /// Reads a suite file and the shader that it names, which lies beside it.
@@ -44,17 +45,27 @@ pub fn read_shader(path: &Path) -> Result<SourceFile, LoadError> {
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let mut suite = parse(&read(path)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    for searched in &mut suite.includes.folders {
+        *searched = folder.join(&*searched);
+        if !searched.is_dir() {
+            let path = searched.clone();
+            let source = std::io::Error::from(ErrorKind::NotADirectory);
+            let at = place(&suite.file, "include");
+            return Err(LoadError::Named { at, what: "folder of includes", path, source });
+        }
+    }
     attach(&mut suite, folder)?;
     let shader = folder.join(&suite.shader);
-    let shader = read_shader(&shader).map_err(|error| match error {
-        LoadError::Read { path, source } => {
-            let text = suite.file.text();
-            let at = suite.file.locate(text.find(&suite.shader).unwrap_or_default());
-            LoadError::Shader { at, path, source }
-        }
+    let shader = read_shader(&shader, &mut suite.includes).map_err(|error| match error {
+        LoadError::Read { path, source } => LoadError::Shader { at: place(&suite.file, &suite.shader), path, source },
         other => other,
     })?;
     Ok(Loaded { suite, shader })
+}
+
+/// Where a suite file says something first.
+fn place(file: &SourceFile, text: &str) -> String {
+    file.locate(file.text().find(text).unwrap_or_default()).to_string()
 }
 
 /// Suite files (`*.suite.toml`) below a folder, sorted. Hidden folders and build folders are left out.
@@ -92,7 +103,8 @@ fn attach(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
         Expect::Recorded(recorded) => ("record", &recorded.file, &recorded.at, &mut recorded.text),
         Expect::Formula(_) | Expect::Nothing => return Ok(()),
     };
-    let read = if what == "reference" { read_shader(&folder.join(file)) } else { self::read(&folder.join(file)) };
+    let path = folder.join(file);
+    let read = if what == "reference" { read_shader(&path, &mut suite.includes) } else { self::read(&path) };
     *text = Some(read.map_err(|error| match error {
         LoadError::Read { path, source } => LoadError::Named { at: at.clone(), what, path, source },
         other => other,

@@ -98,7 +98,7 @@ pub(super) const SECTIONS: &[Section] = &[
                 "reference",
                 Form::FileOr("[reference]"),
                 "Expected outputs: what another shader means in binary64. A file alone stands for the same stage, or \
-                 the function of the same name: the shader as it was, a slow one that is right.",
+                 the function of the same name: the shader as it was, a slow one that is right; of a .wgsl, a function.",
             ),
             key(
                 "recorded",
@@ -117,6 +117,12 @@ pub(super) const SECTIONS: &[Section] = &[
                 Form::Macros,
                 "Macros, each with a value or a list of values: every combination is run. `true` defines a macro as 1, \
                  `false` leaves it undefined.",
+            ),
+            key(
+                "include",
+                Form::Texts,
+                "Folders, from the suite file on, in which files are looked for that the shader includes. Those beside \
+                 the file that includes them are found without it.",
             ),
             key("samples", Form::Whole { least: 1, most: WHOLE }, "Inputs that are made; 16384 without it."),
             key(

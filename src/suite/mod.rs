@@ -5,6 +5,7 @@ pub mod draft;
 mod error;
 mod expect;
 mod files;
+mod includes;
 mod keys;
 mod parse;
 mod record;
@@ -23,6 +24,7 @@ use crate::value::Record;
 pub use error::{LoadError, Problem, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{ENDING, Loaded, load, read_regressions, read_shader, regressions_path, save_regressions, search};
+pub use includes::Includes;
 pub use keys::{page, schema};
 pub use parse::{Names, parse, parse_with};
 pub use record::rows;
@@ -116,6 +118,8 @@ pub struct Suite {
     pub floors: Floors,
     /// Strands of which a geometry stage sees windows.
     pub strands: Option<Strands>,
+    /// Where files are looked for that the shader includes.
+    pub includes: Includes,
     /// The text of the suite file.
     pub file: SourceFile,
 }

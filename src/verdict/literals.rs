@@ -23,7 +23,22 @@ pub(super) fn written(program: &Program, executable: &Executable) -> Vec<Option<
 
 /// The text of a site, as it was parsed.
 fn text<'p>(program: &'p Program, executable: &Executable, site: Site) -> Option<&'p str> {
-    program.lowered.edited.text.get(executable.place(site).span.to_range()?)
+    let whole = &program.lowered.edited.text;
+    let text = whole.get(executable.place(site).span.to_range()?)?;
+    Some(declared(whole, text).unwrap_or(text))
+}
+
+/// What a constant of WGSL without a type is declared as. Where such a constant is used, a module has a
+/// literal in its place.
+fn declared<'t>(whole: &'t str, name: &str) -> Option<&'t str> {
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    if !name.starts_with(|c: char| c.is_alphabetic()) || !name.chars().all(word) {
+        return None;
+    }
+    whole.match_indices("const").find_map(|(at, keyword)| {
+        let rest = whole[at + keyword.len()..].trim_start().strip_prefix(name)?.trim_start().strip_prefix('=')?;
+        Some(rest.split_once(';')?.0.trim())
+    })
 }
 
 /// A number with few digits, such as 16 or 0.375, is meant as it stands.
@@ -108,6 +123,15 @@ fn literal(rest: &mut &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn constants_without_a_type_are_found_by_their_name() {
+        let text = "const TAU = 6.28 ; const TAU2 = 2.0 * 6.28;";
+        assert_eq!(declared(text, "TAU"), Some("6.28"));
+        assert_eq!(declared(text, "TAU2"), Some("2.0 * 6.28"));
+        assert_eq!(declared(text, "TA"), None);
+        assert_eq!(declared(text, "6.28"), None);
+    }
 
     #[test]
     fn texts_of_numbers_are_read_in_full() {

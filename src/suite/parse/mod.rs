@@ -13,9 +13,9 @@ use crate::text::SourceFile;
 use super::error::SuiteError;
 use super::expect::hint;
 use super::table::{At, Reader, Table};
-use super::{Floors, Stage, Suite};
+use super::{Floors, Includes, Stage, Suite};
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "suite",
     "title",
     "shader",
@@ -25,6 +25,7 @@ const KEYS: [&str; 15] = [
     "reference",
     "recorded",
     "defines",
+    "include",
     "samples",
     "per_case",
     "relations",
@@ -102,6 +103,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let entry = entry(root, stage);
     let expect = expect::expect(root, names, stage);
     let defines = expect::defines(root);
+    let include = root.texts("include").into_iter().map(|folder| folder.value.into()).collect();
     let samples = if root.has("samples") { root.whole("samples", 1, MOST_SAMPLES) } else { Some(SAMPLES) };
     let per_case = root.whole("per_case", 1, MOST_PER_CASE);
     let (relations, laws) = laws::relations(root, names);
@@ -128,6 +130,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         inputs,
         floors: floors?,
         strands,
+        includes: Includes::new(include, "`include = [\"FOLDER\"]`"),
         file: file.clone(),
     })
 }

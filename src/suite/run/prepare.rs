@@ -127,7 +127,10 @@ pub fn prepare_with(
 ) -> Result<Prepared, RunError> {
     let name = || suite.name.clone();
     let captured = |source| match source {
-        ProgramError::Source(diagnostics) => RunError::Shader { suite: name(), diagnostics },
+        ProgramError::Source(found) => {
+            let diagnostics = found.into_iter().map(|d| suite.includes.explained(d)).collect();
+            RunError::Shader { suite: name(), diagnostics }
+        }
         source => RunError::Program { suite: name(), source },
     };
     let program = program(suite, shader, suite.entry.as_deref()).map_err(captured)?;
@@ -175,8 +178,12 @@ pub fn prepare_with(
     })
 }
 
-/// What a suite runs of a text: its stage, or a function.
+/// What a suite runs of a text: its stage, or a function. A name that ends in `.wgsl` means WGSL.
 fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
+    if shader.name().ends_with(".wgsl") {
+        let unnamed = || ProgramError::Unsupported { what: "a stage in WGSL; name one of its functions".to_owned() };
+        return Program::from_wgsl(shader, function.ok_or_else(unnamed)?);
+    }
     let stage = match suite.stage {
         Stage::Vertex if function.is_none() => glsl::Stage::Vertex,
         Stage::Geometry if function.is_none() => glsl::Stage::Geometry,
@@ -209,8 +216,15 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
         Expect::Reference(ReferenceFile { file, function, output, text, at: _ }) => {
             let text = text.as_ref().ok_or_else(|| unread(file))?;
             let entry = function.as_deref().or(suite.entry.as_deref());
-            let model = self::program(suite, text, entry)
-                .map_err(|source| RunError::ReferenceProgram { suite: name(), source })?;
+            let model = self::program(suite, text, entry).map_err(|source| {
+                let source = match source {
+                    ProgramError::Source(found) => {
+                        ProgramError::Source(found.into_iter().map(|d| suite.includes.explained(d)).collect())
+                    }
+                    other => other,
+                };
+                RunError::ReferenceProgram { suite: name(), source }
+            })?;
             let by = match function {
                 Some(function) => format!("the reference `{function}` of {}", text.name()),
                 None => format!("the reference {}", text.name()),

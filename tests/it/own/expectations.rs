@@ -197,3 +197,35 @@ fn a_shader_is_enough_to_name_its_suites() {
     let ran: crate::binary::Ran = command(folder.path(), "check f.glsl --lane embedded").output().unwrap().into();
     assert!(ran.expect(0).out.starts_with("ok    own "));
 }
+
+/// References in WGSL are functions; their literals count as they are written.
+#[test]
+fn a_function_in_wgsl_says_what_is_right() {
+    let shader = "float f(float x) { return sin(1.2831853 * x) + 0.1; }\n";
+    let right = "const TURN = 1.2831853;\nfn wave(x: f32) -> f32 { return sin(TURN * x); }\n\
+        fn f(x: f32) -> f32 { return wave(x) + 0.1; }\n";
+    let text = suite(&["x"], "reference = \"model.wgsl\"");
+    check(&[("f.glsl", shader), ("model.wgsl", right), ("f.suite.toml", &text)], &[]).expect(0);
+    let wrong = right.replace("0.1;", "0.1001;");
+    let ran = check(&[("f.glsl", shader), ("model.wgsl", &wrong), ("f.suite.toml", &text)], &[]).expect(1);
+    assert!(finding(&ran).0.contains("the shader deviates from its reference"), "{}", ran.out);
+    for (model, said) in [
+        ("fn g(x: f32) -> f32 { return x; }\n", "there is no function `f`; there are: g"),
+        ("fn f(x: f32) -> f32 { return y; }\n", "model.wgsl:1:30"),
+        ("@group(0) @binding(0) var<uniform> u: f32;\nfn f(x: f32) -> f32 { return x * u; }\n", "`u`, a resource"),
+    ] {
+        let ran = check(&[("f.glsl", shader), ("model.wgsl", model), ("f.suite.toml", &text)], &[]);
+        let all = format!("{}{}", ran.out, ran.err);
+        assert!(ran.code != 0 && all.contains(said), "{all}");
+    }
+}
+
+/// And a function in WGSL is run as well as one in GLSL.
+#[test]
+fn a_function_in_wgsl_is_run() {
+    let shader = "fn f(x: f32) -> f32 {\n  var y = x;\n  if x < 0.0 { y = 0.5 * x; }\n  return y;\n}\n";
+    let text = suite(&["x"], "reference = \"model.glsl\"").replace("f.glsl", "f.wgsl");
+    let model = |half: &str| format!("float f(float x) {{ return x < 0.0 ? {half} * x : x; }}\n");
+    check(&[("f.wgsl", shader), ("model.glsl", &model("0.5")), ("f.suite.toml", &text)], &[]).expect(0);
+    check(&[("f.wgsl", shader), ("model.glsl", &model("0.25")), ("f.suite.toml", &text)], &[]).expect(1);
+}

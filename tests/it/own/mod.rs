@@ -4,6 +4,7 @@
 mod bundle;
 mod defines;
 mod expectations;
+mod includes;
 mod init;
 mod laws;
 mod schema;
