@@ -104,7 +104,6 @@ impl Reading<'_> {
     }
 
     fn json(&mut self) -> (Vec<Column>, Rows) {
-        let whole = |file: &SourceFile| format!("{}:1:1", file.name());
         let list: Vec<serde_json::Map<String, Value>> = match serde_json::from_str(self.file.text()) {
             Ok(list) => list,
             Err(error) => {
@@ -113,18 +112,25 @@ impl Reading<'_> {
                 return (Vec::new(), Vec::new());
             }
         };
+        let (file, text) = (self.file, self.file.text());
+        let starts = objects(text);
+        let place = |object: usize, name: &str| {
+            let start = starts.get(object).copied().unwrap_or_default();
+            let within = if name.is_empty() { None } else { text[start..].find(&format!("\"{name}\"")) };
+            file.locate(start + within.unwrap_or_default())
+        };
         let mut columns: Vec<Column> = Vec::new();
         let mut rows = Vec::new();
         for (k, object) in list.iter().enumerate() {
             let mut row: Vec<(Column, f64)> = Vec::new();
             for (name, value) in object {
                 let mut words = Vec::new();
+                let at = place(k, name);
                 if !flatten(value, &mut words) {
                     let message = format!("object {}: `{name}` is a number or a list of numbers", k + 1);
-                    self.problem(whole(self.file), message);
+                    self.problem(at, message);
                     continue;
                 }
-                let at = whole(self.file);
                 let Some((field, first)) = self.field(&at, name) else { continue };
                 if field.shape.words() != words.len() {
                     let (wanted, given) = (field.shape.words(), words.len());
@@ -141,7 +147,7 @@ impl Reading<'_> {
             match columns.iter().map(value).collect::<Option<Vec<f64>>>() {
                 Some(values) if row.len() == columns.len() => rows.push(values),
                 _ if self.problems.is_empty() => {
-                    self.problem(whole(self.file), format!("object {} has other names than the first", k + 1));
+                    self.problem(place(k, ""), format!("object {} has other names than the first", k + 1));
                 }
                 Some(_) | None => {}
             }
@@ -256,6 +262,29 @@ fn shifted(first: Column, by: usize) -> Column {
         Column::Case(word) => Column::Case(word + by),
         Column::Output(word) => Column::Output(word + by),
     }
+}
+
+/// Where the objects of a list of objects begin. The text is known to be one.
+fn objects(text: &str) -> Vec<usize> {
+    let (mut depth, mut in_text, mut escaped) = (0_usize, false, false);
+    let mut starts = Vec::new();
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_text => escaped = true,
+            b'"' => in_text = !in_text,
+            _ if in_text => {}
+            b'{' | b'[' => {
+                if depth == 1 {
+                    starts.push(at);
+                }
+                depth += 1;
+            }
+            b'}' | b']' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    starts
 }
 
 /// The numbers of a value one after the other; false where something is no number.

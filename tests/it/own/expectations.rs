@@ -161,6 +161,19 @@ fn records_that_cannot_be_read_are_told_with_line_and_column() {
         let ran = check(&[("f.glsl", shader), ("rows.csv", rows), ("f.suite.toml", text)], &[]).expect(2);
         assert!(ran.out.contains(told), "{told}\n{}{}", ran.out, ran.err);
     }
+    let text = text.replace("rows.csv", "rows.json");
+    for (rows, told) in [
+        (
+            "[\n  {\"x\": 1, \"return\": 1},\n  {\"x\": \"}{\", \"return\": 1}\n]",
+            "rows.json:3:4: object 2: `x` is a number",
+        ),
+        ("[{\"x\": 1, \"retrun\": 1}]", "rows.json:1:11: the shader has no input or output `retrun`"),
+        ("[{\"x\": 1, \"return\": 1},\n {\"return\": 1}]", "rows.json:2:2: object 2 has other names than the first"),
+    ] {
+        let shader = "float f(float x) { return x; }\n";
+        let ran = check(&[("f.glsl", shader), ("rows.json", rows), ("f.suite.toml", &text)], &[]).expect(2);
+        assert!(ran.out.contains(told), "{told}\n{}{}", ran.out, ran.err);
+    }
 }
 
 #[test]
