@@ -183,6 +183,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
         shader: shader.file.name().to_owned(),
         stage: shader.stage,
         entry: shader.entry.clone(),
+        entries: Vec::new(),
         expect,
         defines: Vec::new(),
         chosen: shader.defines.clone(),

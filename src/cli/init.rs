@@ -80,7 +80,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
             writeln!(err, "left out: {}: it has neither a stage nor a function that can be run", path.display())?;
         }
         for subject in subjects {
-            if known.iter().any(|(shader, suite)| shader == path && suite.entry == subject.entry) {
+            if known.iter().any(|(shader, suite)| shader == path && runs(suite, &subject)) {
                 writeln!(err, "left out: {} has a suite already", told(path, &subject))?;
                 continue;
             }
@@ -101,6 +101,10 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
 fn about(path: &Path) -> Option<(PathBuf, Suite)> {
     let loaded = suite::load(path).ok()?;
     Some((PathBuf::from(loaded.shader.name()), loaded.suite))
+}
+
+fn runs(suite: &Suite, subject: &Subject) -> bool {
+    suite.entry == subject.entry || subject.entry.as_ref().is_some_and(|entry| suite.entries.contains(entry))
 }
 
 fn told(path: &Path, subject: &Subject) -> String {

@@ -75,9 +75,9 @@ pub struct Define {
 /// Macros of one variant of a shader: names and values.
 pub type Defines = Vec<(String, String)>;
 
-/// All combinations of the values of macros, the last one changing fastest. Each comes with its name:
-/// `[BONES=4,FOG]`, empty where there are no macros.
-pub fn combinations(defines: &[Define]) -> Vec<(String, Defines)> {
+/// All combinations of the values of macros, the last one changing fastest. Each comes with the words that
+/// tell it apart: `BONES=4`, `no-FOG`.
+pub fn combinations(defines: &[Define]) -> Vec<(Vec<String>, Defines)> {
     let mut all: Vec<Vec<(&str, Option<&str>)>> = vec![Vec::new()];
     for define in defines {
         all = all
@@ -101,10 +101,9 @@ pub fn combinations(defines: &[Define]) -> Vec<(String, Defines)> {
                     None => format!("no {name}").replace(' ', "-"),
                 })
                 .collect();
-            let name = if words.is_empty() { String::new() } else { format!("[{}]", words.join(",")) };
             let defines =
                 chosen.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?.to_owned()))).collect();
-            (name, defines)
+            (words, defines)
         })
         .collect()
 }

@@ -14,6 +14,7 @@ use crate::property::relations::{self, law::LawKind};
 pub(super) enum Form {
     Text,
     Texts,
+    TextOrTexts,
     Whole {
         least: i64,
         most: i64,
@@ -92,7 +93,12 @@ pub(super) const SECTIONS: &[Section] = &[
             key("title", Form::Text, "What is tested, in a few words."),
             required("shader", Form::Text, "The shader, relative to this file."),
             required("stage", Form::OneOf(stages), "What is run: `main` of a stage, or one function."),
-            key("entry", Form::Text, "The function that is called; for `stage = \"function\"`."),
+            key(
+                "entry",
+                Form::TextOrTexts,
+                "The function that is called; for `stage = \"function\"`. A list runs several: each takes the inputs that \
+                 are its parameters.",
+            ),
             key("formula", Form::OneOf(formulas), "Expected outputs: a formula that comes with shadercheck."),
             key(
                 "reference",
@@ -261,6 +267,7 @@ fn told(form: Form) -> String {
     match form {
         Form::Text => "text".to_owned(),
         Form::Texts => "list of texts".to_owned(),
+        Form::TextOrTexts => "text, or a list of texts".to_owned(),
         Form::Whole { least, most } => format!("whole number from {least} to {most}"),
         Form::Number => "number".to_owned(),
         Form::Range => "[lo, hi]".to_owned(),
@@ -343,6 +350,9 @@ fn of(form: Form) -> Value {
     match form {
         Form::Text => text(),
         Form::Texts => json!({ "type": "array", "items": text(), "uniqueItems": true }),
+        Form::TextOrTexts => {
+            json!({ "anyOf": [text(), { "type": "array", "items": text(), "minItems": 1, "uniqueItems": true }] })
+        }
         Form::Whole { least, most } => json!({ "type": "integer", "minimum": least, "maximum": most }),
         Form::Number => json!({ "type": "number" }),
         Form::Range => json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 }),

@@ -112,7 +112,9 @@ pub struct Suite {
     pub relations: Vec<String>,
     /// Laws that are checked.
     pub laws: Vec<Law>,
-    /// What fills the inputs.
+    /// Functions that are run one after the other, where there are several.
+    pub entries: Vec<String>,
+    /// What fills the inputs. Of several functions, each takes the groups of its own parameters.
     pub inputs: Vec<InputGroup>,
     /// What a run must reach.
     pub floors: Floors,
@@ -125,15 +127,28 @@ pub struct Suite {
 }
 
 impl Suite {
-    /// The suite once for each combination of its macros, under a name that tells them apart.
+    /// The suite once for each of its functions and each combination of its macros, under a name that tells
+    /// them apart.
     pub fn variants(&self) -> Vec<Self> {
-        let variant = |(name, chosen): (String, Defines)| Self {
-            name: format!("{}{name}", self.name),
-            defines: Vec::new(),
-            chosen,
-            ..self.clone()
+        let entries: Vec<Option<&String>> = match &self.entries[..] {
+            [] => vec![None],
+            several => several.iter().map(Some).collect(),
         };
-        combinations(&self.defines).into_iter().map(variant).collect()
+        let variant = |entry: Option<&String>, words: Vec<String>, chosen: Defines| {
+            let words: Vec<String> = entry.cloned().into_iter().chain(words).collect();
+            let name = if words.is_empty() { String::new() } else { format!("[{}]", words.join(",")) };
+            Self {
+                name: format!("{}{name}", self.name),
+                entry: entry.or(self.entry.as_ref()).cloned(),
+                defines: Vec::new(),
+                chosen,
+                ..self.clone()
+            }
+        };
+        let of_entry = |entry: Option<&String>| -> Vec<Self> {
+            combinations(&self.defines).into_iter().map(|(words, chosen)| variant(entry, words, chosen)).collect()
+        };
+        entries.into_iter().flat_map(of_entry).collect()
     }
 
     /// Fits the suite to the inputs of its shader: `invocation` holds attributes, inputs of a
@@ -142,7 +157,13 @@ impl Suite {
     /// # Errors
     /// The first input or group that does not fit, with its place in the suite file.
     pub fn plan(&self, invocation: &Arc<Record>, case: &Arc<Record>) -> Result<Plan, PlanError> {
-        Plan::new(&self.inputs, invocation.clone(), case.clone())
+        let known = |name: &String| invocation.index_of(name).or(case.index_of(name)).is_some();
+        let groups: Vec<InputGroup> = match self.entries.is_empty() {
+            true => self.inputs.clone(),
+            // Parameters of the other functions are not missed here.
+            false => self.inputs.iter().filter(|group| group.names.iter().any(known)).cloned().collect(),
+        };
+        Plan::new(&groups, invocation.clone(), case.clone())
     }
 
     /// How many floats the host feeds for an attribute; `None` when the suite does not say, which

@@ -100,7 +100,8 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let title = root.text("title");
     let shader = root.required_text("shader", "shader = \"sphere.vert\"");
     let stage = stage(root);
-    let entry = entry(root, stage);
+    let mut entries = entries(root, stage);
+    let entry = if entries.len() == 1 { entries.pop() } else { None };
     let expect = expect::expect(root, names, stage);
     let defines = expect::defines(root);
     let include = root.texts("include").into_iter().map(|folder| folder.value.into()).collect();
@@ -120,6 +121,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         shader: shader?.value,
         stage: stage?,
         entry,
+        entries,
         expect,
         defines,
         chosen: Vec::new(),
@@ -166,15 +168,26 @@ fn stage(root: Table<'_>) -> Option<Stage> {
     Stage::ALL.into_iter().find(|stage| stage.name() == name)
 }
 
-fn entry(root: Table<'_>, stage: Option<Stage>) -> Option<String> {
-    match stage? {
-        Stage::Function => root.required_text("entry", "entry = \"segment_distance\"").map(|e| e.value),
-        other @ (Stage::Vertex | Stage::Geometry) => {
+/// The function that is called, or several of them.
+fn entries(root: Table<'_>, stage: Option<Stage>) -> Vec<String> {
+    match stage {
+        None => Vec::new(),
+        Some(Stage::Function) if root.has("entry") && !root.is_text("entry") => {
+            let names = root.texts("entry");
+            if names.is_empty() {
+                root.reader.problem(root.offset_of("entry"), "`entry` names no function");
+            }
+            names.into_iter().map(|name| name.value).collect()
+        }
+        Some(Stage::Function) => {
+            root.required_text("entry", "entry = \"segment_distance\"").map(|e| e.value).into_iter().collect()
+        }
+        Some(other @ (Stage::Vertex | Stage::Geometry)) => {
             if root.has("entry") {
                 let message = format!("`entry` names a function; the stage `{}` starts at main", other.name());
                 root.reader.problem(root.offset_of("entry"), message);
             }
-            None
+            Vec::new()
         }
     }
 }

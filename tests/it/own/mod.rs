@@ -3,6 +3,7 @@
 
 mod bundle;
 mod defines;
+mod entries;
 mod expectations;
 mod includes;
 mod init;
