@@ -40,7 +40,7 @@ fn each_function_takes_its_own_inputs_and_its_own_reference() {
 fn lists_that_are_wrong_are_told_at_their_place() {
     for (entry, told) in [
         ("[\"twice\", \"twice\"]", "f.suite.toml:4:19: `twice` stands twice in `entry`"),
-        ("[]", "f.suite.toml:4:1: `entry` names no function"),
+        ("[]", "f.suite.toml:4:9: `entry` names no function"),
         ("[1]", "f.suite.toml:4:"),
     ] {
         let text = SUITE.replace("[\"twice\", \"sum\", \"last\"]", entry);
