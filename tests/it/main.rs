@@ -18,6 +18,7 @@ mod lowering;
 mod lowering_vertex;
 mod mutate;
 mod own;
+mod piglit;
 mod positions;
 mod probe;
 mod regress;

@@ -32,6 +32,10 @@ usage: cargo xtask <task> [arguments]
                     how many shaders of some folders reach a valid module, by version and stage, and what
                     stops the others; --list names the files that REASON stops, --tree leaves out the
                     lowering in place, --every takes one file in N
+  piglit FOLDER... [--list REASON] [--every N]
+                    how many of piglit's generated tests (built-in-functions/vs-*, gs-*, fs-* and
+                    cs-*.shader_test, below some folders) agree with the interpreter and with lane vulkan; --list names the
+                    tests that REASON stops, or that disagree
 
 Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
 may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.
@@ -58,6 +62,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("bench") => tasks::bench(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
         Some("survey") if !rest.is_empty() => tasks::survey(&rest),
+        Some("piglit") if !rest.is_empty() => tasks::piglit(&rest, messages),
         Some("help" | "--help" | "-h") => {
             io::stdout().write_all(USAGE.as_bytes())?;
             Ok(0)
@@ -100,7 +105,7 @@ mod tests {
 
     #[test]
     fn usage_names_every_task() {
-        for task in ["check", "test", "tidy", "bench", "soundness", "survey"] {
+        for task in ["check", "test", "tidy", "bench", "soundness", "survey", "piglit"] {
             assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
         }
     }

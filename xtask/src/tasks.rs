@@ -114,6 +114,13 @@ pub fn survey(arguments: &[OsString]) -> Result<u8> {
     status(cargo(run).args(arguments))
 }
 
+/// Prints how many of piglit's tests of built-in functions agree.
+pub fn piglit(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
+    setup::prepare(&mut ThisMachine, messages)?;
+    let run = ["bench", "--quiet", "--profile", "dev", "--package", "shadercheck", "--bench", "piglit", "--"];
+    status(cargo(run).args(arguments))
+}
+
 fn complain(lines: &[String], messages: &mut dyn Write) -> Result<u8> {
     for line in lines {
         writeln!(messages, "xtask: {line}")?;
