@@ -14,6 +14,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::bound::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
 use crate::bound::profile::{self, Op};
 use crate::cli::check::Format;
+use crate::cli::shard::write_atomically;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
@@ -171,16 +172,6 @@ fn read_state(path: &Path) -> anyhow::Result<State> {
         .with_context(|| format!("`{}` is no state of a calibration; remove it or leave out --resume", path.display()))
 }
 
-/// Writes a file so that at any time either the old or the new one is there.
-fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Not a temporary file of the system's kind: those are readable by their owner alone.
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let fresh = folder.join(format!(".{name}.{}.new", std::process::id()));
-    fs::write(&fresh, bytes)?;
-    fs::rename(&fresh, path)
-}
-
 /// The day of a moment in universal time, such as `2026-01-31`.
 fn day_of(time: SystemTime) -> String {
     let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
@@ -233,16 +224,6 @@ mod tests {
         assert_eq!((day(0), day(86_399), day(86_400)), ("1970-01-01".into(), "1970-01-01".into(), "1970-01-02".into()));
         assert_eq!((day(951_782_400), day(951_868_800)), ("2000-02-29".into(), "2000-03-01".into()));
         assert_eq!((day(1_798_675_200), day(1_798_761_600)), ("2026-12-31".into(), "2027-01-01".into()));
-    }
-
-    #[test]
-    fn a_file_is_replaced_as_a_whole() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("p.toml");
-        write_atomically(&path, b"old").unwrap();
-        write_atomically(&path, b"new").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
     }
 
     #[test]

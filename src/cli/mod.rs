@@ -10,6 +10,7 @@ pub mod init;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;
+pub mod shard;
 pub mod status;
 pub mod translate;
 

@@ -15,6 +15,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("diagnostic", &["text"]),
     ("formula", &[]),
+    ("shard", &[]),
     ("glsl", &["text", "diagnostic", "value"]),
     ("lint", &["glsl", "text", "diagnostic", "value"]),
     ("lower", &["glsl", "text", "diagnostic", "value"]),
@@ -39,6 +40,7 @@ const MODULES: &[(&str, &[&str])] = &[
             "text",
             "diagnostic",
             "value",
+            "shard",
         ],
     ),
     (
@@ -89,6 +91,7 @@ const MODULES: &[(&str, &[&str])] = &[
             "text",
             "diagnostic",
             "value",
+            "shard",
         ],
     ),
 ];
