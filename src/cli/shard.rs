@@ -9,6 +9,7 @@ use clap::Args;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::cli::status::ExitStatus;
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
 
 /// Arguments of every command that can be shared out.
@@ -146,6 +147,21 @@ impl Store {
         let text = shard::seal(&sealed).context("what was found cannot be written down")?;
         write_atomically(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))
     }
+}
+
+/// Says that a shard has its result, on `out`.
+pub(super) fn told(store: &Store, how: &str, json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let (shard, path) = (store.shard(), store.result_path());
+    if json {
+        let value = serde_json::json!({
+            "shard": shard.index(), "shards": shard.count(), "result": path.display().to_string(),
+        });
+        writeln!(out, "{value:#}")?;
+    } else {
+        writeln!(out, "shard {shard} {how}: {}", path.display())?;
+    }
+    out.flush()?;
+    Ok(ExitStatus::Clean)
 }
 
 /// Writes a file so that at any time either the old or the new one is there, whole: also when the process or

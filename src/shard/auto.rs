@@ -136,8 +136,7 @@ fn slurm(get: Lookup<'_>) -> Result<Shard, AutoError> {
     if let Some(count) = number(get, COUNT)? {
         return shard("Slurm", id, count);
     }
-    let (min, max, count) =
-        (of("SLURM_ARRAY_TASK_MIN")?, of("SLURM_ARRAY_TASK_MAX")?, of("SLURM_ARRAY_TASK_COUNT")?);
+    let (min, max, count) = (of("SLURM_ARRAY_TASK_MIN")?, of("SLURM_ARRAY_TASK_MAX")?, of("SLURM_ARRAY_TASK_COUNT")?);
     let step = number(get, "SLURM_ARRAY_TASK_STEP")?.unwrap_or(1).max(1);
     // Numbers that are listed one by one, as those of some tasks that are run again.
     let even = max >= min && (max - min) / step + 1 == count && (id.wrapping_sub(min)).is_multiple_of(step);
@@ -241,7 +240,9 @@ mod tests {
                  `completions` of the job"
             )
         );
-        assert!(error(&[("JOB_COMPLETION_INDEX", "4"), (COUNT, "4")]).starts_with("Kubernetes: there is no shard 4 of 4"));
+        assert!(
+            error(&[("JOB_COMPLETION_INDEX", "4"), (COUNT, "4")]).starts_with("Kubernetes: there is no shard 4 of 4")
+        );
         assert!(error(&[("CI_NODE_INDEX", "0"), ("CI_NODE_TOTAL", "4")]).starts_with("GitLab: there is no shard"));
         assert_eq!(
             error(&[("CI_NODE_INDEX", "one"), ("CI_NODE_TOTAL", "4")]),

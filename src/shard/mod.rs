@@ -15,7 +15,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 pub use auto::{AutoError, COUNT, INDEX, detect};
-pub use sealed::{Identity, Mismatch, SCHEMA, SCHEMA_VERSION, Sealed, SealError, Sort, open, seal};
+pub use sealed::{Identity, Mismatch, SCHEMA, SCHEMA_VERSION, SealError, Sealed, Sort, open, seal};
 
 /// Most shards of a run: file names have five digits for them.
 pub const MOST: u64 = 100_000;

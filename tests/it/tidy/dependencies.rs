@@ -49,7 +49,20 @@ const MODULES: &[(&str, &[&str])] = &[
     ),
     (
         "mutate",
-        &["suite", "verdict", "bound", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"],
+        &[
+            "suite",
+            "verdict",
+            "bound",
+            "property",
+            "lane",
+            "program",
+            "lower",
+            "glsl",
+            "text",
+            "diagnostic",
+            "value",
+            "shard",
+        ],
     ),
     (
         "report",
