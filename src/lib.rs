@@ -63,6 +63,8 @@ pub mod property;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]
+pub mod shard;
+#[doc(hidden)]
 pub mod suite;
 #[doc(hidden)]
 pub mod text;

@@ -9,7 +9,9 @@ mod includes;
 pub mod init;
 pub mod lanes;
 pub mod lint;
+pub mod merge;
 pub mod mutate;
+pub mod shard;
 pub mod status;
 pub mod translate;
 
@@ -71,6 +73,8 @@ pub enum Command {
     Translate(translate::TranslateArgs),
     /// Put small faults into shaders and see whether their suites notice
     Mutate(mutate::MutateArgs),
+    /// Join what the shards of a run found
+    Merge(merge::MergeArgs),
     /// Show what can run shaders here
     Lanes(lanes::LanesArgs),
     /// Measure how far a device's operations are off, beside what is promised
@@ -99,6 +103,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
+        Command::Merge(args) => merge::run(args, &mut out, &mut err, color),
         Command::Lanes(args) => lanes::run(args, &mut out),
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
     };

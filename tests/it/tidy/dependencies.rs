@@ -15,6 +15,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("diagnostic", &["text"]),
     ("formula", &[]),
+    ("shard", &[]),
     ("glsl", &["text", "diagnostic", "value"]),
     ("lint", &["glsl", "text", "diagnostic", "value"]),
     ("lower", &["glsl", "text", "diagnostic", "value"]),
@@ -39,6 +40,7 @@ const MODULES: &[(&str, &[&str])] = &[
             "text",
             "diagnostic",
             "value",
+            "shard",
         ],
     ),
     (
@@ -47,7 +49,20 @@ const MODULES: &[(&str, &[&str])] = &[
     ),
     (
         "mutate",
-        &["suite", "verdict", "bound", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"],
+        &[
+            "suite",
+            "verdict",
+            "bound",
+            "property",
+            "lane",
+            "program",
+            "lower",
+            "glsl",
+            "text",
+            "diagnostic",
+            "value",
+            "shard",
+        ],
     ),
     (
         "report",
@@ -89,6 +104,7 @@ const MODULES: &[(&str, &[&str])] = &[
             "text",
             "diagnostic",
             "value",
+            "shard",
         ],
     ),
 ];
