@@ -65,7 +65,7 @@ pub struct CheckArgs {
     /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
-    /// Write each failing case here: the shader, what it was lowered to, SPIR-V, inputs and outputs as
+    /// Write the report here in every format, and each failing case: the shader, what it was lowered to, SPIR-V, inputs and outputs as
     /// bits, the command that runs it again, and an Amber script for functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
@@ -74,7 +74,7 @@ pub struct CheckArgs {
     pub sharing: ShardArgs,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub format: ReportFormat,
 }
 
 /// Stage of a lane.
@@ -105,6 +105,39 @@ pub enum Format {
     Json,
 }
 
+/// How the result of a run is printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    /// For people
+    #[default]
+    Text,
+    /// For programs
+    Json,
+    /// Test cases, for CI services
+    Junit,
+    /// SARIF 2.1.0, for code scanning
+    Sarif,
+    /// Annotations of GitHub Actions
+    Github,
+    /// A summary for the page of a CI job
+    Markdown,
+}
+
+impl ReportFormat {
+    /// The report in one of the formats for programs; none for the text.
+    fn report(self) -> Option<&'static report::check::Format> {
+        let name = match self {
+            Self::Text => return None,
+            Self::Json => "json",
+            Self::Junit => "junit",
+            Self::Sarif => "sarif",
+            Self::Github => "github",
+            Self::Markdown => "markdown",
+        };
+        report::check::FORMATS.iter().find(|format| format.name == name)
+    }
+}
+
 /// Runs the command: the result goes to `out`, progress and complaints to `err`.
 ///
 /// The status is [`ExitStatus::Findings`] when a shader or lane is at fault, and
@@ -119,6 +152,10 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         shard.is_none() || (args.case.is_none() && args.report_dir.is_none()),
         "--shard does a part of the samples; --case and --report-dir are for a run without it"
     );
+    anyhow::ensure!(
+        shard.is_none() || matches!(args.format, ReportFormat::Text | ReportFormat::Json),
+        "a shard has no whole report; with --shard, --format is text or json"
+    );
     let selected = select::select(&args.suites)?;
     if selected.len() != 1 {
         for (given, option) in [(args.shader.is_some(), "--shader"), (args.case.is_some(), "--case")] {
@@ -132,7 +169,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         for (name, missing) in &summary.unavailable {
             writeln!(err, "lane `{name}` cannot be had: {missing}")?;
         }
-        if args.format == Format::Json {
+        if args.format == ReportFormat::Json {
             out.write_all(report::check::json(&summary).as_bytes())?;
         }
         anyhow::bail!("no lane can run here, so nothing was checked");
@@ -140,7 +177,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     if let Some(shard) = shard {
         return shared::run(args, shard, &selected, &lanes, &rulings, summary, out, err);
     }
-    let mut progress = Progress::new(args.format == Format::Text);
+    let mut progress = Progress::new(args.format == ReportFormat::Text);
     for suite in &selected {
         let before = summary.entries.len();
         one_suite(args, suite, (&lanes, &rulings), &mut summary, &mut progress, out, color)?;
@@ -151,7 +188,14 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
     }
     progress.finish();
-    print(&summary, args.format == Format::Json, color, out)?;
+    if let Some(folder) = &args.report_dir {
+        write_reports(folder, &summary)?;
+    }
+    match args.format.report() {
+        None => print(&summary, false, color, out)?,
+        Some(format) => out.write_all((format.write)(&summary).map_err(anyhow::Error::msg)?.as_bytes())?,
+    }
+    out.flush()?;
     Ok(status_of(&summary))
 }
 
@@ -230,7 +274,7 @@ fn one_suite(
     let shader = shader_of(args, selected)?;
     let suite = &selected.suite;
     let mut add = |entry: Entry, progress: &Progress| -> anyhow::Result<()> {
-        if args.format == Format::Text {
+        if args.format == ReportFormat::Text {
             progress.suspend(|| out.write_all(report::check::line(&entry, color).as_bytes()))?;
         }
         summary.entries.push(entry);
@@ -290,6 +334,20 @@ fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> 
     let applies = |stage: &Stage| *stage == Stage::Compute || prepared.vertex.is_some();
     let asked = |stage: &Stage| args.stage.is_none_or(|s| s.admits(*stage));
     lane.description().stages.iter().copied().filter(applies).filter(asked).collect()
+}
+
+/// Writes the run in every format for programs, each file in one step.
+fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    for format in &report::check::FORMATS {
+        let path = folder.join(format.file);
+        let context = || format!("cannot write `{}`", path.display());
+        let text = (format.write)(summary).map_err(anyhow::Error::msg).with_context(context)?;
+        let mut file = tempfile::NamedTempFile::new_in(folder).with_context(context)?;
+        file.write_all(text.as_bytes()).with_context(context)?;
+        file.persist(&path).with_context(context)?;
+    }
+    Ok(())
 }
 
 fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {

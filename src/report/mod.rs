@@ -1,8 +1,10 @@
 //! Reports: text and JSON out of what suites and rules found.
 
+mod actions;
 pub mod check;
 pub mod diagnostics;
 pub mod fuzz;
 pub mod lint;
 pub mod mutate;
 pub mod page;
+mod sarif;

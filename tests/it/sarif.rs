@@ -163,7 +163,7 @@ fn report(args: &str) -> Value {
     serde_json::from_str(&ran.out).unwrap()
 }
 
-fn all_faults(log: &Value) -> Vec<String> {
+pub(crate) fn all_faults(log: &Value) -> Vec<String> {
     let mut found = Vec::new();
     faults("sarifLog", log, "log", &mut found);
     found

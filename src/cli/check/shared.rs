@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
 use super::select::Selected;
-use super::{CheckArgs, Format, request, shader_of, stages, status_of};
+use super::{CheckArgs, ReportFormat, request, shader_of, stages, status_of};
 use crate::bound::profile::Rulings;
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Store, told};
@@ -92,13 +92,13 @@ pub fn run(
 ) -> anyhow::Result<ExitStatus> {
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes)?)?;
     if store.finished::<Found>(err)?.is_some() {
-        return told(&store, "was done before", args.format == Format::Json, out);
+        return told(&store, "was done before", args.format == ReportFormat::Json, out);
     }
     let mut state: State = store.checkpoint(err)?.unwrap_or_default();
     if state.under_way.is_some() || !state.done.is_empty() {
         writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
     }
-    let mut progress = Progress::new(args.format == Format::Text);
+    let mut progress = Progress::new(args.format == ReportFormat::Text);
     let mut place = 0;
     for one in selected {
         let name = &one.suite.name;
@@ -143,7 +143,7 @@ pub fn run(
     progress.finish();
     let unavailable = summary.unavailable.into_iter().map(|(name, why)| (name.to_owned(), why)).collect();
     store.finish(&Found { lanes: summary.lanes, unavailable, parts: state.done })?;
-    told(&store, "is done", args.format == Format::Json, out)
+    told(&store, "is done", args.format == ReportFormat::Json, out)
 }
 
 impl Joined for Found {

@@ -129,6 +129,13 @@ fn is_identity(name: &str, bits: &[u32]) -> bool {
 /// Words of an input that are shown; a longer one is cut in the middle, the command has it whole.
 const SHOWN: usize = 16;
 
+/// One finding with all that is known about it.
+pub(super) fn block(on: &str, shader: &str, finding: &Finding) -> String {
+    let mut text = String::new();
+    one(&mut text, on, shader, finding, false, false);
+    text
+}
+
 /// One finding. Its inputs and the command are left out when an earlier finding has `told` them.
 fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, told: bool, color: bool) {
     let style = Style::new(color);

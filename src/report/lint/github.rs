@@ -3,6 +3,7 @@
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::lint::by_code;
+use crate::report::actions::{data, property};
 
 use super::{Context, Format};
 
@@ -38,14 +39,6 @@ fn command(d: &Diagnostic, context: &Context) -> String {
         "::{kind} file={file},line={},endLine={},col={}{end},title={title}::{message}\n",
         from.line, to.line, from.column
     )
-}
-
-fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
-}
-
-fn property(text: &str) -> String {
-    data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! `sarif`: the Static Analysis Results Interchange Format 2.1.0 (OASIS), for code scanning.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::diagnostic::{Diagnostic, Fix, Lang, Severity, Told};
+use crate::diagnostic::{Diagnostic, Fix, Lang, Told};
 use crate::lint::{RULES, Rule, front_end_errors};
 use crate::report::page;
+use crate::report::sarif::{SCHEMA, encoded, level};
 use crate::text::{SourceFile, Span, fingerprint};
 
 use super::{Context, Format, to_text};
@@ -15,7 +15,6 @@ use super::{Context, Format, to_text};
 /// The format.
 pub const FORMAT: Format = Format { name: "sarif", summary: "SARIF 2.1.0, for code scanning", write };
 
-const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 /// Name of the folder that relative addresses start from.
 const ROOT: &str = "SRCROOT";
 
@@ -68,14 +67,6 @@ fn descriptor(rule: &Rule, lang: Lang) -> Value {
         "help": { "text": words.why, "markdown": page::markdown(rule, lang, false) },
         "defaultConfiguration": { "level": level(rule.severity) },
     })
-}
-
-fn level(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-        Severity::Info => "note",
-    }
 }
 
 fn result(d: &Diagnostic, index: &BTreeMap<&str, usize>, partial: &str, context: &Context) -> Value {
@@ -142,19 +133,6 @@ fn artifact(file: &SourceFile, context: &Context) -> Value {
         artifact["uriBaseId"] = json!(ROOT);
     }
     artifact
-}
-
-/// A path as an address has it (RFC 3986): everything but unreserved characters and `/` by its bytes.
-fn encoded(path: &str) -> String {
-    path.bytes().fold(String::with_capacity(path.len()), |mut out, byte| {
-        if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
-            out.push(char::from(byte));
-        } else {
-            // Writing into a String does not fail.
-            let _ = write!(out, "%{byte:02X}");
-        }
-        out
-    })
 }
 
 #[cfg(test)]

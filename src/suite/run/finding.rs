@@ -38,6 +38,34 @@ pub enum FindingKind {
 }
 
 impl FindingKind {
+    /// All kinds.
+    pub const ALL: [Self; 9] = [
+        Self::Deviation,
+        Self::Relation,
+        Self::Translation,
+        Self::Coverage,
+        Self::Floor,
+        Self::Vacuous,
+        Self::Quality,
+        Self::VacuousBound,
+        Self::Range,
+    ];
+
+    /// What it means, in a sentence.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Deviation => "Outputs deviate from what is expected, or from what the shader means.",
+            Self::Relation => "A relation between outputs does not hold.",
+            Self::Translation => "A translation means something else than the shader.",
+            Self::Coverage => "Parts of what should be drawn are not.",
+            Self::Floor => "Too few samples were judged, or too many left undetermined.",
+            Self::Vacuous => "Something that was asked for tested nothing.",
+            Self::Quality => "The lane is worse than its device was measured to be, and keeps what is promised.",
+            Self::VacuousBound => "The bounds are so wide that they test little.",
+            Self::Range => "Real numbers are fine and binary32 is not.",
+        }
+    }
+
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -5,6 +5,7 @@ mod bundle;
 mod defines;
 mod entries;
 mod expectations;
+mod formats;
 mod includes;
 mod init;
 mod laws;

@@ -1,0 +1,27 @@
+//! `github`: commands of GitHub Actions that put findings beside the lines of a change.
+//! <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>
+
+use super::items::{self, Item};
+use crate::diagnostic::Severity;
+use crate::report::actions::{data, property};
+use crate::suite::run::Summary;
+
+/// A line for each finding.
+pub fn github(summary: &Summary) -> String {
+    items::all(summary).iter().map(command).collect()
+}
+
+fn command(item: &Item) -> String {
+    let kind = match item.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Info => "notice",
+    };
+    let (line, column) = item.at.unwrap_or((1, 1));
+    format!(
+        "::{kind} file={},line={line},col={column},title={}::{}\n",
+        property(&items::relative(&item.file)),
+        property(&format!("shadercheck {}", item.code)),
+        data(item.details.trim_end())
+    )
+}

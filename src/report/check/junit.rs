@@ -1,0 +1,64 @@
+//! `junit`: test cases as CI services read them. A lane is a suite of tests, and a suite a test in it.
+
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite, XmlString};
+
+use super::items;
+use crate::diagnostic::Severity;
+use crate::suite::run::{Outcome, Summary};
+
+/// The whole file.
+///
+/// # Errors
+/// What the library says.
+pub fn junit(summary: &Summary) -> Result<String, String> {
+    let mut report = Report::new("shadercheck");
+    let mut suites: Vec<TestSuite> = Vec::new();
+    for entry in &summary.entries {
+        let on = entry.on.map_or_else(|| "not run".to_owned(), |(lane, stage)| format!("{lane}/{stage}"));
+        let all = items::of_entry(entry);
+        let (errors, warnings): (Vec<_>, Vec<_>) = all.into_iter().partition(|item| item.severity == Severity::Error);
+        let status = match (errors.first(), &entry.outcome) {
+            (None, Outcome::Ran(report)) if report.judged() == 0 && report.unsupported > 0 => {
+                let mut skipped = TestCaseStatus::skipped();
+                skipped.set_message(format!("{} samples are not supported on this lane", report.unsupported));
+                skipped
+            }
+            (None, _) => TestCaseStatus::success(),
+            (Some(first), outcome) => {
+                let kind = match outcome {
+                    Outcome::Ran(_) => NonSuccessKind::Failure,
+                    Outcome::Refused(_) | Outcome::LaneFailed(_) => NonSuccessKind::Error,
+                };
+                let mut failed = TestCaseStatus::non_success(kind);
+                let details: Vec<&str> = errors.iter().map(|item| item.details.trim()).collect();
+                failed.set_message(first.message.as_str()).set_type(first.code.as_str());
+                failed.set_description(details.join("\n\n"));
+                failed
+            }
+        };
+        let mut case = TestCase::new(entry.suite.as_str(), status);
+        case.set_classname(items::relative(&entry.shader));
+        case.extra.insert(XmlString::new("file"), XmlString::new(items::relative(&entry.shader)));
+        if let Outcome::Ran(report) = &entry.outcome {
+            let verdicts = &report.verdicts;
+            case.set_system_out(format!(
+                "{} judged, {} agreed, {} deviated, {} undetermined",
+                report.judged(),
+                verdicts.agreed,
+                verdicts.deviated,
+                verdicts.undetermined_count()
+            ));
+        }
+        if !warnings.is_empty() {
+            let text: Vec<&str> = warnings.iter().map(|item| item.details.trim()).collect();
+            case.set_system_err(text.join("\n\n"));
+        }
+        let at = suites.iter().position(|suite| suite.name.as_str() == on).unwrap_or_else(|| {
+            suites.push(TestSuite::new(on));
+            suites.len() - 1
+        });
+        suites[at].add_test_case(case);
+    }
+    report.add_test_suites(suites);
+    report.to_string().map_err(|error| error.to_string())
+}

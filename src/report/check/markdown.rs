@@ -1,0 +1,70 @@
+//! `markdown`: a summary for the page of a CI job.
+
+use std::fmt::Write;
+
+use super::items;
+use crate::diagnostic::Severity;
+use crate::suite::run::{Outcome, Status, Summary};
+
+/// Findings that are shown in full.
+const SHOWN: usize = 20;
+
+/// Totals, a table of suites and lanes, and the findings.
+pub fn markdown(summary: &Summary) -> String {
+    let totals = summary.totals();
+    let word = match summary.status() {
+        Status::Pass => "passed",
+        Status::Fail => "failed",
+        Status::Broken => "could not run",
+    };
+    let mut text = format!(
+        "## shadercheck {word}\n\n{} samples judged, {} agreed, **{} deviated**, {} undetermined.\n\n",
+        totals.judged, totals.agreed, totals.deviated, totals.undetermined
+    );
+    // Writing into a String does not fail.
+    text.push_str("| | suite | lane | judged | deviated | undetermined | largest error |\n");
+    text.push_str("|---|---|---|---:|---:|---:|---:|\n");
+    for entry in &summary.entries {
+        let on = entry.on.map_or_else(|| "-".to_owned(), |(lane, stage)| format!("{lane}/{stage}"));
+        let (mark, rest) = match &entry.outcome {
+            Outcome::Ran(report) => {
+                let verdicts = &report.verdicts;
+                let worst = if verdicts.agreed > 0 { format!("{:.1} ULP", verdicts.max_ulp) } else { "-".to_owned() };
+                let mark = if report.errors().is_empty() { "ok" } else { "**FAIL**" };
+                let undetermined = verdicts.undetermined_count();
+                (mark, format!("{} | {} | {undetermined} | {worst}", report.judged(), verdicts.deviated))
+            }
+            Outcome::Refused(_) | Outcome::LaneFailed(_) => ("**FAIL**", "- | - | - | -".to_owned()),
+        };
+        let _ = writeln!(text, "| {mark} | `{}` | {on} | {rest} |", entry.suite.replace('|', "\\|"));
+    }
+    let all = items::all(summary);
+    for (severity, title) in [(Severity::Error, "Findings"), (Severity::Warning, "Warnings")] {
+        let of: Vec<_> = all.iter().filter(|item| item.severity == severity).collect();
+        if of.is_empty() {
+            continue;
+        }
+        let _ = write!(text, "\n### {title}\n");
+        for item in of.iter().take(SHOWN) {
+            // A fence that is longer than any in the text.
+            let fence = "`".repeat(3 + item.details.matches("```").count());
+            let _ = write!(
+                text,
+                "\n<details><summary>{}</summary>\n\n{fence}text\n{}\n{fence}\n</details>\n",
+                escaped(&item.message),
+                item.details.trim()
+            );
+        }
+        if of.len() > SHOWN {
+            let _ = writeln!(text, "\n{} more are in the other reports.", of.len() - SHOWN);
+        }
+    }
+    for (name, why) in &summary.unavailable {
+        let _ = writeln!(text, "\nLane `{name}` did not run: {why}");
+    }
+    text
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

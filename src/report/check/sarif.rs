@@ -1,0 +1,74 @@
+//! `sarif`: the Static Analysis Results Interchange Format 2.1.0 (OASIS), for code scanning.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Value, json};
+
+use super::items::{self, Item};
+use crate::report::sarif::{SCHEMA, encoded, level};
+use crate::suite::run::{FindingKind, Summary};
+
+/// The whole log, with a line break.
+pub fn sarif(summary: &Summary) -> String {
+    let all = items::all(summary);
+    let used: BTreeSet<&str> = all.iter().map(|item| item.code.as_str()).collect();
+    let rules: Vec<Value> =
+        used.iter().map(|code| json!({ "id": code, "shortDescription": { "text": about(code) } })).collect();
+    let index = |code: &str| used.iter().position(|used| *used == code).unwrap_or_default();
+    let results: Vec<Value> = all.iter().map(|item| result(item, index(&item.code))).collect();
+    let log = json!({
+        "$schema": SCHEMA,
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "shadercheck",
+                "semanticVersion": env!("CARGO_PKG_VERSION"),
+                "rules": rules,
+            } },
+            "columnKind": "unicodeCodePoints",
+            "results": results,
+        }],
+    });
+    format!("{log:#}\n")
+}
+
+fn result(item: &Item, index: usize) -> Value {
+    let path = items::relative(&item.file);
+    let uri = if path.starts_with('/') { format!("file://{}", encoded(&path)) } else { encoded(&path) };
+    let mut place = json!({ "artifactLocation": { "uri": uri } });
+    if let Some((line, column)) = item.at {
+        place["region"] = json!({ "startLine": line, "startColumn": column });
+    }
+    json!({
+        "ruleId": item.code,
+        "ruleIndex": index,
+        "level": level(item.severity),
+        "message": { "text": item.details.trim() },
+        "locations": [{ "physicalLocation": place }],
+    })
+}
+
+/// What a code stands for.
+fn about(code: &str) -> &'static str {
+    FindingKind::ALL.into_iter().find(|kind| kind.name() == code).map_or_else(
+        || match code {
+            "lane" => "The lane failed.",
+            "configuration" => "A suite does not fit its shader.",
+            _ => "The shader does not compile.",
+        },
+        FindingKind::about,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Severity;
+
+    #[test]
+    fn severities_are_levels() {
+        assert_eq!((level(Severity::Error), level(Severity::Info)), ("error", "note"));
+        assert_eq!(about("lane"), "The lane failed.");
+        assert_eq!(about("deviation"), FindingKind::Deviation.about());
+    }
+}
