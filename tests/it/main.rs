@@ -24,6 +24,7 @@ mod probe;
 mod regress;
 mod sarif;
 mod soundness;
+mod sources;
 mod tidy;
 mod translate;
 mod translate_flips;

@@ -8,6 +8,7 @@ mod prepare;
 mod relate;
 mod sampling;
 pub mod soundness;
+mod sources;
 mod summary;
 mod survey;
 mod translation;
@@ -15,6 +16,7 @@ mod trial;
 
 use crate::bound::profile::Rulings;
 use crate::lane::{Lane, LaneError, Stage};
+use crate::program::Source;
 use crate::property::Sample;
 use crate::suite::Suite;
 use crate::verdict::{BatchVerdict, Survey};
@@ -25,9 +27,11 @@ pub use doubts::Doubtful;
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
+pub use sources::{Apart, most as most_from, run_from};
 pub use summary::{Entry, LaneUsed, Outcome, Status, Summary, Totals};
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
+pub use trial::stage_of;
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;
@@ -73,6 +77,10 @@ pub struct Report {
     pub lane: &'static str,
     /// Stage of the lane.
     pub stage: Stage,
+    /// Where inputs came from, when the run was asked for a source.
+    pub source: Option<Source>,
+    /// How the outputs differ in bits from those of inputs in storage, for another source.
+    pub apart: Option<Apart>,
     /// Verdicts on the samples, replayed ones included.
     pub verdicts: BatchVerdict,
     /// Samples that this lane cannot run.
@@ -96,6 +104,28 @@ pub struct Report {
 }
 
 impl Report {
+    /// A report of a run that has not begun.
+    fn new(prepared: &Prepared, lane: &dyn Lane, stage: Stage, request: &Request) -> Self {
+        Self {
+            suite: prepared.suite.name.clone(),
+            shader: prepared.shader.clone(),
+            lane: lane.description().name,
+            stage,
+            source: None,
+            apart: None,
+            verdicts: BatchVerdict::default(),
+            unsupported: 0,
+            replayed: request.replay.len() as u64,
+            doubts: Vec::new(),
+            relations: Vec::new(),
+            coverage: None,
+            translations: Vec::new(),
+            survey: None,
+            findings: Vec::new(),
+            failing: Vec::new(),
+        }
+    }
+
     /// Samples that got a verdict: they agree or deviate.
     pub fn judged(&self) -> u64 {
         self.verdicts.agreed + self.verdicts.deviated
@@ -123,23 +153,19 @@ pub fn run(
     request: &Request,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
-    let description = lane.description();
-    let mut report = Report {
-        suite: prepared.suite.name.clone(),
-        shader: prepared.shader.clone(),
-        lane: description.name,
-        stage,
-        verdicts: BatchVerdict::default(),
-        unsupported: 0,
-        replayed: request.replay.len() as u64,
-        doubts: Vec::new(),
-        relations: Vec::new(),
-        coverage: None,
-        translations: Vec::new(),
-        survey: None,
-        findings: Vec::new(),
-        failing: Vec::new(),
-    };
+    usual(prepared, lane, (stage, None), request, progress)
+}
+
+/// The usual run of a stage, under the name of a source.
+fn usual(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (stage, source): (Stage, Option<Source>),
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    let mut report = Report::new(prepared, lane, stage, request);
+    report.source = source;
     let makes_samples = prepared.plan.makes_samples();
     let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let kernel = match stage {
@@ -170,7 +196,8 @@ pub fn run(
             report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }
     }
-    relate::check(&mut trial, request, &mut report)?;
+    let related = if request.quick { relate::QUICK_SAMPLES } else { relate::SAMPLES };
+    relate::check(&mut trial, request, related, &mut report)?;
     finding::deviations(&mut trial, lane, failing, request, &mut report)?;
     report.doubts = doubts::told(prepared, &report.verdicts);
     finding::ranges(&mut report);
