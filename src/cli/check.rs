@@ -15,12 +15,13 @@ use crate::bound::profile::Rulings;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
+use crate::program::Source;
 use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
 use crate::suite::run::{
     Bundle, DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, bundles, check_translations,
-    prepare, run as run_suite,
+    most_from, prepare, run as run_suite, run_from, stage_of,
 };
 use crate::suite::save_regressions;
 use crate::text::SourceFile;
@@ -49,6 +50,11 @@ pub struct CheckArgs {
     /// Only this stage of each lane
     #[arg(long, value_enum)]
     pub stage: Option<StageArg>,
+    /// Run each suite with inputs as constants, uniforms, attributes and in storage buffers, or in those of
+    /// these ways that are listed: each is another path through a compiler
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "constants,uniforms,storage,attributes",
+        value_parser = sources)]
+    pub sources: Option<Sources>,
     /// Samples of each suite on each lane; what the suite says without it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: Option<u64>,
@@ -84,6 +90,29 @@ pub enum StageArg {
     Compute,
     /// Vertex: vertex buffers and uniform buffers
     Vertex,
+}
+
+/// Sources of inputs, storage first: what other sources give is compared with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sources(pub Vec<Source>);
+
+/// Reads a list of sources.
+fn sources(text: &str) -> Result<Sources, String> {
+    let mut all = Vec::new();
+    for name in text.split(',').map(str::trim) {
+        let Some(source) = Source::ALL.into_iter().find(|s| s.name() == name) else {
+            let names: Vec<&str> = Source::ALL.into_iter().map(Source::name).collect();
+            return Err(format!(
+                "there is no source `{name}`; sources are {}, and suites stand before `--sources`",
+                names.join(", ")
+            ));
+        };
+        if !all.contains(&source) {
+            all.push(source);
+        }
+    }
+    all.sort_by_key(|s| *s != Source::Storage);
+    Ok(Sources(all))
 }
 
 impl StageArg {
@@ -149,8 +178,8 @@ impl ReportFormat {
 pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let shard = args.sharing.shard()?;
     anyhow::ensure!(
-        shard.is_none() || (args.case.is_none() && args.report_dir.is_none()),
-        "--shard does a part of the samples; --case and --report-dir are for a run without it"
+        shard.is_none() || (args.case.is_none() && args.report_dir.is_none() && args.sources.is_none()),
+        "--shard does a part of the samples; --case, --sources and --report-dir are for a run without it"
     );
     anyhow::ensure!(
         shard.is_none() || matches!(args.format, ReportFormat::Text | ReportFormat::Json),
@@ -291,9 +320,14 @@ fn one_suite(
     for (lane, rulings) in lanes.iter().zip(rulings) {
         let request = request(args, selected, &prepared, rulings.clone())?;
         let name = lane.description().name;
-        for stage in stages(args, lane.as_ref(), &prepared) {
-            progress.start(&suite.name, name, stage, request.samples_of(suite));
-            let result = run_suite(&prepared, lane.as_ref(), stage, &request, &mut |done| progress.at(done));
+        for (stage, source) in ways(args, lane.as_ref(), &prepared) {
+            let most = source.map_or(u64::MAX, |source| most_from(&prepared, source));
+            progress.start(&suite.name, name, stage, request.samples_of(suite).min(most));
+            let mut at = |done| progress.at(done);
+            let result = match source {
+                None => run_suite(&prepared, lane.as_ref(), stage, &request, &mut at),
+                Some(source) => run_from(&prepared, lane.as_ref(), source, &request, &mut at),
+            };
             let outcome = match result {
                 Ok(mut report) => {
                     if std::mem::take(&mut untold) {
@@ -307,7 +341,10 @@ fn one_suite(
                     failing.extend(report.failing.iter().cloned());
                     Outcome::Ran(Box::new(report))
                 }
-                Err(error) => Outcome::LaneFailed(error.to_string()),
+                Err(error) => {
+                    let way = source.map_or_else(String::new, |source| format!("{}: ", source.phrase()));
+                    Outcome::LaneFailed(format!("{way}{error}"))
+                }
             };
             add(entry(Some((name, stage)), outcome), progress)?;
         }
@@ -348,6 +385,17 @@ fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
         file.persist(&path).with_context(context)?;
     }
     Ok(())
+}
+
+/// The ways in which a suite runs on a lane: stages, or sources of inputs where these are asked for.
+fn ways(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<(Stage, Option<Source>)> {
+    let admitted = |stage: Stage| args.stage.is_none_or(|s| s.admits(stage));
+    match &args.sources {
+        Some(Sources(sources)) => {
+            sources.iter().map(|&s| (stage_of(s), Some(s))).filter(|(stage, _)| admitted(*stage)).collect()
+        }
+        None => stages(args, lane, prepared).into_iter().map(|stage| (stage, None)).collect(),
+    }
 }
 
 fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {

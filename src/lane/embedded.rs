@@ -34,6 +34,9 @@ impl Lane for Embedded {
             Form::Vertex { .. } => {
                 return Err(LaneError::Unsupported("the interpreter has no vertex fetch".to_owned()));
             }
+            Form::Uniforms | Form::Constants => {
+                return Err(LaneError::Unsupported("the interpreter takes its inputs in one way".to_owned()));
+            }
         }
         let executable =
             interp::compile(&kernel.program).map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;

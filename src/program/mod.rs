@@ -23,7 +23,9 @@ use crate::glsl::Shader;
 use crate::lower::{Lowered, Role, Target};
 use crate::value::Field;
 
-pub use capture::{Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding};
+pub use capture::{
+    Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
+};
 pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};
 pub use probe::Probed;

@@ -26,6 +26,7 @@ mod regress;
 mod sarif;
 mod shards;
 mod soundness;
+mod sources;
 mod tidy;
 mod translate;
 mod translate_flips;

@@ -62,6 +62,9 @@ impl Lane for AdversaryLane {
             Form::Vertex { .. } => {
                 return Err(LaneError::Unsupported("the interpreter has no vertex fetch".to_owned()));
             }
+            Form::Uniforms | Form::Constants => {
+                return Err(LaneError::Unsupported("the interpreter takes its inputs in one way".to_owned()));
+            }
         }
         let compiled = interp::compile(&kernel.program);
         let mut executable = compiled.map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;

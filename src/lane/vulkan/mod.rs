@@ -2,6 +2,7 @@
 
 mod compute;
 mod gpu;
+mod uniforms;
 mod vertex;
 
 #[cfg(test)]
@@ -40,7 +41,8 @@ impl Lane for Vulkan {
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         match &kernel.form {
-            Form::Compute => Ok(Box::new(compute::ComputeRunner::new(&self.gpu, kernel, capacity)?)),
+            Form::Uniforms => Ok(Box::new(uniforms::UniformsRunner::new(&self.gpu, kernel, capacity)?)),
+            Form::Compute | Form::Constants => Ok(Box::new(compute::ComputeRunner::new(&self.gpu, kernel, capacity)?)),
             Form::Vertex { .. } if !self.description.stages.contains(&Stage::Vertex) => {
                 Err(LaneError::Unsupported("this device cannot write storage buffers in the vertex stage".to_owned()))
             }

@@ -56,6 +56,10 @@ impl VertexRunner {
         let fit = (gpu.storage_words() / words.max(1)).min(limits.max_buffer_size / u64::from(largest));
         let capacity = (capacity as u64).min(fit).max(1) as usize;
 
+        if attributes.len() > limits.max_vertex_attributes as usize {
+            let (found, most) = (attributes.len(), limits.max_vertex_attributes);
+            return Err(LaneError::Unsupported(format!("{found} vertex attributes; the device takes {most}")));
+        }
         let mut fed = Vec::new();
         let mut wgpu_attributes = Vec::new();
         for (k, attribute) in attributes.iter().enumerate() {
@@ -73,6 +77,10 @@ impl VertexRunner {
                 shader_location: attribute.location,
             });
             fed.extend((0..attribute.components as usize).map(|c| start + c));
+        }
+        if 4 * fed.len() > limits.max_vertex_buffer_array_stride as usize {
+            let most = limits.max_vertex_buffer_array_stride;
+            return Err(LaneError::Unsupported(format!("{} bytes of a vertex; {most} fit", 4 * fed.len())));
         }
         gpu.checked(|| {
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
@@ -194,7 +202,12 @@ impl Runner for VertexRunner {
                 if !self.fed.is_empty() {
                     pass.set_vertex_buffer(0, self.vertices.slice(..));
                 }
-                for case in 0..batch.case_count() as u32 {
+                if self.blocks.is_empty() {
+                    pass.set_bind_group(1, &self.uniforms, &[]);
+                    pass.draw(0..count as u32, 0..1);
+                }
+                let cases = if self.blocks.is_empty() { 0 } else { batch.case_count() };
+                for case in 0..cases as u32 {
                     let offsets: Vec<u32> = self.blocks.iter().map(|u| u.stride * case).collect();
                     pass.set_bind_group(1, &self.uniforms, &offsets);
                     let first = case * batch.per_case as u32;

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use naga::{
-    AddressSpace, BinaryOperator, Binding, BuiltIn, EntryPoint, Expression, FunctionArgument, GlobalVariable, Handle,
-    Module, ResourceBinding, ScalarKind, ShaderStage, Span, Statement, StorageAccess,
+    AddressSpace, BinaryOperator, BuiltIn, EntryPoint, Expression, GlobalVariable, Handle, Module, ResourceBinding,
+    ScalarKind, ShaderStage, Span, Statement, StorageAccess,
 };
 
 use super::builder::{Builder, Types, add_global};
+use super::feed::{Feed, Feeding};
 use super::trace::Direct;
 use super::words::{self, WordsAt};
-use super::{ENTRY_FUNCTION, ENTRY_POINT, Form, Kernel, WORKGROUP, binding, geometry};
+use super::{ENTRY_FUNCTION, ENTRY_POINT, Kernel, binding, geometry};
 use crate::lower::Role;
 use crate::program::{Entry, PortAt, Program, ProgramError, validate};
 
@@ -71,7 +72,8 @@ pub(super) fn as_function(program: &Program, module: &mut Module) -> Handle<naga
     }
 }
 
-pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
+/// The kernel that takes its inputs in this way.
+pub(super) fn kernel(program: &Program, feed: Feed<'_>) -> Result<Kernel, ProgramError> {
     program.check_fed()?;
     if let (Role::Fragment, Entry::Point(index)) = (&program.role, program.entry)
         && !program.info.get_entry_point(index).available_stages.contains(naga::valid::ShaderStages::COMPUTE)
@@ -85,14 +87,7 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
         words::insert_parts(&mut module, port.ty);
     }
     let harness = Harness::insert(&mut module);
-    let read = AddressSpace::Storage { access: StorageAccess::LOAD };
-    let at = |binding| Some(ResourceBinding { group: 0, binding });
-    // No buffer for what the program does not take: translators drop some of the unused ones and not others.
-    let mut words_of = |name: &str, binding: u32, words: usize| {
-        (words > 0).then(|| add_global(&mut module, name, read, at(binding), harness.types.words))
-    };
-    let invocations = words_of("sc_invocations", binding::INVOCATIONS, program.invocation_record().words());
-    let cases = words_of("sc_cases", binding::CASES, program.case_record().words());
+    let feeding = Feeding::insert(program, &mut module, &harness, feed);
     // Uniforms become private variables, filled before the call: each invocation has its own.
     for port in &program.uniforms {
         let global = match port.at {
@@ -111,16 +106,12 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
     let direct = Direct::insert(program, &mut module, &harness);
 
     let mut b = Builder::new();
-    let id = b.argument(0);
-    let index = b.member(id, 0);
+    let index = feeding.index(&mut b);
     let count = param(&mut b, &harness, 0);
     let inside = b.binary(BinaryOperator::Less, index, count);
     let mut failure = None;
-    b.when(inside, |b| {
-        if let Some(cases) = cases {
-            let per_case = param(b, &harness, 1);
-            let case = b.binary(BinaryOperator::Divide, index, per_case);
-            let words = WordsAt { array: b.global(cases), base: scaled(b, case, program.case_record().words()) };
+    let mut body = |b: &mut Builder, sample: usize| {
+        if let Some(words) = feeding.case(b, &harness, index, sample) {
             let mut offset = 0;
             for port in &program.uniforms {
                 let Some(value) = words::load(b, &module, words, &mut offset, port.ty) else {
@@ -131,9 +122,7 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
             }
         }
         let mut arguments = vec![None; module.functions[function].arguments.len()];
-        if let Some(invocations) = invocations {
-            let base = scaled(b, index, program.invocation_record().words());
-            let words = WordsAt { array: b.global(invocations), base };
+        if let Some(words) = feeding.invocation(b, index, sample) {
             let mut offset = 0;
             for port in &program.inputs {
                 let Some(value) = words::load(b, &module, words, &mut offset, port.ty) else {
@@ -198,24 +187,20 @@ pub(super) fn kernel(program: &Program) -> Result<Kernel, ProgramError> {
             Some(emission) => emission.end(b, out),
             None => store_outputs(b, &module, program, out, result, &references),
         }
-    });
+    };
+    b.when(inside, |b| feeding.each(b, index, &mut body));
     if let Some(what) = failure {
         return Err(ProgramError::Unsupported { what: format!("`{what}` cannot be fed word by word") });
     }
-    let argument = FunctionArgument {
-        name: Some("id".to_owned()),
-        ty: harness.types.uvec3,
-        binding: Some(Binding::BuiltIn(BuiltIn::GlobalInvocationId)),
-    };
-    let function = b.finish(ENTRY_POINT, vec![argument], None);
-    module.entry_points.push(entry_point(ShaderStage::Compute, [WORKGROUP, 1, 1], function));
+    let point = feeding.entry_point(b, &harness);
+    module.entry_points.push(point);
     let info = validate(&module)?;
     Ok(Kernel {
-        invocation: Arc::new(program.invocation_record()),
+        invocation: Arc::new(feeding.record(program)),
         case: Arc::new(program.case_record()),
         output: layout,
         program: Arc::new(program.clone()),
-        form: Form::Compute,
+        form: feeding.form(),
         module,
         info,
     })

@@ -9,6 +9,7 @@
 
 mod builder;
 mod compute;
+mod feed;
 mod geometry;
 mod trace;
 mod vertex;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 use naga::valid::ModuleInfo;
 
 use super::{Program, ProgramError};
-use crate::value::{Field, Record};
+use crate::value::{Batch, Field, Record};
 
 pub(super) use builder::add_global;
 pub use vertex::{Attribute, UniformBlock, UniformSlot};
@@ -35,6 +36,8 @@ pub mod binding {
     pub const INVOCATIONS: u32 = 2;
     /// Storage, read: the words of all cases (compute kernel only).
     pub const CASES: u32 = 3;
+    /// Uniform: the words of one invocation (kernel of uniforms only).
+    pub const BLOCK: u32 = 4;
 }
 
 /// Name of the entry point of a kernel.
@@ -94,11 +97,55 @@ pub struct Kernel {
     pub program: Arc<Program>,
 }
 
-/// The two forms of a kernel.
+/// Where a shader's inputs come from. Each way is another path through a compiler: constants are folded,
+/// uniforms are the same for all invocations, attributes go through the vertex fetch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Source {
+    /// Literals in the module.
+    Constants,
+    /// A uniform buffer, anew for each invocation.
+    Uniforms,
+    /// Storage buffers.
+    Storage,
+    /// Vertex attributes; the shader's own uniforms are in a uniform buffer then.
+    Attributes,
+}
+
+impl Source {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Constants, Self::Uniforms, Self::Storage, Self::Attributes];
+
+    /// What it makes of inputs, in words: `inputs as constants`.
+    pub fn phrase(self) -> &'static str {
+        match self {
+            Self::Constants => "inputs as constants",
+            Self::Uniforms => "inputs as uniforms",
+            Self::Storage => "inputs in storage",
+            Self::Attributes => "inputs as attributes",
+        }
+    }
+
+    /// Name in reports and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constants => "constants",
+            Self::Uniforms => "uniforms",
+            Self::Storage => "storage",
+            Self::Attributes => "attributes",
+        }
+    }
+}
+
+/// The forms of a kernel.
 #[derive(Clone, Debug)]
 pub enum Form {
     /// A compute entry point; inputs are read from storage.
     Compute,
+    /// A compute entry point for one invocation; a uniform buffer holds its index, its inputs and its
+    /// uniforms, word by word.
+    Uniforms,
+    /// A compute entry point whose inputs are literals: it is for one batch.
+    Constants,
     /// A vertex entry point.
     Vertex {
         /// Vertex attributes, in the order of the invocation record.
@@ -114,7 +161,23 @@ impl Program {
     /// # Errors
     /// [`ProgramError::Unsupported`] when an input or output cannot be captured.
     pub fn compute_kernel(&self) -> Result<Kernel, ProgramError> {
-        compute::kernel(self)
+        compute::kernel(self, feed::Feed::Storage)
+    }
+
+    /// A kernel of this program that takes its inputs from a source; `batch` holds them where they become
+    /// literals, and only its shape counts elsewhere. Unlike [`Program::vertex_kernel`], that for attributes
+    /// is for every program.
+    ///
+    /// # Errors
+    /// [`ProgramError::Unsupported`] when an input or output cannot be captured.
+    pub fn kernel_from(&self, source: Source, batch: &Batch) -> Result<Kernel, ProgramError> {
+        let feed = match source {
+            Source::Constants => feed::Feed::Constants(batch),
+            Source::Uniforms => feed::Feed::Uniforms,
+            Source::Storage => feed::Feed::Storage,
+            Source::Attributes => feed::Feed::Attributes,
+        };
+        compute::kernel(self, feed)
     }
 
     /// The vertex kernel of this program. `components` gives, for each attribute in order, how many

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::lane::Stage;
+use crate::program::Source;
 use crate::suite::run::{Case, Doubtful, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
 use crate::verdict::diagnosis::{Diagnosis, Origin, Place};
 use crate::verdict::{Promise, Reason};
@@ -58,6 +59,7 @@ fn entry(entry: &Entry) -> Value {
         "shader": entry.shader,
         "lane": lane,
         "stage": stage,
+        "source": null,
         "judged": 0,
         "agreed": 0,
         "deviated": 0,
@@ -68,6 +70,16 @@ fn entry(entry: &Entry) -> Value {
     });
     match &entry.outcome {
         Outcome::Ran(report) => {
+            value["source"] = report.source.map(Source::name).into();
+            if let Some(apart) = &report.apart {
+                // JSON has no infinity: words that are no numbers have no distance.
+                value["differs_from_storage"] = json!({
+                    "samples": apart.samples,
+                    "different": apart.different,
+                    "max_ulp": apart.ulp.is_finite().then_some(apart.ulp),
+                    "component": apart.component,
+                });
+            }
             value["judged"] = report.judged().into();
             value["agreed"] = report.verdicts.agreed.into();
             value["deviated"] = report.verdicts.deviated.into();

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use crate::diagnostic::Lang;
+use crate::program::Source;
 use crate::report::diagnostics;
-use crate::suite::run::{Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
+use crate::suite::run::{Apart, Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
 use crate::value::{F32Bits, Scalar};
 use crate::verdict::diagnosis::Diagnosis;
 use crate::verdict::{Blame, Deviation, Value};
@@ -30,7 +31,16 @@ impl Style {
 /// One line for a suite on a lane, with its line break.
 pub fn line(entry: &Entry, color: bool) -> String {
     let style = Style::new(color);
-    let on = entry.on.map_or_else(String::new, |(lane, stage)| format!("{lane}/{stage}"));
+    let source = match &entry.outcome {
+        Outcome::Ran(report) => report.source,
+        Outcome::Refused(_) | Outcome::LaneFailed(_) => None,
+    };
+    let on = match (entry.on, source) {
+        // The longest name of a source is longer than that of a stage.
+        (Some((lane, _)), Some(source)) => format!("{:<17}", format!("{lane}/{}", source.name())),
+        (Some((lane, stage)), None) => format!("{lane}/{stage}"),
+        (None, _) => String::new(),
+    };
     let (good, text) = match &entry.outcome {
         Outcome::Ran(report) if report.judged() == 0 && report.unsupported > 0 => {
             (true, format!("{} samples not supported on this lane", report.unsupported))
@@ -66,17 +76,16 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
     let mut text = String::new();
     match &entry.outcome {
         Outcome::Ran(report) => {
-            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            let on = self::on(report);
             if let Some(earlier) = entries[..at].iter().find_map(|e| same_findings(e, report)) {
                 let style = Style::new(color);
                 let many = if report.errors().len() == 1 { "finding" } else { "findings" };
                 let _ = writeln!(
                     text,
-                    "\n{}{on}: the same {} {many} as on {}/{}{}",
+                    "\n{}{on}: the same {} {many} as on {}{}",
                     style.bold,
                     report.errors().len(),
-                    earlier.lane,
-                    earlier.stage,
+                    place(earlier),
                     style.off
                 );
                 return text;
@@ -102,6 +111,17 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
         Outcome::Refused(_) | Outcome::LaneFailed(_) => {}
     }
     text
+}
+
+/// Lane, stage and source of a report.
+fn place(report: &Report) -> String {
+    let source = report.source.map_or_else(String::new, |source| format!(", {}", source.phrase()));
+    format!("{}/{}{source}", report.lane, report.stage)
+}
+
+/// Suite, lane, stage and source of a report.
+fn on(report: &Report) -> String {
+    format!("{} on {}", report.suite, place(report))
 }
 
 /// The report of `entry` when it is of the same suite and shader and found exactly the same.
@@ -227,6 +247,14 @@ fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value)
     }
 }
 
+/// How outputs differ from those of inputs in storage.
+fn differs(apart: &Apart) -> String {
+    let Apart { samples, different, ulp, component } = apart;
+    let most =
+        if ulp.is_finite() && *ulp > 0.0 { format!(", by {ulp} ULP of `{component}` at most") } else { String::new() };
+    format!("{different} of {samples} samples have other bits than with inputs in storage{most}")
+}
+
 /// Kinds of doubt that are told for each suite.
 const DOUBTS: usize = 3;
 
@@ -239,11 +267,16 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             && let Some(coverage) = &report.coverage
             && coverage.is_complete()
         {
-            let _ = writeln!(text, "note: {} on {}/{}: {coverage}", report.suite, report.lane, report.stage);
+            let _ = writeln!(text, "note: {}: {coverage}", on(report));
         }
         if let Outcome::Ran(report) = &entry.outcome {
-            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
-            for doubtful in report.doubts.iter().take(DOUBTS) {
+            let on = on(report);
+            // A few more samples of the same inputs are in doubt for the same reasons.
+            let few = matches!(report.source, Some(Source::Constants | Source::Uniforms));
+            if let Some(apart) = report.apart.as_ref().filter(|a| a.different > 0) {
+                let _ = writeln!(text, "note: {on}: {}", differs(apart));
+            }
+            for doubtful in report.doubts.iter().take(if few { 0 } else { DOUBTS }) {
                 let _ = writeln!(text, "note: {on}: {doubtful}");
             }
         }
@@ -251,7 +284,7 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             && report.replayed > 0
             && report.verdicts.seen() > report.replayed
         {
-            let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            let on = on(report);
             let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
         }
     }

@@ -9,7 +9,7 @@ use super::trial::Trial;
 use super::{Prepared, Report};
 use crate::bound::profile::Rulings;
 use crate::lane::{Actual, Lane, LaneError, Stage};
-use crate::program::{ENTRY_POINT, Language, binding};
+use crate::program::{ENTRY_POINT, Language, Source, binding};
 use crate::property::{Sample, regressions};
 use crate::verdict::{Deviation, Value as Component};
 
@@ -36,22 +36,25 @@ pub fn bundles(
     report: &Report,
 ) -> Result<Vec<Bundle>, LaneError> {
     let kernel = match stage {
-        Stage::Compute => Some(&prepared.compute),
-        Stage::Vertex => prepared.vertex.as_ref(),
+        Stage::Compute => &prepared.compute,
+        Stage::Vertex => prepared.vertex.as_ref().unwrap_or(&prepared.compute),
     };
-    let Some(kernel) = kernel else { return Ok(Vec::new()) };
     let cases: Vec<(&Finding, &Case)> = report.findings.iter().filter_map(|f| Some((f, f.case.as_ref()?))).collect();
     if cases.is_empty() {
         return Ok(Vec::new());
     }
-    let mut trial = Trial::with_capacity(prepared, lane, kernel, rulings, 1)?;
+    let mut trial = match report.source {
+        Some(source) => Trial::from_source(prepared, lane, source, rulings, 1)?,
+        None => Trial::with_capacity(prepared, lane, kernel, rulings, 1)?,
+    };
+    let way = report.source.map_or(stage.name(), Source::name);
     let mut all = Vec::new();
     for (k, (finding, case)) in cases.into_iter().enumerate() {
         let sample = sample(prepared, case);
         let actual = trial.run(&Sample::batch(std::slice::from_ref(&sample)))?;
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
         let suite: String = report.suite.chars().map(plain).collect();
-        let name = format!("{suite}-{}-{stage}-{}", report.lane, k + 1);
+        let name = format!("{suite}-{}-{way}-{}", report.lane, k + 1);
         all.push(Bundle { name, files: files(prepared, report, finding, case, &sample, &actual) });
     }
     Ok(all)
@@ -126,6 +129,7 @@ fn described(report: &Report, finding: &Finding, case: &Case, actual: &Actual) -
     }
     json!({
         "suite": report.suite, "shader": report.shader, "lane": report.lane, "stage": report.stage.name(),
+        "source": report.source.map(Source::name),
         "message": finding.message, "reproduce": finding.reproduce, "inputs": inputs, "outputs": outputs,
     })
 }

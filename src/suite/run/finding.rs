@@ -6,7 +6,7 @@ use super::part::{Failing, Shown, Terms};
 use super::trial::Trial;
 use super::{Report, Request};
 use crate::lane::{Lane, LaneError, Stage as LaneStage};
-use crate::program::{Port, Program};
+use crate::program::{Port, Program, Source};
 use crate::property::shrink::{self, Shrunk};
 use crate::property::{Sample, regressions};
 use crate::suite::Suite;
@@ -152,13 +152,12 @@ pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
 
 /// The command that runs one sample again.
 pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> String {
-    format!(
-        "shadercheck check {} --lane {} --stage {} --case '{}'",
-        request.arguments,
-        report.lane,
-        report.stage,
-        regressions::inputs_text(sample)
-    )
+    let way = match report.source {
+        Some(source) if source != Source::Storage => format!("--sources {}", source.name()),
+        Some(_) | None => format!("--stage {}", report.stage),
+    };
+    let inputs = regressions::inputs_text(sample);
+    format!("shadercheck check {} --lane {} {way} --case '{inputs}'", request.arguments, report.lane)
 }
 
 /// Samples that were asked for one by one: they are reported as they are.
@@ -241,9 +240,12 @@ fn diagnose(
     match deviation.blame {
         Blame::Shader => Ok(diagnosis::shader(&court, &prepared.program, &batch, deviation)),
         Blame::Lane => {
-            let kernel = |program: &Program| match court.stage {
-                LaneStage::Compute => program.compute_kernel(),
-                LaneStage::Vertex => program.vertex_kernel(&components(&prepared.suite, program)),
+            let vertex = prepared.vertex.is_some();
+            let kernel = |program: &Program| match (trial.source, court.stage) {
+                (Some(source @ (Source::Constants | Source::Uniforms)), _) => program.kernel_from(source, &batch),
+                (Some(source @ Source::Attributes), _) if !vertex => program.kernel_from(source, &batch),
+                (_, LaneStage::Compute) => program.compute_kernel(),
+                (_, LaneStage::Vertex) => program.vertex_kernel(&components(&prepared.suite, program)),
             };
             let suspected = Suspected { lane, stage: court.stage, kernel: &kernel, batch: &batch, deviation };
             diagnosis::lane(&court, &prepared.program, &suspected)

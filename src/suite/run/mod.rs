@@ -9,6 +9,7 @@ mod prepare;
 mod relate;
 mod sampling;
 pub mod soundness;
+mod sources;
 mod summary;
 mod survey;
 mod translation;
@@ -18,6 +19,7 @@ use std::ops::ControlFlow;
 
 use crate::bound::profile::Rulings;
 use crate::lane::{Lane, LaneError, Stage};
+use crate::program::Source;
 use crate::property::Sample;
 use crate::shard::Shard;
 use crate::suite::Suite;
@@ -33,9 +35,11 @@ pub use part::Part;
 pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
 pub use sampling::Sampled;
+pub use sources::{Apart, most as most_from, run_from};
 pub use summary::{Against, Entry, LaneUsed, Outcome, Status, Summary, Totals};
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
+pub use trial::stage_of;
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;
@@ -81,6 +85,10 @@ pub struct Report {
     pub lane: &'static str,
     /// Stage of the lane.
     pub stage: Stage,
+    /// Where inputs came from, when the run was asked for a source.
+    pub source: Option<Source>,
+    /// How the outputs differ in bits from those of inputs in storage, for another source.
+    pub apart: Option<Apart>,
     /// Verdicts on the samples, replayed ones included.
     pub verdicts: BatchVerdict,
     /// Samples that this lane cannot run.
@@ -148,10 +156,22 @@ pub fn run(
     request: &Request,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
+    usual(prepared, lane, (stage, None), request, progress)
+}
+
+/// The usual run of a stage, under the name of a source.
+fn usual(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (stage, source): (Stage, Option<Source>),
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
     let mut save = |_: &Sampled| ControlFlow::Continue(());
     let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save };
-    let part = run_part(prepared, lane, stage, request, share, progress)?;
-    Ok(part.map_or_else(|| Report::empty(prepared, lane.description().name, stage), Part::report))
+    let part = part_of(prepared, lane, (stage, source), request, share, progress)?;
+    let report = part.map_or_else(|| Report::empty(prepared, lane.description().name, stage), Part::report);
+    Ok(Report { source, ..report })
 }
 
 /// Runs one part of the samples of a suite. The first part also does what is done once for a run: samples that
@@ -163,6 +183,17 @@ pub fn run_part(
     prepared: &Prepared,
     lane: &dyn Lane,
     stage: Stage,
+    request: &Request,
+    share: Share<'_>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Option<Part>, LaneError> {
+    part_of(prepared, lane, (stage, None), request, share, progress)
+}
+
+fn part_of(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (stage, source): (Stage, Option<Source>),
     request: &Request,
     mut share: Share<'_>,
     progress: &mut dyn FnMut(u64),
@@ -184,7 +215,7 @@ pub fn run_part(
         Err(LaneError::Unsupported(_)) => return unsupported(),
         Err(error) => return Err(error),
     };
-    let mut report = Report::empty(prepared, name, stage);
+    let mut report = Report { source, ..Report::empty(prepared, name, stage) };
     let mut counted = Counted::default();
     let given = request.replay.len() as u64;
     if once {
@@ -206,7 +237,8 @@ pub fn run_part(
         }
     }
     if once {
-        relate::check(&mut trial, request, &mut report)?;
+        let related = if request.quick { relate::QUICK_SAMPLES } else { relate::SAMPLES };
+        relate::check(&mut trial, request, related, &mut report)?;
     }
     let shown = finding::deviations(&mut trial, lane, &counted.failing, request, &report)?;
     let suite = &prepared.suite;

@@ -243,6 +243,8 @@ impl Part {
             shader: self.shader,
             lane: self.lane,
             stage: self.stage,
+            source: None,
+            apart: None,
             verdicts,
             unsupported: self.unsupported,
             replayed: self.replayed,

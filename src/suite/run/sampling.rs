@@ -9,6 +9,7 @@ use super::survey::MOST;
 use super::trial::Trial;
 use super::{Request, Share};
 use crate::lane::{Actual, LaneError};
+use crate::program::Source;
 use crate::property::{Sample, Sampler};
 use crate::value::Batch;
 use crate::verdict::{judge_batch, survey};
@@ -43,6 +44,9 @@ pub fn sample(
 ) -> Result<Option<Counted>, LaneError> {
     let prepared = trial.prepared;
     let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
+    // Where each sample is run by itself, it has uniforms of its own as well.
+    let alone = matches!(trial.source, Some(Source::Constants | Source::Uniforms)) && prepared.suite.strands.is_none();
+    let per_case = if alone { 1 } else { per_case };
     // A case is never split over batches; the last case of a run may be shorter than asked for.
     let per_case = per_case.min(trial.capacity());
     let cases_per_batch = (trial.capacity() / per_case).max(1) as u64;

@@ -2,7 +2,7 @@
 
 use crate::bound::profile::Rulings;
 use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
-use crate::program::{Form, Kernel};
+use crate::program::{Form, Kernel, Program, Source};
 use crate::property::Sample;
 use crate::value::Batch;
 use crate::verdict::{Court, Verdict, judge_each};
@@ -14,6 +14,51 @@ const BATCH: usize = 1 << 17;
 /// Words of the largest buffer of a batch: 32 MiB.
 const BATCH_WORDS: usize = 1 << 23;
 
+/// The stage in which inputs from a source are taken.
+pub fn stage_of(source: Source) -> Stage {
+    match source {
+        Source::Constants | Source::Uniforms | Source::Storage => Stage::Compute,
+        Source::Attributes => Stage::Vertex,
+    }
+}
+
+/// Samples whose inputs are literals of one module: each is a copy of the shader for the compiler.
+const LITERALS: usize = 16;
+/// Expressions of all copies in one module.
+const COPIED: usize = 4096;
+
+/// Expressions of a program: how much a compiler has to do for each copy of it.
+pub fn weight(program: &Program) -> usize {
+    let functions = program.module.functions.iter().map(|(_, f)| f);
+    let all = functions.chain(program.module.entry_points.iter().map(|point| &point.function));
+    // What emits vertices does so in loops, which compilers unroll where inputs are constants.
+    let rounds = program.output_layout().max_vertices.unwrap_or(1).max(1) as usize;
+    all.map(|f| f.expressions.len()).sum::<usize>().max(1) * rounds
+}
+
+/// The kernel of a program for a source.
+pub fn kernel_from(program: &Program, source: Source, batch: &Batch) -> Result<Kernel, LaneError> {
+    program.kernel_from(source, batch).map_err(|error| LaneError::Unsupported(error.to_string()))
+}
+
+/// A runner that makes a module of its own for every batch, with the inputs as literals.
+struct Literals<'a> {
+    lane: &'a dyn Lane,
+    program: &'a Program,
+    capacity: usize,
+}
+
+impl Runner for Literals<'_> {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let kernel = kernel_from(self.program, Source::Constants, batch)?;
+        self.lane.prepare(&kernel, batch.invocation_count())?.run(batch)
+    }
+}
+
 /// A kernel of a suite on a lane.
 pub struct Trial<'a> {
     /// The suite.
@@ -21,7 +66,9 @@ pub struct Trial<'a> {
     /// What the lane is held against.
     rulings: &'a Rulings,
     stage: Stage,
-    runner: Box<dyn Runner>,
+    runner: Box<dyn Runner + 'a>,
+    /// Where inputs come from, when it is not what the stage says.
+    pub source: Option<Source>,
 }
 
 impl<'a> Trial<'a> {
@@ -52,10 +99,61 @@ impl<'a> Trial<'a> {
         let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
         let capacity = most.min(BATCH_WORDS / widest).max(1);
         let stage = match kernel.form {
-            Form::Compute => Stage::Compute,
+            Form::Compute | Form::Uniforms | Form::Constants => Stage::Compute,
             Form::Vertex { .. } => Stage::Vertex,
         };
-        Ok(Self { prepared, rulings, stage, runner: lane.prepare(kernel, capacity)? })
+        Ok(Self { prepared, rulings, stage, runner: lane.prepare(kernel, capacity)?, source: None })
+    }
+
+    /// Makes a kernel ready whose inputs come from a source, for batches of at most `most` invocations.
+    ///
+    /// # Errors
+    /// [`LaneError`] when there is no such kernel, or the lane refuses it.
+    pub fn from_source(
+        prepared: &'a Prepared,
+        lane: &'a dyn Lane,
+        source: Source,
+        rulings: &'a Rulings,
+        most: usize,
+    ) -> Result<Self, LaneError> {
+        let stage = stage_of(source);
+        let runner: Box<dyn Runner + 'a> = match (source, &prepared.vertex) {
+            (Source::Constants, _) => {
+                // A lane that takes no literals says so before anything is run.
+                let program = &prepared.program;
+                let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
+                let zero = Sample {
+                    invocation: vec![0; invocation.words()],
+                    case: vec![0; case.words()],
+                    invocation_record: invocation.clone(),
+                    case_record: case.clone(),
+                };
+                lane.prepare(&kernel_from(program, source, &Sample::batch(&[zero]))?, 1)?;
+                Box::new(Literals {
+                    lane,
+                    program,
+                    capacity: most.min(LITERALS).min((COPIED / weight(program)).max(1)),
+                })
+            }
+            (Source::Storage, _) => {
+                return Ok(Self {
+                    source: Some(source),
+                    ..Self::with_capacity(prepared, lane, &prepared.compute, rulings, most)?
+                });
+            }
+            (Source::Attributes, Some(vertex)) => {
+                return Ok(Self {
+                    source: Some(source),
+                    ..Self::with_capacity(prepared, lane, vertex, rulings, most)?
+                });
+            }
+            (Source::Uniforms | Source::Attributes, _) => {
+                let (invocation, case) = (prepared.compute.invocation.clone(), prepared.compute.case.clone());
+                let none = Batch::with_capacity(invocation, case, 1, 0);
+                lane.prepare(&kernel_from(&prepared.program, source, &none)?, most)?
+            }
+        };
+        Ok(Self { prepared, rulings, stage, runner, source: Some(source) })
     }
 
     /// What verdicts on the lane's outputs need.

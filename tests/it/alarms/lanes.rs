@@ -101,7 +101,7 @@ impl Runner for FaultyRunner {
 }
 
 /// The output buffer from which `actual` was read, with other marks.
-fn raw(actual: &Actual, layout: &OutputLayout, marks: Marks) -> Vec<u32> {
+pub(crate) fn raw(actual: &Actual, layout: &OutputLayout, marks: Marks) -> Vec<u32> {
     let mut words = Vec::with_capacity(actual.count() * layout.words());
     for invocation in 0..actual.count() {
         words.push(marks.canary ^ invocation as u32);

@@ -7,4 +7,4 @@ mod shaders;
 mod suites;
 mod survey;
 
-pub(crate) use lanes::prepared;
+pub(crate) use lanes::{prepared, raw};

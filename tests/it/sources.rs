@@ -1,0 +1,220 @@
+//! `check --sources`: the same inputs as constants, uniforms, attributes and in storage.
+
+use std::fs;
+
+use serde_json::Value;
+use shadercheck::bound::profile::Rulings;
+use shadercheck::glsl;
+use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, vulkan};
+use shadercheck::lower::Target;
+use shadercheck::program::{Form, Kernel, OutputLayout, Program, Source};
+use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Report, Request, bundles, run_from};
+use shadercheck::text::SourceFile;
+use shadercheck::value::Batch;
+use shadercheck::verdict::Blame;
+
+use crate::alarms::{prepared, raw};
+use crate::binary::{Ran, command, run};
+
+fn device() -> Box<dyn Lane> {
+    vulkan::open().expect("these tests need a Vulkan driver; `cargo xtask test` installs lavapipe")
+}
+
+/// A lane that is wrong in kernels of one source, and in the shader itself alone.
+struct Planted {
+    lane: Box<dyn Lane>,
+    source: Option<Source>,
+    layout: OutputLayout,
+}
+
+struct PlantedRunner {
+    runner: Box<dyn Runner>,
+    layout: OutputLayout,
+}
+
+fn source_of(form: &Form) -> Source {
+    match form {
+        Form::Compute => Source::Storage,
+        Form::Uniforms => Source::Uniforms,
+        Form::Constants => Source::Constants,
+        Form::Vertex { .. } => Source::Attributes,
+    }
+}
+
+impl Lane for Planted {
+    fn description(&self) -> &Description {
+        self.lane.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let runner = self.lane.prepare(kernel, capacity)?;
+        if self.source != Some(source_of(&kernel.form)) || kernel.output != self.layout {
+            return Ok(runner);
+        }
+        Ok(Box::new(PlantedRunner { runner, layout: kernel.output.clone() }))
+    }
+}
+
+impl Runner for PlantedRunner {
+    fn capacity(&self) -> usize {
+        self.runner.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let actual = self.runner.run(batch)?;
+        let marks = Marks::random();
+        let mut words = raw(&actual, &self.layout, marks);
+        for record in words.chunks_exact_mut(self.layout.words()) {
+            let at = self.layout.header_words() + usize::from(self.layout.max_vertices.is_some());
+            record[at] = (f32::from_bits(record[at]) + 0.01).to_bits();
+        }
+        Actual::accept(&self.layout, words, actual.count(), marks)
+    }
+}
+
+/// Runs a shipped suite from some sources on a lane that is wrong for one of them.
+fn reports(suite: &str, sources: &[Source], wrong: Option<Source>) -> Vec<Report> {
+    let prepared = prepared(suite);
+    let lane = Planted { lane: device(), source: wrong, layout: prepared.program.output_layout() };
+    let request = Request {
+        samples: Some(128),
+        seed: DEFAULT_SEED,
+        quick: true,
+        replay: Vec::new(),
+        replay_only: false,
+        rulings: Rulings::of_lane(lane.description()),
+        arguments: suite.to_owned(),
+    };
+    let report = |source| {
+        let report = run_from(&prepared, &lane, source, &request, &mut |_| {}).unwrap();
+        for bundle in bundles(&prepared, &lane, report.stage, &request.rulings, &report).unwrap() {
+            assert!(bundle.name.starts_with(&format!("{suite}-vulkan-{}-", source.name())), "{}", bundle.name);
+        }
+        report
+    };
+    sources.iter().map(|&source| report(source)).collect()
+}
+
+#[test]
+fn a_device_without_a_fault_passes_from_every_source() {
+    // A vertex stage, a geometry stage and a function.
+    for suite in ["sphere", "hair", "hermite"] {
+        for report in reports(suite, &Source::ALL, None) {
+            let source = report.source.unwrap();
+            assert!(report.errors().is_empty(), "{suite} {source:?}: {:?}", report.findings);
+            let least = if source == Source::Constants { 8 } else { 100 };
+            assert!(report.judged() >= least && report.unsupported == 0, "{suite} {source:?}: {}", report.judged());
+            assert_eq!(report.apart.is_some(), source != Source::Storage);
+            assert!(report.apart.is_none_or(|apart| apart.samples >= 8));
+        }
+    }
+}
+
+#[test]
+fn a_fault_of_one_source_is_blamed_on_the_lane_and_on_that_source() {
+    for (suite, wrong) in [
+        ("hermite", Source::Uniforms),
+        ("hermite", Source::Constants),
+        ("hermite", Source::Attributes),
+        ("morph", Source::Uniforms),
+        ("morph", Source::Attributes),
+        ("hair", Source::Uniforms),
+    ] {
+        for report in reports(suite, &[Source::Storage, wrong], Some(wrong)) {
+            let source = report.source.unwrap();
+            if source != wrong {
+                assert!(report.errors().is_empty(), "{suite} {wrong:?} {source:?}: {:?}", report.findings);
+                continue;
+            }
+            let found = report.findings.iter().find(|f| f.kind == FindingKind::Deviation);
+            let found = found.unwrap_or_else(|| panic!("{suite} {wrong:?}: {:?}", report.findings));
+            let deviation = found.case.as_ref().and_then(|c| c.deviation.as_ref()).unwrap();
+            assert_eq!(deviation.blame, Blame::Lane);
+            let option = format!(" --sources {} --case ", wrong.name());
+            assert!(found.reproduce.as_ref().unwrap().contains(&option), "{found:?}");
+            let apart = report.apart.unwrap();
+            assert_eq!(apart.different, apart.samples, "{suite} {wrong:?}");
+        }
+    }
+}
+
+#[test]
+fn every_source_hands_over_exactly_these_bits() {
+    let text = "uvec4 f(float x, ivec3 y, bool z, mat2 m) {\n\
+        return uvec4(floatBitsToUint(x), uint(y.z), z ? 1u : 0u, floatBitsToUint(m[1][0]) ^ floatBitsToUint(m[0][1]));\n}\n";
+    let file = SourceFile::new("bits.glsl", format!("#version 450\n{text}"));
+    let target = |_: &_| Ok(Target::Function("f".to_owned()));
+    let program = Program::from_source(&file, glsl::Stage::Library, target).unwrap();
+    let words = [
+        0x0000_0000_u32,
+        0x8000_0000,
+        0x3f80_0000,
+        0x7f80_0000,
+        0xff80_0000,
+        0x7fc0_1234,
+        0x7f7f_ffff,
+        0x0080_0000,
+        0x0000_0001,
+        0x807f_ffff,
+        0x3eaa_aaab,
+    ];
+    let record = std::sync::Arc::new(program.invocation_record());
+    let mut batch = Batch::with_capacity(record, std::sync::Arc::new(program.case_record()), 1, words.len());
+    for (k, word) in words.into_iter().enumerate() {
+        let k = k as u32;
+        batch.invocations.extend([word, 1, 2, 0xffff_fff0 + k, k % 2, 5, word, 0x3f00_0000, 7]);
+    }
+    let lane = device();
+    for source in Source::ALL {
+        let kernel = program.kernel_from(source, &batch).unwrap();
+        let actual = lane.prepare(&kernel, words.len()).unwrap().run(&batch).unwrap();
+        for (k, word) in words.into_iter().enumerate() {
+            let expected = [word, 0xffff_fff0 + k as u32, k as u32 % 2, 0x3f00_0000 ^ word];
+            assert_eq!(actual.vertex(k, 0), expected, "{source:?}, {word:08x}");
+        }
+    }
+}
+
+#[test]
+fn inputs_that_do_not_fit_a_source_are_not_supported_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let shader = "float f(float x[80]) { float s = 0.0; for (int i = 0; i < 80; i++) s += x[i]; return s; }\n";
+    let suite = "suite = \"wide\"\nshader = \"f.glsl\"\nstage = \"function\"\nentry = \"f\"\nsamples = 64\n\
+        [[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]\n";
+    fs::write(folder.path().join("f.glsl"), shader).unwrap();
+    fs::write(folder.path().join("f.suite.toml"), suite).unwrap();
+    let ran: Ran = command(folder.path(), "check . --lane vulkan --sources").output().unwrap().into();
+    let ran = ran.expect(0);
+    let line = |source: &str| ran.out.lines().find(|l| l.contains(source)).unwrap_or_else(|| panic!("{ran:?}"));
+    assert!(line("vulkan/attributes").contains("64 samples not supported on this lane"), "{ran:?}");
+    for source in ["vulkan/storage", "vulkan/constants", "vulkan/uniforms"] {
+        assert!(line(source).contains("64 judged"), "{ran:?}");
+    }
+}
+
+#[test]
+fn the_report_names_the_source() {
+    let ran = run("check hermite --samples 64 --lane vulkan --sources uniforms,constants --format json").expect(0);
+    let json: Value = serde_json::from_str(&ran.out).unwrap();
+    let suites = json["suites"].as_array().unwrap();
+    let sources: Vec<&str> = suites.iter().map(|s| s["source"].as_str().unwrap()).collect();
+    assert_eq!(sources, ["uniforms", "constants"]);
+    for suite in suites {
+        assert_eq!(
+            (&suite["judged"], &suite["differs_from_storage"]["samples"]),
+            (&64.into(), &64.into()),
+            "{suite:#}"
+        );
+    }
+    let ran =
+        run("check sphere --shader fixtures/alarms/sphere_swapped.vert --samples 64 --lane vulkan --sources=constants");
+    let ran = ran.expect(1);
+    let start = "\nsphere on vulkan/compute, inputs as constants: the shader deviates from its formula: ";
+    assert!(ran.out.contains(start), "{}", ran.out);
+    assert!(ran.out.contains(" --lane vulkan --sources constants --case '"), "{}", ran.out);
+    // The interpreter has one way to take inputs.
+    let ran = run("check hermite --samples 64 --lane embedded --sources").expect(0);
+    assert_eq!(ran.out.matches("samples not supported on this lane").count(), 3, "{}", ran.out);
+    let ran = run("check hermite --sources push_constants").expect(2);
+    assert!(ran.err.contains("there is no source `push_constants`"), "{}", ran.err);
+}
