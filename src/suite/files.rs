@@ -45,15 +45,18 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let mut suite = parse(&read(path)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     attach(&mut suite, folder)?;
-    let shader = folder.join(&suite.shader);
-    let shader = read_shader(&shader).map_err(|error| match error {
-        LoadError::Read { path, source } => {
-            let text = suite.file.text();
-            let at = suite.file.locate(text.find(&suite.shader).unwrap_or_default());
-            LoadError::Shader { at, path, source }
-        }
-        other => other,
-    })?;
+    let text_of = |name: &String| {
+        read_shader(&folder.join(name)).map_err(|error| match error {
+            LoadError::Read { path, source } => {
+                let text = suite.file.text();
+                let at = suite.file.locate(text.find(name.as_str()).unwrap_or_default());
+                LoadError::Shader { at, path, source }
+            }
+            other => other,
+        })
+    };
+    let shader = text_of(&suite.shader)?;
+    suite.linked_texts = suite.linked.iter().map(text_of).collect::<Result<_, _>>()?;
     Ok(Loaded { suite, shader })
 }
 

@@ -1,5 +1,7 @@
 //! Variables at file scope and built-in ones.
 
+use std::sync::Arc;
+
 use naga::{AddressSpace, Expression, GlobalVariable, Handle, Literal, StorageAccess, TypeInner};
 
 use super::function::{Fun, Val};
@@ -98,7 +100,7 @@ impl<'s> Build<'s> {
     }
 
     /// The dimensions of a variable as written, outermost first.
-    fn dims_of(&self, v: &'s interface::Variable) -> Vec<&'s crate::glsl::ast::ArrayDim> {
+    pub(super) fn dims_of(&self, v: &'s interface::Variable) -> Vec<&'s crate::glsl::ast::ArrayDim> {
         let of_type = match self.shader.unit().items.get(v.item).map(|i| &i.kind) {
             Some(crate::glsl::ast::ItemKind::Declaration(d)) => d.ty.dims.as_slice(),
             _ => &[],
@@ -228,7 +230,7 @@ impl<'s> Build<'s> {
         if v.qualifiers.is_subroutine() {
             return Err(self.unsupported(v.name_span, "a subroutine uniform", "call one of its functions instead"));
         }
-        let ty = self.with_size(v.symbol, &v.ty);
+        let ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
         let global = if ty.contains_opaque() {
             let data = if has_data(&ty) { Some(self.uniform(&v.name, &ty, v.name_span)?) } else { None };
             Global::Opaque { key: v.name.clone(), ty, data, image: ImageLayout::of(&v.qualifiers) }
@@ -368,8 +370,9 @@ impl<'s> Build<'s> {
                     host = self.atomic_type(host);
                 }
                 let access = StorageAccess::LOAD | StorageAccess::STORE;
-                self.unfed.push((format!("the storage block `{}`", block.name.name), span));
-                (self.bound(&name, AddressSpace::Storage { access }, host), host)
+                let handle = self.bound(&name, AddressSpace::Storage { access }, host);
+                self.memory_of(index, handle, &ty);
+                (handle, host)
             }
             _ => {
                 let host = self.value_type(&ty, span)?;
@@ -406,13 +409,42 @@ impl<'s> Build<'s> {
             return None;
         }
         let geometry = self.is_geometry().then(|| self.input_primitive().vertices());
-        Some(match (&block.ty, geometry) {
-            (Type::Array(..), Some(n)) if block.storage == Storage::In => with_length(&block.ty, n),
+        let ty = self.sized_members(index, &block.ty);
+        Some(match (&ty, geometry) {
+            (Type::Array(..), Some(n)) if block.storage == Storage::In => with_length(&ty, n),
             _ => match block.symbol {
-                Some(symbol) => self.with_size(symbol, &block.ty),
-                None => block.ty.clone(),
+                Some(symbol) => self.with_size(symbol, &ty),
+                None => ty,
             },
         })
+    }
+
+    /// Members without a written size take it from the greatest index. The last one of a storage block
+    /// is as long as the buffer.
+    fn sized_members(&self, index: usize, ty: &Type) -> Type {
+        let block = &self.shader.interface().blocks[index];
+        match ty {
+            Type::Array(element, size) => Type::Array(Arc::new(self.sized_members(index, element)), *size),
+            Type::Struct(s) => {
+                let mut s = s.as_ref().clone();
+                let last = s.fields.len().saturating_sub(1);
+                for (k, field) in s.fields.iter_mut().enumerate() {
+                    let open = matches!(field.ty, Type::Array(_, ArraySize::Unsized | ArraySize::Unknown));
+                    if !open || block.storage == Storage::Buffer && k == last {
+                        continue;
+                    }
+                    let member = block.members.get(k);
+                    field.ty = match member.and_then(|m| m.symbol) {
+                        Some(symbol) => self.with_size(symbol, &field.ty),
+                        None => with_length(&field.ty, self.greatest_index(&field.name)),
+                    };
+                    // One that is never indexed has one element that nobody reads.
+                    field.ty = with_length(&field.ty, 1);
+                }
+                Type::Struct(Arc::new(s))
+            }
+            _ => ty.clone(),
+        }
     }
 
     /// True when an atomic function is called on a variable or member of that name.

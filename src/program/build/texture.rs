@@ -66,16 +66,21 @@ impl Build<'_> {
             TextureDim::D2 | TextureDim::Rect => ImageDimension::D2,
             TextureDim::D3 => ImageDimension::D3,
             TextureDim::Cube => ImageDimension::Cube,
-            TextureDim::Buffer => {
-                let message = format!("`{ty}`: a texture that is a buffer");
-                return Err(self.unsupported(span, message, "use a storage buffer"));
-            }
+            TextureDim::Buffer => return Err(self.unsupported(span, format!("`{ty}`"), "use a storage buffer")),
         };
         let class = match ty.kind {
             OpaqueKind::Sampler if ty.shadow => ImageClass::Depth { multi: ty.multisampled },
             OpaqueKind::Sampler => ImageClass::Sampled { kind: kind(ty.scalar), multi: ty.multisampled },
             OpaqueKind::Image => {
-                let Some(format) = opaque.image.format.as_deref().and_then(storage_format) else {
+                let format = match (opaque.image.format.as_deref(), ty.scalar) {
+                    (Some(format), _) => storage_format(format),
+                    // What is only written takes any format (GLSL 4.60, 4.4.6.2): the widest one loses nothing.
+                    (None, _) if opaque.image.reads => None,
+                    (None, ScalarType::Int) => Some(naga::StorageFormat::Rgba32Sint),
+                    (None, ScalarType::Uint) => Some(naga::StorageFormat::Rgba32Uint),
+                    (None, _) => Some(naga::StorageFormat::Rgba32Float),
+                };
+                let Some(format) = format else {
                     let message = format!("`{ty}` without a format");
                     return Err(self.unsupported(span, message, "write `layout(rgba8)` or another format"));
                 };
@@ -177,7 +182,7 @@ impl Fun<'_, '_> {
         args: &[ExprId],
         span: Span,
     ) -> Result<Option<Option<Val>>> {
-        let family = ["texture", "texel", "shadow", "image"];
+        let family = ["texture", "texel", "shadow", "image", "atomicCounter"];
         if !family.iter().any(|f| name.starts_with(f)) {
             return Ok(None);
         }
@@ -187,6 +192,13 @@ impl Fun<'_, '_> {
         }
         let Some(opaque) = self.opaque(first)? else { return Ok(None) };
         let Type::Opaque(ty) = opaque.ty else { return Ok(None) };
+        if self.build.is_buffer(&opaque, ty) {
+            let mut rest = Vec::new();
+            for &arg in &args[1..] {
+                rest.push(Some(self.expression(arg)?));
+            }
+            return self.buffer_call(&plain_name(name), &opaque, ty, &rest, self.shader.expr(first).span).map(Some);
+        }
         let texture = self.build.texture(&opaque, ty, self.shader.expr(first).span)?;
         let image = self.add(Expression::GlobalVariable(texture.image));
         let sampler = texture.sampler.map(|s| self.add(Expression::GlobalVariable(s)));

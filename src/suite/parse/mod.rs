@@ -15,10 +15,11 @@ use super::expect::hint;
 use super::table::{At, Reader, Table};
 use super::{Floors, Stage, Suite};
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "suite",
     "title",
     "shader",
+    "linked",
     "stage",
     "entry",
     "formula",
@@ -98,6 +99,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let name = suite_name(root);
     let title = root.text("title");
     let shader = root.required_text("shader", "shader = \"sphere.vert\"");
+    let linked = root.texts("linked");
     let stage = stage(root);
     let entry = entry(root, stage);
     let expect = expect::expect(root, names, stage);
@@ -116,6 +118,8 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         title: title.map_or_else(|| name.clone().unwrap_or_default(), |title| title.value),
         name: name?,
         shader: shader?.value,
+        linked: linked.into_iter().map(|name| name.value).collect(),
+        linked_texts: Vec::new(),
         stage: stage?,
         entry,
         expect,
