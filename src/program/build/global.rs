@@ -365,7 +365,7 @@ impl<'s> Build<'s> {
                 (self.bound(&name, AddressSpace::Uniform, host), host)
             }
             Storage::Buffer => {
-                let mut host = self.make(&ty, Layout::Storage, span)?;
+                let mut host = self.storage(&ty, span)?;
                 if self.has_atomics(&name) || block.members.iter().any(|m| self.has_atomics(&m.name.name)) {
                     host = self.atomic_type(host);
                 }
@@ -400,6 +400,18 @@ impl<'s> Build<'s> {
             self.globals.insert(symbol, Global::Member { handle, index, ty });
         }
         Ok(())
+    }
+
+    /// Type of a storage block, or of an array of them: these are bound one by one.
+    fn storage(&mut self, ty: &Type, span: Span) -> Result<Handle<naga::Type>> {
+        match ty {
+            Type::Array(element, ArraySize::Known(n)) => {
+                let base = self.make(element, Layout::Storage, span)?;
+                let size = std::num::NonZeroU32::new(*n).map_or(naga::ArraySize::Dynamic, naga::ArraySize::Constant);
+                Ok(self.insert(None, TypeInner::BindingArray { base, size }))
+            }
+            _ => self.make(ty, Layout::Storage, span),
+        }
     }
 
     /// Type of a block, with the sizes that the text leaves open; `None` for `gl_PerVertex`.
@@ -473,6 +485,7 @@ impl<'s> Build<'s> {
                 TypeInner::Atomic(s)
             }
             TypeInner::Array { base, size, stride } => TypeInner::Array { base: self.atomic_type(base), size, stride },
+            TypeInner::BindingArray { base, size } => TypeInner::BindingArray { base: self.atomic_type(base), size },
             TypeInner::Struct { mut members, span } => {
                 for member in &mut members {
                     member.ty = self.atomic_type(member.ty);

@@ -175,12 +175,14 @@ impl<'s> Build<'s> {
                 let value = q.layout_entry("location")?.value?;
                 u32::try_from(self.shader.fold(value)?.as_integer()?).ok()
             };
-            if let Some(first) = at(&block.qualifiers) {
-                locations.reserve(first, u32::try_from(leaves(&block.ty).len()).unwrap_or(1));
-            }
+            // Members count on from the block or the member before.
+            let mut next = at(&block.qualifiers);
             for member in &block.members {
-                if let Some(first) = at(&member.qualifiers) {
-                    locations.reserve(first, u32::try_from(leaves(&member.ty).len()).unwrap_or(1));
+                let count = u32::try_from(leaves(&member.ty).len()).unwrap_or(1);
+                let first = at(&member.qualifiers).or(next);
+                next = first.map(|first| first + count);
+                if let Some(first) = first {
+                    locations.reserve(first, count);
                 }
             }
         }
@@ -356,6 +358,10 @@ impl<'s> Build<'s> {
         let read_only = QualifierKind::Memory(MemoryQualifier::ReadOnly);
         let written = !block.qualifiers.list.iter().any(|q| q.kind == read_only);
         self.memory_behind(&prefix, global, &closed(ty), written, block.name.span);
+        if let (Type::Array(..), Some(last)) = (ty, self.memory.last_mut()) {
+            // Each is bound by itself.
+            last.partial = true;
+        }
     }
 
     /// Ports of a variable in memory.

@@ -203,7 +203,7 @@ impl Fun<'_, '_> {
         let image = self.add(Expression::GlobalVariable(texture.image));
         let sampler = texture.sampler.map(|s| self.add(Expression::GlobalVariable(s)));
         let mut rest = Vec::new();
-        let offset_at = offset_argument(name, args.len());
+        let offset_at = offset_argument(name, ty.shadow, args.len());
         for (k, &arg) in args.iter().enumerate().skip(1) {
             // Offsets are constants, and are read as such.
             let constant = Some(k) == offset_at && !name.starts_with("texelFetch");
@@ -223,6 +223,19 @@ impl Fun<'_, '_> {
                 return Err(self.build.unsupported(span, "`textureQueryLod`", "compute the level of detail"));
             }
             n if n.starts_with("texelFetch") => self.fetch(n, ty, image, &rest, span)?,
+            "textureGatherOffsets" => {
+                let Some(offsets) = offset_at.and_then(|k| self.four_offsets(args[k])) else {
+                    return Err(self.build.unsupported(span, "offsets that are computed", "write numbers"));
+                };
+                // Of each footprint the texel at its origin is meant, which a gather gives last (GLSL 4.60, 8.9.4).
+                let mut parts = Vec::new();
+                for offset in offsets {
+                    let offset = Some(self.offset_of(&offset)?);
+                    let texels = self.sample("textureGatherOffset", ty, image, sampler, &rest, offset, span)?;
+                    parts.push(self.part(texels.e, 3));
+                }
+                self.compose(&Type::Vector(ty.scalar, 4), parts)?
+            }
             n => {
                 let offset = match offset_at {
                     Some(k) => Some(self.constant_offset(args[k])?),
@@ -350,6 +363,20 @@ impl Fun<'_, '_> {
             let span = self.shader.expr(id).span;
             return Err(self.build.unsupported(span, "an offset that is computed", "write numbers"));
         };
+        self.offset_of(&numbers)
+    }
+
+    /// The numbers of a constant array of four offsets.
+    fn four_offsets(&self, id: ExprId) -> Option<Vec<Vec<i32>>> {
+        let (ExprKind::Call { args: items, .. } | ExprKind::List(items)) = &self.shader.expr(id).kind else {
+            let ExprKind::Name(_) = self.shader.expr(id).kind else { return None };
+            return self.four_offsets(self.build.initializer(self.shader.symbol_of(id)?)?);
+        };
+        let all: Option<Vec<Vec<i32>>> = items.iter().map(|&item| self.integers(item)).collect();
+        all.filter(|all| all.len() == 4)
+    }
+
+    fn offset_of(&mut self, numbers: &[i32]) -> Result<Expr> {
         let parts: Vec<Expr> = numbers.iter().map(|&n| self.i32(n)).collect();
         match parts[..] {
             [only] => Ok(only),
@@ -413,7 +440,7 @@ fn plain_name(name: &str) -> String {
 }
 
 /// Which argument is a constant offset.
-fn offset_argument(name: &str, count: usize) -> Option<usize> {
+fn offset_argument(name: &str, shadow: bool, count: usize) -> Option<usize> {
     if !name.contains("Offset") {
         return None;
     }
@@ -424,6 +451,9 @@ fn offset_argument(name: &str, count: usize) -> Option<usize> {
         3
     } else if name.starts_with("texelFetch") {
         count - 1
+    } else if name.contains("Gather") && shadow {
+        // Behind the reference value.
+        3
     } else {
         2
     };

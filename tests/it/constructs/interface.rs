@@ -186,3 +186,43 @@ fn arrays_take_their_size_from_constants_and_from_their_use() {
         &[1.0, 2.0, 3.0, 4.0, 2.0, 2.0, 2.0, 2.0, 1.0, 2.0, 3.0, 4.0, 1.0, 3.0, 5.0, 1.0, 2.0],
     );
 }
+
+#[test]
+fn four_offsets_are_four_gathers() {
+    let text = "#version 400\nuniform sampler2D t; in vec2 uv; out vec4 c; const ivec2 at[4] = ivec2[4](ivec2(0), ivec2(1), ivec2(-2, 1), ivec2(3, 0));
+      void main() { c = textureGatherOffsets(t, uv, at, 2); }";
+    let wgsl = built("t.frag", text).unwrap().translate(Language::Wgsl).unwrap().into_bytes();
+    let wgsl = String::from_utf8(wgsl).unwrap();
+    assert_eq!(wgsl.matches("textureGather(2, ").count(), 4, "{wgsl}");
+    assert!(wgsl.contains("vec2<i32>(-2i, 1i)") && wgsl.contains("vec2<i32>(3i, 0i)"), "{wgsl}");
+}
+
+#[test]
+fn offset_and_component_of_a_gather() {
+    let text = "#version 400\nuniform sampler2D t; uniform sampler2DShadow s; in vec2 uv; out vec4 c;
+      void main() { c = textureGatherOffset(t, uv, ivec2(1, 2), 3) + textureGatherOffset(s, uv, 0.25, ivec2(3, 4)); }";
+    let wgsl = built("t.frag", text).unwrap().translate(Language::Wgsl).unwrap().into_bytes();
+    let wgsl = String::from_utf8(wgsl).unwrap();
+    assert!(wgsl.contains("textureGather(3, t") && wgsl.contains("vec2<i32>(1i, 2i)"), "{wgsl}");
+    let compare = wgsl.split("textureGatherCompare(").nth(1).unwrap();
+    let call = compare.split(';').next().unwrap();
+    assert!(call.contains("0.25f, vec2<i32>(3i, 4i)"), "{wgsl}");
+}
+
+#[test]
+fn locations_that_are_not_written_go_around_those_that_are() {
+    let text = "#version 450
+      layout(location = 0) out Block { vec4 a; layout(location = 4) vec4 b[2]; vec4 c; }; out vec4 d; out vec4 e[3]; in vec4 p;
+      void main() { a = p; b[0] = p; b[1] = p; c = p; d = p; e[2] = p; gl_Position = p; }";
+    let program = built("t.vert", text).unwrap();
+    let function = &program.module.entry_points[0].function;
+    let naga::TypeInner::Struct { members, .. } = &program.module.types[function.result.as_ref().unwrap().ty].inner
+    else {
+        panic!()
+    };
+    let location = |m: &naga::StructMember| match m.binding {
+        Some(naga::Binding::Location { location, .. }) => Some(location),
+        _ => None,
+    };
+    assert_eq!(members.iter().filter_map(location).collect::<Vec<_>>(), [0, 4, 5, 6, 1, 7, 8, 9]);
+}

@@ -104,3 +104,12 @@ fn a_cube_that_is_written() {
     after[12..16].copy_from_slice(&[1.0, 1.0, 5.0, 6.0]);
     expect("t.comp", text, &inputs, &[], &after);
 }
+
+#[test]
+fn storage_blocks_in_an_array_are_bound_one_by_one() {
+    let text = "#version 450\nlayout(std430) buffer B { vec4 v[]; } all[2]; out vec4 c;
+      void main() { c = all[1].v[2] + float(all[0].v.length()); all[0].v[0] = c; }";
+    let program = built("t.frag", text).unwrap();
+    let spirv = program.translate(Language::SpirV).unwrap().into_bytes();
+    assert!(!spirv.is_empty() && program.with_memory_inside().unwrap().compute_kernel().is_err());
+}
