@@ -178,6 +178,8 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
     });
     let floors = Floors { undetermined: shader.undetermined, ..Floors::usual(shader.samples) };
     Ok(Suite {
+        linked: Vec::new(),
+        linked_texts: Vec::new(),
         name: shader.entry.clone().unwrap_or_else(|| shader.file.name().to_owned()),
         title: shader.file.name().to_owned(),
         shader: shader.file.name().to_owned(),

@@ -75,12 +75,13 @@ fn signature(info: &FunctionInfo) -> String {
 
 fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
     let main = info.name.name == "main";
-    if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry) {
+    if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
         let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
-        match stage.and_then(made) {
+        let alone = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
+        match alone.and_then(made) {
             Ok(ready) => return Ok(ready),
-            Err(why) if shader.stage() == Stage::Geometry => return Err(why),
+            Err(why) if shader.stage() != Stage::Vertex => return Err(why),
             Err(_) => {}
         }
     }

@@ -13,6 +13,7 @@ pub mod include;
 pub mod interface;
 mod language;
 mod lexer;
+pub mod link;
 mod names;
 mod number;
 mod parser;

@@ -63,6 +63,7 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
         outputs,
         built_ins,
         unfed: Vec::new(),
+        memory: Vec::new(),
         lowered,
     })
 }

@@ -7,6 +7,7 @@ mod front;
 mod fuel;
 mod interface;
 mod layout;
+mod memory;
 pub mod probe;
 mod readback;
 mod source;
@@ -146,6 +147,8 @@ pub struct Program {
     pub built_ins: Vec<(u32, BuiltIn)>,
     /// What the harness has no way to feed or read: such a program is translated, and not run.
     pub unfed: Vec<Diagnostic>,
+    /// Storage blocks that are no inputs and outputs yet.
+    pub(crate) memory: Vec<memory::Memory>,
     /// The lowered text and the way back.
     pub lowered: Lowered,
 }
@@ -174,7 +177,8 @@ impl Program {
     /// # Errors
     /// [`ProgramError::Source`] with the places of what cannot be passed.
     pub fn check_fed(&self) -> Result<(), ProgramError> {
-        if self.unfed.is_empty() { Ok(()) } else { Err(ProgramError::Source(self.unfed.clone())) }
+        let all: Vec<Diagnostic> = self.unfed.iter().chain(self.memory.iter().map(|m| &m.told)).cloned().collect();
+        if all.is_empty() { Ok(()) } else { Err(ProgramError::Source(all)) }
     }
 }
 

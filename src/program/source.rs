@@ -2,7 +2,7 @@
 
 use super::{Program, ProgramError};
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::glsl::{Shader, Stage};
+use crate::glsl::{Shader, Stage, link};
 use crate::lower::{Target, lower};
 use crate::text::SourceFile;
 
@@ -48,5 +48,19 @@ impl Program {
             ProgramError::Source(found) => ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()),
             other => other,
         })
+    }
+
+    /// The same with several texts that are linked into one stage.
+    ///
+    /// # Errors
+    /// As of [`Program::from_source`], and what does not go together of the texts.
+    pub fn from_sources(
+        files: &[SourceFile],
+        stage: Stage,
+        defines: &[(String, String)],
+        target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
+    ) -> Result<Self, ProgramError> {
+        let joined = link::link(files, stage, defines).map_err(ProgramError::Source)?;
+        Self::from_source_with(&joined, stage, defines, target)
     }
 }

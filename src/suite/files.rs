@@ -55,11 +55,15 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
         }
     }
     attach(&mut suite, folder)?;
-    let shader = folder.join(&suite.shader);
-    let shader = read_shader(&shader, &mut suite.includes).map_err(|error| match error {
-        LoadError::Read { path, source } => LoadError::Shader { at: place(&suite.file, &suite.shader), path, source },
-        other => other,
-    })?;
+    let (file, includes) = (&suite.file, &mut suite.includes);
+    let mut text_of = |name: &String| {
+        read_shader(&folder.join(name), includes).map_err(|error| match error {
+            LoadError::Read { path, source } => LoadError::Shader { at: place(file, name), path, source },
+            other => other,
+        })
+    };
+    let shader = text_of(&suite.shader)?;
+    suite.linked_texts = suite.linked.iter().map(text_of).collect::<Result<_, _>>()?;
     Ok(Loaded { suite, shader })
 }
 

@@ -92,6 +92,12 @@ pub(super) const SECTIONS: &[Section] = &[
             required("suite", Form::Text, "Name: lower case letters, digits and `_`."),
             key("title", Form::Text, "What is tested, in a few words."),
             required("shader", Form::Text, "The shader, relative to this file."),
+            key(
+                "linked",
+                Form::Texts,
+                "Other texts of the same stage, relative to this file: what the shader declares and they define is \
+                 linked as OpenGL does.",
+            ),
             required("stage", Form::OneOf(stages), "What is run: `main` of a stage, or one function."),
             key(
                 "entry",

@@ -94,6 +94,10 @@ pub struct Suite {
     pub title: String,
     /// File name of the shader, relative to the suite file.
     pub shader: String,
+    /// File names of other texts of the same stage, relative to the suite file.
+    pub linked: Vec<String>,
+    /// These texts, in order; as many as there are names once the suite is loaded.
+    pub linked_texts: Vec<SourceFile>,
     /// What kind of code is tested.
     pub stage: Stage,
     /// The function that is called; for the stage `function` alone.

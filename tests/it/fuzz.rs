@@ -353,3 +353,20 @@ fn a_first_suite_is_written_once() {
     assert!(ran.err.contains("is there already and stays as it is"), "{}", ran.err);
     assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
 }
+
+#[test]
+fn main_of_a_compute_shader_runs_alone() {
+    let text = "layout(local_size_x = 1) in; layout(std430) buffer B { float a; float list[]; };\n\
+        void main() { list[1] = 1.0 / a; atomicAdd(n, 1); }";
+    let counted = text.replace("layout(std430)", "layout(std430) buffer N { int n; }; layout(std430)");
+    let all = functions("a.comp", &counted);
+    let report = strict(&all[0], "a=[0,1]");
+    assert_eq!(report.not_run, None);
+    let found = report.of(Severity::Finding).next().unwrap();
+    assert!(values(found).iter().any(|v| v == "float a = 0.0"), "{:?}", values(found));
+    // Nothing is left to find where `a` is never 0.
+    let report = strict(&all[0], "a=[1,2]");
+    assert_eq!(kinds(&report, Severity::Finding), []);
+    let waits = "layout(local_size_x = 2) in; buffer B { float a; }; void main() { a = 1.0; barrier(); }";
+    assert!(functions("a.comp", waits)[0].ready.is_err());
+}

@@ -1,20 +1,32 @@
-//! How much of a folder of shaders reaches a valid module, by version and stage, and what stops the rest.
+//! How much of a folder of shaders reaches a valid module and runs, by version and stage, and what stops the
+//! rest.
 //!
 //! A file counts when `glslangValidator` accepts it; where that program is missing, every file counts. A file
-//! without `main` is a part of a stage, and counted apart.
+//! without `main` is a part of a stage, and counted apart. With `--run`, what is valid is captured and runs one
+//! batch of ordinary numbers on the vulkan lane. With `--vulkan`, files that are accepted for Vulkan alone
+//! count too.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command prints its figures")]
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use shadercheck::glsl::{Profile, Shader, Stage};
+use shadercheck::lane::{self, Lane};
 use shadercheck::lower::Target;
-use shadercheck::program::{Program, ProgramError, contain};
+use shadercheck::program::{Kernel, Program, ProgramError, contain};
+use shadercheck::property::Stream;
 use shadercheck::text::{SourceFile, decode};
+use shadercheck::value::{Batch, Record, Scalar};
+
+/// Rounds of loops that an invocation may go through.
+const FUEL: u32 = 20_000;
+/// Invocations of the batch that is run.
+const BATCH: usize = 64;
 
 /// What was asked for.
 #[derive(Default)]
@@ -23,6 +35,8 @@ struct Request {
     list: Option<String>,
     tree: bool,
     every: usize,
+    run: bool,
+    vulkan: bool,
 }
 
 /// What became of one file.
@@ -35,6 +49,10 @@ struct Outcome {
     whole: bool,
     /// Why there is no valid module.
     reason: Option<String>,
+    /// What can be run.
+    kernel: Option<Kernel>,
+    /// Why it did not run.
+    stopped: Option<String>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -43,6 +61,7 @@ struct Tally {
     accepted: usize,
     parts: usize,
     valid: usize,
+    ran: usize,
 }
 
 impl Outcome {
@@ -57,12 +76,14 @@ impl Tally {
         self.parts += usize::from(outcome.accepted && !outcome.whole);
         self.accepted += usize::from(outcome.counts());
         self.valid += usize::from(outcome.counts() && outcome.reason.is_none());
+        self.ran += usize::from(outcome.counts() && outcome.reason.is_none() && outcome.stopped.is_none());
     }
 
-    fn line(&self, name: &str, stage: &str) {
+    fn line(&self, name: &str, stage: &str, run: bool) {
         let share = if self.accepted == 0 { 100.0 } else { 100.0 * self.valid as f64 / self.accepted as f64 };
+        let ran = if run { format!("{:>8}", self.ran) } else { String::new() };
         println!(
-            "{name:<12}{stage:<10}{:>7}{:>9}{:>10}{:>8}{share:>8.1} %",
+            "{name:<12}{stage:<10}{:>7}{:>9}{:>10}{:>8}{share:>8.1} %{ran}",
             self.files, self.parts, self.accepted, self.valid
         );
     }
@@ -94,39 +115,64 @@ fn run() -> Result<()> {
     if !reference {
         eprintln!("survey: glslangValidator is not on the path, so every file counts as accepted");
     }
-    let outcomes: Vec<Outcome> = files.par_iter().filter_map(|path| examine(path, reference, request.tree)).collect();
+    let mut outcomes: Vec<Outcome> = files.par_iter().filter_map(|path| examine(path, reference, &request)).collect();
+    if request.run {
+        let vulkan = lane::registry().iter().find(|c| c.name == "vulkan").context("no lane `vulkan`")?;
+        let vulkan = (vulkan.open)()?;
+        for outcome in outcomes.iter_mut().filter(|o| o.counts()) {
+            if let Some(kernel) = outcome.kernel.take() {
+                let ran = contain(|| run_once(vulkan.as_ref(), &kernel));
+                outcome.stopped = ran.unwrap_or_else(|panic| Err(format!("panic: {panic}"))).err();
+            }
+        }
+    }
     if let Some(wanted) = &request.list {
         for o in outcomes.iter().filter(|o| o.counts()) {
             if let Some(reason) = o.reason.as_ref().filter(|r| r.contains(wanted.as_str())) {
                 println!("{}: {reason}", o.path.display());
+            }
+            if let Some(stopped) = o.stopped.as_ref().filter(|r| request.run && r.contains(wanted.as_str())) {
+                println!("{}: does not run: {stopped}", o.path.display());
             }
         }
         return Ok(());
     }
     for extensions in [false, true] {
         println!("{}", if extensions { "with `#extension`" } else { "without extensions" });
-        println!("version     stage       files  no main  accepted   valid");
-        report(outcomes.iter().filter(|o| o.extensions == extensions));
+        let ran = if request.run { "                 ran" } else { "" };
+        println!("version     stage       files  no main  accepted   valid{ran}");
+        report(outcomes.iter().filter(|o| o.extensions == extensions), request.run);
         println!();
     }
     Ok(())
 }
 
-fn report<'a>(outcomes: impl Iterator<Item = &'a Outcome>) {
+fn report<'a>(outcomes: impl Iterator<Item = &'a Outcome>, run: bool) {
     let mut table: BTreeMap<(&str, &str), Tally> = BTreeMap::new();
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut stops: BTreeMap<&str, usize> = BTreeMap::new();
     let mut all = Tally::default();
     for o in outcomes {
         table.entry((&o.group, o.stage.name())).or_default().add(o);
         all.add(o);
         if let Some(reason) = o.reason.as_deref().filter(|_| o.counts()) {
             *reasons.entry(reason).or_default() += 1;
+        } else if let Some(stopped) = o.stopped.as_deref().filter(|_| run && o.counts()) {
+            *stops.entry(stopped).or_default() += 1;
         }
     }
     for ((group, stage), tally) in &table {
-        tally.line(group, stage);
+        tally.line(group, stage, run);
     }
-    all.line("all", "");
+    all.line("all", "", run);
+    list(reasons);
+    if run {
+        println!("valid, and not run:");
+        list(stops);
+    }
+}
+
+fn list(reasons: BTreeMap<&str, usize>) {
     let mut reasons: Vec<_> = reasons.into_iter().collect();
     reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     for (reason, count) in reasons.iter().take(60) {
@@ -140,8 +186,12 @@ fn request(mut arguments: impl Iterator<Item = String>) -> Result<Request> {
         match argument.as_str() {
             "--list" => request.list = Some(arguments.next().context("--list takes a reason")?),
             "--tree" => request.tree = true,
+            "--run" => request.run = true,
+            "--vulkan" => request.vulkan = true,
             "--every" => request.every = arguments.next().context("--every takes a number")?.parse()?,
-            _ if argument.starts_with('-') => bail!("unknown option `{argument}`; known: --list, --tree, --every"),
+            _ if argument.starts_with('-') => {
+                bail!("unknown option `{argument}`; known: --list, --tree, --every, --run, --vulkan")
+            }
             _ => request.folders.push(PathBuf::from(argument)),
         }
     }
@@ -171,50 +221,106 @@ fn reference() -> bool {
     Command::new("glslangValidator").arg("--version").stdout(Stdio::null()).status().is_ok()
 }
 
-fn accepted(path: &Path, stage: Stage) -> bool {
+fn accepted(path: &Path, stage: Stage, vulkan: bool) -> bool {
     let name = match stage {
         Stage::Vertex => "vert",
         Stage::Geometry => "geom",
         Stage::Compute => "comp",
         _ => "frag",
     };
-    let run = Command::new("glslangValidator").args(["-S", name]).arg(path).stdout(Stdio::null()).status();
-    run.is_ok_and(|s| s.success())
+    let run = |more: &[&str]| {
+        let mut command = Command::new("glslangValidator");
+        command.args(["-S", name]).args(more).arg(path).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|s| s.success())
+    };
+    run(&[]) || vulkan && run(&["-V", "-o", "/dev/null"])
 }
 
-fn examine(path: &Path, reference: bool, tree: bool) -> Option<Outcome> {
+fn examine(path: &Path, reference: bool, request: &Request) -> Option<Outcome> {
     let stage = stage(path)?;
     let bytes = std::fs::read(path).ok()?;
     let file = decode(&path.display().to_string(), &bytes).ok()?.file;
     let parsed = contain(|| Shader::parse(&file, stage)).ok()?.shader;
     let version = parsed.version();
     let es = if version.profile == Profile::Es { " es" } else { "" };
+    let made = contain(|| program(&file, stage, request.tree)).unwrap_or_else(|panic| Err(format!("panic: {panic}")));
+    let (reason, ready) = match made {
+        Ok(program) if request.run => (None, contain(|| kernel(program)).unwrap_or_else(Err)),
+        Ok(_) => (None, Err(String::new())),
+        Err(reason) => (Some(reason), Err(String::new())),
+    };
+    let (kernel, stopped) = match ready {
+        Ok(kernel) => (Some(kernel), None),
+        Err(stopped) => (None, Some(stopped)),
+    };
     Some(Outcome {
         path: path.to_owned(),
         group: format!("{}{es}", version.number),
         stage,
         extensions: !parsed.extensions().is_empty(),
-        accepted: !reference || accepted(path, stage),
+        accepted: !reference || accepted(path, stage, request.vulkan),
         whole: parsed.function("main").is_some(),
-        reason: contain(|| reason(&file, stage, tree)).unwrap_or_else(|panic| Some(format!("panic: {panic}"))),
+        reason,
+        kernel,
+        stopped,
     })
 }
 
-/// Why a shader does not reach a valid module.
-fn reason(file: &SourceFile, stage: Stage, tree: bool) -> Option<String> {
-    let error = if tree {
-        let parsed = Shader::parse(file, stage);
-        Program::build(&parsed.shader, &Target::Stage).err()?
-    } else {
-        Program::from_source(file, stage, |_| Ok(Target::Stage)).err()?
+/// The shader with its memory and inputs fed, and no loop without end.
+fn kernel(program: Program) -> Result<Kernel, String> {
+    let program = program.with_memory_inside().map_err(told)?;
+    program.compute_kernel().and_then(|kernel| kernel.with_fuel(FUEL)).map_err(told)
+}
+
+/// Runs one batch.
+fn run_once(lane: &dyn Lane, kernel: &Kernel) -> Result<(), String> {
+    let mut stream = Stream::new(1);
+    let mut words = |record: &Record| -> Vec<u32> {
+        let scalars = record.fields().iter().flat_map(|f| vec![f.shape.scalar; f.shape.words()]);
+        scalars.map(|scalar| word(scalar, &mut stream)).collect()
     };
-    Some(match error {
+    let invocations = (0..BATCH).flat_map(|_| words(&kernel.invocation)).collect();
+    let cases = (0..BATCH).flat_map(|_| words(&kernel.case)).collect();
+    let batch = Batch {
+        per_case: 1,
+        invocations,
+        cases,
+        invocation_record: Arc::clone(&kernel.invocation),
+        case_record: Arc::clone(&kernel.case),
+    };
+    let cut = |e: lane::LaneError| e.to_string().chars().take(110).collect::<String>();
+    lane.prepare(kernel, BATCH).map_err(cut)?.run(&batch).map(|_| ()).map_err(cut)
+}
+
+/// An ordinary number.
+fn word(scalar: Scalar, stream: &mut Stream) -> u32 {
+    let bits = (stream.bits() >> 32) as u32;
+    match scalar {
+        Scalar::F32 => ((bits >> 8) as f32 / (1 << 22) as f32 - 2.0).to_bits(),
+        Scalar::I32 | Scalar::U32 => bits % 4,
+        Scalar::Bool => bits % 2,
+    }
+}
+
+/// The program, or why a shader does not reach a valid module.
+fn program(file: &SourceFile, stage: Stage, tree: bool) -> Result<Program, String> {
+    let made = if tree {
+        let parsed = Shader::parse(file, stage);
+        Program::build(&parsed.shader, &Target::Stage)
+    } else {
+        Program::from_source(file, stage, |_| Ok(Target::Stage))
+    };
+    made.map_err(told)
+}
+
+fn told(error: ProgramError) -> String {
+    match error {
         ProgramError::Source(found) => {
             found.first().map_or_else(String::new, |d| format!("{} {}", d.code, short(&d.message)))
         }
         ProgramError::Unsupported { what } => what,
         ProgramError::Internal(what) => format!("internal: {}", what.chars().take(120).collect::<String>()),
-    })
+    }
 }
 
 /// A message without the names of the author.

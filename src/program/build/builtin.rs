@@ -147,7 +147,7 @@ impl Build<'_> {
             }
             (Stage::Fragment, "gl_FragColor" | "gl_FragData") => {
                 let handle = self.private(name, ty, span)?;
-                self.located_output(name, ty, (handle, &[]), Some(0), &[]);
+                self.located_output(name, ty, (handle, &[]), Some(0), &[], span)?;
                 let ports = self.port_out(name, ty, handle, span)?;
                 self.built_in_outputs.extend(ports);
                 Ok(handle)
@@ -158,6 +158,33 @@ impl Build<'_> {
                 self.built_in_outputs.extend(ports);
                 Ok(handle)
             }
+            // naga has no such variables: they are varyings like others.
+            (Stage::Vertex, "gl_Layer" | "gl_ViewportIndex") => {
+                let handle = self.private(name, ty, span)?;
+                self.located_output(name, ty, (handle, &[]), None, &[], span)?;
+                let ports = self.port_out(name, ty, handle, span)?;
+                self.built_in_outputs.extend(ports);
+                Ok(handle)
+            }
+            (
+                Stage::Fragment,
+                "gl_Layer" | "gl_ViewportIndex" | "gl_SamplePosition" | "gl_ClipDistance" | "gl_CullDistance",
+            ) => {
+                let handle = self.private(name, ty, span)?;
+                self.located_input(name, ty, (handle, &[]), None, &[], span)?;
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_HelperInvocation") => {
+                let handle = self.private(name, ty, span)?;
+                let start = self.incoming.len();
+                self.located_input(name, &Type::UINT, (handle, &[]), None, &[], span)?;
+                // The argument is a number, which is turned where it is kept.
+                for incoming in self.incoming.iter_mut().skip(start) {
+                    incoming.ty = Type::BOOL;
+                }
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_NumSamples") => self.uniform(name, ty, span),
             (Stage::Geometry, "gl_PrimitiveIDIn" | "gl_InvocationID") => self.private(name, ty, span),
             (Stage::Geometry, "gl_in") => {
                 let handle = self.private(name, ty, span)?;
@@ -195,7 +222,7 @@ impl Build<'_> {
                 };
                 if output {
                     if stage != Stage::Geometry {
-                        self.located_output(name, ty, (handle, &[]), None, &[]);
+                        self.located_output(name, ty, (handle, &[]), None, &[], span)?;
                     }
                     let ports = self.port_out(name, ty, handle, span)?;
                     self.built_in_outputs.extend(ports);
@@ -242,7 +269,7 @@ impl Build<'_> {
         Ok(Type::Array(Arc::new(element), ArraySize::Known(self.input_primitive().vertices())))
     }
 
-    fn greatest_index(&self, field: &str) -> u32 {
+    pub(super) fn greatest_index(&self, field: &str) -> u32 {
         let mut most = 1;
         for (_, expr) in self.shader.arena().iter() {
             let ExprKind::Index { base, index } = expr.kind else { continue };

@@ -118,8 +118,7 @@ impl Build<'_> {
         }
         f.statements(&body.statements)?;
         f.at = body.span;
-        let head = shader.function_syntax(info).map_or(info.name.span, |s| s.head_span);
-        f.end(&name, head)?;
+        f.end()?;
         let result = match &info.return_type {
             Type::Void => None,
             ty => Some(FunctionResult { ty: f.build.value_type(ty, info.name.span)?, binding: None }),

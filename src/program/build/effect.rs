@@ -3,8 +3,8 @@
 
 use naga::{AtomicFunction, Barrier, Expression, Statement};
 
-use super::Result;
 use super::function::{Fun, Val};
+use super::{Expr, Result};
 use crate::glsl::Stage;
 use crate::glsl::ast::ExprId;
 use crate::glsl::types::{ScalarType, Type};
@@ -14,14 +14,8 @@ impl Fun<'_, '_> {
     /// A function with an effect: `None` when it is no such function, else its value.
     pub(super) fn effect(&mut self, name: &str, args: &[ExprId], span: Span) -> Result<Option<Option<Val>>> {
         let statement = match name {
-            "EmitVertex" | "EndPrimitive" => {
-                let function = self.build.emission(name);
-                Statement::Call { function, arguments: Vec::new(), result: None }
-            }
-            "EmitStreamVertex" | "EndStreamPrimitive" => {
-                let message = format!("`{name}`: only the first vertex stream is captured");
-                return Err(self.build.unsupported(span, message, "use `EmitVertex` and `EndPrimitive`"));
-            }
+            "EmitVertex" | "EndPrimitive" => return self.emit(name == "EndPrimitive", 0, span).map(|()| Some(None)),
+            "EmitStreamVertex" | "EndStreamPrimitive" => return self.stream(name, args, span).map(|()| Some(None)),
             "barrier" => Statement::ControlBarrier(Barrier::WORK_GROUP),
             "memoryBarrierShared" => Statement::MemoryBarrier(Barrier::WORK_GROUP),
             "memoryBarrierBuffer" => Statement::MemoryBarrier(Barrier::STORAGE),
@@ -33,9 +27,6 @@ impl Fun<'_, '_> {
             "interpolateAtCentroid" | "interpolateAtSample" | "interpolateAtOffset" => {
                 let message = format!("`{name}`: interpolation at another place");
                 return Err(self.build.unsupported(span, message, "read the input itself"));
-            }
-            "atomicCounter" | "atomicCounterIncrement" | "atomicCounterDecrement" => {
-                return Err(self.build.unsupported(span, "an atomic counter", "use a number in a storage buffer"));
             }
             _ if name.starts_with("atomic") => return self.atomic(name, args, span).map(|v| Some(Some(v))),
             _ => return Ok(None),
@@ -62,6 +53,18 @@ impl Fun<'_, '_> {
                 "use an `int` or `uint` of a block or a shared variable",
             ));
         }
+        self.atomic_at(name, place.ptr, &ty, &values, span)
+    }
+
+    /// An atomic function on an integer in memory; it gives the value before.
+    pub(super) fn atomic_at(
+        &mut self,
+        name: &str,
+        pointer: Expr,
+        ty: &Type,
+        values: &[Expr],
+        span: Span,
+    ) -> Result<Val> {
         let unknown = || format!("the function `{name}`");
         let (Some(&value), true) = (values.last(), ty.scalar().is_some_and(ScalarType::is_integer)) else {
             return Err(self.build.unsupported(span, unknown(), "write it out"));
@@ -69,19 +72,20 @@ impl Fun<'_, '_> {
         let mut compared = false;
         let fun = match name {
             "atomicAdd" => AtomicFunction::Add,
+            "atomicSubtract" => AtomicFunction::Subtract,
             "atomicMin" => AtomicFunction::Min,
             "atomicMax" => AtomicFunction::Max,
             "atomicAnd" => AtomicFunction::And,
             "atomicOr" => AtomicFunction::InclusiveOr,
             "atomicXor" => AtomicFunction::ExclusiveOr,
             "atomicExchange" => AtomicFunction::Exchange { compare: None },
-            "atomicCompSwap" => {
+            "atomicCompSwap" if values.len() == 2 => {
                 compared = true;
                 AtomicFunction::Exchange { compare: Some(values[0]) }
             }
             _ => return Err(self.build.unsupported(span, unknown(), "write it out")),
         };
-        let handle = self.ty(&ty)?;
+        let handle = self.ty(ty)?;
         let result_ty = if compared {
             let number = super::types::scalar(ty.scalar().unwrap_or(ScalarType::Uint));
             let structure = naga::PredeclaredType::AtomicCompareExchangeWeakResult(number);
@@ -90,7 +94,7 @@ impl Fun<'_, '_> {
             handle
         };
         let result = self.add(Expression::AtomicResult { ty: result_ty, comparison: compared });
-        self.push(Statement::Atomic { pointer: place.ptr, fun, value, result: Some(result) });
+        self.push(Statement::Atomic { pointer, fun, value, result: Some(result) });
         let e = if compared { self.add(Expression::AccessIndex { base: result, index: 0 }) } else { result };
         Ok(Val { e, ty: Type::Scalar(ty.scalar().unwrap_or(ScalarType::Uint)) })
     }

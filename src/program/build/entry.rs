@@ -51,12 +51,17 @@ impl Build<'_> {
             }
         }
         let incoming = f.build.incoming.clone();
-        let (first, ()) = f.block(|f| f.fill(&incoming))?;
+        let mut more = f.build.shared_arguments(span)?;
+        let (first, ()) = f.block(|f| {
+            f.fill(&incoming)?;
+            f.fill_shared(incoming.len())
+        })?;
         f.prepend(first);
         f.at = span;
         let outgoing = if f.build.is_geometry() { Vec::new() } else { f.build.outgoing.clone() };
         let result = f.hand_on(&outgoing)?;
-        let arguments = incoming.into_iter().map(|i| i.argument).collect();
+        let mut arguments: Vec<_> = incoming.into_iter().map(|i| i.argument).collect();
+        arguments.append(&mut more);
         let function = f.finish("main", arguments, result);
         let stage = match self.shader.stage() {
             Stage::Vertex => ShaderStage::Vertex,
@@ -139,7 +144,8 @@ impl Fun<'_, '_> {
             if let (Some(have), Some(kind)) = (have, kind_of(&input.ty))
                 && have.kind != kind
             {
-                value = self.add(Expression::As { expr: value, kind, convert: Some(4) });
+                let width = if kind == naga::ScalarKind::Bool { naga::BOOL_WIDTH } else { 4 };
+                value = self.add(Expression::As { expr: value, kind, convert: Some(width) });
             }
             let pointer = self.reach(input.to, &input.path);
             self.push(Statement::Store { pointer, value });
@@ -148,7 +154,8 @@ impl Fun<'_, '_> {
     }
 
     fn hand_on(&mut self, outgoing: &[Outgoing]) -> Result<Option<FunctionResult>> {
-        if outgoing.is_empty() {
+        let shared = self.shares_outputs() && !self.build.is_geometry();
+        if outgoing.is_empty() && !shared {
             self.push(Statement::Return { value: None });
             return Ok(None);
         }
@@ -174,6 +181,9 @@ impl Fun<'_, '_> {
             // Larger than any member is aligned or long.
             let bytes = self.build.module.types[ty].inner.size(self.build.module.to_ctx());
             offset = (offset + bytes).next_multiple_of(32);
+        }
+        if shared {
+            offset = self.hand_on_shared(&mut components, &mut members, offset)?;
         }
         let ty = self.build.insert(None, TypeInner::Struct { members, span: offset });
         let value = self.add(Expression::Compose { ty, components });

@@ -1,5 +1,7 @@
 //! Variables at file scope and built-in ones.
 
+use std::sync::Arc;
+
 use naga::{AddressSpace, Expression, GlobalVariable, Handle, Literal, StorageAccess, TypeInner};
 
 use super::function::{Fun, Val};
@@ -98,7 +100,7 @@ impl<'s> Build<'s> {
     }
 
     /// The dimensions of a variable as written, outermost first.
-    fn dims_of(&self, v: &'s interface::Variable) -> Vec<&'s crate::glsl::ast::ArrayDim> {
+    pub(super) fn dims_of(&self, v: &'s interface::Variable) -> Vec<&'s crate::glsl::ast::ArrayDim> {
         let of_type = match self.shader.unit().items.get(v.item).map(|i| &i.kind) {
             Some(crate::glsl::ast::ItemKind::Declaration(d)) => d.ty.dims.as_slice(),
             _ => &[],
@@ -228,7 +230,7 @@ impl<'s> Build<'s> {
         if v.qualifiers.is_subroutine() {
             return Err(self.unsupported(v.name_span, "a subroutine uniform", "call one of its functions instead"));
         }
-        let ty = self.with_size(v.symbol, &v.ty);
+        let ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
         let global = if ty.contains_opaque() {
             let data = if has_data(&ty) { Some(self.uniform(&v.name, &ty, v.name_span)?) } else { None };
             Global::Opaque { key: v.name.clone(), ty, data, image: ImageLayout::of(&v.qualifiers) }
@@ -363,13 +365,14 @@ impl<'s> Build<'s> {
                 (self.bound(&name, AddressSpace::Uniform, host), host)
             }
             Storage::Buffer => {
-                let mut host = self.make(&ty, Layout::Storage, span)?;
+                let mut host = self.storage(&ty, span)?;
                 if self.has_atomics(&name) || block.members.iter().any(|m| self.has_atomics(&m.name.name)) {
                     host = self.atomic_type(host);
                 }
                 let access = StorageAccess::LOAD | StorageAccess::STORE;
-                self.unfed.push((format!("the storage block `{}`", block.name.name), span));
-                (self.bound(&name, AddressSpace::Storage { access }, host), host)
+                let handle = self.bound(&name, AddressSpace::Storage { access }, host);
+                self.memory_of(index, handle, &ty);
+                (handle, host)
             }
             _ => {
                 let host = self.value_type(&ty, span)?;
@@ -399,6 +402,18 @@ impl<'s> Build<'s> {
         Ok(())
     }
 
+    /// Type of a storage block, or of an array of them: these are bound one by one.
+    fn storage(&mut self, ty: &Type, span: Span) -> Result<Handle<naga::Type>> {
+        match ty {
+            Type::Array(element, ArraySize::Known(n)) => {
+                let base = self.make(element, Layout::Storage, span)?;
+                let size = std::num::NonZeroU32::new(*n).map_or(naga::ArraySize::Dynamic, naga::ArraySize::Constant);
+                Ok(self.insert(None, TypeInner::BindingArray { base, size }))
+            }
+            _ => self.make(ty, Layout::Storage, span),
+        }
+    }
+
     /// Type of a block, with the sizes that the text leaves open; `None` for `gl_PerVertex`.
     fn block_type(&self, index: usize) -> Option<Type> {
         let block = &self.shader.interface().blocks[index];
@@ -406,13 +421,42 @@ impl<'s> Build<'s> {
             return None;
         }
         let geometry = self.is_geometry().then(|| self.input_primitive().vertices());
-        Some(match (&block.ty, geometry) {
-            (Type::Array(..), Some(n)) if block.storage == Storage::In => with_length(&block.ty, n),
+        let ty = self.sized_members(index, &block.ty);
+        Some(match (&ty, geometry) {
+            (Type::Array(..), Some(n)) if block.storage == Storage::In => with_length(&ty, n),
             _ => match block.symbol {
-                Some(symbol) => self.with_size(symbol, &block.ty),
-                None => block.ty.clone(),
+                Some(symbol) => self.with_size(symbol, &ty),
+                None => ty,
             },
         })
+    }
+
+    /// Members without a written size take it from the greatest index. The last one of a storage block
+    /// is as long as the buffer.
+    fn sized_members(&self, index: usize, ty: &Type) -> Type {
+        let block = &self.shader.interface().blocks[index];
+        match ty {
+            Type::Array(element, size) => Type::Array(Arc::new(self.sized_members(index, element)), *size),
+            Type::Struct(s) => {
+                let mut s = s.as_ref().clone();
+                let last = s.fields.len().saturating_sub(1);
+                for (k, field) in s.fields.iter_mut().enumerate() {
+                    let open = matches!(field.ty, Type::Array(_, ArraySize::Unsized | ArraySize::Unknown));
+                    if !open || block.storage == Storage::Buffer && k == last {
+                        continue;
+                    }
+                    let member = block.members.get(k);
+                    field.ty = match member.and_then(|m| m.symbol) {
+                        Some(symbol) => self.with_size(symbol, &field.ty),
+                        None => with_length(&field.ty, self.greatest_index(&field.name)),
+                    };
+                    // One that is never indexed has one element that nobody reads.
+                    field.ty = with_length(&field.ty, 1);
+                }
+                Type::Struct(Arc::new(s))
+            }
+            _ => ty.clone(),
+        }
     }
 
     /// True when an atomic function is called on a variable or member of that name.
@@ -441,6 +485,7 @@ impl<'s> Build<'s> {
                 TypeInner::Atomic(s)
             }
             TypeInner::Array { base, size, stride } => TypeInner::Array { base: self.atomic_type(base), size, stride },
+            TypeInner::BindingArray { base, size } => TypeInner::BindingArray { base: self.atomic_type(base), size },
             TypeInner::Struct { mut members, span } => {
                 for member in &mut members {
                     member.ty = self.atomic_type(member.ty);

@@ -73,6 +73,11 @@ pub(super) fn storage_format(name: &str) -> Option<naga::StorageFormat> {
     })
 }
 
+/// The function of numbers in memory that does what an atomic function of images does.
+pub(super) fn plain_atomic(name: &str) -> Option<String> {
+    name.strip_prefix("imageAtomic").map(|rest| format!("atomic{rest}"))
+}
+
 impl Fun<'_, '_> {
     pub(super) fn image_call(
         &mut self,

@@ -1,13 +1,18 @@
 //! What goes in and comes out: locations, and the ports through which the harness feeds and reads.
 
+use std::sync::Arc;
+
 use naga::{Binding, FunctionArgument, GlobalVariable, Handle, Interpolation, Sampling, ScalarKind, TypeInner};
 
 use super::types::has_data;
 use super::{Build, Result};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::Stage;
-use crate::glsl::ast::{AuxiliaryQualifier, Interpolation as Written, QualifierKind, Qualifiers};
+use crate::glsl::ast::{AuxiliaryQualifier, Interpolation as Written, MemoryQualifier, QualifierKind, Qualifiers};
 use crate::glsl::interface::{self, Storage};
 use crate::glsl::types::{ArraySize, ScalarType, Type};
+use crate::lower::UNSUPPORTED;
+use crate::program::memory::{LENGTH, Memory};
 use crate::program::{Port, PortAt};
 use crate::text::Span;
 use crate::value::Field;
@@ -79,6 +84,22 @@ pub(super) fn leaves(ty: &Type) -> Vec<(Vec<u32>, Type)> {
     all
 }
 
+/// The type with some elements where it has an open end.
+fn closed(ty: &Type) -> Type {
+    match ty {
+        Type::Array(element, ArraySize::Unsized) => closed(element).array(LENGTH),
+        Type::Array(element, size) => Type::Array(Arc::new(closed(element)), *size),
+        Type::Struct(s) => {
+            let mut s = s.as_ref().clone();
+            for field in &mut s.fields {
+                field.ty = closed(&field.ty);
+            }
+            Type::Struct(Arc::new(s))
+        }
+        _ => ty.clone(),
+    }
+}
+
 /// The largest parts of a value that are fed word by word; others are named in `unfed`.
 fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<Part>, unfed: &mut Vec<String>) {
     if ty.shape().is_some() {
@@ -123,7 +144,7 @@ fn interpolation(qualifiers: &[&Qualifiers], ty: &Type) -> (Option<Interpolation
 }
 
 impl<'s> Build<'s> {
-    fn written(&self, qualifiers: &Qualifiers, key: &str) -> Option<u32> {
+    pub(super) fn written(&self, qualifiers: &Qualifiers, key: &str) -> Option<u32> {
         let value = qualifiers.layout_entry(key)?.value?;
         u32::try_from(self.shader.fold(value)?.as_integer()?).ok()
     }
@@ -132,16 +153,9 @@ impl<'s> Build<'s> {
         self.unfed.extend(what.into_iter().map(|what| (what, span)));
     }
 
-    /// Parts of a location shared by several variables.
-    fn no_components(&self, qualifiers: &Qualifiers, span: Span) -> Result<()> {
-        match qualifiers.layout_entry("component") {
-            Some(_) => Err(self.unsupported(span, "`layout(component)`", "give each variable a location of its own")),
-            None => Ok(()),
-        }
-    }
-
     /// Keeps the locations that the text gives.
     pub(super) fn reserve_locations(&mut self) {
+        self.shared_locations();
         let interface = self.shader.interface();
         for (variables, input) in [(&interface.inputs, true), (&interface.outputs, false)] {
             for v in variables {
@@ -161,18 +175,20 @@ impl<'s> Build<'s> {
                 let value = q.layout_entry("location")?.value?;
                 u32::try_from(self.shader.fold(value)?.as_integer()?).ok()
             };
-            if let Some(first) = at(&block.qualifiers) {
-                locations.reserve(first, u32::try_from(leaves(&block.ty).len()).unwrap_or(1));
-            }
+            // Members count on from the block or the member before.
+            let mut next = at(&block.qualifiers);
             for member in &block.members {
-                if let Some(first) = at(&member.qualifiers) {
-                    locations.reserve(first, u32::try_from(leaves(&member.ty).len()).unwrap_or(1));
+                let count = u32::try_from(leaves(&member.ty).len()).unwrap_or(1);
+                let first = at(&member.qualifiers).or(next);
+                next = first.map(|first| first + count);
+                if let Some(first) = first {
+                    locations.reserve(first, count);
                 }
             }
         }
     }
 
-    fn location(&mut self, ty: &Type, first: u32, input: bool, qualifiers: &[&Qualifiers]) -> Binding {
+    pub(super) fn location(&mut self, ty: &Type, first: u32, input: bool, qualifiers: &[&Qualifiers]) -> Binding {
         // Only what goes from one stage to the next is interpolated.
         let between = input == (self.shader.stage() == Stage::Fragment);
         let (interpolation, sampling) = if between { interpolation(qualifiers, ty) } else { (None, None) };
@@ -192,6 +208,12 @@ impl<'s> Build<'s> {
         let leaves = leaves(ty);
         let count = u32::try_from(leaves.len()).unwrap_or(1);
         let first = first.unwrap_or_else(|| self.in_locations.take(count));
+        if self.is_shared(true, first, count) {
+            let pieces = leaves.into_iter().map(|(inner, leaf)| ([path, &inner].concat(), leaf)).collect();
+            self.share(true, handle, pieces, first, qualifiers, span)?;
+            self.not_fed(vec![format!("`{name}`, which shares a location,")], span);
+            return Ok(());
+        }
         let start = u32::try_from(self.incoming.len()).unwrap_or(0);
         for (k, (inner, leaf)) in leaves.into_iter().enumerate() {
             let binding = self.location(&leaf, first + u32::try_from(k).unwrap_or(0), true, qualifiers);
@@ -232,10 +254,15 @@ impl<'s> Build<'s> {
         (handle, path): (Handle<GlobalVariable>, &[u32]),
         first: Option<u32>,
         qualifiers: &[&Qualifiers],
-    ) {
+        span: Span,
+    ) -> Result<()> {
         let leaves = leaves(ty);
         let count = u32::try_from(leaves.len()).unwrap_or(1);
         let first = first.unwrap_or_else(|| self.out_locations.take(count));
+        if self.is_shared(false, first, count) {
+            let pieces = leaves.into_iter().map(|(inner, leaf)| ([path, &inner].concat(), leaf)).collect();
+            return self.share(false, handle, pieces, first, qualifiers, span);
+        }
         for (k, (inner, leaf)) in leaves.into_iter().enumerate() {
             let mut binding = self.location(&leaf, first + u32::try_from(k).unwrap_or(0), false, qualifiers);
             if let (Binding::Location { blend_src, .. }, Some(index)) =
@@ -246,6 +273,7 @@ impl<'s> Build<'s> {
             let path = [path, &inner].concat();
             self.outgoing.push(Outgoing { name: name.to_owned(), binding, from: handle, path, ty: leaf });
         }
+        Ok(())
     }
 
     /// An output that is a built-in value.
@@ -323,12 +351,47 @@ impl<'s> Build<'s> {
         self.not_fed(unfed, span);
     }
 
+    /// Ports of a storage block, for a run of one invocation. Arrays with an open end have some elements.
+    pub(super) fn memory_of(&mut self, index: usize, global: Handle<GlobalVariable>, ty: &Type) {
+        let block = &self.shader.interface().blocks[index];
+        let prefix = block.instance.as_ref().map_or(String::new(), |i| i.name.clone());
+        let read_only = QualifierKind::Memory(MemoryQualifier::ReadOnly);
+        let written = !block.qualifiers.list.iter().any(|q| q.kind == read_only);
+        self.memory_behind(&prefix, global, &closed(ty), written, block.name.span);
+        if let (Type::Array(..), Some(last)) = (ty, self.memory.last_mut()) {
+            // Each is bound by itself.
+            last.partial = true;
+        }
+    }
+
+    /// Ports of a variable in memory.
+    pub(super) fn memory_behind(
+        &mut self,
+        name: &str,
+        global: Handle<GlobalVariable>,
+        ty: &Type,
+        written: bool,
+        span: Span,
+    ) {
+        let (mut found, mut unfed) = (Vec::new(), Vec::new());
+        parts(name, ty, &[], &mut found, &mut unfed);
+        let shaped = |part: Part| part.ty.shape().map(|shape| (part.name, part.path, shape));
+        let message = "memory that is written or read by index cannot be fed or read".to_owned();
+        let told = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
+        self.memory.push(Memory {
+            global,
+            parts: found.into_iter().filter_map(shaped).collect(),
+            written,
+            partial: !unfed.is_empty(),
+            told: told.with_help("it can be translated; a stage whose invocations need no other can be run"),
+        });
+    }
+
     pub(super) fn declare_input(&mut self, v: &'s interface::Variable) -> Result<()> {
         if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
             return Ok(());
         }
-        self.no_components(&v.qualifiers, v.name_span)?;
-        let mut ty = self.with_size(v.symbol, &v.ty);
+        let mut ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
         if let (true, Some(input)) = (self.is_geometry(), Some(self.input_primitive())) {
             ty = super::statement::with_length(&v.ty, input.vertices());
         }
@@ -382,12 +445,11 @@ impl<'s> Build<'s> {
         if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
             return Ok(());
         }
-        self.no_components(&v.qualifiers, v.name_span)?;
-        let ty = self.with_size(v.symbol, &v.ty);
+        let ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
         let handle = self.private(&v.name, &ty, v.name_span)?;
         if !self.is_geometry() && self.shader.stage() != Stage::Library {
             let first = self.declarator_location(v);
-            self.located_output(&v.name, &ty, (handle, &[]), first, &[&v.qualifiers]);
+            self.located_output(&v.name, &ty, (handle, &[]), first, &[&v.qualifiers], v.name_span)?;
         }
         let ports = self.port_out(&v.name, &ty, handle, v.name_span)?;
         self.outputs.extend(ports);
@@ -432,8 +494,7 @@ impl<'s> Build<'s> {
                 ty,
                 |b, member, path, name, ty, first| {
                     let qualifiers = [&block.qualifiers, &member.qualifiers];
-                    b.located_output(&name, &ty, (handle, &path), first, &qualifiers);
-                    Ok(())
+                    b.located_output(&name, &ty, (handle, &path), first, &qualifiers, member.name.span)
                 },
                 prefix,
             )?;

@@ -59,7 +59,8 @@ impl Fun<'_, '_> {
         };
         let mut component = None;
         if gather {
-            let chosen = rest.get(if ty.shadow { 2 } else { 1 }).cloned().flatten().filter(|_| !ty.shadow);
+            // Behind the offset, if there is one.
+            let chosen = rest.iter().skip(1).flatten().next().cloned().filter(|_| !ty.shadow);
             let chosen = chosen.map_or(Some(0), |v| match self.get(v.e) {
                 Expression::Literal(naga::Literal::I32(n)) => usize::try_from(*n).ok(),
                 _ => None,

@@ -5,6 +5,7 @@
 //! Variables of the interface are private variables that the entry point fills and hands on. What naga
 //! cannot express is refused by name, at its place.
 
+mod buffer;
 mod builtin;
 mod call;
 mod constructor;
@@ -20,8 +21,10 @@ mod lookup;
 mod math;
 mod operator;
 mod place;
+mod shared;
 mod single;
 mod statement;
+mod stream;
 mod texture;
 mod types;
 
@@ -30,6 +33,7 @@ use std::collections::HashMap;
 use naga::proc::Layouter;
 use naga::{BuiltIn, Expression, Function, GlobalVariable, Handle, Module};
 
+use super::memory::Memory;
 use super::{Entry, Port, Program, ProgramError, contain, front};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::ExprId;
@@ -58,6 +62,8 @@ struct Build<'s> {
     active: Vec<FunctionId>,
     emission: HashMap<String, Handle<Function>>,
     textures: HashMap<String, texture::Texture>,
+    /// Counters, textures and images that are buffers.
+    buffers: HashMap<String, buffer::Buffer>,
     /// Built-in variables that the text does not name.
     unnamed: HashMap<String, Handle<GlobalVariable>>,
     next_binding: u32,
@@ -67,6 +73,8 @@ struct Build<'s> {
     initial: Vec<(SymbolId, ExprId)>,
     incoming: Vec<io::Incoming>,
     outgoing: Vec<io::Outgoing>,
+    /// Locations that several variables share, and what lies in each.
+    shared: shared::Shared,
     in_locations: io::Locations,
     out_locations: io::Locations,
     inputs: Vec<Port>,
@@ -78,6 +86,8 @@ struct Build<'s> {
     stage_inputs: Vec<(String, Handle<GlobalVariable>, Span)>,
     /// What the harness has no way to feed or read.
     unfed: Vec<Unfed>,
+    /// Storage blocks.
+    memory: Vec<Memory>,
     workgroup: [u32; 3],
 }
 
@@ -93,12 +103,14 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         active: Vec::new(),
         emission: HashMap::new(),
         textures: HashMap::new(),
+        buffers: HashMap::new(),
         unnamed: HashMap::new(),
         next_binding: 0,
         local_constants: HashMap::new(),
         initial: Vec::new(),
         incoming: Vec::new(),
         outgoing: Vec::new(),
+        shared: shared::Shared::default(),
         in_locations: io::Locations::default(),
         out_locations: io::Locations::default(),
         inputs: Vec::new(),
@@ -108,12 +120,13 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         built_ins: Vec::new(),
         stage_inputs: Vec::new(),
         unfed: Vec::new(),
+        memory: Vec::new(),
         workgroup: workgroup(shader),
     };
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
-    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, textures, stage_inputs, .. } = build;
+    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, textures, stage_inputs, memory, .. } = build;
     if !textures.is_empty() {
         let span = shader.interface().uniforms.iter().find(|u| u.ty.contains_opaque()).map(|u| u.name_span);
         unfed.insert(0, ("textures and images".to_owned(), span.unwrap_or_default()));
@@ -152,7 +165,7 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
             Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), span, message).with_help(help)
         })
         .collect();
-    Ok(Program { module, info, entry, role, inputs, uniforms, outputs, built_ins, unfed, lowered })
+    Ok(Program { module, info, entry, role, inputs, uniforms, outputs, built_ins, unfed, memory, lowered })
 }
 
 /// Where a variable of that name is declared.

@@ -12,6 +12,7 @@ use crate::glsl::swizzle::component;
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ScalarType, Type};
 use crate::program::front::VALIDATOR;
+use crate::program::memory::LENGTH;
 use crate::text::Span;
 
 /// What a name stands for.
@@ -372,6 +373,13 @@ impl Fun<'_, '_> {
         }
     }
 
+    /// The length of an array that is as long as its buffer. The number before is what stands in its place
+    /// when the buffer is no buffer.
+    pub(super) fn array_length(&mut self, array: Expr) -> Expr {
+        self.add(Expression::Literal(naga::Literal::U32(LENGTH)));
+        self.add(Expression::ArrayLength(array))
+    }
+
     /// `base.length()`.
     pub(super) fn length(&mut self, base: ExprId) -> Result<Val> {
         let expr = self.shader.expr(base);
@@ -383,7 +391,7 @@ impl Fun<'_, '_> {
                         &self.build.module.types[place.host].inner,
                         TypeInner::Array { size: naga::ArraySize::Dynamic, .. }
                     ) {
-                        let n = self.add(Expression::ArrayLength(place.ptr));
+                        let n = self.array_length(place.ptr);
                         let e = self.add(Expression::As { expr: n, kind: ScalarKind::Sint, convert: Some(4) });
                         return Ok(Val { e, ty: Type::INT });
                     }

@@ -6,12 +6,9 @@ use super::function::{Fun, Val};
 use super::place::Var;
 use super::types::same;
 use super::{Expr, Result};
-use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::{ArrayDim, Block, Condition, Declaration, ExprId, Stmt, StmtKind};
 use crate::glsl::types::{ArraySize, Type};
 use crate::glsl::{Const, Stage};
-use crate::program::front::VALIDATOR;
-use crate::text::Span;
 
 impl Fun<'_, '_> {
     pub(super) fn statements(&mut self, statements: &[Stmt]) -> Result<()> {
@@ -264,8 +261,9 @@ impl Fun<'_, '_> {
         }
     }
 
-    /// Ends a function. One that ends without `return` has no value that could be judged.
-    pub(super) fn end(&mut self, name: &str, head: Span) -> Result<()> {
+    /// Ends a function. What one gives that ends without `return` is undefined (GLSL 4.60, 6.1): 0 is as
+    /// good as anything.
+    pub(super) fn end(&mut self) -> Result<()> {
         if self.is_done() {
             return Ok(());
         }
@@ -273,10 +271,11 @@ impl Fun<'_, '_> {
             self.push(Statement::Return { value: None });
             return Ok(());
         }
-        let message = format!("`{name}` can end without returning a value");
-        let file = self.shader.file();
-        let told = Diagnostic::new(VALIDATOR, Severity::Error, file, head, message);
-        Err(Box::new(told.with_help("return a value on every way through the function")))
+        let ty = self.result.clone();
+        let ty = self.ty(&ty)?;
+        let value = self.add(Expression::ZeroValue(ty));
+        self.push(Statement::Return { value: Some(value) });
+        Ok(())
     }
 }
 

@@ -66,16 +66,21 @@ impl Build<'_> {
             TextureDim::D2 | TextureDim::Rect => ImageDimension::D2,
             TextureDim::D3 => ImageDimension::D3,
             TextureDim::Cube => ImageDimension::Cube,
-            TextureDim::Buffer => {
-                let message = format!("`{ty}`: a texture that is a buffer");
-                return Err(self.unsupported(span, message, "use a storage buffer"));
-            }
+            TextureDim::Buffer => return Err(self.unsupported(span, format!("`{ty}`"), "use a storage buffer")),
         };
         let class = match ty.kind {
             OpaqueKind::Sampler if ty.shadow => ImageClass::Depth { multi: ty.multisampled },
             OpaqueKind::Sampler => ImageClass::Sampled { kind: kind(ty.scalar), multi: ty.multisampled },
             OpaqueKind::Image => {
-                let Some(format) = opaque.image.format.as_deref().and_then(storage_format) else {
+                let format = match (opaque.image.format.as_deref(), ty.scalar) {
+                    (Some(format), _) => storage_format(format),
+                    // What is only written takes any format (GLSL 4.60, 4.4.6.2): the widest one loses nothing.
+                    (None, _) if opaque.image.reads => None,
+                    (None, ScalarType::Int) => Some(naga::StorageFormat::Rgba32Sint),
+                    (None, ScalarType::Uint) => Some(naga::StorageFormat::Rgba32Uint),
+                    (None, _) => Some(naga::StorageFormat::Rgba32Float),
+                };
+                let Some(format) = format else {
                     let message = format!("`{ty}` without a format");
                     return Err(self.unsupported(span, message, "write `layout(rgba8)` or another format"));
                 };
@@ -177,7 +182,7 @@ impl Fun<'_, '_> {
         args: &[ExprId],
         span: Span,
     ) -> Result<Option<Option<Val>>> {
-        let family = ["texture", "texel", "shadow", "image"];
+        let family = ["texture", "texel", "shadow", "image", "atomicCounter"];
         if !family.iter().any(|f| name.starts_with(f)) {
             return Ok(None);
         }
@@ -187,11 +192,18 @@ impl Fun<'_, '_> {
         }
         let Some(opaque) = self.opaque(first)? else { return Ok(None) };
         let Type::Opaque(ty) = opaque.ty else { return Ok(None) };
+        if self.build.is_buffer(&opaque, ty) {
+            let mut rest = Vec::new();
+            for &arg in &args[1..] {
+                rest.push(Some(self.expression(arg)?));
+            }
+            return self.buffer_call(&plain_name(name), &opaque, ty, &rest, self.shader.expr(first).span).map(Some);
+        }
         let texture = self.build.texture(&opaque, ty, self.shader.expr(first).span)?;
         let image = self.add(Expression::GlobalVariable(texture.image));
         let sampler = texture.sampler.map(|s| self.add(Expression::GlobalVariable(s)));
         let mut rest = Vec::new();
-        let offset_at = offset_argument(name, args.len());
+        let offset_at = offset_argument(name, ty.shadow, args.len());
         for (k, &arg) in args.iter().enumerate().skip(1) {
             // Offsets are constants, and are read as such.
             let constant = Some(k) == offset_at && !name.starts_with("texelFetch");
@@ -211,6 +223,19 @@ impl Fun<'_, '_> {
                 return Err(self.build.unsupported(span, "`textureQueryLod`", "compute the level of detail"));
             }
             n if n.starts_with("texelFetch") => self.fetch(n, ty, image, &rest, span)?,
+            "textureGatherOffsets" => {
+                let Some(offsets) = offset_at.and_then(|k| self.four_offsets(args[k])) else {
+                    return Err(self.build.unsupported(span, "offsets that are computed", "write numbers"));
+                };
+                // Of each footprint the texel at its origin is meant, which a gather gives last (GLSL 4.60, 8.9.4).
+                let mut parts = Vec::new();
+                for offset in offsets {
+                    let offset = Some(self.offset_of(&offset)?);
+                    let texels = self.sample("textureGatherOffset", ty, image, sampler, &rest, offset, span)?;
+                    parts.push(self.part(texels.e, 3));
+                }
+                self.compose(&Type::Vector(ty.scalar, 4), parts)?
+            }
             n => {
                 let offset = match offset_at {
                     Some(k) => Some(self.constant_offset(args[k])?),
@@ -338,6 +363,20 @@ impl Fun<'_, '_> {
             let span = self.shader.expr(id).span;
             return Err(self.build.unsupported(span, "an offset that is computed", "write numbers"));
         };
+        self.offset_of(&numbers)
+    }
+
+    /// The numbers of a constant array of four offsets.
+    fn four_offsets(&self, id: ExprId) -> Option<Vec<Vec<i32>>> {
+        let (ExprKind::Call { args: items, .. } | ExprKind::List(items)) = &self.shader.expr(id).kind else {
+            let ExprKind::Name(_) = self.shader.expr(id).kind else { return None };
+            return self.four_offsets(self.build.initializer(self.shader.symbol_of(id)?)?);
+        };
+        let all: Option<Vec<Vec<i32>>> = items.iter().map(|&item| self.integers(item)).collect();
+        all.filter(|all| all.len() == 4)
+    }
+
+    fn offset_of(&mut self, numbers: &[i32]) -> Result<Expr> {
         let parts: Vec<Expr> = numbers.iter().map(|&n| self.i32(n)).collect();
         match parts[..] {
             [only] => Ok(only),
@@ -401,7 +440,7 @@ fn plain_name(name: &str) -> String {
 }
 
 /// Which argument is a constant offset.
-fn offset_argument(name: &str, count: usize) -> Option<usize> {
+fn offset_argument(name: &str, shadow: bool, count: usize) -> Option<usize> {
     if !name.contains("Offset") {
         return None;
     }
@@ -412,6 +451,9 @@ fn offset_argument(name: &str, count: usize) -> Option<usize> {
         3
     } else if name.starts_with("texelFetch") {
         count - 1
+    } else if name.contains("Gather") && shadow {
+        // Behind the reference value.
+        3
     } else {
         2
     };

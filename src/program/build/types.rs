@@ -142,7 +142,7 @@ impl Build<'_> {
     /// Type of what one index of a naga type gives.
     pub(super) fn element(&mut self, ty: Handle<NagaType>) -> Handle<NagaType> {
         let inner = match self.module.types[ty].inner {
-            TypeInner::Array { base, .. } => return base,
+            TypeInner::Array { base, .. } | TypeInner::BindingArray { base, .. } => return base,
             TypeInner::Matrix { rows, scalar, .. } => TypeInner::Vector { size: rows, scalar },
             TypeInner::Vector { scalar, .. } => TypeInner::Scalar(scalar),
             _ => return ty,

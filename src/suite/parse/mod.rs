@@ -19,6 +19,7 @@ const KEYS: [&str; 16] = [
     "suite",
     "title",
     "shader",
+    "linked",
     "stage",
     "entry",
     "formula",
@@ -99,6 +100,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let name = suite_name(root);
     let title = root.text("title");
     let shader = root.required_text("shader", "shader = \"sphere.vert\"");
+    let linked = root.texts("linked");
     let stage = stage(root);
     let mut entries = entries(root, stage);
     let entry = if entries.len() == 1 { entries.pop() } else { None };
@@ -119,6 +121,8 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         title: title.map_or_else(|| name.clone().unwrap_or_default(), |title| title.value),
         name: name?,
         shader: shader?.value,
+        linked: linked.into_iter().map(|name| name.value).collect(),
+        linked_texts: Vec::new(),
         stage: stage?,
         entry,
         entries,

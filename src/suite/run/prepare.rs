@@ -192,7 +192,8 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
         }
     };
     let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
-    Program::from_source_with(shader, stage, &suite.chosen, |_| Ok(target))
+    let texts: Vec<SourceFile> = std::iter::once(shader).chain(&suite.linked_texts).cloned().collect();
+    Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
 }
 
 /// What a suite says is expected of its program.

@@ -141,3 +141,88 @@ fn a_compute_stage_is_translated() {
         assert!(wgsl.contains(part), "no `{part}` in\n{wgsl}");
     }
 }
+
+#[test]
+fn each_vertex_has_the_number_of_its_stream() {
+    let text = "#version 400
+      layout(points) in; layout(points, max_vertices = 3) out;
+      layout(stream = 0) out float a; layout(stream = 1) out float b; layout(stream = 1) out Block { vec2 c; };
+      void main() { a = 1.0; gl_Position = gl_in[0].gl_Position; b = 9.0; EmitStreamVertex(0); EndStreamPrimitive(0);
+        b = 2.0; c = vec2(3.0, 4.0); a = 9.0; EmitStreamVertex(1); a = 5.0; gl_Position = vec4(6.0); EmitVertex(); }";
+    let program = built("t.geom", text).unwrap();
+    let names: Vec<&str> = program.outputs.iter().map(|p| p.field.name.as_str()).collect();
+    assert_eq!(names, ["gl_Position", "emit_stream", "a", "b", "c"]);
+    // What belongs to another stream is 0. `EmitVertex` is for the first stream.
+    let first = [1.0, 2.0, 3.0, 4.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let second = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 3.0, 4.0];
+    for found in super::outputs(&program, &[1.0, 2.0, 3.0, 4.0], &[]) {
+        assert_eq!(found[..9], first);
+        assert_eq!(found[9..18], second);
+        assert_eq!(found[18..], [6.0, 6.0, 6.0, 6.0, 0.0, 5.0, 0.0, 0.0, 0.0]);
+    }
+}
+
+#[test]
+fn built_in_variables_that_are_varyings_here() {
+    let text = "#version 430\nin vec4 p; out vec4 r; void main() { r = p * float(gl_Layer) + vec4(gl_ViewportIndex, gl_SamplePosition, gl_HelperInvocation); }";
+    let program = built("t.frag", &text.replace("430", "450")).unwrap();
+    let names: Vec<&str> = program.inputs.iter().map(|p| p.field.name.as_str()).collect();
+    assert_eq!(names, ["p", "gl_Layer", "gl_ViewportIndex", "gl_SamplePosition", "gl_HelperInvocation"]);
+    let inputs = [1.0, 2.0, 3.0, 4.0, 2.0, 5.0, 0.25, 0.75, 1.0];
+    expect("t.frag", &text.replace("430", "450"), &inputs, &[], &[7.0, 4.25, 6.75, 9.0]);
+}
+
+#[test]
+fn arrays_take_their_size_from_constants_and_from_their_use() {
+    let text = "#version 150
+      flat out ivec4 f[min(gl_MaxVertexOutputComponents, gl_MaxGeometryInputComponents) / 32]; in vec4 p;
+      out Block { float open[]; vec2 b; } block;
+      void main() { gl_Position = p; f[1] = ivec4(p); f[0] = ivec4(f.length()); block.open[2] = 5.0; block.open[0] = 1.0; block.open[1] = 3.0; block.b = p.xy; }";
+    expect(
+        "t.vert",
+        text,
+        &[1.0, 2.0, 3.0, 4.0],
+        &[],
+        &[1.0, 2.0, 3.0, 4.0, 2.0, 2.0, 2.0, 2.0, 1.0, 2.0, 3.0, 4.0, 1.0, 3.0, 5.0, 1.0, 2.0],
+    );
+}
+
+#[test]
+fn four_offsets_are_four_gathers() {
+    let text = "#version 400\nuniform sampler2D t; in vec2 uv; out vec4 c; const ivec2 at[4] = ivec2[4](ivec2(0), ivec2(1), ivec2(-2, 1), ivec2(3, 0));
+      void main() { c = textureGatherOffsets(t, uv, at, 2); }";
+    let wgsl = built("t.frag", text).unwrap().translate(Language::Wgsl).unwrap().into_bytes();
+    let wgsl = String::from_utf8(wgsl).unwrap();
+    assert_eq!(wgsl.matches("textureGather(2, ").count(), 4, "{wgsl}");
+    assert!(wgsl.contains("vec2<i32>(-2i, 1i)") && wgsl.contains("vec2<i32>(3i, 0i)"), "{wgsl}");
+}
+
+#[test]
+fn offset_and_component_of_a_gather() {
+    let text = "#version 400\nuniform sampler2D t; uniform sampler2DShadow s; in vec2 uv; out vec4 c;
+      void main() { c = textureGatherOffset(t, uv, ivec2(1, 2), 3) + textureGatherOffset(s, uv, 0.25, ivec2(3, 4)); }";
+    let wgsl = built("t.frag", text).unwrap().translate(Language::Wgsl).unwrap().into_bytes();
+    let wgsl = String::from_utf8(wgsl).unwrap();
+    assert!(wgsl.contains("textureGather(3, t") && wgsl.contains("vec2<i32>(1i, 2i)"), "{wgsl}");
+    let compare = wgsl.split("textureGatherCompare(").nth(1).unwrap();
+    let call = compare.split(';').next().unwrap();
+    assert!(call.contains("0.25f, vec2<i32>(3i, 4i)"), "{wgsl}");
+}
+
+#[test]
+fn locations_that_are_not_written_go_around_those_that_are() {
+    let text = "#version 450
+      layout(location = 0) out Block { vec4 a; layout(location = 4) vec4 b[2]; vec4 c; }; out vec4 d; out vec4 e[3]; in vec4 p;
+      void main() { a = p; b[0] = p; b[1] = p; c = p; d = p; e[2] = p; gl_Position = p; }";
+    let program = built("t.vert", text).unwrap();
+    let function = &program.module.entry_points[0].function;
+    let naga::TypeInner::Struct { members, .. } = &program.module.types[function.result.as_ref().unwrap().ty].inner
+    else {
+        panic!()
+    };
+    let location = |m: &naga::StructMember| match m.binding {
+        Some(naga::Binding::Location { location, .. }) => Some(location),
+        _ => None,
+    };
+    assert_eq!(members.iter().filter_map(location).collect::<Vec<_>>(), [0, 4, 5, 6, 1, 7, 8, 9]);
+}

@@ -1,6 +1,6 @@
 //! Statements, functions, arrays, structures and initialisers.
 
-use super::gives;
+use super::{expect, gives};
 
 #[test]
 fn the_right_side_of_a_short_circuit_runs_only_where_it_counts() {
@@ -204,4 +204,13 @@ fn what_macros_write_is_run() {
         "r = vec4(SQUARE(x + 1.0), half_way, __VERSION__, __LINE__ > 0);",
         [20.25, 0.5, 450.0, 1.0],
     );
+}
+
+#[test]
+fn a_way_through_a_function_without_return_is_allowed() {
+    // What is given there is undefined, and the way is not gone.
+    let text = "#version 330\nin vec4 p; float f(float a) { if (a > 0.0) return a + 1.0; }
+      float g(int k) { switch (k) { case 1: return 10.0; case 2: return 20.0; } }
+      void main() { gl_Position = vec4(f(p.x), g(int(p.y)), g(1), f(4.0)); }";
+    expect("t.vert", text, &[1.0, 2.0, 0.0, 0.0], &[], &[2.0, 20.0, 10.0, 5.0]);
 }

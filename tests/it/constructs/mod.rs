@@ -3,6 +3,8 @@
 
 mod interface;
 mod language;
+mod linked;
+mod memory;
 mod numbers;
 mod refused;
 mod shipped;
@@ -67,7 +69,7 @@ pub fn outputs(program: &Program, inputs: &[f64], uniforms: &[f64]) -> [Vec<f64>
 /// What a shader gives, compared with what it should.
 #[track_caller]
 pub fn expect(name: &str, text: &str, inputs: &[f64], uniforms: &[f64], expected: &[f64]) {
-    let program = built(name, text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let program = built(name, text).and_then(Program::with_memory_inside).unwrap_or_else(|e| panic!("{e}\n{text}"));
     for found in outputs(&program, inputs, uniforms) {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 2e-6 * b.abs().max(1.0) || (a.is_nan() && b.is_nan());
         let agree = found.len() == expected.len() && found.iter().zip(expected).all(near);

@@ -242,3 +242,22 @@ fn a_function_in_wgsl_is_run() {
     check(&[("f.wgsl", shader), ("model.glsl", &model("0.5")), ("f.suite.toml", &text)], &[]).expect(0);
     check(&[("f.wgsl", shader), ("model.glsl", &model("0.25")), ("f.suite.toml", &text)], &[]).expect(1);
 }
+
+#[test]
+fn a_shader_of_several_texts() {
+    let suite = super::suite(&["a"], "linked = [\"lib.glsl\"]\nreference = \"reference.glsl\"");
+    let shader = "float twice(float x);\nfloat f(float a) { return twice(a) + 1.0; }\n";
+    let reference = "float f(float a) { return a + a + 1.0; }\n";
+    for (library, status) in
+        [("float twice(float x) { return x * 2.0; }\n", 0), ("float twice(float x) { return x * 3.0; }\n", 1)]
+    {
+        let files = [
+            ("own.suite.toml", suite.as_str()),
+            ("f.glsl", shader),
+            ("lib.glsl", library),
+            ("reference.glsl", reference),
+        ];
+        let ran = super::check(&files, &[]);
+        assert_eq!(ran.code, status, "{}", ran.out);
+    }
+}
