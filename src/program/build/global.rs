@@ -179,7 +179,7 @@ impl<'s> Build<'s> {
     /// A uniform. It stands in a block of its own, so that its place can be laid out.
     pub(super) fn uniform(&mut self, name: &str, ty: &Type, span: Span) -> Result<Handle<GlobalVariable>> {
         let host = self.make(ty, Layout::Uniform, span)?;
-        let handle = self.bound(name, AddressSpace::Uniform, host);
+        let handle = self.with_binding(name, AddressSpace::Uniform, host);
         self.uniform_ports(handle, host, name, ty, span);
         Ok(handle)
     }
@@ -360,7 +360,7 @@ impl<'s> Build<'s> {
         let (handle, host) = match block.storage {
             Storage::Uniform => {
                 let host = self.make(&ty, Layout::Uniform, span)?;
-                (self.bound(&name, AddressSpace::Uniform, host), host)
+                (self.with_binding(&name, AddressSpace::Uniform, host), host)
             }
             Storage::Buffer => {
                 let mut host = self.make(&ty, Layout::Storage, span)?;
@@ -369,7 +369,7 @@ impl<'s> Build<'s> {
                 }
                 let access = StorageAccess::LOAD | StorageAccess::STORE;
                 self.unfed.push((format!("the storage block `{}`", block.name.name), span));
-                (self.bound(&name, AddressSpace::Storage { access }, host), host)
+                (self.with_binding(&name, AddressSpace::Storage { access }, host), host)
             }
             _ => {
                 let host = self.value_type(&ty, span)?;
