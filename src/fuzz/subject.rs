@@ -9,7 +9,7 @@ use crate::glsl::symbols::{FunctionId, FunctionInfo};
 use crate::glsl::{Shader, Stage};
 use crate::interp::{self, Executable};
 use crate::lower::Target;
-use crate::program::{Kernel, Program, ProgramError};
+use crate::program::{DISCARD, Kernel, Program, ProgramError};
 use crate::text::Span;
 
 /// A function of a file.
@@ -75,7 +75,7 @@ fn signature(info: &FunctionInfo) -> String {
 
 fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
     let main = info.name.name == "main";
-    if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Compute) {
+    if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
         let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
         let alone = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
@@ -88,7 +88,9 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
     let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
     let target = Target::Function(wrapper::NAME.to_owned());
     let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;
-    if (program.inputs.len(), program.outputs.len()) != (inputs.len(), outputs.len()) {
+    // Whether it discards is an output that nobody declares.
+    let own = program.outputs.iter().filter(|port| port.field.name != DISCARD).count();
+    if (program.inputs.len(), own) != (inputs.len(), outputs.len()) {
         return Err("internal error, please report: its parameters got lost".to_owned());
     }
     program.inputs.iter_mut().zip(inputs).for_each(|(port, name)| port.field.name = name);

@@ -82,6 +82,7 @@ struct Text {
     params: Vec<String>,
     before: String,
     after: String,
+    samplers: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
     words: usize,
@@ -143,6 +144,14 @@ pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<W
     let mut arguments = Vec::new();
     for (k, param) in function.params.iter().enumerate() {
         let shown = param.name.as_ref().map_or_else(|| format!("argument{}", k + 1), |name| name.name.clone());
+        if let Type::Opaque(_) = param.ty {
+            // A texture is bound, under the name of the parameter where nothing else has it.
+            let taken = shader.interface().variables().any(|v| v.name == shown);
+            let name = if taken || param.name.is_none() { format!("sc_t{k}") } else { shown };
+            let _ = writeln!(text.samplers, "uniform {};", declared(&param.ty.to_string(), &name));
+            arguments.push(name);
+            continue;
+        }
         let leaves = leaves(&param.ty).map_err(|why| format!("its parameter `{shown}` is of type {why}"))?;
         let variable = format!("sc_p{k}");
         let _ = writeln!(text.before, "  {};", declared(&param.ty.to_string(), &variable));
@@ -163,9 +172,9 @@ pub fn wrap(shader: &Shader, function: &FunctionInfo, slice: &Slice) -> Result<W
     if text.words > MOST_WORDS {
         return Err(format!("it takes and gives {} words; {MOST_WORDS} at most are fed", text.words));
     }
-    let Text { params, before, after, inputs, outputs, .. } = text;
+    let Text { params, before, after, samplers, inputs, outputs, .. } = text;
     let call = format!("{call}{called}({});", arguments.join(", "));
-    let body = format!("\nvoid {NAME}({}) {{\n{before}  {call}\n{after}}}\n", params.join(", "));
+    let body = format!("\n{samplers}void {NAME}({}) {{\n{before}  {call}\n{after}}}\n", params.join(", "));
     Ok(Wrapped { file: assemble(shader, slice, function, &body), inputs, outputs })
 }
 
@@ -221,8 +230,8 @@ mod tests {
         assert!(!text.contains("texture") && !text.contains("sampler2D") && !text.contains("uniform"), "{text}");
         let at = text.find("S f(S s").unwrap();
         assert_eq!(all.file.locate(at), "a.glsl:6:1");
-        let error = wrapped("a.glsl", "vec4 f(sampler2D t) { return vec4(0.0); }", "f").unwrap_err();
-        assert_eq!(error, "its parameter `t` is of type `sampler2D`, which only a host can give");
+        let bound = wrapped("a.glsl", "vec4 f(sampler2D t) { return vec4(0.0); }", "f").unwrap();
+        assert!(bound.file.text().contains("uniform sampler2D t;") && bound.file.text().contains("f(t)"));
     }
 
     #[test]

@@ -187,6 +187,15 @@ pub(super) enum Inst {
         to: Reg,
         args: [Reg; 4],
     },
+    /// A word of a texel, 0 in lanes that are not inside.
+    Texel {
+        table: u32,
+        index: Reg,
+        channel: u8,
+        inside: Option<Reg>,
+        to: Reg,
+        site: Site,
+    },
     Select {
         to: Slot,
         condition: Reg,
@@ -293,6 +302,11 @@ impl Inst {
                 args.iter_mut().for_each(|a| f(Read, Word, a));
                 f(Write, Word, to);
             }
+            Self::Texel { index, inside, to, .. } => {
+                f(Read, Word, index);
+                inside.iter_mut().for_each(|reg| f(Read, Word, reg));
+                f(Write, Word, to);
+            }
             Self::Select { to, condition, accept, reject } => {
                 f(Read, Word, condition);
                 f(Read, to.file(), accept);
@@ -367,6 +381,8 @@ pub struct Executable {
     pub(super) poisoned: Vec<Slot>,
     pub(super) outputs: Vec<Slot>,
     pub(super) max_vertices: Option<u32>,
+    /// Contents of textures: four words a texel.
+    pub(super) tables: Vec<Arc<[u32]>>,
     /// The body before its temporaries share registers.
     pub(super) draft: Arc<Draft>,
 }

@@ -239,6 +239,13 @@ pub enum ToWords {
     HalfBits,
     /// Exponent of x = f·2^e with ½ ≤ |f| < 1, signed; 0 for 0.
     FrexpExponent,
+    /// The texel in which a coordinate lies, signed: ⌊x⌋ clamped to a range; the lower end for NaN.
+    Texel {
+        /// Lower end.
+        low: i32,
+        /// Upper end.
+        high: i32,
+    },
 }
 
 /// From a word to a real number.
@@ -310,6 +317,10 @@ pub trait Domain {
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Self::Column, out: &mut Words) -> Mask;
     /// Converts from words.
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Self::Column);
+    /// Notes that what comes of this place in these lanes is not promised.
+    fn doubt(&mut self, site: Site, lanes: &Mask) {
+        let _ = (site, lanes);
+    }
     /// Copies a column.
     fn copy(&mut self, from: &Self::Column, to: &mut Self::Column);
     /// Copies the lanes of `mask` and leaves the others.

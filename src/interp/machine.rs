@@ -258,6 +258,19 @@ impl<'e, D: Domain> Machine<'e, D> {
             Inst::Field { op, to, args } => {
                 self.words[*to as usize] = integer::field(*op, args.map(|reg| &self.words[reg as usize]));
             }
+            Inst::Texel { table, index, channel, inside, to, site } => {
+                let table = &self.executable.tables[*table as usize];
+                let index = self.words[*index as usize];
+                let inside = inside.map_or(Mask::ALL, |reg| Mask::of(&self.words[reg as usize]));
+                let outside = self.active.minus(inside);
+                if !outside.is_empty() {
+                    self.report(Kind::Index, *site, outside);
+                    self.domain.doubt(*site, &outside);
+                }
+                let word = |lane: usize| table.get(4 * index[lane] as usize + usize::from(*channel)).copied();
+                let found = |lane: usize| if inside.has(lane) { word(lane).unwrap_or(0) } else { 0 };
+                self.words[*to as usize] = std::array::from_fn(found);
+            }
             Inst::Select { to, condition, accept, reject } => {
                 let mask = Mask::of(&self.words[*condition as usize]);
                 self.copy(*to, *reject);

@@ -123,6 +123,7 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         uniforms: &bindings(&program.uniforms),
         outputs: &bindings(&program.outputs),
         built_ins: &program.built_ins,
+        textures: &program.textures,
         max_vertices: program.output_layout().max_vertices,
     })
 }
@@ -141,6 +142,7 @@ pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
         uniforms: &bindings(&back.uniforms),
         outputs: &bindings(&back.outputs),
         built_ins: &back.built_ins,
+        textures: &back.textures,
         max_vertices: back.max_vertices,
     })
 }

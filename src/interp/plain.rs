@@ -268,12 +268,16 @@ pub fn to_words(op: ToWords, a: &[f64; LANES], out: &mut Words) -> Mask {
             ToWords::Bits => (x as f32).to_bits(),
             ToWords::HalfBits => u32::from(half::to_bits(x)),
             ToWords::FrexpExponent => frexp(x).1.cast_unsigned(),
+            // A conversion gives 0 for NaN, which need not lie in the range.
+            ToWords::Texel { low, high } => {
+                (if x.is_nan() { low } else { (x.floor() as i32).clamp(low, high) }).cast_unsigned()
+            }
         };
     }
     match op {
         ToWords::Signed => Mask::where_(|k| !(-2_147_483_648.0..2_147_483_648.0).contains(&a[k].trunc())),
         ToWords::Unsigned => Mask::where_(|k| !(0.0..4_294_967_296.0).contains(&a[k].trunc())),
-        ToWords::Bits | ToWords::HalfBits | ToWords::FrexpExponent => Mask::NONE,
+        ToWords::Bits | ToWords::HalfBits | ToWords::FrexpExponent | ToWords::Texel { .. } => Mask::NONE,
     }
 }
 

@@ -62,6 +62,8 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
         uniforms,
         outputs,
         built_ins,
+        textures: Vec::new(),
+        stage_module: None,
         unfed: Vec::new(),
         memory: Vec::new(),
         lowered,

@@ -12,8 +12,11 @@ pub mod probe;
 mod readback;
 mod source;
 mod strides;
+pub mod texture;
 mod translate;
 mod wgsl;
+
+use std::sync::Arc;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};
@@ -24,6 +27,7 @@ use crate::glsl::Shader;
 use crate::lower::{Lowered, Role, Target};
 use crate::value::Field;
 
+pub use build::DISCARD;
 pub use capture::{
     Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
 };
@@ -31,6 +35,7 @@ pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};
 pub use probe::Probed;
 pub use readback::{Place, ReadBack};
+pub use texture::Texture;
 pub use translate::{Language, TranslateError, Translation, read_back};
 
 /// Why there is no program or kernel.
@@ -145,6 +150,11 @@ pub struct Program {
     pub outputs: Vec<Port>,
     /// Built-in arguments of the entry point, by argument index.
     pub built_ins: Vec<(u32, BuiltIn)>,
+    /// Samplers, with what they are bound to when the program is run.
+    pub textures: Vec<Texture>,
+    /// For a fragment stage, the module as a host gets it, where what is run differs: it discards, takes
+    /// derivatives, or leaves the level of detail to them.
+    pub stage_module: Option<Arc<(Module, ModuleInfo)>>,
     /// What the harness has no way to feed or read: such a program is translated, and not run.
     pub unfed: Vec<Diagnostic>,
     /// Storage blocks that are no inputs and outputs yet.

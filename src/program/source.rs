@@ -1,6 +1,8 @@
 //! From an author's text to a program, in one step.
 
-use super::{Program, ProgramError};
+use naga::valid::ShaderStages;
+
+use super::{Entry, Program, ProgramError};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::{Shader, Stage, link};
 use crate::lower::{Target, lower};
@@ -19,6 +21,16 @@ impl Program {
         target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
     ) -> Result<Self, ProgramError> {
         Self::from_source_with(file, stage, &[], target)
+    }
+
+    /// Refuses a function that discards or takes derivatives, which naga's reader leaves as they are.
+    fn by_itself(self) -> Result<Self, ProgramError> {
+        if let Entry::Function(function) = self.entry
+            && !self.info[function].available_stages.contains(ShaderStages::COMPUTE)
+        {
+            return Err(ProgramError::Unsupported { what: "a function of a fragment stage".to_owned() });
+        }
+        Ok(self)
     }
 
     /// The same with macros that are given from outside: names and values.
@@ -44,7 +56,7 @@ impl Program {
         let target = target(&parsed.shader)?;
         let by_edits = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
         // What edits in place do not make readable to naga is built from the syntax tree.
-        by_edits.or_else(|_| Self::build(&parsed.shader, &target)).map_err(|error| match error {
+        by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target)).map_err(|error| match error {
             ProgramError::Source(found) => ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()),
             other => other,
         })

@@ -143,7 +143,11 @@ impl Program {
                 let (module, info) = padded.as_ref().map_or((&self.module, &self.info), |(m, i)| (m, i));
                 translate(module, info, ShaderStage::Vertex, language)
             }
-            Role::Fragment => translate(&self.module, &self.info, ShaderStage::Fragment, language),
+            Role::Fragment => {
+                let (module, info) =
+                    self.stage_module.as_deref().map_or((&self.module, &self.info), |(module, info)| (module, info));
+                translate(module, info, ShaderStage::Fragment, language)
+            }
             Role::Compute => translate(&self.module, &self.info, ShaderStage::Compute, language),
             Role::Geometry(_) | Role::Function { .. } => {
                 let mut module = self.compute_kernel()?.module;

@@ -107,7 +107,10 @@ impl Program {
             uniforms: Vec::new(),
             outputs,
             built_ins,
+            textures: Vec::new(),
+            stage_module: None,
             unfed: Vec::new(),
+            memory: Vec::new(),
             lowered,
         })
     }

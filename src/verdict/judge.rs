@@ -57,6 +57,8 @@ pub enum Reason {
     IllConditioned,
     /// A comparison could go either way.
     Branch,
+    /// A coordinate lies so near to the edge of a texel that a device may take its neighbour.
+    TexelEdge,
     /// The value lies below the normal range of binary32, where a device may flush it to zero.
     Underflow,
     /// The value, or one on the way to it, may be too large for binary32.
@@ -65,8 +67,15 @@ pub enum Reason {
 
 impl Reason {
     /// All of them, in the order of reports.
-    pub const ALL: [Self; 6] =
-        [Self::Domain, Self::NoPromise, Self::IllConditioned, Self::Branch, Self::Underflow, Self::Overflow];
+    pub const ALL: [Self; 7] = [
+        Self::Domain,
+        Self::NoPromise,
+        Self::IllConditioned,
+        Self::Branch,
+        Self::TexelEdge,
+        Self::Underflow,
+        Self::Overflow,
+    ];
 
     /// Name in reports.
     pub fn name(self) -> &'static str {
@@ -75,6 +84,7 @@ impl Reason {
             Self::NoPromise => "no_promise",
             Self::IllConditioned => "ill_conditioned",
             Self::Branch => "branch",
+            Self::TexelEdge => "texel_edge",
             Self::Underflow => "underflow",
             Self::Overflow => "overflow",
         }
@@ -84,7 +94,7 @@ impl Reason {
     pub fn is_range(self) -> bool {
         match self {
             Self::Underflow | Self::Overflow => true,
-            Self::Domain | Self::NoPromise | Self::IllConditioned | Self::Branch => false,
+            Self::Domain | Self::NoPromise | Self::IllConditioned | Self::Branch | Self::TexelEdge => false,
         }
     }
 }
@@ -96,6 +106,7 @@ impl fmt::Display for Reason {
             Self::NoPromise => "no promise",
             Self::IllConditioned => "ill-conditioned",
             Self::Branch => "a comparison could go either way",
+            Self::TexelEdge => "a coordinate at the edge of a texel",
             Self::Underflow => "underflow",
             Self::Overflow => "overflow",
         })

@@ -397,7 +397,8 @@ fn open_words(
 
 fn fork(tape: &Tape<'_>, lane: usize) -> Doubt {
     let cause = tape.fork(lane).map(|site| tape.decision(site));
-    Doubt { reason: Reason::Branch, cause }
+    let reason = if tape.is_texel_edge(lane) { Reason::TexelEdge } else { Reason::Branch };
+    Doubt { reason, cause }
 }
 
 /// The operation that has the largest part in the doubt about a small value.

@@ -57,13 +57,22 @@ pub struct Tape<'p> {
     arena: Arena,
     /// Lanes in which a decision could have gone the other way, with the first place where.
     forks: [Option<Site>; LANES],
+    /// Lanes in which that decision is the one between two texels.
+    edges: [bool; LANES],
     sweep: sweep::Scratch,
 }
 
 impl<'p> Tape<'p> {
     /// A tape for devices that follow a model.
     pub fn new(model: Model<'p>) -> Self {
-        Self { model, literals: &[], arena: Arena::default(), forks: [None; LANES], sweep: sweep::Scratch::default() }
+        Self {
+            model,
+            literals: &[],
+            arena: Arena::default(),
+            forks: [None; LANES],
+            edges: [false; LANES],
+            sweep: sweep::Scratch::default(),
+        }
     }
 
     /// A tape on which literals have the values that their author wrote: by the number of their site,
@@ -88,6 +97,11 @@ impl<'p> Tape<'p> {
     /// comparison of numbers that are nearer to each other than their errors.
     pub fn fork(&self, lane: usize) -> Option<Site> {
         self.forks[lane]
+    }
+
+    /// True when that decision is the one between two texels.
+    pub fn is_texel_edge(&self, lane: usize) -> bool {
+        self.edges[lane]
     }
 
     fn leaf(&mut self, value: impl FnOnce(&mut Lanes)) -> Id {
@@ -126,6 +140,7 @@ impl Domain for Tape<'_> {
     fn begin(&mut self) {
         self.arena.clear();
         self.forks = [None; LANES];
+        self.edges = [false; LANES];
         // Node 0 holds zeros: what a column holds that nobody wrote.
         self.leaf(|value| value.fill(0.0));
     }
@@ -223,10 +238,19 @@ impl Domain for Tape<'_> {
         let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
         let outside = crate::interp::to_words(op, x, out);
         let (mut low, mut high) = ([0; LANES], [0; LANES]);
-        let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| x[lane] + sign * e[lane]) };
+        let texel = matches!(op, ToWords::Texel { .. });
+        let (relative, absolute) = if texel { self.model.texel_slack() } else { (0.0, 0.0) };
+        let reach = |lane: usize| e[lane] + relative * x[lane].abs() + absolute;
+        let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| x[lane] + sign * reach(lane)) };
         crate::interp::to_words(op, &ends(-1.0), &mut low);
         crate::interp::to_words(op, &ends(1.0), &mut high);
-        let forks: Vec<usize> = active.lanes().filter(|&lane| low[lane] != high[lane] || e[lane].is_nan()).collect();
+        // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
+        let far = |x: f64| !x.is_finite() || (absolute > 0.0 && x.abs() >= 8_388_608.0);
+        let lost = |lane: usize| e[lane].is_nan() || (texel && far(x[lane]));
+        let forks: Vec<usize> = active.lanes().filter(|&lane| low[lane] != high[lane] || lost(lane)).collect();
+        for &lane in forks.iter().filter(|&&lane| texel && self.forks[lane].is_none()) {
+            self.edges[lane] = true;
+        }
         self.note_fork(site, forks.into_iter());
         outside
     }
@@ -249,6 +273,10 @@ impl Domain for Tape<'_> {
             (meta.exact, meta.op, meta.site) = (exact, Some(Op::Convert), Some(site));
         }
         out.0 = id;
+    }
+
+    fn doubt(&mut self, site: Site, lanes: &Mask) {
+        self.note_fork(site, lanes.lanes());
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {

@@ -84,6 +84,16 @@ impl<'p> Model<'p> {
         }
     }
 
+    /// How far a device may be off in the coordinate of a texel, of its size and in texels. Vulkan states
+    /// no number; its conformance suite takes coordinates of 20 bits and 7 bits within a texel. Strict
+    /// binary32 rounds as all else.
+    pub(super) fn texel_slack(&self) -> (f64, f64) {
+        match self {
+            Self::Device { profile, .. } if profile.name != "binary32" => (2f64.powi(-20), 2f64.powi(-7)),
+            Self::Device { .. } | Self::Binary64 => (0.0, 0.0),
+        }
+    }
+
     /// True when subnormal numbers may become zero.
     pub(super) fn flushes(&self) -> bool {
         match self {

@@ -88,6 +88,12 @@ impl<'m> Compiler<'m> {
                 let argument = frame.arguments.get(index as usize).cloned();
                 return argument.ok_or_else(|| InterpError::internal(format!("there is no argument {index}")));
             }
+            // Textures and samplers are looked at where they are used.
+            Expression::GlobalVariable(global)
+                if self.module.global_variables[global].space == AddressSpace::Handle =>
+            {
+                Vec::new()
+            }
             Expression::GlobalVariable(global) => {
                 let constant = self.module.global_variables[global].space == AddressSpace::Uniform;
                 return Ok(Self::whole(self.global(global)?, constant));
@@ -127,9 +133,9 @@ impl<'m> Compiler<'m> {
             }
             Expression::As { expr, kind, convert } => self.cast(frame, site, expr, kind, convert)?,
             Expression::CallResult(_) => return Err(InterpError::internal("the result of a later call".to_owned())),
-            Expression::ImageSample { .. } => return refuse("sampling a texture"),
-            Expression::ImageLoad { .. } => return refuse("loading from an image"),
-            Expression::ImageQuery { .. } => return refuse("asking for the size of an image"),
+            Expression::ImageSample { .. } => self.image_sample(frame, site, handle, span)?,
+            Expression::ImageLoad { .. } => self.image_load(frame, site, handle, span)?,
+            Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
             Expression::Derivative { .. } => return refuse("derivatives between fragments"),
             Expression::AtomicResult { .. } => return refuse("atomics"),
             Expression::WorkGroupUniformLoadResult { .. } => return refuse("loading for a whole workgroup"),

@@ -8,6 +8,7 @@ mod math;
 mod memory;
 mod operator;
 mod statement;
+mod texture;
 mod types;
 
 use std::collections::{HashMap, HashSet};
@@ -21,7 +22,7 @@ use super::InterpError;
 use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Slot, TEMPORARY};
 use super::domain::{Site, Source};
 use super::rearrange::Draft;
-use crate::program::{Entry, PortAt};
+use crate::program::{Entry, PortAt, Texture};
 use crate::value::Scalar;
 
 /// Where a value of the interface lies.
@@ -54,6 +55,8 @@ pub struct Subject<'m> {
     pub outputs: &'m [Binding],
     /// Built-in arguments of the entry point, by argument index.
     pub built_ins: &'m [(u32, BuiltIn)],
+    /// What images and samplers are bound to.
+    pub textures: &'m [Texture],
     /// For a geometry stage, the number of vertices that are stored. Calls of functions named
     /// `EmitVertex` and `EndPrimitive` are then taken for what their names say.
     pub max_vertices: Option<u32>,
@@ -162,6 +165,7 @@ impl<'m> Compiler<'m> {
                 poisoned: Vec::new(),
                 outputs: Vec::new(),
                 max_vertices: subject.max_vertices,
+                tables: subject.textures.iter().map(|t| t.contents.words().clone()).collect(),
                 draft: Arc::default(),
             },
             sites: HashMap::new(),

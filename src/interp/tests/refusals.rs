@@ -14,6 +14,7 @@ fn refused(text: &str) -> (String, String) {
         uniforms: &[],
         outputs: &[],
         built_ins: &[],
+        textures: &[],
         max_vertices: None,
     };
     match Executable::compile(&subject) {

@@ -62,6 +62,7 @@ pub(super) fn compile_with((module, info): &(Module, ModuleInfo), feeds: bool) -
         uniforms: &[],
         outputs: &outputs,
         built_ins: &[],
+        textures: &[],
         max_vertices: None,
     };
     Executable::compile(&subject)

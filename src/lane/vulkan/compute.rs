@@ -1,6 +1,7 @@
 //! One dispatch of the compute kernel for a batch.
 
 use super::gpu::{Gpu, Outputs, as_bytes};
+use super::texture::{self, Textures};
 use crate::lane::{Actual, LaneError, Runner};
 use crate::program::{ENTRY_POINT, Form, Kernel, WORKGROUP, binding};
 use crate::value::Batch;
@@ -9,6 +10,7 @@ pub(super) struct ComputeRunner {
     gpu: Gpu,
     pipeline: wgpu::ComputePipeline,
     group: wgpu::BindGroup,
+    textures: Option<Textures>,
     invocations: wgpu::Buffer,
     cases: wgpu::Buffer,
     outputs: Outputs,
@@ -20,10 +22,48 @@ impl ComputeRunner {
         let words = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()) as u64;
         let groups = u64::from(gpu.device.limits().max_compute_workgroups_per_dimension) * u64::from(WORKGROUP);
         let capacity = (capacity as u64).min(gpu.storage_words() / words.max(1)).min(groups).max(1) as usize;
-        gpu.checked(|| {
+        gpu.checked(|| -> Result<Self, LaneError> {
+            let textures = Textures::new(gpu, kernel, wgpu::ShaderStages::COMPUTE)?;
+            let (read, written) = (Some(true), Some(false));
+            let mut bindings = vec![(binding::PARAMS, None), (binding::OUTPUTS, written)];
+            // A kernel has no binding for a buffer that it never reads.
+            if kernel.invocation.words() > 0 {
+                bindings.push((binding::INVOCATIONS, read));
+            }
+            if kernel.case.words() > 0 {
+                bindings.push((binding::CASES, read));
+            }
+            let bindings: Vec<_> = bindings
+                .into_iter()
+                .map(|(binding, storage)| wgpu::BindGroupLayoutEntry {
+                    binding,
+                    visibility: wgpu::ShaderStages::COMPUTE,
+                    ty: wgpu::BindingType::Buffer {
+                        ty: match storage {
+                            None => wgpu::BufferBindingType::Uniform,
+                            Some(read_only) => wgpu::BufferBindingType::Storage { read_only },
+                        },
+                        has_dynamic_offset: false,
+                        min_binding_size: None,
+                    },
+                    count: None,
+                })
+                .collect();
+            let buffers = gpu
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &bindings });
+            let groups: Vec<_> = match &textures {
+                Some(textures) => vec![Some(&buffers), None, Some(&textures.layout)],
+                None => vec![Some(&buffers)],
+            };
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            });
             let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: None,
-                layout: None,
+                layout: Some(&layout),
                 module: &gpu.shader(kernel),
                 entry_point: Some(ENTRY_POINT),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
@@ -50,11 +90,11 @@ impl ComputeRunner {
                 .collect();
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
-                layout: &pipeline.get_bind_group_layout(0),
+                layout: &buffers,
                 entries: &entries,
             });
-            Self { gpu: gpu.clone(), pipeline, group, invocations, cases, outputs, capacity }
-        })
+            Ok(Self { gpu: gpu.clone(), pipeline, group, textures, invocations, cases, outputs, capacity })
+        })?
     }
 }
 
@@ -78,6 +118,9 @@ impl Runner for ComputeRunner {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                 pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.group, &[]);
+                if let Some(textures) = &self.textures {
+                    pass.set_bind_group(texture::GROUP, &textures.group, &[]);
+                }
                 pass.dispatch_workgroups((count as u32).div_ceil(WORKGROUP), 1, 1);
             }
             self.outputs.finish(encoder, count, marks)

@@ -2,6 +2,7 @@
 
 mod compute;
 mod gpu;
+mod texture;
 mod uniforms;
 mod vertex;
 

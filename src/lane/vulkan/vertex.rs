@@ -1,6 +1,7 @@
 //! Draws of the vertex kernel: one draw a case, points that are clipped away.
 
 use super::gpu::{Gpu, Outputs, as_bytes};
+use super::texture::{self, Textures};
 use crate::lane::{Actual, LaneError, Runner};
 use crate::program::{Attribute, ENTRY_POINT, Kernel, UniformBlock, binding};
 use crate::value::{Batch, Scalar};
@@ -14,6 +15,7 @@ pub(super) struct VertexRunner {
     pipeline: wgpu::RenderPipeline,
     harness: wgpu::BindGroup,
     uniforms: wgpu::BindGroup,
+    textures: Option<Textures>,
     target: wgpu::TextureView,
     /// One vertex buffer with all attributes side by side.
     vertices: wgpu::Buffer,
@@ -82,7 +84,8 @@ impl VertexRunner {
             let most = limits.max_vertex_buffer_array_stride;
             return Err(LaneError::Unsupported(format!("{} bytes of a vertex; {most} fit", 4 * fed.len())));
         }
-        gpu.checked(|| {
+        gpu.checked(|| -> Result<Self, LaneError> {
+            let textures = Textures::new(gpu, kernel, wgpu::ShaderStages::VERTEX)?;
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
             let blocks: Vec<Uniforms> = blocks
                 .iter()
@@ -94,9 +97,11 @@ impl VertexRunner {
                 .collect();
             let outputs = Outputs::new(gpu, &kernel.output, capacity);
             let (harness_layout, uniform_layout) = layouts(gpu, &blocks);
+            let mut groups = vec![Some(&harness_layout), Some(&uniform_layout)];
+            groups.extend(textures.as_ref().map(|textures| Some(&textures.layout)));
             let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
-                bind_group_layouts: &[Some(&harness_layout), Some(&uniform_layout)],
+                bind_group_layouts: &groups,
                 immediate_size: 0,
             });
             let buffer_layout = wgpu::VertexBufferLayout {
@@ -132,7 +137,8 @@ impl VertexRunner {
                 entries: &entries,
             });
             let vertex_usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
-            Self {
+            Ok(Self {
+                textures,
                 vertices: gpu.buffer(4 * (fed.len() * capacity) as u64, vertex_usage),
                 target: target(gpu),
                 record_words: kernel.invocation.words(),
@@ -144,8 +150,8 @@ impl VertexRunner {
                 blocks,
                 outputs,
                 capacity,
-            }
-        })
+            })
+        })?
     }
 
     fn upload(&self, batch: &Batch, count: usize) {
@@ -199,6 +205,9 @@ impl Runner for VertexRunner {
                 });
                 pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.harness, &[]);
+                if let Some(textures) = &self.textures {
+                    pass.set_bind_group(texture::GROUP, &textures.group, &[]);
+                }
                 if !self.fed.is_empty() {
                     pass.set_vertex_buffer(0, self.vertices.slice(..));
                 }

@@ -98,7 +98,7 @@ impl Build<'_> {
         let all = StorageAccess::LOAD | StorageAccess::STORE;
         let buffer = if ty.kind == OpaqueKind::AtomicCounter {
             let counter = self.insert(None, TypeInner::Atomic(Scalar::U32));
-            let variable = self.bound(&name, AddressSpace::Storage { access: all }, counter);
+            let variable = self.with_binding(&name, AddressSpace::Storage { access: all }, counter);
             self.memory_behind(&opaque.key, variable, &Type::UINT, true, span);
             Buffer { variable, cell: Cell::Plain(1), sized: false, atomic: true }
         } else {
@@ -136,7 +136,7 @@ impl Build<'_> {
                 array
             };
             let access = if ty.kind == OpaqueKind::Image && opaque.image.writes { all } else { StorageAccess::LOAD };
-            let variable = self.bound(&name, AddressSpace::Storage { access }, host);
+            let variable = self.with_binding(&name, AddressSpace::Storage { access }, host);
             let texel = match cell {
                 Cell::Packed(..) => Type::UINT,
                 Cell::Plain(_) if atomic && ty.scalar == ScalarType::Float => Type::UINT,

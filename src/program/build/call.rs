@@ -43,9 +43,19 @@ impl Fun<'_, '_> {
             }
         }
         let handle = self.build.function(function, opaques, span)?;
+        let sites = self.build.sites.get(&handle).copied().unwrap_or(0);
+        self.before_call(sites, true);
         let returns = info.return_type != Type::Void;
         let result = returns.then(|| self.add(Expression::CallResult(handle)));
         self.push(Statement::Call { function: handle, arguments, result });
+        self.before_call(sites, false);
+        self.sites = self.sites.saturating_add(sites);
+        if sites > 0 && self.in_loop {
+            self.build.unfed.push(("a derivative in a loop".to_owned(), span));
+        }
+        if self.build.stopping.contains(&handle) {
+            self.leave_if_discarded(span)?;
+        }
         for (local, target) in back {
             let value = self.load(&local)?;
             let value = self.convert(value, &target.ty)?;
@@ -123,8 +133,15 @@ impl Build<'_> {
             Type::Void => None,
             ty => Some(FunctionResult { ty: f.build.value_type(ty, info.name.span)?, binding: None }),
         };
+        let (stops, sites) = (f.stops, f.sites);
         let function = f.finish(&name, arguments, result);
         let handle = self.module.functions.append(function, super::naga_span(info.name.span));
+        if stops {
+            self.stopping.insert(handle);
+        }
+        if sites > 0 {
+            self.sites.insert(handle, sites);
+        }
         self.active.pop();
         self.functions.insert(key, handle);
         Ok(handle)

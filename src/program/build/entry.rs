@@ -38,12 +38,28 @@ impl Build<'_> {
                 let e = f.i32(i32::try_from(k).unwrap_or(0));
                 f.store(&place, &Val { e, ty: Type::INT })?;
             }
-            for &(symbol, value) in &initial {
-                let place = f.target_of(symbol, span)?;
-                let value = f.initial(value, &place.ty)?;
-                f.store(&place, &value)?;
+            let begin = |f: &mut Fun<'_, '_>| -> Result<()> {
+                for &(symbol, value) in &initial {
+                    let place = f.target_of(symbol, span)?;
+                    let value = f.initial(value, &place.ty)?;
+                    f.store(&place, &value)?;
+                }
+                Ok(())
+            };
+            let sites = f.build.sites.get(&function).copied().unwrap_or(0);
+            if sites > 0 {
+                f.run_quads(sites, span, &mut |f, member| {
+                    f.step_inputs(member)?;
+                    begin(f)?;
+                    f.not_discarded();
+                    f.push(Statement::Call { function, arguments: Vec::new(), result: None });
+                    Ok(())
+                })?;
+            } else {
+                begin(&mut f)?;
+                f.not_discarded();
+                f.push(Statement::Call { function, arguments: Vec::new(), result: None });
             }
-            f.push(Statement::Call { function, arguments: Vec::new(), result: None });
             if k + 1 < invocations {
                 // Each invocation begins a strip of its own.
                 let function = f.build.emission("EndPrimitive");
@@ -58,6 +74,7 @@ impl Build<'_> {
         })?;
         f.prepend(first);
         f.at = span;
+        f.clear_if_discarded()?;
         let outgoing = if f.build.is_geometry() { Vec::new() } else { f.build.outgoing.clone() };
         let result = f.hand_on(&outgoing)?;
         let mut arguments: Vec<_> = incoming.into_iter().map(|i| i.argument).collect();
@@ -88,6 +105,7 @@ impl Build<'_> {
             incoming_ray_payload: None,
         });
         self.settle_outputs();
+        self.discard_output();
         Ok(())
     }
 

@@ -38,6 +38,14 @@ pub(super) struct Fun<'b, 's> {
     pub result: Type,
     /// Where expressions and statements are taken from now.
     pub at: Span,
+    /// The invocation may be discarded in it.
+    pub stops: bool,
+    /// In the step of a loop, which cannot return.
+    pub in_step: bool,
+    /// In a loop.
+    pub in_loop: bool,
+    /// Derivatives that it comes to.
+    pub sites: u32,
 }
 
 impl<'b, 's> Fun<'b, 's> {
@@ -53,6 +61,10 @@ impl<'b, 's> Fun<'b, 's> {
             chosen: HashMap::new(),
             result,
             at: Span::at(0),
+            stops: false,
+            in_step: false,
+            in_loop: false,
+            sites: 0,
         }
     }
 

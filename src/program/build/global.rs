@@ -181,7 +181,7 @@ impl<'s> Build<'s> {
     /// A uniform. It stands in a block of its own, so that its place can be laid out.
     pub(super) fn uniform(&mut self, name: &str, ty: &Type, span: Span) -> Result<Handle<GlobalVariable>> {
         let host = self.make(ty, Layout::Uniform, span)?;
-        let handle = self.bound(name, AddressSpace::Uniform, host);
+        let handle = self.with_binding(name, AddressSpace::Uniform, host);
         self.uniform_ports(handle, host, name, ty, span);
         Ok(handle)
     }
@@ -362,7 +362,7 @@ impl<'s> Build<'s> {
         let (handle, host) = match block.storage {
             Storage::Uniform => {
                 let host = self.make(&ty, Layout::Uniform, span)?;
-                (self.bound(&name, AddressSpace::Uniform, host), host)
+                (self.with_binding(&name, AddressSpace::Uniform, host), host)
             }
             Storage::Buffer => {
                 let mut host = self.storage(&ty, span)?;
@@ -370,7 +370,7 @@ impl<'s> Build<'s> {
                     host = self.atomic_type(host);
                 }
                 let access = StorageAccess::LOAD | StorageAccess::STORE;
-                let handle = self.bound(&name, AddressSpace::Storage { access }, host);
+                let handle = self.with_binding(&name, AddressSpace::Storage { access }, host);
                 self.memory_of(index, handle, &ty);
                 (handle, host)
             }

@@ -548,6 +548,11 @@ impl<'s> Build<'s> {
         let index = u32::try_from(self.incoming.len()).unwrap_or(0);
         let argument = FunctionArgument { name: Some(name.to_owned()), ty, binding };
         self.incoming.push(Incoming { argument, to: handle, path, ty: kept.clone() });
+        use naga::BuiltIn as B;
+        let fed = matches!(built_in, B::Position { .. } | B::FrontFacing | B::PointCoord);
+        if fed && self.run && self.shader.stage() == Stage::Fragment {
+            return self.port_in(name, given, PortAt::Argument(index), span);
+        }
         self.built_ins.push((index, built_in));
         Ok(())
     }

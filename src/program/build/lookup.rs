@@ -51,7 +51,10 @@ impl Fun<'_, '_> {
         if ty.shadow && lookup.reference.is_none() {
             lookup.reference = take(self)?.map(|v| v.e);
         }
-        let mut level = if matches!(self.shader.stage(), Stage::Fragment | Stage::Library) {
+        let fragment = matches!(self.shader.stage(), Stage::Fragment | Stage::Library);
+        // What is run has textures of one level.
+        self.build.differs |= fragment;
+        let mut level = if fragment && !self.build.run {
             SampleLevel::Auto
         } else {
             // No other stage has derivatives: the first level is meant (GLSL 4.60, 8.9).

@@ -200,6 +200,13 @@ impl Fun<'_, '_> {
                 } else {
                     DerivativeControl::None
                 };
+                if self.build.makes_quads() {
+                    return self.quad_derivative(axis, values[0].clone(), span);
+                }
+                if self.build.run {
+                    self.build.differs = true;
+                    self.build.unfed.push((format!("`{name}` outside of the `main` of a fragment shader"), span));
+                }
                 let expr = values[0].e;
                 Ok(Val { e: self.add(Expression::Derivative { axis, ctrl, expr }), ty: values[0].ty.clone() })
             }

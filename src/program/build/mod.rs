@@ -9,6 +9,7 @@ mod buffer;
 mod builtin;
 mod call;
 mod constructor;
+mod discard;
 mod effect;
 mod entry;
 mod expression;
@@ -21,6 +22,7 @@ mod lookup;
 mod math;
 mod operator;
 mod place;
+mod quad;
 mod shared;
 mod single;
 mod statement;
@@ -28,7 +30,8 @@ mod stream;
 mod texture;
 mod types;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use naga::proc::Layouter;
 use naga::{BuiltIn, Expression, Function, GlobalVariable, Handle, Module};
@@ -43,6 +46,8 @@ use crate::glsl::types::{ArraySize, Type};
 use crate::glsl::{Shader, Stage};
 use crate::lower::{INCOMPLETE, Lowered, Primitives, Role, Target, UNSUPPORTED, Variable};
 use crate::text::{Edited, PositionMap, Span};
+
+pub use discard::DISCARD;
 
 type Expr = Handle<Expression>;
 /// Something that the harness has no way to pass, with its place.
@@ -64,6 +69,8 @@ struct Build<'s> {
     textures: HashMap<String, texture::Texture>,
     /// Counters, textures and images that are buffers.
     buffers: HashMap<String, buffer::Buffer>,
+    /// What the harness binds.
+    bound: Vec<super::Texture>,
     /// Built-in variables that the text does not name.
     unnamed: HashMap<String, Handle<GlobalVariable>>,
     next_binding: u32,
@@ -88,11 +95,35 @@ struct Build<'s> {
     unfed: Vec<Unfed>,
     /// Storage blocks.
     memory: Vec<Memory>,
+    /// True for the module that is run, false for the one that a host gets.
+    run: bool,
+    /// The two differ.
+    differs: bool,
+    /// Whether the invocation leaves all its functions: it is discarded, or stops at a derivative.
+    discard: Option<Handle<GlobalVariable>>,
+    /// It can be discarded.
+    discards: bool,
+    /// What derivatives need.
+    quad: Option<quad::Quad>,
+    /// Derivatives that each function comes to.
+    sites: HashMap<Handle<Function>, u32>,
+    /// Functions behind whose calls the invocation may be discarded.
+    stopping: HashSet<Handle<Function>>,
     workgroup: [u32; 3],
 }
 
 /// Builds a program out of a shader in which the front end found no error.
 pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<Program, ProgramError> {
+    let (mut program, differs) = one(shader, target, true)?;
+    if differs && program.role == Role::Fragment {
+        let (host, _) = one(shader, target, false)?;
+        program.stage_module = Some(Arc::new((host.module, host.info)));
+    }
+    Ok(program)
+}
+
+/// One of the two modules of a shader, and whether the other one is not the same.
+fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Program, bool), ProgramError> {
     let mut build = Build {
         shader,
         module: Module::default(),
@@ -104,6 +135,7 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         emission: HashMap::new(),
         textures: HashMap::new(),
         buffers: HashMap::new(),
+        bound: Vec::new(),
         unnamed: HashMap::new(),
         next_binding: 0,
         local_constants: HashMap::new(),
@@ -121,16 +153,21 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
         stage_inputs: Vec::new(),
         unfed: Vec::new(),
         memory: Vec::new(),
+        run,
+        differs: false,
+        discard: None,
+        discards: false,
+        quad: None,
+        sites: HashMap::new(),
+        stopping: HashSet::new(),
         workgroup: workgroup(shader),
     };
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
-    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, textures, stage_inputs, memory, .. } = build;
-    if !textures.is_empty() {
-        let span = shader.interface().uniforms.iter().find(|u| u.ty.contains_opaque()).map(|u| u.name_span);
-        unfed.insert(0, ("textures and images".to_owned(), span.unwrap_or_default()));
-    }
+    let Build {
+        module, inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, differs, ..
+    } = build;
     let text = shader.file().text();
     let edited = Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) };
     let variables = |ports: &[Port]| {
@@ -165,7 +202,33 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
             Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), span, message).with_help(help)
         })
         .collect();
-    Ok(Program { module, info, entry, role, inputs, uniforms, outputs, built_ins, unfed, memory, lowered })
+    let textures = used(bound, &info, entry);
+    let program = Program {
+        module,
+        info,
+        entry,
+        role,
+        inputs,
+        uniforms,
+        outputs,
+        built_ins,
+        textures,
+        stage_module: None,
+        unfed,
+        memory,
+        lowered,
+    };
+    Ok((program, differs))
+}
+
+/// The textures that what is run looks at.
+fn used(mut bound: Vec<super::Texture>, info: &naga::valid::ModuleInfo, entry: Entry) -> Vec<super::Texture> {
+    let info = match entry {
+        Entry::Point(index) => info.get_entry_point(index),
+        Entry::Function(function) => &info[function],
+    };
+    bound.retain(|texture| !info[texture.image].is_empty());
+    bound
 }
 
 /// Where a variable of that name is declared.

@@ -4,8 +4,8 @@ use naga::{Expression, Statement};
 
 use super::function::Fun;
 use super::place::Var;
-use super::{Build, Result};
-use crate::glsl::symbols::Direction;
+use super::{Build, Expr, Result};
+use crate::glsl::symbols::{Direction, FunctionId};
 use crate::glsl::types::Type;
 use crate::lower::Role;
 use crate::program::{Entry, Port, PortAt};
@@ -28,8 +28,8 @@ impl Build<'_> {
         self.outputs.clear();
         self.inputs.clear();
         let mut handle = self.function(id, Vec::new(), info.name.span)?;
-        if !self.initial.is_empty() {
-            handle = self.with_initial_values(handle, name)?;
+        if !self.initial.is_empty() || self.discard.is_some() {
+            handle = self.around(handle, (id, name))?;
         }
         self.built_ins.clear();
         self.built_in_outputs.clear();
@@ -51,6 +51,7 @@ impl Build<'_> {
                 self.parameter(&ident.name, &param.ty, at, ident.span, false)?;
             }
         }
+        self.discard_output();
         if self.outputs.is_empty() {
             self.unfed.push((format!("`{name}`, which gives nothing back,"), info.name.span));
         }
@@ -68,11 +69,12 @@ impl Build<'_> {
         Ok(())
     }
 
-    /// A function around another one that sets the variables at file scope first.
-    fn with_initial_values(
+    /// A function around another one that sets the variables at file scope first, and gives zeros where
+    /// it is discarded.
+    fn around(
         &mut self,
         inner: naga::Handle<naga::Function>,
-        name: &str,
+        (id, name): (FunctionId, &str),
     ) -> Result<naga::Handle<naga::Function>> {
         let (arguments, result) = {
             let function = &self.module.functions[inner];
@@ -92,11 +94,74 @@ impl Build<'_> {
             // Pointers are passed on as they are.
             passed.push(f.add(Expression::FunctionArgument(u32::try_from(k).unwrap_or(0))));
         }
-        let value = result.is_some().then(|| f.add(Expression::CallResult(inner)));
-        f.push(Statement::Call { function: inner, arguments: passed, result: value });
+        let sites = f.build.sites.get(&inner).copied().unwrap_or(0);
+        let value = if sites > 0 {
+            f.call_quads(inner, (id, sites), &passed)?
+        } else {
+            f.not_discarded();
+            let value = result.is_some().then(|| f.add(Expression::CallResult(inner)));
+            f.push(Statement::Call { function: inner, arguments: passed.clone(), result: value });
+            value
+        };
+        let types: Vec<_> = arguments.iter().map(|a| a.ty).collect();
+        f.zeros_if_discarded(&passed, &types, result.as_ref().map(|r| r.ty))?;
         f.push(Statement::Return { value });
         let outer = f.finish(name, arguments, result);
         self.module.functions[inner].name = Some(format!("{name}_body"));
         Ok(self.module.functions.append(outer, naga::Span::UNDEFINED))
+    }
+}
+
+impl Fun<'_, '_> {
+    /// Calls a function that comes to derivatives for the members of a quad, each time with its own arguments.
+    /// Gives its value for the sample itself.
+    fn call_quads(
+        &mut self,
+        inner: naga::Handle<naga::Function>,
+        (id, sites): (FunctionId, u32),
+        passed: &[Expr],
+    ) -> Result<Option<Expr>> {
+        let info = self.shader.function_info(id);
+        let span = info.name.span;
+        let parameters: Vec<_> = info.params.iter().filter(|p| !p.ty.contains_opaque()).collect();
+        let returned = match &info.return_type {
+            Type::Void => None,
+            ty => Some(self.local("sc_returned", ty)?),
+        };
+        // What goes in and out is given anew each time.
+        let mut before = Vec::new();
+        for (param, &pointer) in parameters.iter().zip(passed) {
+            before.push(match param.direction {
+                Direction::In => Some(pointer),
+                Direction::InOut => Some(self.add(Expression::Load { pointer })),
+                Direction::Out => None,
+            });
+        }
+        self.run_quads(sites, span, &mut |f, member| {
+            let mut number = 0;
+            let mut arguments = Vec::new();
+            for ((param, &pointer), before) in parameters.iter().zip(passed).zip(&before) {
+                let value = match before {
+                    Some(before) => Some(f.stepped_parameter(member, *before, &param.ty, &mut number)?),
+                    None => None,
+                };
+                match (param.direction, value) {
+                    (Direction::In, Some(value)) => arguments.push(value),
+                    (Direction::InOut, Some(value)) => {
+                        f.push(Statement::Store { pointer, value });
+                        arguments.push(pointer);
+                    }
+                    (Direction::In | Direction::InOut | Direction::Out, _) => arguments.push(pointer),
+                }
+            }
+            f.not_discarded();
+            let result = returned.is_some().then(|| f.add(Expression::CallResult(inner)));
+            f.push(Statement::Call { function: inner, arguments, result });
+            if let (Some(place), Some(value)) = (&returned, result) {
+                f.push(Statement::Store { pointer: place.ptr, value });
+            }
+            Ok(())
+        })?;
+        Ok(returned.map(|place| self.add(Expression::Load { pointer: place.ptr })))
     }
 }

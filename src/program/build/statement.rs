@@ -45,11 +45,14 @@ impl Fun<'_, '_> {
             }
             StmtKind::While { condition, body } => self.repeat(Some(condition), None, body)?,
             StmtKind::DoWhile { body, condition } => {
+                let outside = std::mem::replace(&mut self.in_loop, true);
                 let (block, ()) = self.block(|f| f.statement(body))?;
+                let around = std::mem::replace(&mut self.in_step, true);
                 let (continuing, stop) = self.block(|f| {
                     let condition = f.expression(*condition)?.e;
                     Ok(f.add(Expression::Unary { op: UnaryOperator::LogicalNot, expr: condition }))
                 })?;
+                (self.in_step, self.in_loop) = (around, outside);
                 self.push(Statement::Loop { body: block, continuing, break_if: Some(stop) });
             }
             StmtKind::Switch { selector, body } => self.switch(*selector, body)?,
@@ -85,7 +88,11 @@ impl Fun<'_, '_> {
                         "only a fragment shader can discard",
                     ));
                 }
-                self.push(Statement::Kill);
+                if self.build.run {
+                    self.discard(statement.span)?;
+                } else {
+                    self.push(Statement::Kill);
+                }
             }
             StmtKind::Error => {
                 return Err(self.build.unsupported(statement.span, "text that could not be read", "correct it"));
@@ -169,6 +176,7 @@ impl Fun<'_, '_> {
     }
 
     fn repeat(&mut self, condition: Option<&Condition>, step: Option<ExprId>, body: &Stmt) -> Result<()> {
+        let outside = std::mem::replace(&mut self.in_loop, true);
         let (block, ()) = self.block(|f| {
             if let Some(condition) = condition {
                 let goes_on = f.condition(condition)?;
@@ -183,7 +191,9 @@ impl Fun<'_, '_> {
             }
             f.statement(body)
         })?;
+        let around = std::mem::replace(&mut self.in_step, true);
         let (continuing, ()) = self.block(|f| step.map_or(Ok(()), |step| f.discarded(step)))?;
+        (self.in_step, self.in_loop) = (around, outside);
         let endless = condition.is_none() && !leaves(&block);
         self.push(Statement::Loop { body: block, continuing, break_if: None });
         if endless {

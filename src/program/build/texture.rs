@@ -1,5 +1,7 @@
 //! Samplers and images: what an expression names, and lookups (GLSL 4.60, 8.9; GLSL 1.20, 8.7).
 
+use std::sync::Arc;
+
 use naga::{
     AddressSpace, BinaryOperator as B, Expression, GlobalVariable, Handle, ImageClass, ImageDimension, ImageQuery,
     ResourceBinding, ScalarKind, TypeInner,
@@ -11,6 +13,8 @@ use super::place::{Place, Var};
 use super::{Build, Expr, Result};
 use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
+use crate::program::Texture as Supplied;
+use crate::program::texture::{Image, TextureKind};
 use crate::text::Span;
 
 /// Group in which textures and storage are bound: the harness keeps the first two.
@@ -99,19 +103,31 @@ impl Build<'_> {
         let image = self.insert(None, TypeInner::Image { dim, arrayed: ty.arrayed, class });
         let name: String =
             opaque.key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect::<String>();
-        let image = self.bound(name.trim_end_matches('_'), AddressSpace::Handle, image);
+        let image = self.with_binding(name.trim_end_matches('_'), AddressSpace::Handle, image);
         let sampled = ty.kind == OpaqueKind::Sampler && !ty.multisampled;
         let sampler = sampled.then(|| {
             let ty = self.insert(None, TypeInner::Sampler { comparison: ty.shadow });
-            self.bound(&format!("{name}_sampler"), AddressSpace::Handle, ty)
+            self.with_binding(&format!("{name}_sampler"), AddressSpace::Handle, ty)
         });
+        match TextureKind::of(dim, ty.arrayed, class) {
+            Some(kind) => {
+                let contents = Arc::new(Image::procedural(&opaque.key, kind));
+                self.bound.push(Supplied { name: opaque.key.clone(), kind, image, sampler, contents });
+            }
+            None => self.unfed.push((format!("`{}` of type `{ty}`", opaque.key), span)),
+        }
         let texture = Texture { image, sampler };
         self.textures.insert(opaque.key.clone(), texture);
         Ok(texture)
     }
 
     /// A global variable with the next free binding.
-    pub(super) fn bound(&mut self, name: &str, space: AddressSpace, ty: Handle<naga::Type>) -> Handle<GlobalVariable> {
+    pub(super) fn with_binding(
+        &mut self,
+        name: &str,
+        space: AddressSpace,
+        ty: Handle<naga::Type>,
+    ) -> Handle<GlobalVariable> {
         let binding = ResourceBinding { group: GROUP, binding: self.next_binding };
         self.next_binding += 1;
         super::super::capture::add_global(&mut self.module, name, space, Some(binding), ty)

@@ -78,7 +78,7 @@ pub(super) fn kernel(program: &Program, feed: Feed<'_>) -> Result<Kernel, Progra
     if let (Role::Fragment, Entry::Point(index)) = (&program.role, program.entry)
         && !program.info.get_entry_point(index).available_stages.contains(naga::valid::ShaderStages::COMPUTE)
     {
-        let what = "a fragment shader that discards or takes derivatives, run by itself".to_owned();
+        let what = "a fragment shader that takes derivatives, run by itself".to_owned();
         return Err(ProgramError::Unsupported { what });
     }
     let mut module = program.module.clone();

@@ -78,6 +78,7 @@ impl Search<'_> {
             uniforms,
             outputs,
             built_ins: Vec::new(),
+            textures: super::textures(self.program, &self.module),
             max_vertices: None,
             invocation: all(&program.inputs),
             case: all(&program.uniforms),

@@ -16,7 +16,7 @@ use naga::valid::ModuleInfo;
 use naga::{BuiltIn, Handle, Module, Type};
 
 use super::translate::{Language, TranslateError, Translation, read_back};
-use super::{Entry, PortAt, Program, ProgramError, contain, validate};
+use super::{Entry, PortAt, Program, ProgramError, Texture, contain, validate};
 use crate::lower::Role;
 use crate::value::{Batch, Field, Record, Scalar, Shape};
 
@@ -54,6 +54,8 @@ pub struct ReadBack {
     pub outputs: Vec<Place>,
     /// Built-in arguments of the entry point, by argument index.
     pub built_ins: Vec<(u32, BuiltIn)>,
+    /// What its images and samplers are bound to.
+    pub textures: Vec<Texture>,
     /// For a geometry stage, the number of vertices that are stored.
     pub max_vertices: Option<u32>,
     /// For each word that an invocation takes here, the word of the program's invocation record.
@@ -118,6 +120,24 @@ impl ReadBack {
             cases: laid(&self.case, cases, &|k| batch.case(k).to_vec()),
         }
     }
+}
+
+/// The program's textures in a module that was read back: those whose image has the same binding.
+fn textures(program: &Program, module: &Module) -> Vec<Texture> {
+    let binding = |module: &Module, handle: naga::Handle<naga::GlobalVariable>| module.global_variables[handle].binding;
+    let mut all = Vec::new();
+    for texture in &program.textures {
+        let find = |own: naga::Handle<naga::GlobalVariable>| {
+            let wanted = binding(&program.module, own)?;
+            let mut found = module.global_variables.iter();
+            let same = |v: &naga::GlobalVariable| v.space == naga::AddressSpace::Handle && v.binding == Some(wanted);
+            found.find(|(_, v)| same(v)).map(|(handle, _)| handle)
+        };
+        if let Some(image) = find(texture.image) {
+            all.push(Texture { image, sampler: texture.sampler.and_then(find), ..texture.clone() });
+        }
+    }
+    all
 }
 
 /// A record of so many words.

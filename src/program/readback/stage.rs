@@ -56,6 +56,7 @@ pub(super) fn resolve(
         uniforms,
         outputs,
         built_ins,
+        textures: super::textures(program, &module),
         max_vertices: None,
         invocation,
         case,

@@ -1,6 +1,7 @@
 //! Constructs of every version of GLSL, one small shader each, and what they give: the values are
 //! worked out by hand or in Rust, and not by the front end that is tested.
 
+mod fragment;
 mod interface;
 mod language;
 mod linked;

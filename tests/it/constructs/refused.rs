@@ -64,6 +64,26 @@ fn a_function_that_reads_an_input_of_the_stage_is_not_run_alone() {
 }
 
 #[test]
+fn what_a_fragment_stage_cannot_be_given() {
+    let head = "#version 430\nin vec2 uv;\nout vec4 c;\nuniform sampler2DMS m;\nlayout(rgba8) uniform image2D i;\n\
+                float cut(float a) { if (a > 0.5) discard; return a; }\n";
+    let cases = [
+        ("c = texelFetch(m, ivec2(uv), 0);", "`m` of type `sampler2DMS` cannot be fed"),
+        ("c = imageLoad(i, ivec2(uv));", "`i` of type `image2D` cannot be fed"),
+        ("c = vec4(0); for (int k = 0; k < 3; k++) c += dFdx(uv.xyxy);", "a derivative in a loop cannot be fed"),
+        (
+            "c = vec4(0); for (float k = 0.0; k < 3.0; k += cut(uv.x)) c += 1.0;",
+            "called in the step of a loop, cannot be",
+        ),
+    ];
+    for (body, said) in cases {
+        let program = built("t.frag", &format!("{head}void main() {{ {body} }}\n")).unwrap();
+        let error = program.check_fed().unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
 fn a_constructor_with_arguments_left_over_or_missing() {
     // The front end reads on; the module would drop the fourth number.
     let head = "#version 330\nin vec4 v;\nvoid main() { gl_Position = ";
