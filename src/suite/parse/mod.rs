@@ -15,7 +15,7 @@ use super::expect::hint;
 use super::table::{At, Reader, Table};
 use super::{Floors, Includes, Stage, Suite};
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "suite",
     "title",
     "shader",
