@@ -10,6 +10,7 @@ pub mod init;
 pub mod lanes;
 pub mod lint;
 pub mod mutate;
+pub mod refdata;
 pub mod status;
 pub mod translate;
 
@@ -71,6 +72,8 @@ pub enum Command {
     Translate(translate::TranslateArgs),
     /// Put small faults into shaders and see whether their suites notice
     Mutate(mutate::MutateArgs),
+    /// Write reference data, and compare anyone's results with them
+    Refdata(refdata::RefdataArgs),
     /// Show what can run shaders here
     Lanes(lanes::LanesArgs),
     /// Measure how far a device's operations are off, beside what is promised
@@ -99,6 +102,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
+        Command::Refdata(args) => refdata::run(args, &mut out, &mut err),
         Command::Lanes(args) => lanes::run(args, &mut out),
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
     };

@@ -6,3 +6,4 @@ pub mod fuzz;
 pub mod lint;
 pub mod mutate;
 pub mod page;
+pub mod refdata;

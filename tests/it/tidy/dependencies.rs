@@ -13,6 +13,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("text", &[]),
     ("value", &[]),
     ("math", &[]),
+    ("exact", &["math"]),
     ("diagnostic", &["text"]),
     ("formula", &[]),
     ("glsl", &["text", "diagnostic", "value"]),
@@ -50,8 +51,25 @@ const MODULES: &[(&str, &[&str])] = &[
         &["suite", "verdict", "bound", "property", "lane", "program", "lower", "glsl", "text", "diagnostic", "value"],
     ),
     (
+        "refdata",
+        &["suite", "verdict", "bound", "property", "lane", "interp", "program", "formula", "exact", "math", "value"],
+    ),
+    (
         "report",
-        &["mutate", "fuzz", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"],
+        &[
+            "refdata",
+            "mutate",
+            "fuzz",
+            "suite",
+            "verdict",
+            "property",
+            "lane",
+            "program",
+            "lint",
+            "text",
+            "diagnostic",
+            "value",
+        ],
     ),
     (
         "api",
@@ -74,6 +92,7 @@ const MODULES: &[(&str, &[&str])] = &[
         "cli",
         &[
             "report",
+            "refdata",
             "mutate",
             "fuzz",
             "suite",
