@@ -39,6 +39,8 @@ pub mod cli;
 #[doc(hidden)]
 pub mod diagnostic;
 #[doc(hidden)]
+pub mod exact;
+#[doc(hidden)]
 pub mod formula;
 #[doc(hidden)]
 pub mod fuzz;
@@ -60,6 +62,8 @@ pub mod mutate;
 pub mod program;
 #[doc(hidden)]
 pub mod property;
+#[doc(hidden)]
+pub mod refdata;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]

@@ -11,6 +11,7 @@ pub mod lanes;
 pub mod lint;
 pub mod merge;
 pub mod mutate;
+pub mod refdata;
 pub mod shard;
 pub mod status;
 pub mod translate;
@@ -73,6 +74,8 @@ pub enum Command {
     Translate(translate::TranslateArgs),
     /// Put small faults into shaders and see whether their suites notice
     Mutate(mutate::MutateArgs),
+    /// Write reference data, and compare anyone's results with them
+    Refdata(refdata::RefdataArgs),
     /// Join what the shards of a run found
     Merge(merge::MergeArgs),
     /// Show what can run shaders here
@@ -103,6 +106,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
+        Command::Refdata(args) => refdata::run(args, &mut out, &mut err),
         Command::Merge(args) => merge::run(args, &mut out, &mut err, color),
         Command::Lanes(args) => lanes::run(args, &mut out),
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),

@@ -33,6 +33,7 @@ mod power;
 mod reduction;
 mod series;
 mod trigonometric;
+pub mod twofold;
 
 pub use dispatch::{Binary, Unary, count_above, map, map_pairs, wide};
 
@@ -60,6 +61,18 @@ pub const LN: Unary = Unary::of::<logarithm::Natural>();
 pub const LOG2: Unary = Unary::of::<logarithm::BaseTwo>();
 /// a^b as the shading languages define it: NaN for a < 0, and otherwise as `f64::powf`.
 pub const POW: Binary = Binary::of::<power::Power>();
+
+/// e^x − 1, with an error of at most 2 ULP.
+pub fn exp_m1(x: f64) -> f64 {
+    /// From here on the value is computed in two parts.
+    const SHORT: f64 = 1.0 / 128.0;
+    if x.abs() < SHORT {
+        // What is left out is below 2^-60 of the value.
+        let series = (2..=9).rev().fold(1.0, |sum, k| 1.0 + x / f64::from(k) * sum);
+        return x * series;
+    }
+    twofold::exp_m1(x)
+}
 
 #[cfg(test)]
 mod tests;

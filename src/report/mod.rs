@@ -7,4 +7,5 @@ pub mod fuzz;
 pub mod lint;
 pub mod mutate;
 pub mod page;
+pub mod refdata;
 mod sarif;

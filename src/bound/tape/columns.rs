@@ -31,7 +31,7 @@ pub(super) fn growth(t: &mut Lanes) {
     if long {
         for (t, from) in t.iter_mut().zip(from) {
             if !(from <= SHORT) {
-                *t = from.exp_m1();
+                *t = math::exp_m1(from);
             }
         }
     }

@@ -5,6 +5,7 @@
 //! far the derivative moves. Infinite where the interval reaches a place without value.
 
 use crate::bound::profile::Op;
+use crate::math;
 
 /// A function of one argument over x ± radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,11 +89,11 @@ pub(super) fn image1(op: Op, x: f64, e: f64, not_negative: bool) -> Image1 {
         Op::Radians => linear(std::f64::consts::PI / 180.0, x, e),
         Op::Degrees => linear(180.0 / std::f64::consts::PI, x, e),
         Op::Sin => {
-            let (value, slope) = x.sin_cos();
+            let (value, slope) = (math::SIN.value(x), math::COS.value(x));
             Image1 { value, moves: e.min(2.0), slope, bends: e.min(2.0) }
         }
         Op::Cos => {
-            let (sin, value) = x.sin_cos();
+            let (sin, value) = (math::SIN.value(x), math::COS.value(x));
             Image1 { value, moves: e.min(2.0), slope: -sin, bends: e.min(2.0) }
         }
         Op::Tan => {
@@ -100,13 +101,13 @@ pub(super) fn image1(op: Op, x: f64, e: f64, not_negative: bool) -> Image1 {
             let turn = std::f64::consts::PI;
             let branch = |x: f64| (x / turn + 0.5).floor();
             if branch(x - e) != branch(x + e) {
-                return Image1 { value: x.tan(), moves: f64::INFINITY, slope: 0.0, bends: JUMP };
+                return Image1 { value: math::TAN.value(x), moves: f64::INFINITY, slope: 0.0, bends: JUMP };
             }
-            smooth(f64::tan, |x| 1.0 + x.tan() * x.tan(), x, e)
+            smooth(|x| math::TAN.value(x), |x| 1.0 + math::TAN.value(x) * math::TAN.value(x), x, e)
         }
-        Op::Asin => smooth(f64::asin, |x| 1.0 / (1.0 - x * x).sqrt(), x, e),
-        Op::Acos => smooth(f64::acos, |x| -1.0 / (1.0 - x * x).sqrt(), x, e),
-        Op::Atan => smooth(f64::atan, |x| 1.0 / (1.0 + x * x), x, e),
+        Op::Asin => smooth(|x| math::ASIN.value(x), |x| 1.0 / (1.0 - x * x).sqrt(), x, e),
+        Op::Acos => smooth(|x| math::ACOS.value(x), |x| -1.0 / (1.0 - x * x).sqrt(), x, e),
+        Op::Atan => smooth(|x| math::ATAN.value(x), |x| 1.0 / (1.0 + x * x), x, e),
         Op::Sinh => smooth(f64::sinh, f64::cosh, x, e),
         Op::Cosh => {
             let image = smooth(f64::cosh, f64::sinh, x, e);
@@ -117,10 +118,10 @@ pub(super) fn image1(op: Op, x: f64, e: f64, not_negative: bool) -> Image1 {
         Op::Asinh => smooth(|x| Op::Asinh.exact(&[x]), |x| 1.0 / (x * x + 1.0).sqrt(), x, e),
         Op::Acosh => smooth(|x| Op::Acosh.exact(&[x]), |x| 1.0 / (x * x - 1.0).sqrt(), x, e),
         Op::Atanh => smooth(|x| Op::Atanh.exact(&[x]), |x| 1.0 / (1.0 - x * x), x, e),
-        Op::Exp => power(x.exp(), 1.0, e),
-        Op::Exp2 => power(x.exp2(), LN_2, e),
-        Op::Log => logarithm(x.ln(), 1.0, x, e),
-        Op::Log2 => logarithm(x.log2(), LN_2, x, e),
+        Op::Exp => power(math::EXP.value(x), 1.0, e),
+        Op::Exp2 => power(math::EXP2.value(x), LN_2, e),
+        Op::Log => logarithm(math::LN.value(x), 1.0, x, e),
+        Op::Log2 => logarithm(math::LOG2.value(x), LN_2, x, e),
         // Not functions of one argument.
         _ => Image1 { value: f64::NAN, moves: f64::INFINITY, slope: 0.0, bends: JUMP },
     }
@@ -132,7 +133,7 @@ fn linear(factor: f64, x: f64, e: f64) -> Image1 {
 
 /// b^x with the natural logarithm of b, b > 1.
 fn power(value: f64, ln: f64, e: f64) -> Image1 {
-    let moves = if e == 0.0 { 0.0 } else { value * (ln * e).exp_m1() };
+    let moves = if e == 0.0 { 0.0 } else { value * math::exp_m1(ln * e) };
     Image1 { value, moves, slope: ln * value, bends: ln * moves }
 }
 
@@ -246,15 +247,15 @@ pub(super) fn image2(op: Op, (x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2
             Image2 { value, moves: ex + whole.abs() * ey, slopes: [1.0, -whole], bends: [0.0, 0.0] }
         }
         Op::Pow => {
-            let value = if x < 0.0 { f64::NAN } else { x.powf(y) };
+            let value = if x < 0.0 { f64::NAN } else { math::POW.value(x, y) };
             if x <= ex || x <= 0.0 {
                 return nowhere(value);
             }
             // x^y = exp(y ln x): how far the exponent moves.
-            let ln = x.ln();
+            let ln = math::LN.value(x);
             let along = ex / (x - ex);
             let moved = y.abs() * along + ey * (ln.abs() + along);
-            let moves = if moved == 0.0 { 0.0 } else { value * moved.exp_m1() };
+            let moves = if moved == 0.0 { 0.0 } else { value * math::exp_m1(moved) };
             let most = value + moves;
             Image2 {
                 value,
@@ -268,8 +269,8 @@ pub(super) fn image2(op: Op, (x, ex): (f64, f64), (y, ey): (f64, f64)) -> Image2
         }
         Op::Atan2 => {
             // x is the ordinate, as in atan(y, x) of GLSL.
-            let value = x.atan2(y);
-            let (size, reach) = (x.hypot(y), ex.hypot(ey));
+            let value = math::ATAN2.value(x, y);
+            let (size, reach) = ((x * x + y * y).sqrt(), (ex * ex + ey * ey).sqrt());
             let cut = y - ey < 0.0 && x.abs() <= ex && ex > 0.0;
             if size <= reach || size == 0.0 {
                 return nowhere(value);

@@ -7,6 +7,7 @@ use super::model::{Arg, Model, gap};
 use crate::bound::profile::Op;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::interp::LANES;
+use crate::math;
 
 /// Local error of √x where it inherits from 1/inversesqrt(x): both steps of the definition.
 ///
@@ -66,14 +67,14 @@ pub(super) fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes
     let argument = Arg { value: &exponent, radius: &exponent_moves };
     let mut power_moves = [0.0; LANES];
     for lane in 0..LANES {
-        power_moves[lane] = value[lane] * (std::f64::consts::LN_2 * exponent_moves[lane]).exp_m1();
+        power_moves[lane] = value[lane] * math::exp_m1(std::f64::consts::LN_2 * exponent_moves[lane]);
     }
     model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);
     for lane in 0..LANES {
         // What the steps inside add to the exponent; what the arguments carry is the node's partials'.
         let inside = (y.value[lane].abs() + y.radius[lane]) * by_log[lane] + by_product[lane];
         let most = value[lane] + carried[lane];
-        let moved = most * (std::f64::consts::LN_2 * inside).exp_m1() + by_power[lane];
+        let moved = most * math::exp_m1(std::f64::consts::LN_2 * inside) + by_power[lane];
         local[lane] = if moved.is_nan() { f64::INFINITY } else { moved };
     }
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use super::{Fault, File, expect_none, file, messages, project};
 
 /// Folders of the project that a path in the document may start with.
-const ROOTS: [&str; 8] = ["src/", "shaders/", "fixtures/", "tests/", "xtask/", ".ci/", ".config/", ".cargo/"];
+const ROOTS: [&str; 10] =
+    ["src/", "shaders/", "fixtures/", "tests/", "xtask/", "docs/", "examples/", ".ci/", ".config/", ".cargo/"];
 
 /// Folders and files that are named and missing, and folders of `src` that the code map leaves out.
 fn map_faults(document: &File, files: &[File]) -> Vec<Fault> {

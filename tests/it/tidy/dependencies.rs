@@ -13,6 +13,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("text", &[]),
     ("value", &[]),
     ("math", &[]),
+    ("exact", &["math"]),
     ("diagnostic", &["text"]),
     ("formula", &[]),
     ("shard", &[]),
@@ -65,8 +66,25 @@ const MODULES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "refdata",
+        &["suite", "verdict", "bound", "property", "lane", "interp", "program", "formula", "exact", "math", "value"],
+    ),
+    (
         "report",
-        &["mutate", "fuzz", "suite", "verdict", "property", "lane", "program", "lint", "text", "diagnostic", "value"],
+        &[
+            "refdata",
+            "mutate",
+            "fuzz",
+            "suite",
+            "verdict",
+            "property",
+            "lane",
+            "program",
+            "lint",
+            "text",
+            "diagnostic",
+            "value",
+        ],
     ),
     (
         "api",
@@ -89,6 +107,7 @@ const MODULES: &[(&str, &[&str])] = &[
         "cli",
         &[
             "report",
+            "refdata",
             "mutate",
             "fuzz",
             "suite",

@@ -54,10 +54,17 @@ fn the_tasks_of_the_readme_exist() {
 #[test]
 fn the_commands_of_the_readme_exist() {
     let files = project();
-    let help = |command: &str| {
-        let run = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args([command, "--help"]).output();
+    let of = |words: &[&str]| {
+        let run = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args(words).arg("--help").output();
         let output = run.expect("the binary starts");
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let help = |command: &str| {
+        let own = of(&[command])?;
+        // A command may have commands of its own, with options of theirs.
+        let below = own.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+        let below = below.filter_map(|line| of(&[command, line.split_whitespace().next()?]));
+        Some(below.fold(own.clone(), |all, help| all + &help))
     };
     expect_none(&unknown_commands(file(&files, "README.md"), "shadercheck", &help));
 }

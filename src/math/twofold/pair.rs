@@ -1,0 +1,189 @@
+//! A number as the unevaluated sum of two binary64 numbers: about 104 bits.
+//!
+//! T. J. Dekker (1971); M. Joldes, J.-M. Muller, V. Popescu, Tight and rigorous error bounds for basic
+//! building blocks of double-word arithmetic, ACM TOMS 44 (2017). A product is split by a fused
+//! multiplication, which IEEE 754 defines to the last bit.
+
+use super::tables::{INVERSE_FACTORIALS, LN_2, PI, SINES};
+use crate::math::double::{TO_INTEGER, nearest};
+use crate::math::{EXP, LN};
+
+/// high + low with |low| at most half an ULP of high. `low` is 0 where `high` is infinite or NaN.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pair {
+    pub high: f64,
+    pub low: f64,
+}
+
+/// a + b in two parts, exact.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let high = a + b;
+    let part = high - a;
+    (high, (a - (high - part)) + (b - part))
+}
+
+/// a·b in two parts, exact but for underflow.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let high = a * b;
+    (high, a.mul_add(b, -high))
+}
+
+impl Pair {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn of(x: f64) -> Self {
+        Self { high: x, low: 0.0 }
+    }
+
+    /// The sum of two parts of which the second is the smaller.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn settled(a: f64, b: f64) -> Self {
+        // Beyond the finite numbers the rest has no meaning, and must not turn an infinity into NaN.
+        let high = if a - a == 0.0 { a + b } else { a };
+        let low = b - (high - a);
+        Self { high, low: if high - high == 0.0 { low } else { 0.0 } }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn add(self, b: Self) -> Self {
+        let (high, rest) = two_sum(self.high, b.high);
+        let (low, rest_low) = two_sum(self.low, b.low);
+        let first = Self::settled(high, rest + low);
+        Self::settled(first.high, first.low + rest_low)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn sub(self, b: Self) -> Self {
+        self.add(b.neg())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn mul(self, b: Self) -> Self {
+        let (high, rest) = two_product(self.high, b.high);
+        Self::settled(high, self.high.mul_add(b.low, self.low.mul_add(b.high, rest)))
+    }
+
+    /// Times a number.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn times(self, b: f64) -> Self {
+        let (high, rest) = two_product(self.high, b);
+        Self::settled(high, self.low.mul_add(b, rest))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn div(self, b: Self) -> Self {
+        let first = self.high / b.high;
+        let rest = self.sub(b.times(first));
+        let second = rest.high / b.high;
+        let rest = rest.sub(b.times(second));
+        let third = rest.high / b.high;
+        let sum = Self::settled(first, second).add(Self::of(third));
+        // What has no finite quotient has none to be made better.
+        if sum.high - sum.high == 0.0 { sum } else { Self::of(first) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn sqrt(self) -> Self {
+        let root = self.high.sqrt();
+        let (square, square_low) = two_product(root, root);
+        let rest = ((self.high - square) - square_low) + self.low;
+        let better = Self::settled(root, rest / (2.0 * root));
+        // One more step: the first leaves an error of 2^-104 and this one less than can be seen.
+        let usable = root > 0.0 && root < f64::INFINITY;
+        Self { high: if usable { better.high } else { root }, low: if usable { better.low } else { 0.0 } }
+    }
+
+    /// (sin πx, cos πx) for a binary32 number x, or twice one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn sin_cos_pi(x: f64) -> (Self, Self) {
+        // From 2^30 on these numbers are even.
+        const ALL_EVEN: f64 = 1_073_741_824.0;
+        let finite = x - x == 0.0;
+        let x = if x.abs() < ALL_EVEN { x } else { 0.0 };
+        let (turns, _) = nearest(0.5 * x);
+        let x = x - 2.0 * turns;
+        let (sixteenths, bits) = nearest(16.0 * x);
+        let angle = PI.times(x - 0.0625 * sixteenths);
+        let square = angle.mul(angle);
+        let sine = series(square, 3).mul(square).mul(angle).add(angle);
+        let cosine = series(square, 2).mul(square).add(Self::of(1.0));
+        // Of the low bits of an integer in two's complement: -1 is 31.
+        let (of_sine, of_cosine) = (table(bits), table(bits.wrapping_add(8)));
+        let sin = of_sine.mul(cosine).add(of_cosine.mul(sine));
+        let cos = of_cosine.mul(cosine).sub(of_sine.mul(sine));
+        let or_nan = |p: Self| if finite { p } else { Self::of(f64::NAN) };
+        (or_nan(sin), or_nan(cos))
+    }
+
+    /// e^x.
+    pub fn exp(self) -> Self {
+        if !(self.high.abs() < 750.0) {
+            return Self::of(EXP.value(self.high));
+        }
+        let (n, _) = nearest(self.high * std::f64::consts::LOG2_E);
+        let rest = self.sub(LN_2.times(n));
+        let small = Self { high: rest.high / 64.0, low: rest.low / 64.0 };
+        // 1 + r + r²/2 + …; what is left out is below 2^-107.
+        let mut sum = Self::of(0.0);
+        for k in (1..=14).rev() {
+            let coefficient = if k == 1 { Self::of(1.0) } else { factorial(k) };
+            sum = sum.mul(small).add(coefficient);
+        }
+        let mut power = sum.mul(small).add(Self::of(1.0));
+        for _ in 0..6 {
+            power = power.mul(power);
+        }
+        let two_to = |n: f64| f64::from_bits((n + (TO_INTEGER + 1023.0)).to_bits() << 52);
+        let (half, _) = nearest(0.5 * n);
+        let scaled = |x: f64| x * two_to(half) * two_to(n - half);
+        Self { high: scaled(power.high), low: scaled(power.low) }
+    }
+
+    /// ln x for a finite x > 0: one step of Newton's method from binary64.
+    pub fn ln(self) -> Self {
+        let near = LN.value(self.high);
+        let rest = self.mul(Self::of(-near).exp()).sub(Self::of(1.0));
+        Self::of(near).add(rest).sub(rest.mul(rest).times(0.5))
+    }
+
+    /// x^y; NaN for x < 0.
+    pub fn pow(self, exponent: Self) -> Self {
+        let finite = self.high < f64::INFINITY && exponent.high.abs() < f64::INFINITY;
+        if !(self.high > 0.0 && finite) {
+            return Self::of(crate::math::POW.value(self.high, exponent.high));
+        }
+        self.ln().mul(exponent).exp()
+    }
+}
+
+/// sin(kπ/16) for the five low bits of k.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn table(bits: u64) -> Pair {
+    let at = (bits & 31) as usize;
+    SINES[at]
+}
+
+/// 1/n!
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn factorial(n: usize) -> Pair {
+    INVERSE_FACTORIALS[n]
+}
+
+/// -(1/n! - z/(n+2)! + …) of eight terms, z up to 0.0097: the later half in binary64 alone.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn series(z: Pair, n: usize) -> Pair {
+    let tail = |k: usize| factorial(n + 2 * k).high;
+    let x = z.high;
+    let late = ((tail(8) * x - tail(7)) * x + tail(6)) * x - tail(5);
+    let mut sum = Pair::of(late).mul(z).add(factorial(n + 8));
+    for k in (0..4).rev() {
+        sum = factorial(n + 2 * k).sub(sum.mul(z));
+    }
+    sum.neg()
+}

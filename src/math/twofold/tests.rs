@@ -1,0 +1,290 @@
+//! Pairs against numbers of 400 bits.
+
+use std::cell::RefCell;
+
+use astro_float::{BigFloat, Consts, RoundingMode};
+
+use super::pair::Pair;
+use super::tables::{INVERSE_FACTORIALS, LN_2, PI, SINES};
+use super::*;
+
+const BITS: usize = 400;
+const ROUND: RoundingMode = RoundingMode::ToEven;
+
+thread_local! {
+    static NUMBERS: RefCell<Vec<BigFloat>> = const { RefCell::new(Vec::new()) };
+    static CONSTS: RefCell<Consts> = RefCell::new(Consts::new().expect("there is memory for constants"));
+}
+
+/// A number of 400 bits. They live until [`Big::forget`], so that one can be copied as formulas ask for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Big(usize);
+
+impl Big {
+    pub fn new(number: BigFloat) -> Self {
+        NUMBERS.with_borrow_mut(|all| {
+            all.push(number);
+            Self(all.len() - 1)
+        })
+    }
+
+    pub fn of(x: f64) -> Self {
+        if x.is_normal() || x == 0.0 || !x.is_finite() {
+            return Self::new(BigFloat::from_f64(x, BITS));
+        }
+        // The library takes subnormal numbers for others.
+        let mut number = BigFloat::from_f64(x * 2f64.powi(200), BITS);
+        let exponent = number.exponent().unwrap_or_default();
+        number.set_exponent(exponent - 200);
+        Self::new(number)
+    }
+
+    pub fn get(self) -> BigFloat {
+        NUMBERS.with_borrow(|all| all[self.0].clone())
+    }
+
+    pub fn forget() {
+        NUMBERS.with_borrow_mut(Vec::clear);
+    }
+
+    /// Rounded towards what `f64` holds of it, for sizes alone.
+    pub fn size(self) -> f64 {
+        let number = self.get();
+        if number.is_zero() {
+            return 0.0;
+        }
+        let Some((words, _, _, exponent, _)) = number.as_raw_parts() else { return f64::NAN };
+        let top = words[words.len() - 1] as f64 / 2f64.powi(64);
+        let exponent = exponent.clamp(-1000, 1000);
+        top * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2)
+    }
+
+    fn both(self, other: Self, f: impl FnOnce(&BigFloat, &BigFloat) -> BigFloat) -> Self {
+        Self::new(f(&self.get(), &other.get()))
+    }
+
+    fn with(self, f: impl FnOnce(&BigFloat, &mut Consts) -> BigFloat) -> Self {
+        Self::new(CONSTS.with_borrow_mut(|consts| f(&self.get(), consts)))
+    }
+
+    fn pi() -> Self {
+        Self::new(CONSTS.with_borrow_mut(|consts| consts.pi(BITS, ROUND)))
+    }
+}
+
+impl Add for Big {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        self.both(b, |a, b| a.add(b, BITS, ROUND))
+    }
+}
+
+impl Sub for Big {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        self.both(b, |a, b| a.sub(b, BITS, ROUND))
+    }
+}
+
+impl Mul for Big {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        self.both(b, |a, b| a.mul(b, BITS, ROUND))
+    }
+}
+
+impl Div for Big {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        self.both(b, |a, b| a.div(b, BITS, ROUND))
+    }
+}
+
+impl Neg for Big {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::new(self.get().neg())
+    }
+}
+
+impl Real for Big {
+    type Mask = bool;
+
+    fn exact(x: f64) -> Self {
+        Self::of(x)
+    }
+
+    fn sqrt(self) -> Self {
+        Self::new(self.get().sqrt(BITS, ROUND))
+    }
+
+    fn sin_cos_pi(self) -> (Self, Self) {
+        // Quarter turns are taken out: the sine of a rounded π is not 0.
+        let half = self.size() * if self.get().is_negative() { -1.0 } else { 1.0 } * 2.0;
+        let quarters = half.round_ties_even();
+        let angle = (self - Self::of(quarters * 0.5)) * Self::pi();
+        let (sin, cos) = (angle.with(|x, c| x.sin(BITS, ROUND, c)), angle.with(|x, c| x.cos(BITS, ROUND, c)));
+        match quarters.rem_euclid(4.0) as u8 {
+            0 => (sin, cos),
+            1 => (cos, -sin),
+            2 => (-sin, -cos),
+            _ => (-cos, sin),
+        }
+    }
+
+    fn pow(self, exponent: Self) -> Self {
+        let log = self.with(|x, c| x.ln(BITS, ROUND, c));
+        (log * exponent).with(|x, c| x.exp(BITS, ROUND, c))
+    }
+
+    fn less(self, other: Self) -> bool {
+        self.get().cmp(&other.get()).is_some_and(|order| order < 0)
+    }
+
+    fn is_zero(self) -> bool {
+        self.get().is_zero()
+    }
+
+    fn and(a: bool, b: bool) -> bool {
+        a && b
+    }
+
+    fn or(a: bool, b: bool) -> bool {
+        a || b
+    }
+
+    fn select(mask: bool, a: Self, b: Self) -> Self {
+        if mask { a } else { b }
+    }
+
+    fn largest(self) -> f64 {
+        if self.get().is_negative() { -self.size() } else { self.size() }
+    }
+}
+
+/// How far a pair is from a number, in parts of the number.
+fn off(pair: Pair, exact: Big) -> f64 {
+    let difference = (Big::of(pair.high) + Big::of(pair.low)) - exact;
+    if difference.is_zero() { 0.0 } else { (difference / exact).size() }
+}
+
+#[test]
+fn constants_are_right() {
+    assert!(off(PI, Big::pi()) < 1e-31);
+    assert!(off(LN_2, Big::of(2.0).with(|x, c| x.ln(BITS, ROUND, c))) < 1e-31);
+    for (k, &sine) in SINES.iter().enumerate() {
+        let exact = Big::of(k as f64 / 16.0).sin_cos_pi().0;
+        if exact.is_zero() {
+            assert_eq!((sine.high, sine.low), (0.0, 0.0), "{k}");
+        } else {
+            assert!(off(sine, exact) < 1e-31, "{k}");
+        }
+    }
+    let mut factorial = Big::of(1.0);
+    for (n, &inverse) in INVERSE_FACTORIALS.iter().enumerate() {
+        factorial = factorial * Big::of(n.max(1) as f64);
+        assert!(off(inverse, Big::of(1.0) / factorial) < 1e-31, "{n}");
+    }
+}
+
+fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    let fraction = 1.0 + (*state >> 12) as f64 / 2f64.powi(52);
+    let exponent = (*state >> 5) as i32 % 20;
+    fraction * 2f64.powi(exponent) * if *state & 1 == 0 { 1.0 } else { -1.0 }
+}
+
+fn pair(state: &mut u64) -> Pair {
+    Pair::of(random(state)).add(Pair::of(random(state) * 2f64.powi(-70)))
+}
+
+fn big(pair: Pair) -> Big {
+    Big::of(pair.high) + Big::of(pair.low)
+}
+
+#[test]
+fn operations_have_a_hundred_bits() {
+    let mut state = 7;
+    let mut worst = [0.0_f64; 5];
+    for _ in 0..2000 {
+        Big::forget();
+        let (a, b) = (pair(&mut state), pair(&mut state));
+        let positive = if a.high < 0.0 { a.neg() } else { a };
+        let errors = [
+            off(a.add(b), big(a) + big(b)),
+            off(a.mul(b), big(a) * big(b)),
+            off(a.div(b), big(a) / big(b)),
+            off(positive.sqrt(), big(positive).sqrt()),
+            off(a.times(b.high), big(a) * Big::of(b.high)),
+        ];
+        worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
+    }
+    assert!(worst.iter().all(|&error| error < 2f64.powi(-100)), "{worst:?}");
+    // The bound can be reached: half as many bits are not more than there are.
+    assert!(worst.iter().any(|&error| error > 2f64.powi(-110)), "{worst:?}");
+}
+
+#[test]
+fn functions_have_more_bits_than_binary64() {
+    let mut state = 11;
+    for _ in 0..300 {
+        Big::forget();
+        let x = f64::from((random(&mut state) / 1e5) as f32);
+        let (sin, cos) = Pair::sin_cos_pi(2.0 * x);
+        let (exact_sin, exact_cos) = Big::of(2.0 * x).sin_cos_pi();
+        assert!(off(sin, exact_sin) < 2f64.powi(-96) && off(cos, exact_cos) < 2f64.powi(-96), "{x}");
+        let (base, exponent) = (1.0 + x.abs(), Pair::of(f64::from((random(&mut state) / 3e4) as f32)));
+        let power = Pair::of(base).pow(exponent);
+        assert!(off(power, Big::of(base).pow(big(exponent))) < 2f64.powi(-80), "{base} {exponent:?}");
+    }
+}
+
+#[test]
+fn turns_are_exact_where_they_can_be() {
+    for (x, sin, cos) in [(0.0, 0.0, 1.0), (0.5, 1.0, 0.0), (1.0, 0.0, -1.0), (-0.5, -1.0, 0.0), (16777216.0, 0.0, 1.0)]
+    {
+        let (s, c) = Pair::sin_cos_pi(x);
+        assert_eq!((s.high, s.low, c.high, c.low), (sin, 0.0, cos, 0.0), "{x}");
+    }
+    let (s, c) = Pair::sin_cos_pi(0.25);
+    assert_eq!(s, c, "one number has one value");
+    assert!(Pair::sin_cos_pi(f64::INFINITY).0.high.is_nan() && Pair::sin_cos_pi(f64::NAN).1.high.is_nan());
+}
+
+#[test]
+fn infinities_stay_what_they_are() {
+    let infinite = Pair::of(f64::INFINITY);
+    assert_eq!(infinite.add(Pair::of(1.0)).high, f64::INFINITY);
+    assert_eq!(infinite.mul(Pair::of(-2.0)).high, f64::NEG_INFINITY);
+    assert_eq!((Pair::of(1.0).div(infinite).high, Pair::of(1.0).div(Pair::of(0.0)).high), (0.0, f64::INFINITY));
+    assert_eq!((infinite.sqrt().high, Pair::of(0.0).sqrt().high), (f64::INFINITY, 0.0));
+    assert!(infinite.sub(infinite).high.is_nan() && Pair::of(0.0).div(Pair::of(0.0)).high.is_nan());
+    assert_eq!(Pair::of(2.0).pow(Pair::of(-2000.0)).high, 0.0);
+}
+
+#[test]
+fn a_number_between_two_binary32_is_rounded_once() {
+    // Half a gap above 1, and a little more or less than binary64 can hold.
+    let half = 1.0 + 2f64.powi(-24);
+    let of = |low: f64| {
+        let mut out = [0; WIDTH];
+        Twofold { high: [half; WIDTH], low: [low; WIDTH] }.rounded_32(&mut out);
+        f32::from_bits(out[0])
+    };
+    assert_eq!((of(0.0), of(2f64.powi(-80)), of(-2f64.powi(-80))), (1.0, 1.0_f32.next_up(), 1.0));
+    let negative = |low: f64| {
+        let mut out = [0; WIDTH];
+        Twofold { high: [-half; WIDTH], low: [low; WIDTH] }.rounded_32(&mut out);
+        f32::from_bits(out[0])
+    };
+    assert_eq!((negative(-2f64.powi(-80)), negative(2f64.powi(-80))), (-1.0_f32.next_up(), -1.0));
+}
+
+#[test]
+fn small_powers_less_one_are_right() {
+    for x in [1e-300_f64, -1e-20, 1e-9, 0.007, -0.0078, 0.0079, 0.3, -2.0, 40.0, 700.5, -745.0] {
+        let exact = x.exp_m1();
+        assert!((crate::math::exp_m1(x) - exact).abs() <= 4.0 * f64::EPSILON * exact.abs(), "{x}");
+    }
+    assert!(crate::math::exp_m1(f64::NAN).is_nan() && crate::math::exp_m1(f64::INFINITY) == f64::INFINITY);
+}
