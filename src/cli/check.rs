@@ -68,7 +68,8 @@ pub struct CheckArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
     /// Write each failing case here: the shader, what it was lowered to, SPIR-V, inputs and outputs as
-    /// bits, the command that runs it again, and an Amber script for functions and geometry stages
+    /// bits, the command that runs it again, a test for piglit's shader_runner, and an Amber script for
+    /// functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
     /// How the result is printed

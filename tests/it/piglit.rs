@@ -3,7 +3,7 @@
 use shadercheck::lane::vulkan;
 
 #[path = "../../xtask/benches/piglit/mod.rs"]
-mod piglit;
+pub(crate) mod piglit;
 
 use piglit::convert::{Skipped, convert, tested};
 use piglit::format::{Section, ShaderTest};

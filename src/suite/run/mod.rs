@@ -7,6 +7,7 @@ mod finding;
 mod prepare;
 mod relate;
 mod sampling;
+mod shader_test;
 pub mod soundness;
 mod sources;
 mod summary;
