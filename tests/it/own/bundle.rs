@@ -65,9 +65,9 @@ fn a_run_that_passes_writes_no_case_and_a_vertex_stage_no_script() {
 
 /// What `cargo xtask piglit` finds in a test that was written: whether it passes in strict binary32.
 fn passes(text: &str) -> bool {
-    use crate::piglit::piglit::convert::convert;
-    use crate::piglit::piglit::format::ShaderTest;
-    use crate::piglit::piglit::judge::{Found, Runner, judge};
+    use crate::piglit::converter::convert::convert;
+    use crate::piglit::converter::format::ShaderTest;
+    use crate::piglit::converter::judge::{Found, Runner, judge};
     let test = ShaderTest::parse(text).unwrap_or_else(|e| panic!("{e:#}\n{text}"));
     let converted = convert("case.shader_test", &test).unwrap_or_else(|e| panic!("{e:?}\n{text}"));
     match judge(&converted, Runner::Strict, None) {
