@@ -71,8 +71,9 @@ pub struct CheckArgs {
     /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
-    /// Write the report here in every format, and each failing case: the shader, what it was lowered to, SPIR-V, inputs and outputs as
-    /// bits, the command that runs it again, and an Amber script for functions and geometry stages
+    /// Write the report here in every format, and each failing case: the shader, what it was lowered to,
+    /// SPIR-V, inputs and outputs as bits, the command that runs it again, a test for piglit's shader_runner, and an Amber script for
+    /// functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
     /// Which part of the run

@@ -3,11 +3,11 @@
 use shadercheck::lane::vulkan;
 
 #[path = "../../xtask/benches/piglit/mod.rs"]
-mod piglit;
+pub(crate) mod converter;
 
-use piglit::convert::{Skipped, convert, tested};
-use piglit::format::{Section, ShaderTest};
-use piglit::judge::{Found, Runner, judge};
+use converter::convert::{Skipped, convert, tested};
+use converter::format::{Section, ShaderTest};
+use converter::judge::{Found, Runner, judge};
 
 const VERTEX: &str = "\
 [require]

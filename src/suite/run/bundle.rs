@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::finding::{Case, Finding};
+use super::shader_test::shader_test;
 use super::trial::Trial;
 use super::{Prepared, Report};
 use crate::bound::profile::Rulings;
@@ -23,8 +24,8 @@ pub struct Bundle {
 }
 
 /// The failing cases of a report as files: the shader and what it was lowered to, SPIR-V, inputs and
-/// outputs as bits, the command that runs the case again, and an Amber script where what is run is a
-/// compute kernel.
+/// outputs as bits, the command that runs the case again, a test for piglit's `shader_runner`, and an Amber
+/// script where what is run is a compute kernel.
 ///
 /// # Errors
 /// [`LaneError`] when the lane fails on a case that it ran before.
@@ -97,6 +98,10 @@ fn files(
     ];
     if let Some(command) = &finding.reproduce {
         files.push(("reproduce.sh".to_owned(), format!("#!/bin/sh\n{command}\n").into_bytes()));
+    }
+    let test = case.deviation.as_ref().and_then(|d| shader_test(prepared, &finding.message, d, sample));
+    if let Some(test) = test {
+        files.push(("case.shader_test".to_owned(), test.into_bytes()));
     }
     // What a language cannot express has been told by the run; here the file is left out.
     if let Ok(translation) = prepared.program.translate(Language::SpirV) {

@@ -8,6 +8,7 @@ mod part;
 mod prepare;
 mod relate;
 mod sampling;
+mod shader_test;
 pub mod soundness;
 mod sources;
 mod summary;

@@ -63,3 +63,47 @@ fn a_run_that_passes_writes_no_case_and_a_vertex_stage_no_script() {
     assert!(inside.join("shader.vert").exists() && inside.join("shader.spv").exists());
     assert!(!inside.join("case.amber").exists());
 }
+
+/// What `cargo xtask piglit` finds in a test that was written: whether it passes in strict binary32.
+fn passes(text: &str) -> bool {
+    use crate::piglit::converter::convert::convert;
+    use crate::piglit::converter::format::ShaderTest;
+    use crate::piglit::converter::judge::{Found, Runner, judge};
+    let test = ShaderTest::parse(text).unwrap_or_else(|e| panic!("{e:#}\n{text}"));
+    let converted = convert("case.shader_test", &test).unwrap_or_else(|e| panic!("{e:?}\n{text}"));
+    match judge(&converted, Runner::Strict, None) {
+        Some(Found::Agrees) => true,
+        Some(Found::Disagrees(_)) => false,
+        other => panic!("{other:?}\n{text}"),
+    }
+}
+
+#[test]
+fn the_test_for_piglit_fails_as_the_case_does_and_passes_with_the_right_shader() {
+    // A function.
+    let text = suite(&["x", "y"], "reference = \"r.glsl\"");
+    let dir = folder(&[("f.glsl", WRONG), ("r.glsl", RIGHT), ("f.suite.toml", &text)]);
+    let ran: Ran = command(dir.path(), "check . --lane embedded --report-dir out").output().unwrap().into();
+    ran.expect(1);
+    let test = fs::read_to_string(dir.path().join("out/own-embedded-compute-1/case.shader_test")).unwrap();
+    assert!(test.contains("\n[require]\nGLSL >= 3.30\n") && test.contains("\nuniform float sc_in_x 2.0\n"), "{test}");
+    assert!(!passes(&test), "{test}");
+    assert!(passes(&test.replace(WRONG, RIGHT)), "{test}");
+    // A vertex stage with an attribute of three numbers and uniforms of several types.
+    let wrong = "#version 130\nin vec4 p;\nuniform mat4 m;\nuniform bool flip;\nuniform vec2 w[2];\n\
+        void main() { gl_Position = (flip ? -1.0 : 1.0) * (m * p) + vec4(w[1], w[0].x > 1.5 ? 1.0 : 0.0, 0.0); }\n";
+    let right = wrong.replace("w[0].x > 1.5 ? 1.0 : 0.0", "0.0");
+    let text = "suite = \"v\"\nshader = \"a.vert\"\nstage = \"vertex\"\nsamples = 512\nreference = \"r.vert\"\n\
+        [[inputs]]\nnames = [\"p\"]\ngenerator = \"point\"\nrange = [-2.0, 2.0]\ncomponents = 3\n\
+        [[inputs]]\nnames = [\"w\"]\ngenerator = \"interval\"\nrange = [-2.0, 2.0]\n\
+        [[inputs]]\nnames = [\"flip\"]\ngenerator = \"index\"\nrange = [0, 1]\n\
+        [[inputs]]\nnames = [\"m\"]\ngenerator = \"affine\"\nrange = [-2.0, 2.0]\n";
+    let dir = folder(&[("a.vert", wrong), ("r.vert", &right), ("a.suite.toml", text)]);
+    let ran: Ran = command(dir.path(), "check . --lane embedded --report-dir out").output().unwrap().into();
+    let ran = ran.expect(1);
+    let test = fs::read_to_string(dir.path().join("out/v-embedded-compute-1/case.shader_test"));
+    let test = test.unwrap_or_else(|e| panic!("{e}: {ran:?}"));
+    assert!(test.contains("sc_vertex/float/2 p/float/3\n") && test.contains("\nuniform mat4x4 m "), "{test}");
+    assert!(!passes(&test), "{test}");
+    assert!(passes(&test.replace("w[0].x > 1.5 ? 1.0 : 0.0", "0.0")), "{test}");
+}

@@ -126,7 +126,7 @@ pub fn convert(name: &str, test: &ShaderTest) -> std::result::Result<Converted, 
     };
     let Some(index) = index else { return skip("no output that holds the color") };
     let color = output.range(index);
-    let batch = batch(&program, &test.cases).map_err(|e| Skipped(format!("{e:#}")))?;
+    let batch = batch(&program, test).map_err(|e| Skipped(format!("{e:#}")))?;
     let expected = test.cases.iter().map(|c| c.color.clone()).collect();
     Ok(Converted { stage: section.stage(), program, batch, color, expected })
 }
@@ -140,13 +140,22 @@ fn reason(error: ProgramError) -> String {
     }
 }
 
-/// One case for each draw. Inputs of the stage are those of a vertex in the middle of the target.
-fn batch(program: &Program, cases: &[Case]) -> Result<Batch> {
+/// One case for each draw. Inputs of the stage are those of the first vertex.
+fn batch(program: &Program, test: &ShaderTest) -> Result<Batch> {
+    let cases = &test.cases;
     let (invocation, case) = (Arc::new(program.invocation_record()), Arc::new(program.case_record()));
     let mut batch = Batch::with_capacity(invocation.clone(), case.clone(), 1, cases.len());
     for values in cases {
-        for k in 0..invocation.words() {
-            batch.invocations.push(if invocation.scalar_of(k) == Scalar::F32 { 0x3e80_0000 } else { 0 });
+        for (index, field) in invocation.fields().iter().enumerate() {
+            let given = test.vertex.get(&field.name);
+            for k in 0..invocation.range(index).len() {
+                batch.invocations.push(match given.and_then(|v| Some((v, v.components.get(k)?))) {
+                    Some((values, text)) => word(&values.ty, field.shape.scalar, text)?,
+                    // What the fetch fills in.
+                    None if k == 3 && field.shape.scalar == Scalar::F32 => 1.0_f32.to_bits(),
+                    None => 0,
+                });
+            }
         }
         batch.cases.extend(uniforms(&case, values)?);
     }
@@ -157,13 +166,19 @@ fn batch(program: &Program, cases: &[Case]) -> Result<Batch> {
 fn uniforms(record: &Record, case: &Case) -> Result<Vec<u32>> {
     let mut words = vec![0; record.words()];
     for (k, field) in record.fields().iter().enumerate() {
-        let Some(values) = case.uniforms.get(&field.name) else { continue };
         let range = record.range(k);
-        if values.components.len() != range.len() {
-            bail!("`{}` of type `{}` is set with {} numbers", field.name, field.shape, values.components.len());
-        }
-        for (at, text) in range.zip(&values.components) {
-            words[at] = word(&values.ty, field.shape.scalar, text)?;
+        // An array is set whole or element by element.
+        let size = field.shape.element_words();
+        let elements = range.clone().step_by(size).enumerate();
+        let parts = elements.map(|(e, at)| (format!("{}[{e}]", field.name), at..at + size));
+        for (name, range) in std::iter::once((field.name.clone(), range)).chain(parts) {
+            let Some(values) = case.uniforms.get(&name) else { continue };
+            if values.components.len() != range.len() {
+                bail!("`{name}` of type `{}` is set with {} numbers", field.shape, values.components.len());
+            }
+            for (at, text) in range.zip(&values.components) {
+                words[at] = word(&values.ty, field.shape.scalar, text)?;
+            }
         }
     }
     Ok(words)

@@ -12,6 +12,8 @@ pub struct ShaderTest {
     pub version: String,
     /// Text of each stage, without the version line that the runner puts before it.
     pub stages: BTreeMap<Section, String>,
+    /// Attributes of the first vertex by name.
+    pub vertex: BTreeMap<String, Values>,
     /// Each draw or dispatch whose color is looked at.
     pub cases: Vec<Case>,
 }
@@ -85,7 +87,9 @@ impl ShaderTest {
     /// # Errors
     /// The line that is not understood, with its number.
     pub fn parse(text: &str) -> Result<Self> {
-        let mut test = Self { version: String::new(), stages: BTreeMap::new(), cases: Vec::new() };
+        let mut test =
+            Self { version: String::new(), stages: BTreeMap::new(), vertex: BTreeMap::new(), cases: Vec::new() };
+        let mut data = Vec::new();
         let mut run = Run::default();
         let mut section = "";
         for (number, line) in (1..).zip(text.lines()) {
@@ -109,7 +113,10 @@ impl ShaderTest {
                     match section {
                         "require" => test.require(line),
                         "test" if !line.is_empty() => run.line(line),
-                        // Vertices: what is drawn covers the target, and its position is not looked at.
+                        "vertex data" if !line.is_empty() && data.len() < 2 => {
+                            data.push(line);
+                            Ok(())
+                        }
                         "test" | "vertex data" | "vertex shader passthrough" | "" => Ok(()),
                         other => bail!("line {number}: section [{other}]"),
                     }
@@ -121,6 +128,9 @@ impl ShaderTest {
             bail!("no version is required");
         }
         test.cases = run.cases;
+        if let [header, row] = data[..] {
+            test.vertex = attributes(header, row);
+        }
         Ok(test)
     }
 
@@ -156,6 +166,20 @@ fn stage(section: &str) -> Result<Option<Section>> {
         _ if section.contains("shader") => bail!("section [{section}]"),
         _ => return Ok(None),
     }))
+}
+
+/// Attributes such as `name/float/2` with their components. What is drawn covers the target: where vertices lie
+/// is not looked at.
+fn attributes(header: &str, row: &str) -> BTreeMap<String, Values> {
+    let mut components = row.split_whitespace().map(str::to_owned);
+    let mut all = BTreeMap::new();
+    for attribute in header.split_whitespace() {
+        let mut parts = attribute.split('/');
+        let (Some(name), Some(ty), Some(count)) = (parts.next(), parts.next(), parts.next_back()) else { continue };
+        let components = components.by_ref().take(count.parse().unwrap_or(0)).collect();
+        all.insert(name.to_owned(), Values { ty: ty.to_owned(), components });
+    }
+    all
 }
 
 /// The state while the lines of `[test]` are read.
