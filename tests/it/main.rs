@@ -24,6 +24,7 @@ mod probe;
 mod regress;
 mod sarif;
 mod shards;
+mod slurm;
 mod soundness;
 mod tidy;
 mod translate;
