@@ -101,10 +101,8 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
         }
     };
     let folder = Folder::new()?;
-    let slurm = folder.0.join("slurm");
-    fs::create_dir(&slurm)?;
-    let cluster = Cluster::start(&slurm)?;
-    writeln!(messages, "slurm-demo: two nodes are idle; daemons {:?}, folder {}", cluster.pids(), slurm.display())?;
+    let cluster = Cluster::start(&folder.0)?;
+    writeln!(messages, "slurm-demo: two nodes are idle; daemons {:?}, folder {}", cluster.pids(), folder.0.display())?;
     let mut demo = Demo { workspace, program, folder: &folder.0, cluster: &cluster, messages };
     let mut same = demo.check(&options)?;
     if options.builtin != "none" {
@@ -199,6 +197,9 @@ impl Demo<'_> {
         let log = read(&folder.join("shard-1.log"));
         let resumed = log.contains("goes on from its checkpoint");
         self.say(&format!("shard 1 said: {}", log.trim().replace('\n', " | ")))?;
+        if !resumed {
+            self.say("shard 1 came to its end before it was killed: take more --samples")?;
+        }
         let single = self.single(&arguments)?;
         self.compare(&report, &single, resumed)
     }
