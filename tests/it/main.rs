@@ -25,6 +25,7 @@ mod probe;
 mod regress;
 mod sarif;
 mod shards;
+mod slurm;
 mod soundness;
 mod sources;
 mod tidy;

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use serde_json::Value;
+use shadercheck::shard::{self, Sealed};
+
 use crate::binary::{Ran, command, root, run};
 
 /// All parts of a run in a folder of their own.
@@ -158,6 +161,19 @@ fn a_shard_that_is_missing_doubled_or_of_another_run_is_told() {
     .expect(0);
     fs::copy(part(&other, 1, 3), &second).unwrap();
     error(merge(&parts, ""), "--samples is `64` in one and `65` in the other");
+
+    // Of another version of the tool: one of them, and all.
+    for index in [1, 0, 2] {
+        let file = part(&parts, index, 3);
+        let text = if index == 1 { text.clone() } else { fs::read_to_string(&file).unwrap() };
+        let mut sealed: Sealed<Value> = shard::open(&text).unwrap();
+        sealed.identity.version = "0.0.1".to_owned();
+        fs::write(&file, shard::seal(&sealed).unwrap()).unwrap();
+        if index == 1 {
+            error(merge(&parts, ""), "the version of the tool is `");
+        }
+    }
+    error(merge(&parts, ""), "the results are of version 0.0.1 of the tool, and this is version ");
 
     error(merge(folder.path(), ""), "holds no results of shards");
     error(merge(&folder.path().join("gone"), ""), "cannot read");

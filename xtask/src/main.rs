@@ -42,7 +42,8 @@ usage: cargo xtask <task> [arguments]
   slurm-demo [--samples N] [--suite NAME] [--lane NAME] [--builtin NAME] [--program FILE]
                     start a throw-away Slurm cluster of two nodes on this machine, check a suite in shards on
                     100 million samples unless told otherwise, kill a shard on the way, sweep a built-in over
-                    all of binary32, and compare both with the single run; needs slurm-wlm and munge
+                    all of binary32 (not with --builtin none), and compare both with the single run; needs slurm-wlm and
+                    munge
 
 Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
 may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.

@@ -441,3 +441,46 @@ fn a_wrong_last_bit_is_outside_of_the_binary32_profile() {
         assert!(room || tally.outside_text > 1000, "{op:?}: {}", tally.outside_text);
     }
 }
+
+#[test]
+fn parts_cover_the_samples_and_begin_where_a_sweep_may() {
+    for exhaustive in [false, true] {
+        for count in [1, 2, 3, 7, 509, 510, 511, 2000] {
+            let of = |index| Request { exhaustive, part: (index, count), ..request(&[Op::Sin, Op::Mul], 5000) };
+            for op in [Op::Sin, Op::Mul] {
+                let mut end = 0;
+                for index in 0..count {
+                    let range = of(index).range(op);
+                    assert_eq!(range.start, end, "{op:?} {index}/{count}");
+                    if exhaustive && op == Op::Sin {
+                        assert!(range.start.is_multiple_of(SWEEP_UNIT) || range.is_empty(), "{index}/{count}");
+                    }
+                    end = range.end;
+                }
+                assert_eq!(end, of(0).size(op), "{op:?} in {count}");
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_of_a_measurement_join_in_any_order() {
+    // Many samples share the largest error: which of them is kept must not depend on the order.
+    let function: Function = |a| if a[0].abs() < 2.0 { a[0] + 0.5 } else { a[0] };
+    let ops = [Op::Floor, Op::Add];
+    let part = |index, count| {
+        let mut state = State::new(Request { part: (index, count), ..request(&ops, 3000) });
+        run(&Soft::new(function), &mut state, &mut |_, _| Ok(())).unwrap();
+        assert_eq!(state.done(), state.request().total());
+        state
+    };
+    let whole = part(0, 1);
+    for order in [[0, 1, 2, 3], [3, 1, 0, 2], [2, 3, 1, 0]] {
+        let mut joined = part(order[0], 4);
+        order[1..].iter().for_each(|&index| joined.join(part(index, 4)).unwrap());
+        assert_eq!(joined, whole, "{order:?}");
+    }
+    let mut other = part(0, 2);
+    let begun = State::new(Request { part: (1, 2), ..request(&ops, 3000) });
+    assert!(other.join(begun).unwrap_err().to_string().contains("a part of it is not complete"));
+}

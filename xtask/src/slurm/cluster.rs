@@ -20,10 +20,22 @@ pub const ADVICE: &str = "apt-get install -y --no-install-recommends slurm-wlm m
 /// How long a daemon may take to come up, or to end.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Waits for the end of a process, and then ends others: by their identifiers.
+const WATCH: &str = r#"
+me=$1 folder=$2
+shift 2
+while kill -0 "$me"; do sleep 1; done
+kill "$@"
+sleep 5
+kill -9 "$@"
+rm -rf "$folder"
+"#;
+
 /// A cluster that runs; it ends with this value, its jobs first.
 pub struct Cluster {
     folder: PathBuf,
     daemons: Vec<(String, Child)>,
+    watch: Option<Child>,
 }
 
 /// A program of a package, also where `PATH` leaves the administrator's folders out.
@@ -116,9 +128,12 @@ PartitionName=all Nodes=n0,n1 Default=YES MaxTime=INFINITE State=UP
 }
 
 impl Cluster {
-    /// Starts the daemons in a folder that is there and empty, and waits until both nodes are idle.
-    pub fn start(folder: &Path) -> Result<Self> {
-        let mut cluster = Self { folder: folder.to_owned(), daemons: Vec::new() };
+    /// Starts the daemons in a folder of their own in `around`, and waits until both nodes are idle. When this
+    /// process is killed, `around` is removed.
+    pub fn start(around: &Path) -> Result<Self> {
+        let folder = &around.join("slurm");
+        fs::create_dir(folder)?;
+        let mut cluster = Self { folder: folder.to_owned(), daemons: Vec::new(), watch: None };
         for name in ["state", "spool.n0", "spool.n1"] {
             fs::create_dir(folder.join(name))?;
         }
@@ -156,6 +171,7 @@ impl Cluster {
             slurmd.args(["-D", "-N", node]);
             cluster.daemon(&format!("slurmd.{node}"), slurmd)?;
         }
+        cluster.watch = Some(cluster.watch(around)?);
         wait("the nodes are not idle; the logs are in the folder", PATIENCE, || {
             let idle = cluster.output("sinfo", &["-h", "-N", "-o", "%N %t"]).unwrap_or_default();
             Ok(idle.lines().filter(|line| line.ends_with(" idle")).count() == 2)
@@ -169,6 +185,15 @@ impl Cluster {
         let child = command.stdin(Stdio::null()).stdout(log()?).stderr(log()?).spawn();
         self.daemons.push((name.to_owned(), child.with_context(|| format!("cannot start {name}"))?));
         Ok(())
+    }
+
+    /// Ends the daemons, and removes a folder, when this process is killed and cannot do it.
+    fn watch(&self, folder: &Path) -> Result<Child> {
+        let pids = self.pids().into_iter().map(|pid| pid.to_string());
+        let mut command = Command::new("sh");
+        command.args(["-c", WATCH, "watch"]).arg(std::process::id().to_string()).arg(folder).args(pids);
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().context("cannot start sh")
     }
 
     /// Identifiers of the daemons.
@@ -208,6 +233,10 @@ impl Drop for Cluster {
             let _ = wait("it goes on", limit, || Ok(child.try_wait()?.is_some()));
             let _ = child.kill();
             let _ = child.wait();
+        }
+        if let Some(watch) = &mut self.watch {
+            let _ = watch.kill();
+            let _ = watch.wait();
         }
     }
 }
