@@ -426,11 +426,21 @@ impl<'s> Build<'s> {
         {
             for (k, field) in s.fields.iter().enumerate() {
                 let whole = field.ty.clone().array(*count);
+                let member = u32::try_from(k).unwrap_or(0);
                 if whole.shape().is_none() {
-                    self.not_fed(vec![format!("`{name}[].{}` of type `{}`", field.name, field.ty)], span);
+                    // What is no number in each vertex is fed vertex by vertex.
+                    let (mut found, mut unfed) = (Vec::new(), Vec::new());
+                    for vertex in 0..*count {
+                        let name = format!("{name}[{vertex}].{}", field.name);
+                        parts(&name, &field.ty, &[vertex, member], &mut found, &mut unfed);
+                    }
+                    for part in found {
+                        let at = PortAt::Part { global: handle, path: part.path };
+                        self.port_in(&part.name, &part.ty, at, span)?;
+                    }
+                    self.not_fed(unfed, span);
                     continue;
                 }
-                let member = u32::try_from(k).unwrap_or(0);
                 let at = PortAt::Vertices { global: handle, member, count: *count };
                 let name = if name == "gl_in" { field.name.clone() } else { format!("{name}.{}", field.name) };
                 self.port_in(&name, &whole, at, span)?;

@@ -163,6 +163,24 @@ fn each_vertex_has_the_number_of_its_stream() {
 }
 
 #[test]
+fn arrays_and_structures_of_each_vertex() {
+    let text = "#version 330
+      layout(lines) in; layout(points, max_vertices = 1) out; struct S { float s; vec2 t; };
+      in Data { float a[2]; S b; } data[]; out float r;
+      void main() { r = data[0].a[1] + 10.0 * data[1].a[0] + 100.0 * data[1].b.t.y + gl_in[1].gl_ClipDistance[1];
+        gl_Position = gl_in[0].gl_Position; EmitVertex(); }";
+    let program = built("t.geom", text).unwrap();
+    let names: Vec<&str> = program.inputs.iter().map(|p| p.field.name.as_str()).collect();
+    assert_eq!(names[..4], ["gl_Position", "gl_in[0].gl_ClipDistance", "gl_in[1].gl_ClipDistance", "data[0].a"]);
+    assert_eq!(names[4..], ["data[1].a", "data[0].b.s", "data[0].b.t", "data[1].b.s", "data[1].b.t"]);
+    // Two positions, two distances of two vertices, then a and b of each.
+    let inputs: Vec<f64> = (1..=22).map(f64::from).collect();
+    // data[0].a = (13, 14), data[1].a = (15, 16), data[1].b.t = (21, 22), the distances of vertex 1 are (11, 12).
+    expect("t.geom", text, &inputs, &[], &[1.0, 2.0, 3.0, 4.0, 14.0 + 150.0 + 2200.0 + 12.0]);
+    assert!(program.compute_kernel().is_ok());
+}
+
+#[test]
 fn built_in_variables_that_are_varyings_here() {
     let text = "#version 430\nin vec4 p; out vec4 r; void main() { r = p * float(gl_Layer) + vec4(gl_ViewportIndex, gl_SamplePosition, gl_HelperInvocation); }";
     let program = built("t.frag", &text.replace("430", "450")).unwrap();
