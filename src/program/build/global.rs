@@ -405,7 +405,7 @@ impl<'s> Build<'s> {
     /// Type of a storage block, or of an array of them: these are bound one by one.
     fn storage(&mut self, ty: &Type, span: Span) -> Result<Handle<naga::Type>> {
         match ty {
-            Type::Array(element, ArraySize::Known(n)) => {
+            Type::Array(element, ArraySize::Known(n)) if matches!(**element, Type::Struct(_)) => {
                 let base = self.make(element, Layout::Storage, span)?;
                 let size = std::num::NonZeroU32::new(*n).map_or(naga::ArraySize::Dynamic, naga::ArraySize::Constant);
                 Ok(self.insert(None, TypeInner::BindingArray { base, size }))

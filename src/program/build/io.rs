@@ -84,6 +84,15 @@ pub(super) fn leaves(ty: &Type) -> Vec<(Vec<u32>, Type)> {
     all
 }
 
+/// True for memory as long as its buffer.
+fn is_open(module: &naga::Module, ty: Handle<naga::Type>) -> bool {
+    match &module.types[ty].inner {
+        TypeInner::Array { size: naga::ArraySize::Dynamic, .. } => true,
+        TypeInner::Struct { members, .. } => members.last().is_some_and(|m| is_open(module, m.ty)),
+        _ => false,
+    }
+}
+
 /// The type with some elements where it has an open end.
 fn closed(ty: &Type) -> Type {
     match ty {
@@ -230,7 +239,9 @@ impl<'s> Build<'s> {
         let mut at = start;
         for part in found {
             let count = u32::try_from(self::leaves(&part.ty).len()).unwrap_or(1);
-            let place = if count == 1 { PortAt::Argument(at) } else { PortAt::Arguments { first: at, count } };
+            // An array of one element is no number of its own.
+            let whole = count == 1 && !matches!(part.ty, Type::Array(..));
+            let place = if whole { PortAt::Argument(at) } else { PortAt::Arguments { first: at, count } };
             at += count;
             self.port_in(&part.name, &part.ty, place, span)?;
         }
@@ -383,6 +394,7 @@ impl<'s> Build<'s> {
             parts: found.into_iter().filter_map(shaped).collect(),
             written,
             partial: !unfed.is_empty(),
+            open: is_open(&self.module, self.module.global_variables[global].ty),
             told: told.with_help("it can be translated; a stage whose invocations need no other can be run"),
         });
     }

@@ -181,6 +181,13 @@ fn arrays_and_structures_of_each_vertex() {
 }
 
 #[test]
+fn an_array_of_one_element_goes_in() {
+    let text = "#version 330\nin float a[1]; in vec2 b[2]; out float r; void main() { r = a[0] + b[1].y; gl_Position = vec4(0.0); }";
+    expect("t.vert", text, &[1.0, 2.0, 3.0, 4.0, 5.0], &[], &[0.0, 0.0, 0.0, 0.0, 6.0]);
+    assert!(built("t.vert", text).unwrap().compute_kernel().is_ok());
+}
+
+#[test]
 fn built_in_variables_that_are_varyings_here() {
     let text = "#version 430\nin vec4 p; out vec4 r; void main() { r = p * float(gl_Layer) + vec4(gl_ViewportIndex, gl_SamplePosition, gl_HelperInvocation); }";
     let program = built("t.frag", &text.replace("430", "450")).unwrap();
