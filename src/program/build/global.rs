@@ -415,7 +415,7 @@ impl<'s> Build<'s> {
     }
 
     /// Type of a block, with the sizes that the text leaves open; `None` for `gl_PerVertex`.
-    fn block_type(&self, index: usize) -> Option<Type> {
+    pub(super) fn block_type(&self, index: usize) -> Option<Type> {
         let block = &self.shader.interface().blocks[index];
         if block.name.name == "gl_PerVertex" || block.name.name.starts_with("gl_") {
             return None;

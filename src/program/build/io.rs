@@ -174,7 +174,8 @@ impl<'s> Build<'s> {
                 }
             }
         }
-        for block in &interface.blocks {
+        for (index, block) in interface.blocks.iter().enumerate() {
+            let ty = self.block_type(index).unwrap_or(Type::Error);
             let locations = match block.storage {
                 Storage::In => &mut self.in_locations,
                 Storage::Out => &mut self.out_locations,
@@ -186,8 +187,13 @@ impl<'s> Build<'s> {
             };
             // Members count on from the block or the member before.
             let mut next = at(&block.qualifiers);
-            for member in &block.members {
-                let count = u32::try_from(leaves(&member.ty).len()).unwrap_or(1);
+            let fields = match &ty {
+                Type::Struct(s) => s.fields.as_slice(),
+                _ => &[],
+            };
+            for (k, member) in block.members.iter().enumerate() {
+                let ty = fields.get(k).map_or(&member.ty, |f| &f.ty);
+                let count = u32::try_from(leaves(ty).len()).unwrap_or(1);
                 let first = at(&member.qualifiers).or(next);
                 next = first.map(|first| first + count);
                 if let Some(first) = first {

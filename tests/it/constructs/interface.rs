@@ -236,9 +236,10 @@ fn offset_and_component_of_a_gather() {
 
 #[test]
 fn locations_that_are_not_written_go_around_those_that_are() {
-    let text = "#version 450
+    let text = "#version 460
       layout(location = 0) out Block { vec4 a; layout(location = 4) vec4 b[2]; vec4 c; }; out vec4 d; out vec4 e[3]; in vec4 p;
-      void main() { a = p; b[0] = p; b[1] = p; c = p; d = p; e[2] = p; gl_Position = p; }";
+      layout(location = 10) out Open { float o[]; }; out float f[5];
+      void main() { o[4] = float(gl_BaseVertex); f[0] = 1.0; a = p; b[0] = p; b[1] = p; c = p; d = p; e[2] = p; gl_Position = p; }";
     let program = built("t.vert", text).unwrap();
     let function = &program.module.entry_points[0].function;
     let naga::TypeInner::Struct { members, .. } = &program.module.types[function.result.as_ref().unwrap().ty].inner
@@ -249,5 +250,8 @@ fn locations_that_are_not_written_go_around_those_that_are() {
         Some(naga::Binding::Location { location, .. }) => Some(location),
         _ => None,
     };
-    assert_eq!(members.iter().filter_map(location).collect::<Vec<_>>(), [0, 4, 5, 6, 1, 7, 8, 9]);
+    assert_eq!(
+        members.iter().filter_map(location).collect::<Vec<_>>(),
+        [0, 4, 5, 6, 1, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19]
+    );
 }
