@@ -28,15 +28,26 @@ pub(crate) struct Memory {
     pub told: Diagnostic,
     /// True when something inside cannot be fed.
     pub partial: bool,
+    /// True for one that is as long as its buffer.
+    pub open: bool,
 }
 
 impl Program {
-    /// The program with its storage blocks as inputs and outputs; the same program when it has none, and
-    /// when its invocations need each other.
+    /// The program with its storage blocks as inputs and outputs; the same program when it has none, when its
+    /// invocations need each other, and when it looks behind the elements that an array gets here.
     ///
     /// # Errors
     /// [`ProgramError::Internal`] for a module that does not come out valid.
-    pub fn with_memory_inside(mut self) -> Result<Self, ProgramError> {
+    pub fn with_memory_inside(self) -> Result<Self, ProgramError> {
+        let before = self.clone();
+        match self.fed_from_memory() {
+            // An index that is known can lie behind the elements that there are.
+            Err(ProgramError::Internal(_)) if before.memory.iter().any(|m| m.open) => Ok(before),
+            other => other,
+        }
+    }
+
+    fn fed_from_memory(mut self) -> Result<Self, ProgramError> {
         let Entry::Point(entry) = self.entry else { return Ok(self) };
         let alone = self.memory.iter().all(|m| !m.partial) && !self.memory.is_empty();
         let single = |b: &naga::BuiltIn| !matches!(b, naga::BuiltIn::NumWorkGroups | naga::BuiltIn::SubgroupSize);
@@ -118,10 +129,14 @@ fn plain(module: &mut Module, ty: Handle<Type>) -> Handle<Type> {
         TypeInner::Struct { members, span } => {
             let mut end = span;
             let mut changed = Vec::new();
-            for member in members {
+            for member in &members {
                 let ty = plain(module, member.ty);
                 end = end.max(member.offset + module.types[ty].inner.size(module.to_ctx()));
-                changed.push(StructMember { ty, ..member });
+                changed.push(StructMember { ty, ..member.clone() });
+            }
+            // Values of the type keep it.
+            if changed.iter().zip(&members).all(|(new, old)| new.ty == old.ty) {
+                return ty;
             }
             (old.name, TypeInner::Struct { members: changed, span: end.next_multiple_of(16) })
         }

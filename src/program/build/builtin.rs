@@ -19,7 +19,7 @@ fn input(name: &str, stage: Stage) -> Option<(BuiltIn, Type)> {
     Some(match (stage, name) {
         (Stage::Vertex, "gl_VertexID" | "gl_VertexIndex") => (BuiltIn::VertexIndex, Type::UINT),
         (Stage::Vertex, "gl_InstanceID" | "gl_InstanceIndex") => (BuiltIn::InstanceIndex, Type::UINT),
-        (Stage::Vertex, "gl_BaseVertex" | "gl_BaseVertexARB") => (BuiltIn::BaseVertex, Type::INT),
+        (Stage::Vertex, "gl_BaseVertex" | "gl_BaseVertexARB") => (BuiltIn::BaseVertex, Type::UINT),
         (Stage::Vertex, "gl_BaseInstance" | "gl_BaseInstanceARB") => (BuiltIn::BaseInstance, Type::UINT),
         (Stage::Vertex, "gl_DrawID" | "gl_DrawIDARB") => (BuiltIn::DrawIndex, Type::UINT),
         (Stage::Fragment, "gl_FragCoord") => (BuiltIn::Position { invariant: false }, Type::VEC4),

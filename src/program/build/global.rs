@@ -405,7 +405,7 @@ impl<'s> Build<'s> {
     /// Type of a storage block, or of an array of them: these are bound one by one.
     fn storage(&mut self, ty: &Type, span: Span) -> Result<Handle<naga::Type>> {
         match ty {
-            Type::Array(element, ArraySize::Known(n)) => {
+            Type::Array(element, ArraySize::Known(n)) if matches!(**element, Type::Struct(_)) => {
                 let base = self.make(element, Layout::Storage, span)?;
                 let size = std::num::NonZeroU32::new(*n).map_or(naga::ArraySize::Dynamic, naga::ArraySize::Constant);
                 Ok(self.insert(None, TypeInner::BindingArray { base, size }))
@@ -415,7 +415,7 @@ impl<'s> Build<'s> {
     }
 
     /// Type of a block, with the sizes that the text leaves open; `None` for `gl_PerVertex`.
-    fn block_type(&self, index: usize) -> Option<Type> {
+    pub(super) fn block_type(&self, index: usize) -> Option<Type> {
         let block = &self.shader.interface().blocks[index];
         if block.name.name == "gl_PerVertex" || block.name.name.starts_with("gl_") {
             return None;

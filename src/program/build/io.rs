@@ -84,6 +84,15 @@ pub(super) fn leaves(ty: &Type) -> Vec<(Vec<u32>, Type)> {
     all
 }
 
+/// True for memory as long as its buffer.
+fn is_open(module: &naga::Module, ty: Handle<naga::Type>) -> bool {
+    match &module.types[ty].inner {
+        TypeInner::Array { size: naga::ArraySize::Dynamic, .. } => true,
+        TypeInner::Struct { members, .. } => members.last().is_some_and(|m| is_open(module, m.ty)),
+        _ => false,
+    }
+}
+
 /// The type with some elements where it has an open end.
 fn closed(ty: &Type) -> Type {
     match ty {
@@ -165,7 +174,8 @@ impl<'s> Build<'s> {
                 }
             }
         }
-        for block in &interface.blocks {
+        for (index, block) in interface.blocks.iter().enumerate() {
+            let ty = self.block_type(index).unwrap_or(Type::Error);
             let locations = match block.storage {
                 Storage::In => &mut self.in_locations,
                 Storage::Out => &mut self.out_locations,
@@ -177,8 +187,13 @@ impl<'s> Build<'s> {
             };
             // Members count on from the block or the member before.
             let mut next = at(&block.qualifiers);
-            for member in &block.members {
-                let count = u32::try_from(leaves(&member.ty).len()).unwrap_or(1);
+            let fields = match &ty {
+                Type::Struct(s) => s.fields.as_slice(),
+                _ => &[],
+            };
+            for (k, member) in block.members.iter().enumerate() {
+                let ty = fields.get(k).map_or(&member.ty, |f| &f.ty);
+                let count = u32::try_from(leaves(ty).len()).unwrap_or(1);
                 let first = at(&member.qualifiers).or(next);
                 next = first.map(|first| first + count);
                 if let Some(first) = first {
@@ -230,7 +245,9 @@ impl<'s> Build<'s> {
         let mut at = start;
         for part in found {
             let count = u32::try_from(self::leaves(&part.ty).len()).unwrap_or(1);
-            let place = if count == 1 { PortAt::Argument(at) } else { PortAt::Arguments { first: at, count } };
+            // An array of one element is no number of its own.
+            let whole = count == 1 && !matches!(part.ty, Type::Array(..));
+            let place = if whole { PortAt::Argument(at) } else { PortAt::Arguments { first: at, count } };
             at += count;
             self.port_in(&part.name, &part.ty, place, span)?;
         }
@@ -383,6 +400,7 @@ impl<'s> Build<'s> {
             parts: found.into_iter().filter_map(shaped).collect(),
             written,
             partial: !unfed.is_empty(),
+            open: is_open(&self.module, self.module.global_variables[global].ty),
             told: told.with_help("it can be translated; a stage whose invocations need no other can be run"),
         });
     }
@@ -426,11 +444,21 @@ impl<'s> Build<'s> {
         {
             for (k, field) in s.fields.iter().enumerate() {
                 let whole = field.ty.clone().array(*count);
+                let member = u32::try_from(k).unwrap_or(0);
                 if whole.shape().is_none() {
-                    self.not_fed(vec![format!("`{name}[].{}` of type `{}`", field.name, field.ty)], span);
+                    // What is no number in each vertex is fed vertex by vertex.
+                    let (mut found, mut unfed) = (Vec::new(), Vec::new());
+                    for vertex in 0..*count {
+                        let name = format!("{name}[{vertex}].{}", field.name);
+                        parts(&name, &field.ty, &[vertex, member], &mut found, &mut unfed);
+                    }
+                    for part in found {
+                        let at = PortAt::Part { global: handle, path: part.path };
+                        self.port_in(&part.name, &part.ty, at, span)?;
+                    }
+                    self.not_fed(unfed, span);
                     continue;
                 }
-                let member = u32::try_from(k).unwrap_or(0);
                 let at = PortAt::Vertices { global: handle, member, count: *count };
                 let name = if name == "gl_in" { field.name.clone() } else { format!("{name}.{}", field.name) };
                 self.port_in(&name, &whole, at, span)?;

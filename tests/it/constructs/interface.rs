@@ -161,6 +161,31 @@ fn each_vertex_has_the_number_of_its_stream() {
 }
 
 #[test]
+fn arrays_and_structures_of_each_vertex() {
+    let text = "#version 330
+      layout(lines) in; layout(points, max_vertices = 1) out; struct S { float s; vec2 t; };
+      in Data { float a[2]; S b; } data[]; out float r;
+      void main() { r = data[0].a[1] + 10.0 * data[1].a[0] + 100.0 * data[1].b.t.y + gl_in[1].gl_ClipDistance[1];
+        gl_Position = gl_in[0].gl_Position; EmitVertex(); }";
+    let program = built("t.geom", text).unwrap();
+    let names: Vec<&str> = program.inputs.iter().map(|p| p.field.name.as_str()).collect();
+    assert_eq!(names[..4], ["gl_Position", "gl_in[0].gl_ClipDistance", "gl_in[1].gl_ClipDistance", "data[0].a"]);
+    assert_eq!(names[4..], ["data[1].a", "data[0].b.s", "data[0].b.t", "data[1].b.s", "data[1].b.t"]);
+    // Two positions, two distances of two vertices, then a and b of each.
+    let inputs: Vec<f64> = (1..=22).map(f64::from).collect();
+    // data[0].a = (13, 14), data[1].a = (15, 16), data[1].b.t = (21, 22), the distances of vertex 1 are (11, 12).
+    expect("t.geom", text, &inputs, &[], &[1.0, 2.0, 3.0, 4.0, 14.0 + 150.0 + 2200.0 + 12.0]);
+    assert!(program.compute_kernel().is_ok());
+}
+
+#[test]
+fn an_array_of_one_element_goes_in() {
+    let text = "#version 330\nin float a[1]; in vec2 b[2]; out float r; void main() { r = a[0] + b[1].y; gl_Position = vec4(0.0); }";
+    expect("t.vert", text, &[1.0, 2.0, 3.0, 4.0, 5.0], &[], &[0.0, 0.0, 0.0, 0.0, 6.0]);
+    assert!(built("t.vert", text).unwrap().compute_kernel().is_ok());
+}
+
+#[test]
 fn built_in_variables_that_are_varyings_here() {
     let text = "#version 430\nin vec4 p; out vec4 r; void main() { r = p * float(gl_Layer) + vec4(gl_ViewportIndex, gl_SamplePosition, gl_HelperInvocation); }";
     let program = built("t.frag", &text.replace("430", "450")).unwrap();
@@ -209,9 +234,10 @@ fn offset_and_component_of_a_gather() {
 
 #[test]
 fn locations_that_are_not_written_go_around_those_that_are() {
-    let text = "#version 450
+    let text = "#version 460
       layout(location = 0) out Block { vec4 a; layout(location = 4) vec4 b[2]; vec4 c; }; out vec4 d; out vec4 e[3]; in vec4 p;
-      void main() { a = p; b[0] = p; b[1] = p; c = p; d = p; e[2] = p; gl_Position = p; }";
+      layout(location = 10) out Open { float o[]; }; out float f[5];
+      void main() { o[4] = float(gl_BaseVertex); f[0] = 1.0; a = p; b[0] = p; b[1] = p; c = p; d = p; e[2] = p; gl_Position = p; }";
     let program = built("t.vert", text).unwrap();
     let function = &program.module.entry_points[0].function;
     let naga::TypeInner::Struct { members, .. } = &program.module.types[function.result.as_ref().unwrap().ty].inner
@@ -222,5 +248,8 @@ fn locations_that_are_not_written_go_around_those_that_are() {
         Some(naga::Binding::Location { location, .. }) => Some(location),
         _ => None,
     };
-    assert_eq!(members.iter().filter_map(location).collect::<Vec<_>>(), [0, 4, 5, 6, 1, 7, 8, 9]);
+    assert_eq!(
+        members.iter().filter_map(location).collect::<Vec<_>>(),
+        [0, 4, 5, 6, 1, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19]
+    );
 }

@@ -113,3 +113,18 @@ fn storage_blocks_in_an_array_are_bound_one_by_one() {
     let spirv = program.translate(Language::SpirV).unwrap().into_bytes();
     assert!(!spirv.is_empty() && program.with_memory_inside().unwrap().compute_kernel().is_err());
 }
+
+#[test]
+fn structures_of_memory_are_values_of_functions() {
+    let text = "#version 450\nlayout(local_size_x = 1) in; struct P { vec3 at; float w; };
+      layout(std430) buffer A { P one; P list[]; }; float sum(P p) { return p.at.x + p.w; }
+      void main() { P p = list[1]; p.w = sum(one); list[0] = p; }";
+    let inputs: Vec<f64> = (1..=20).map(f64::from).collect();
+    let mut after = inputs.clone();
+    // list[1] is (9, 10, 11, 12); 1 + 4.
+    after[4..8].copy_from_slice(&[9.0, 10.0, 11.0, 5.0]);
+    expect("t.comp", text, &inputs, &[], &after);
+    // What looks behind the elements that there are here stays as it is.
+    let text = "#version 450\nlayout(local_size_x = 1) in; layout(std430) buffer A { int list[]; }; void main() { list[9] = 1; }";
+    assert!(built("t.comp", text).unwrap().with_memory_inside().unwrap().check_fed().is_err());
+}
