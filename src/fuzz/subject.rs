@@ -81,9 +81,15 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
         match stage.and_then(made) {
             Ok(ready) => return Ok(ready),
             Err(why) if shader.stage() == Stage::Geometry => return Err(why),
-            Err(_) => {}
+            // What stops the stage says more than what stops the function.
+            Err(why) => return alone(shader, id, info).map_err(|_| why),
         }
     }
+    alone(shader, id, info)
+}
+
+/// The function in a text of its own.
+fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
     let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
     let target = Target::Function(wrapper::NAME.to_owned());
     let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;

@@ -236,6 +236,9 @@ pub fn totals(summary: &Summary, color: bool) -> String {
         }
         if let Outcome::Ran(report) = &entry.outcome {
             let on = format!("{} on {}/{}", report.suite, report.lane, report.stage);
+            for texture in &report.textures {
+                let _ = writeln!(text, "note: {on}: texture {texture}");
+            }
             for doubtful in report.doubts.iter().take(DOUBTS) {
                 let _ = writeln!(text, "note: {on}: {doubtful}");
             }

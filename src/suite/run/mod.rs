@@ -81,6 +81,8 @@ pub struct Report {
     pub replayed: u64,
     /// Undetermined samples by reason and place, the most frequent first.
     pub doubts: Vec<Doubtful>,
+    /// What samplers were bound to, one line each.
+    pub textures: Vec<String>,
     /// Relations: name, samples for which it was checked.
     pub relations: Vec<(String, u64)>,
     /// Which segments of strands are drawn, for a suite with strands.
@@ -133,6 +135,7 @@ pub fn run(
         unsupported: 0,
         replayed: request.replay.len() as u64,
         doubts: Vec::new(),
+        textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
         relations: Vec::new(),
         coverage: None,
         translations: Vec::new(),

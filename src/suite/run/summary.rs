@@ -105,6 +105,7 @@ impl Summary {
                     | RunError::ReferenceProgram { .. }
                     | RunError::Recorded { .. }
                     | RunError::Law { .. }
+                    | RunError::Texture { .. }
                     | RunError::Plan { .. },
                 ) => {
                     return Status::Broken;

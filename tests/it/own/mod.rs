@@ -7,6 +7,7 @@ mod expectations;
 mod init;
 mod laws;
 mod schema;
+mod textures;
 
 use std::fs;
 
