@@ -131,3 +131,24 @@ fn a_lane_that_takes_the_neighbouring_texel_is_to_blame() {
     assert_eq!(wrong.verdicts.shader_deviated, 0);
     assert!(wrong.errors()[0].message.contains("the lane deviates from the shader"), "{}", wrong.errors()[0].message);
 }
+
+#[test]
+fn a_driver_takes_the_texels_that_are_meant() {
+    let text = "#version 430\nin vec3 p;\nuniform sampler2D a;\nuniform isampler2D b;\nuniform usampler3D c;\n\
+                uniform sampler2DArray d;\nuniform samplerCubeArray e;\nuniform sampler1D f;\nuniform samplerCubeShadow g;\n\
+                uniform sampler2DArrayShadow h;\nuniform sampler3D i;\nuniform samplerCube k;\n\
+                out vec4 x;\nout vec4 y;\nout vec4 z;\nvoid main() {\n\
+                x = texture(a, p.xy) + textureOffset(a, p.xy, ivec2(1, -2)) + textureGather(a, p.yz, 1);\n\
+                y = texture(d, p) + texture(e, vec4(p, 1.0)) + texture(f, p.x) + texture(i, p) + texture(k, p);\n\
+                z = vec4(texelFetch(b, ivec2(p.xy), 0)) + vec4(texelFetch(c, ivec3(p), 0));\n\
+                z.x += texture(g, vec4(p, 0.5)) + texture(h, vec4(p, 0.25)) + float(textureSize(d, 0).z);\n\
+                if (x.w > 1.5) discard;\n}\n";
+    let folder = folder(&[("all.frag", text)]);
+    let args = "fuzz all.frag --samples 8192 --lane vulkan --domain p=[0,1] --format json";
+    let ran = Ran::from(command(folder.path(), args).output().unwrap()).expect(0);
+    let main = &ran.json()["files"][0]["functions"][0];
+    assert_eq!(main["textures"].as_array().unwrap().len(), 10, "{main:#}");
+    let lane = &main["lanes"][0];
+    let count = |key: &str| lane[key].as_u64().unwrap();
+    assert!(count("agreed") > 3000 && count("deviated") == 0, "{lane:#}");
+}
