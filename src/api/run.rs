@@ -180,6 +180,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
     Ok(Suite {
         linked: Vec::new(),
         linked_texts: Vec::new(),
+        textures: Vec::new(),
         name: shader.entry.clone().unwrap_or_else(|| shader.file.name().to_owned()),
         title: shader.file.name().to_owned(),
         shader: shader.file.name().to_owned(),
@@ -207,6 +208,7 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
     let stage = match shader.stage {
         Stage::Vertex => crate::glsl::Stage::Vertex,
         Stage::Geometry => crate::glsl::Stage::Geometry,
+        Stage::Fragment => crate::glsl::Stage::Fragment,
         Stage::Function => crate::glsl::Stage::from_path(shader.file.name()).unwrap_or(crate::glsl::Stage::Library),
     };
     let target = shader.entry.clone().map_or(Target::Stage, Target::Function);

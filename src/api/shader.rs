@@ -112,9 +112,9 @@ impl Shader {
         let stage = match crate::glsl::Stage::from_path(file.name()) {
             Some(crate::glsl::Stage::Vertex) => Stage::Vertex,
             Some(crate::glsl::Stage::Geometry) => Stage::Geometry,
+            Some(crate::glsl::Stage::Fragment) => Stage::Fragment,
             Some(
-                crate::glsl::Stage::Fragment
-                | crate::glsl::Stage::Compute
+                crate::glsl::Stage::Compute
                 | crate::glsl::Stage::TessControl
                 | crate::glsl::Stage::TessEvaluation
                 | crate::glsl::Stage::Library,
@@ -157,6 +157,14 @@ impl Shader {
     /// Runs the geometry stage, whatever the file is called.
     pub fn geometry(mut self) -> Self {
         self.stage = Stage::Geometry;
+        self.entry = None;
+        self
+    }
+
+    /// Runs the fragment stage, whatever the file is called: as a function of its interpolated inputs. Samplers
+    /// are bound to small textures whose texels all differ.
+    pub fn fragment(mut self) -> Self {
+        self.stage = Stage::Fragment;
         self.entry = None;
         self
     }

@@ -218,6 +218,8 @@ pub struct FunctionReport {
     pub not_run: Option<String>,
     /// Each input, type and name, with what is stated of it.
     pub inputs: Vec<(String, Vec<Law>)>,
+    /// What samplers were bound to, one line each.
+    pub textures: Vec<String>,
     /// The largest error of strict binary32 on samples that count, as part of the output's size.
     #[serde(with = "crate::value::exact")]
     pub max_error: f64,

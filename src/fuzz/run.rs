@@ -66,6 +66,7 @@ pub fn run(
         samples: 0,
         not_run: None,
         inputs: Vec::new(),
+        textures: Vec::new(),
         max_error: 0.0,
         lanes: Vec::new(),
         findings: Vec::new(),
@@ -78,6 +79,7 @@ pub fn run(
         }
     };
     report.inputs = described(ready, domain);
+    report.textures = ready.program.textures.iter().map(ToString::to_string).collect();
     let oracle = match Oracle::new(&ready.program) {
         Ok(oracle) => oracle,
         Err(error) => {

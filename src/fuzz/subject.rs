@@ -78,13 +78,19 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
     if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
         let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
-        let alone = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
-        match alone.and_then(made) {
+        let made_alone = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
+        match made_alone.and_then(made) {
             Ok(ready) => return Ok(ready),
-            Err(why) if shader.stage() != Stage::Vertex => return Err(why),
-            Err(_) => {}
+            Err(why) if matches!(shader.stage(), Stage::Geometry | Stage::Compute) => return Err(why),
+            // What stops the stage says more than what stops the function.
+            Err(why) => return alone(shader, id, info).map_err(|_| why),
         }
     }
+    alone(shader, id, info)
+}
+
+/// The function in a text of its own.
+fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
     let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
     let target = Target::Function(wrapper::NAME.to_owned());
     let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;

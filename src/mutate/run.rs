@@ -94,6 +94,7 @@ pub fn run(
     let stage = match suite.stage {
         Stage::Vertex => glsl::Stage::Vertex,
         Stage::Geometry => glsl::Stage::Geometry,
+        Stage::Fragment => glsl::Stage::Fragment,
         Stage::Function => glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library),
     };
     let parsed = Shader::parse_with(shader, stage, &suite.chosen).shader;

@@ -56,10 +56,14 @@ impl Program {
         let target = target(&parsed.shader)?;
         let by_edits = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
         // What edits in place do not make readable to naga is built from the syntax tree.
-        by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target)).map_err(|error| match error {
-            ProgramError::Source(found) => ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()),
-            other => other,
-        })
+        by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target)).map_err(
+            |error| match error {
+                ProgramError::Source(found) => {
+                    ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect())
+                }
+                other => other,
+            },
+        )
     }
 
     /// The same with several texts that are linked into one stage.

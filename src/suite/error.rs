@@ -100,3 +100,13 @@ pub enum LoadError {
     #[error(transparent)]
     Regression(#[from] RegressionError),
 }
+
+/// A texture of a suite that does not fit the shader.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{at}: {message}")]
+pub struct RunTextureError {
+    /// Where the suite states it.
+    pub at: String,
+    /// What is wrong.
+    pub message: String,
+}

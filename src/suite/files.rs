@@ -9,7 +9,7 @@ use crate::property::regressions::{self, Regression};
 use crate::text::{SourceFile, decode};
 
 use super::error::LoadError;
-use super::{Expect, Includes, Suite, parse};
+use super::{Contents, Expect, Includes, Suite, parse};
 
 /// Ending of a suite file.
 pub const ENDING: &str = ".suite.toml";
@@ -55,6 +55,7 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
         }
     }
     attach(&mut suite, folder)?;
+    attach_pictures(&mut suite, folder)?;
     let (file, includes) = (&suite.file, &mut suite.includes);
     let mut text_of = |name: &String| {
         read_shader(&folder.join(name), includes).map_err(|error| match error {
@@ -113,6 +114,19 @@ fn attach(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
         LoadError::Read { path, source } => LoadError::Named { at: at.clone(), what, path, source },
         other => other,
     })?);
+    Ok(())
+}
+
+/// Reads the pictures that a suite binds to samplers.
+fn attach_pictures(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
+    for texture in &mut suite.textures {
+        let Contents::File { name, picture } = &mut texture.contents else { continue };
+        let path = folder.join(&*name);
+        let named = |source| LoadError::Named { at: texture.at.clone(), what: "texture", path: path.clone(), source };
+        let bytes = fs::read(&path).map_err(named)?;
+        let read = super::textures::decode(name, &bytes);
+        *picture = Some(read.map_err(|why| named(std::io::Error::new(ErrorKind::InvalidData, why)))?);
+    }
     Ok(())
 }
 

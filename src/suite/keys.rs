@@ -32,6 +32,8 @@ pub(super) enum Form {
     Relations,
     /// Macros with their values.
     Macros,
+    /// Samplers with their textures.
+    Textures,
 }
 
 /// A key.
@@ -144,6 +146,14 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
             key("inputs", Form::Tables("[[inputs]]"), "What fills the inputs: every attribute, uniform and parameter."),
             key("floors", Form::Table("[floors]"), "What a run must reach, so that its success means something."),
+            key(
+                "textures",
+                Form::Textures,
+                "What samplers are bound to, by their names in the shader (`\"material.map\"`, `\"maps[1]\"`): \"procedural\" \
+                 (texels that all differ, as without this), \"checker\", a .png file beside this one (its first row is at \
+                 0), or four numbers that every texel holds. Textures have one level, the nearest texel is taken, and \
+                 coordinates are clamped to the edge.",
+            ),
             key("strands", Form::Table("[strands]"), "Strands of nodes that a geometry stage sees four at a time."),
         ],
     },
@@ -285,6 +295,7 @@ fn told(form: Form) -> String {
         Form::Table(title) => format!("table {title}"),
         Form::Tables(title) => format!("tables {title}"),
         Form::Relations => "list of texts and tables [[relations]]".to_owned(),
+        Form::Textures => "table [textures] of texts and lists of four numbers".to_owned(),
         Form::Macros => "table [defines] of texts, numbers, true, false, and lists of them".to_owned(),
     }
 }
@@ -371,6 +382,12 @@ fn of(form: Form) -> Value {
         Form::Relations => {
             let names: Vec<&str> = relations::all().iter().map(|relation| relation.name()).collect();
             json!({ "type": "array", "items": { "anyOf": [{ "enum": names }, table("[[relations]]")] } })
+        }
+        Form::Textures => {
+            let numbers = json!({ "type": "array", "items": { "type": "number" }, "minItems": 4, "maxItems": 4 });
+            let file = json!({ "type": "string", "pattern": "\\.[pP][nN][gG]$" });
+            let words = json!({ "enum": super::textures::WORDS });
+            json!({ "type": "object", "additionalProperties": { "anyOf": [words, file, numbers] } })
         }
         Form::Macros => {
             let word = json!({ "type": ["string", "number", "boolean"] });

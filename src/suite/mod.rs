@@ -12,6 +12,7 @@ mod record;
 pub mod run;
 mod shipped;
 pub(crate) mod table;
+mod textures;
 
 use std::sync::Arc;
 
@@ -21,7 +22,7 @@ use crate::property::{InputGroup, Plan, PlanError};
 use crate::text::SourceFile;
 use crate::value::Record;
 
-pub use error::{LoadError, Problem, SuiteError};
+pub use error::{LoadError, Problem, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{ENDING, Loaded, load, read_regressions, read_shader, regressions_path, save_regressions, search};
 pub use includes::Includes;
@@ -29,6 +30,7 @@ pub use keys::{page, schema};
 pub use parse::{Names, parse, parse_with};
 pub use record::rows;
 pub use shipped::{ShippedSuite, UnknownSuite, find, shipped};
+pub use textures::{BoundTexture, Contents};
 
 /// What kind of code a suite tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,19 +39,22 @@ pub enum Stage {
     Vertex,
     /// A geometry shader: `main` is run for primitives.
     Geometry,
+    /// A fragment shader: `main` is run for interpolated inputs.
+    Fragment,
     /// A single function, called with arguments.
     Function,
 }
 
 impl Stage {
     /// All stages.
-    pub const ALL: [Self; 3] = [Self::Vertex, Self::Geometry, Self::Function];
+    pub const ALL: [Self; 4] = [Self::Vertex, Self::Geometry, Self::Fragment, Self::Function];
 
-    /// `vertex`, `geometry` or `function`.
+    /// `vertex`, `geometry`, `fragment` or `function`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vertex => "vertex",
             Self::Geometry => "geometry",
+            Self::Fragment => "fragment",
             Self::Function => "function",
         }
     }
@@ -122,6 +127,8 @@ pub struct Suite {
     pub inputs: Vec<InputGroup>,
     /// What a run must reach.
     pub floors: Floors,
+    /// What samplers are bound to, where the suite says so.
+    pub textures: Vec<BoundTexture>,
     /// Strands of which a geometry stage sees windows.
     pub strands: Option<Strands>,
     /// Where files are looked for that the shader includes.

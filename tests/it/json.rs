@@ -29,7 +29,7 @@ const SUITE: [&str; 11] = [
     "findings",
 ];
 const PROMISES: [&str; 4] = ["text", "conformance", "rearranged", "measured"];
-const REASONS: [&str; 6] = ["domain", "no_promise", "ill_conditioned", "branch", "underflow", "overflow"];
+const REASONS: [&str; 7] = ["domain", "no_promise", "ill_conditioned", "branch", "texel_edge", "underflow", "overflow"];
 
 #[test]
 fn a_run_that_passes_has_all_keys() {

@@ -30,7 +30,7 @@ fn constructs_of_other_stages_and_of_workgroups_are_named() {
     for (text, what, at) in [
         (
             "@group(0) @binding(0) var t: texture_2d<f32>; @compute @workgroup_size(1) fn main() { var x = textureLoad(t, vec2(0), 0); }",
-            "loading from an image",
+            "`t`, to which nothing is bound,",
             "textureLoad",
         ),
         ("@compute @workgroup_size(1) fn main() { workgroupBarrier(); }", "barriers", "workgroupBarrier"),

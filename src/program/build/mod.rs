@@ -165,9 +165,8 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
     let built = contain(|| build.run(target))
         .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
-    let Build {
-        module, inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, differs, ..
-    } = build;
+    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, differs, .. } =
+        build;
     let text = shader.file().text();
     let edited = Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) };
     let variables = |ports: &[Port]| {

@@ -122,6 +122,14 @@ impl Image {
         Some(Self { about: picture.about.clone(), size, words: one.repeat(layers as usize).into() })
     }
 
+    /// The same texels, each in the place of the one before it: a fault to be found.
+    #[must_use]
+    pub fn shifted(&self) -> Self {
+        let mut words = self.words.to_vec();
+        words.rotate_left(4);
+        Self { about: format!("{}, shifted", self.about), size: self.size, words: words.into() }
+    }
+
     /// Width, height, and depth or layers.
     pub fn size(&self) -> [u32; 3] {
         self.size

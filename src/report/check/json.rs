@@ -96,6 +96,7 @@ fn entry(entry: &Entry) -> Value {
             value["shader_deviated"] = report.verdicts.shader_deviated.into();
             value["doubts"] = report.doubts.iter().map(doubtful).collect();
             value["relations"] = report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
+            value["textures"] = report.textures.clone().into();
             if let Some(coverage) = &report.coverage {
                 value["coverage"] = json!({
                     "nodes": coverage.nodes,

@@ -276,6 +276,9 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             if let Some(apart) = report.apart.as_ref().filter(|a| a.different > 0) {
                 let _ = writeln!(text, "note: {on}: {}", differs(apart));
             }
+            for texture in &report.textures {
+                let _ = writeln!(text, "note: {on}: texture {texture}");
+            }
             for doubtful in report.doubts.iter().take(if few { 0 } else { DOUBTS }) {
                 let _ = writeln!(text, "note: {on}: {doubtful}");
             }

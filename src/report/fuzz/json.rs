@@ -41,6 +41,7 @@ struct Function<'a> {
     samples: u64,
     not_run: Option<&'a str>,
     inputs: Vec<Domain<'a>>,
+    textures: &'a [String],
     max_error: f64,
     lanes: Vec<OnLane>,
     findings: Vec<Found<'a>>,
@@ -135,6 +136,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
             .iter()
             .map(|(input, laws)| Domain { input, domain: laws.iter().map(ToString::to_string).collect() })
             .collect(),
+        textures: &report.textures,
         max_error: report.max_error,
         lanes: report.lanes.iter().map(on_lane).collect(),
         findings: report.findings.iter().map(found).collect(),

@@ -76,8 +76,13 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
         text.push_str(&diagnostics::text(diagnostic, Lang::En, color));
     }
     for function in &file.functions {
+        let mut shown = false;
         for finding in function.findings.iter().filter(|f| notes || f.severity != Severity::Note) {
             one(&mut text, &function.function, finding, color);
+            shown = true;
+        }
+        if shown && !function.textures.is_empty() {
+            let _ = writeln!(text, "\nnote: textures of {}: {}", function.function, function.textures.join("; "));
         }
     }
     text

@@ -60,6 +60,8 @@ pub fn subjects(file: &SourceFile, stage: glsl::Stage) -> (Vec<Subject>, usize) 
     let names: Vec<&str> =
         shader.functions().filter(|(_, f)| f.definition.is_some()).map(|(_, f)| f.name.name.as_str()).collect();
     let single = |name: &&&str| **name != "main" && names.iter().filter(|n| **n == **name).count() == 1;
+    let fragment = (stage == glsl::Stage::Fragment && names.contains(&"main")).then_some(Stage::Fragment);
+    let whole = fragment.map(|stage| Subject { stage, entry: None });
     let mut all: Vec<Subject> = names
         .iter()
         .filter(single)
@@ -67,7 +69,7 @@ pub fn subjects(file: &SourceFile, stage: glsl::Stage) -> (Vec<Subject>, usize) 
         .collect();
     let rest = all.len().saturating_sub(MOST_FUNCTIONS);
     all.truncate(MOST_FUNCTIONS);
-    (all, rest)
+    (whole.into_iter().chain(all).collect(), rest)
 }
 
 /// Writes a suite called `name` about a subject of a shader, and tries it on the embedded lane. `shader`
@@ -90,6 +92,9 @@ pub fn draft(
         return Err("it has no output to look at".to_owned());
     }
     let inputs: Vec<&Field> = case.fields().iter().chain(invocation.fields()).collect();
+    if inputs.is_empty() {
+        return Err("it takes nothing that could be varied".to_owned());
+    }
     let head = head(subject, name, shader);
     let groups = groups(&inputs, case.fields().len());
     let candidates = laws(subject.stage, &inputs, outputs.fields());

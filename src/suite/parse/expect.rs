@@ -39,7 +39,7 @@ fn reference(root: Table<'_>, stage: Option<Stage>) -> Option<ReferenceFile> {
     let file = table.required_text("file", "file = \"reference.glsl\"");
     let function = table.text("function");
     let output = table.text("output");
-    if let (Some(output), None, Some(Stage::Vertex | Stage::Geometry)) = (&output, &function, stage) {
+    if let (Some(output), None, Some(Stage::Vertex | Stage::Geometry | Stage::Fragment)) = (&output, &function, stage) {
         let message = "`output` says which output the value of a function stands for; name the `function` too";
         table.reader.problem(output.offset, message);
     }

@@ -13,9 +13,10 @@ use crate::text::SourceFile;
 use super::error::SuiteError;
 use super::expect::hint;
 use super::table::{At, Reader, Table};
-use super::{Floors, Includes, Stage, Suite};
+use super::textures::WORDS;
+use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite};
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "suite",
     "title",
     "shader",
@@ -32,6 +33,7 @@ const KEYS: [&str; 17] = [
     "relations",
     "inputs",
     "floors",
+    "textures",
     "strands",
 ];
 const INPUT_KEYS: [&str; 5] = ["names", "generator", "range", "components", "values"];
@@ -111,6 +113,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let per_case = root.whole("per_case", 1, MOST_PER_CASE);
     let (relations, laws) = laws::relations(root, names);
     let floors = floors(root, samples);
+    let textures = textures(root);
     let strands = strands(root, stage);
     let inputs = inputs(root, strands);
     if root.has("strands") && inputs.iter().all(|group| group.generator.name() != "node_run") {
@@ -135,6 +138,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         laws,
         inputs,
         floors: floors?,
+        textures,
         strands,
         includes: Includes::new(include, "`include = [\"FOLDER\"]`"),
         file: file.clone(),
@@ -186,7 +190,7 @@ fn entries(root: Table<'_>, stage: Option<Stage>) -> Vec<String> {
         Some(Stage::Function) => {
             root.required_text("entry", "entry = \"segment_distance\"").map(|e| e.value).into_iter().collect()
         }
-        Some(other @ (Stage::Vertex | Stage::Geometry)) => {
+        Some(other @ (Stage::Vertex | Stage::Geometry | Stage::Fragment)) => {
             if root.has("entry") {
                 let message = format!("`entry` names a function; the stage `{}` starts at main", other.name());
                 root.reader.problem(root.offset_of("entry"), message);
@@ -230,7 +234,7 @@ fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
 
 fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {
     let table = root.table("strands", "[strands]")?.only(&["nodes", "ends"]);
-    if let Some(stage @ (Stage::Vertex | Stage::Function)) = stage {
+    if let Some(stage @ (Stage::Vertex | Stage::Fragment | Stage::Function)) = stage {
         let message = format!("[strands] feed a geometry stage; this suite has the stage `{}`", stage.name());
         table.reader.problem(table.offset, message);
     }
@@ -241,6 +245,46 @@ fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {
         _ => Ends::AsDrawn,
     };
     Some(Strands { nodes: nodes? as usize, ends })
+}
+
+/// `[textures]`: a word, a file, or four numbers for each sampler.
+fn textures(root: Table<'_>) -> Vec<BoundTexture> {
+    let Some(table) = root.table("textures", "[textures]") else { return Vec::new() };
+    let mut all = Vec::new();
+    for At { value: sampler, offset } in table.keys() {
+        let at = table.reader.locate(offset);
+        let contents = if table.is_text(sampler) {
+            let Some(At { value, offset }) = table.text(sampler) else { continue };
+            match value.as_str() {
+                "procedural" => Contents::Procedural,
+                "checker" => Contents::Checker,
+                file if file.to_ascii_lowercase().ends_with(".png") => Contents::File { name: value, picture: None },
+                other => {
+                    let hint = hint(other, WORDS.into_iter());
+                    table
+                        .reader
+                        .problem(offset, format!("`{other}` is no .png file and no word for a texture; {hint}"));
+                    continue;
+                }
+            }
+        } else {
+            let numbers = table.numbers(sampler);
+            let offset = table.offset_of(sampler);
+            let &[r, g, b, a] = numbers.as_slice() else {
+                let message =
+                    format!("`{sampler}` is a text or four numbers, such as \"checker\" or [1.0, 0.5, 0.0, 1.0]");
+                table.reader.problem(offset, message);
+                continue;
+            };
+            let channels = [r, g, b, a].map(|n| n as f32);
+            if channels.iter().any(|n| !n.is_finite()) {
+                table.reader.problem(offset, format!("{numbers:?} are not finite in binary32"));
+            }
+            Contents::Constant(channels)
+        };
+        all.push(BoundTexture { sampler: sampler.to_owned(), contents, at });
+    }
+    all
 }
 
 fn inputs(root: Table<'_>, strands: Option<Strands>) -> Vec<InputGroup> {

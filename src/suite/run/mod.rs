@@ -98,6 +98,8 @@ pub struct Report {
     pub replayed: u64,
     /// Undetermined samples by reason and place, the most frequent first.
     pub doubts: Vec<Doubtful>,
+    /// What samplers were bound to, one line each.
+    pub textures: Vec<String>,
     /// Relations: name, samples for which it was checked.
     pub relations: Vec<(String, u64)>,
     /// Which segments of strands are drawn, for a suite with strands.

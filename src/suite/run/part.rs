@@ -36,6 +36,8 @@ pub struct Part {
     shown: Vec<Shown>,
     /// None where the lane cannot run the suite.
     terms: Option<Terms>,
+    /// What is bound to samplers.
+    textures: Vec<String>,
     /// Failing samples of `findings`, to be saved; they stay where they were found.
     #[serde(skip)]
     failing: Vec<Sample>,
@@ -167,6 +169,7 @@ impl Part {
             findings: Vec::new(),
             shown: Vec::new(),
             terms: None,
+            textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
             failing: Vec::new(),
         }
     }
@@ -249,6 +252,7 @@ impl Part {
             unsupported: self.unsupported,
             replayed: self.replayed,
             doubts,
+            textures: self.textures,
             relations,
             coverage,
             translations,

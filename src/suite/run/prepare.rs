@@ -11,7 +11,7 @@ use crate::program::{Kernel, Program, ProgramError};
 use crate::property::relations::law::LawError;
 use crate::property::{Own, Plan, PlanError, Relation, Sample, relations};
 use crate::suite::record::{self, Interface};
-use crate::suite::{Expect, Problem, RecordedFile, ReferenceFile, Stage, Suite};
+use crate::suite::{Expect, Problem, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
 use crate::text::SourceFile;
 use crate::verdict::{Oracle, Recorded, Reference, ReferenceError};
 
@@ -67,6 +67,14 @@ pub enum RunError {
         shader: String,
         /// Why.
         source: LawError,
+    },
+    /// A texture does not fit the shader.
+    #[error("suite `{suite}`: {source}")]
+    Texture {
+        /// Name of the suite.
+        suite: String,
+        /// Where and why.
+        source: RunTextureError,
     },
     /// The inputs of the suite do not fit the shader.
     #[error("suite `{suite}`, {shader}: {source}")]
@@ -133,11 +141,13 @@ pub fn prepare_with(
         }
         source => RunError::Program { suite: name(), source },
     };
-    let program = program(suite, shader, suite.entry.as_deref()).map_err(captured)?;
+    let mut program = program(suite, shader, suite.entry.as_deref()).map_err(captured)?;
+    super::super::textures::bind(suite, &mut program, true)
+        .map_err(|source| RunError::Texture { suite: name(), source })?;
     let compute = program.compute_kernel().map_err(captured)?;
     let vertex = match suite.stage {
         Stage::Vertex => Some(program.vertex_kernel(&super::finding::components(suite, &program)).map_err(captured)?),
-        Stage::Geometry | Stage::Function => None,
+        Stage::Geometry | Stage::Fragment | Stage::Function => None,
     };
     let shader_name = || shader.name().to_owned();
     let (reference, rows) = expected(&program)?;
@@ -187,7 +197,8 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
     let stage = match suite.stage {
         Stage::Vertex if function.is_none() => glsl::Stage::Vertex,
         Stage::Geometry if function.is_none() => glsl::Stage::Geometry,
-        Stage::Vertex | Stage::Geometry | Stage::Function => {
+        Stage::Fragment if function.is_none() => glsl::Stage::Fragment,
+        Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Function => {
             glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library)
         }
     };
@@ -217,7 +228,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
         Expect::Reference(ReferenceFile { file, function, output, text, at: _ }) => {
             let text = text.as_ref().ok_or_else(|| unread(file))?;
             let entry = function.as_deref().or(suite.entry.as_deref());
-            let model = self::program(suite, text, entry).map_err(|source| {
+            let mut model = self::program(suite, text, entry).map_err(|source| {
                 let source = match source {
                     ProgramError::Source(found) => {
                         ProgramError::Source(found.into_iter().map(|d| suite.includes.explained(d)).collect())
@@ -226,6 +237,9 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
                 };
                 RunError::ReferenceProgram { suite: name(), source }
             })?;
+            // A reference may do without some of them.
+            super::super::textures::bind(suite, &mut model, false)
+                .map_err(|source| RunError::Texture { suite: name(), source })?;
             let by = match function {
                 Some(function) => format!("the reference `{function}` of {}", text.name()),
                 None => format!("the reference {}", text.name()),

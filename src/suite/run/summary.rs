@@ -130,6 +130,7 @@ impl Summary {
                     | RunError::ReferenceProgram { .. }
                     | RunError::Recorded { .. }
                     | RunError::Law { .. }
+                    | RunError::Texture { .. }
                     | RunError::Plan { .. },
                 ) => {
                     return Status::Broken;

@@ -10,6 +10,7 @@ mod includes;
 mod init;
 mod laws;
 mod schema;
+mod textures;
 
 use std::fs;
 
