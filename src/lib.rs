@@ -67,6 +67,8 @@ pub mod refdata;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]
+pub mod shard;
+#[doc(hidden)]
 pub mod suite;
 #[doc(hidden)]
 pub mod text;

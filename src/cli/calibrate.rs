@@ -1,5 +1,6 @@
 //! `shadercheck calibrate`: measures the operations of a device.
 
+mod shared;
 mod table;
 
 use std::fs;
@@ -14,10 +15,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::bound::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
 use crate::bound::profile::{self, Op};
 use crate::cli::check::Format;
+use crate::cli::shard::{ShardArgs, write_atomically};
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
+use crate::shard::Shard;
 use crate::text::SourceFile;
+
+pub use shared::Found;
 
 /// Arguments of `shadercheck calibrate`.
 #[derive(Args, Clone, Debug)]
@@ -40,6 +45,9 @@ pub struct CalibrateArgs {
     /// Go on with a run that was stopped, from the state beside the output
     #[arg(long)]
     pub resume: bool,
+    /// Which part of the samples, or of the sweep
+    #[command(flatten)]
+    pub sharing: ShardArgs,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -53,8 +61,13 @@ pub struct CalibrateArgs {
 /// # Errors
 /// When there is no such lane or operation, the device fails, or a file cannot be read or written.
 pub fn run(args: &CalibrateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let shard = args.sharing.shard()?;
     let ops = operations(&args.builtin)?;
     let lane = open(args.lane.as_deref(), err)?;
+    if let Some(shard) = shard {
+        anyhow::ensure!(!args.resume, "--shard goes on by itself from its checkpoint; leave out --resume");
+        return shared::run(args, shard, &ops, lane.as_ref(), out, err);
+    }
     run_on(args, &ops, lane.as_ref(), out)
 }
 
@@ -66,19 +79,11 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
     let description = lane.description();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.profile.toml", description.name)));
     let saved = beside(&output);
-    let request = Request {
-        ops: ops.iter().map(|op| op.name().to_owned()).collect(),
-        samples: args.samples,
-        exhaustive: args.exhaustive,
-        driver: description.driver.clone(),
-    };
+    let request = request(args, ops, lane, Shard::WHOLE);
     let mut state = State::new(request.clone());
     if args.resume && saved.exists() {
         state = read_state(&saved)?.resume(&request)?;
     }
-    let compute = probe(lane, Stage::Compute)?;
-    let vertex = description.stages.contains(&Stage::Vertex).then(|| probe(lane, Stage::Vertex)).transpose()?;
-
     let bar = bar(args.format == Format::Text, request.total());
     bar.set_position(state.done());
     calibrate::run(lane, &mut state, &mut |state, op| {
@@ -88,32 +93,52 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
         write_atomically(&saved, &text)
     })?;
     bar.finish_and_clear();
+    let status = conclude(&state, &output, lane, args.format == Format::Json, out)?;
+    if saved.exists() {
+        fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.display()))?;
+    }
+    Ok(status)
+}
 
+fn request(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, shard: Shard) -> Request {
+    Request {
+        ops: ops.iter().map(|op| op.name().to_owned()).collect(),
+        samples: args.samples,
+        exhaustive: args.exhaustive,
+        driver: lane.description().driver.clone(),
+        part: (shard.index(), shard.count()),
+    }
+}
+
+/// Writes the profile of a device that was measured, and prints the table.
+fn conclude(
+    state: &State,
+    output: &Path,
+    lane: &dyn Lane,
+    json: bool,
+    out: &mut dyn Write,
+) -> anyhow::Result<ExitStatus> {
+    let description = lane.description();
+    let compute = probe(lane, Stage::Compute)?;
+    let vertex = description.stages.contains(&Stage::Vertex).then(|| probe(lane, Stage::Vertex)).transpose()?;
     let date = day_of(SystemTime::now());
     let vertex = vertex.as_ref();
-    let document =
-        Document { lane: description, state: &state, compute: &compute, vertex, definitions: &[], date: &date };
+    let document = Document { lane: description, state, compute: &compute, vertex, definitions: &[], date: &date };
     let bounds = profile::parse(&SourceFile::new(output.display().to_string(), document.text()), &|name| {
         profile::by_name(name).cloned()
     })
     .context("what was measured cannot be read back, which is a defect of this program")?;
     let definitions = confirmed(lane, &bounds)?;
     let text = Document { definitions: &definitions, ..document }.text();
-    write_atomically(&output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
-    if saved.exists() {
-        fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.display()))?;
-    }
-    let report = table::Report { lane: description, state: &state, compute: &compute, vertex };
-    match args.format {
-        Format::Text => {
-            out.write_all(report.text().as_bytes())?;
-            writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.display())?;
-        }
-        Format::Json => {
-            let mut json = report.json();
-            json["profile"] = output.display().to_string().into();
-            writeln!(out, "{json:#}")?;
-        }
+    write_atomically(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
+    let report = table::Report { lane: description, state, compute: &compute, vertex };
+    if json {
+        let mut json = report.json();
+        json["profile"] = output.display().to_string().into();
+        writeln!(out, "{json:#}")?;
+    } else {
+        out.write_all(report.text().as_bytes())?;
+        writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.display())?;
     }
     let outside = state.measurements().into_iter().any(|(op, tally)| Standing::of(op, tally) == Standing::Outside);
     Ok(if outside { ExitStatus::Findings } else { ExitStatus::Clean })
@@ -171,16 +196,6 @@ fn read_state(path: &Path) -> anyhow::Result<State> {
         .with_context(|| format!("`{}` is no state of a calibration; remove it or leave out --resume", path.display()))
 }
 
-/// Writes a file so that at any time either the old or the new one is there.
-fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Not a temporary file of the system's kind: those are readable by their owner alone.
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let fresh = folder.join(format!(".{name}.{}.new", std::process::id()));
-    fs::write(&fresh, bytes)?;
-    fs::rename(&fresh, path)
-}
-
 /// The day of a moment in universal time, such as `2026-01-31`.
 fn day_of(time: SystemTime) -> String {
     let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
@@ -233,16 +248,6 @@ mod tests {
         assert_eq!((day(0), day(86_399), day(86_400)), ("1970-01-01".into(), "1970-01-01".into(), "1970-01-02".into()));
         assert_eq!((day(951_782_400), day(951_868_800)), ("2000-02-29".into(), "2000-03-01".into()));
         assert_eq!((day(1_798_675_200), day(1_798_761_600)), ("2026-12-31".into(), "2027-01-01".into()));
-    }
-
-    #[test]
-    fn a_file_is_replaced_as_a_whole() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("p.toml");
-        write_atomically(&path, b"old").unwrap();
-        write_atomically(&path, b"new").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod profile;
 pub(super) mod progress;
 pub(super) mod select;
+mod shared;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 
 use crate::bound::profile::Rulings;
+use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::property::regressions::{self, Regression};
@@ -21,10 +23,12 @@ use crate::suite::run::{
     prepare, run as run_suite,
 };
 use crate::suite::save_regressions;
+use crate::text::SourceFile;
 
 use profile::Choice;
 use progress::Progress;
 use select::Selected;
+pub use shared::Found;
 
 /// Arguments of `shadercheck check`.
 #[derive(Args, Clone, Debug, Default)]
@@ -65,6 +69,9 @@ pub struct CheckArgs {
     /// bits, the command that runs it again, and an Amber script for functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
+    /// Which part of the run
+    #[command(flatten)]
+    pub sharing: ShardArgs,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -107,6 +114,11 @@ pub enum Format {
 /// # Errors
 /// When a file cannot be read, or `out` or `err` cannot be written to.
 pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let shard = args.sharing.shard()?;
+    anyhow::ensure!(
+        shard.is_none() || (args.case.is_none() && args.report_dir.is_none()),
+        "--shard does a part of the samples; --case and --report-dir are for a run without it"
+    );
     let selected = select::select(&args.suites)?;
     if selected.len() != 1 {
         for (given, option) in [(args.shader.is_some(), "--shader"), (args.case.is_some(), "--case")] {
@@ -115,7 +127,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     }
     let profile = Choice::new(args.profile.as_deref())?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
-    let lanes = open_lanes(args, &profile, &mut summary)?;
+    let (lanes, rulings) = open_lanes(args, &profile, &mut summary)?;
     if lanes.is_empty() {
         for (name, missing) in &summary.unavailable {
             writeln!(err, "lane `{name}` cannot be had: {missing}")?;
@@ -125,10 +137,13 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
         anyhow::bail!("no lane can run here, so nothing was checked");
     }
+    if let Some(shard) = shard {
+        return shared::run(args, shard, &selected, &lanes, &rulings, summary, out, err);
+    }
     let mut progress = Progress::new(args.format == Format::Text);
     for suite in &selected {
         let before = summary.entries.len();
-        one_suite(args, suite, &lanes, &mut summary, &mut progress, out, color)?;
+        one_suite(args, suite, (&lanes, &rulings), &mut summary, &mut progress, out, color)?;
         if summary.entries.len() == before {
             // Only the vertex stage of a lane can be asked for in vain: every suite runs in compute.
             let name = &suite.suite.name;
@@ -136,26 +151,38 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
     }
     progress.finish();
-    match args.format {
-        Format::Text => {
-            for at in 0..summary.entries.len() {
-                out.write_all(report::check::finding(&summary.entries, at, color).as_bytes())?;
-            }
-            writeln!(out)?;
-            out.write_all(report::check::totals(&summary, color).as_bytes())?;
+    print(&summary, args.format == Format::Json, color, out)?;
+    Ok(status_of(&summary))
+}
+
+/// Prints what follows the lines of the suites.
+fn print(summary: &Summary, json: bool, color: bool, out: &mut dyn Write) -> anyhow::Result<()> {
+    if json {
+        out.write_all(report::check::json(summary).as_bytes())?;
+    } else {
+        for at in 0..summary.entries.len() {
+            out.write_all(report::check::finding(&summary.entries, at, color).as_bytes())?;
         }
-        Format::Json => out.write_all(report::check::json(&summary).as_bytes())?,
+        writeln!(out)?;
+        out.write_all(report::check::totals(summary, color).as_bytes())?;
     }
     out.flush()?;
-    Ok(match summary.status() {
+    Ok(())
+}
+
+fn status_of(summary: &Summary) -> ExitStatus {
+    match summary.status() {
         Status::Pass => ExitStatus::Clean,
         Status::Fail => ExitStatus::Findings,
         Status::Broken => ExitStatus::Error,
-    })
+    }
 }
 
+/// Lanes, and for each what its results are held against.
+type Lanes = (Vec<Box<dyn Lane>>, Vec<Rulings>);
+
 /// Opens the lanes that are asked for, or all. A required one that is missing is an error.
-fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
+fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyhow::Result<Lanes> {
     let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
     for asked in args.lane.iter().chain(&args.require_lane) {
         if !names.contains(&asked.as_str()) {
@@ -164,7 +191,7 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
             anyhow::bail!("there is no lane `{asked}`; {hint}");
         }
     }
-    let mut lanes = Vec::new();
+    let (mut lanes, mut rulings) = (Vec::new(), Vec::new());
     for candidate in lane::registry() {
         let named = |list: &[String]| list.iter().any(|n| n == candidate.name);
         let required = named(&args.require_lane);
@@ -177,7 +204,9 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
         match (candidate.open)() {
             Ok(lane) => {
                 let description = lane.description().clone();
-                summary.lanes.push(LaneUsed { rulings: profile.rulings(&description), description });
+                let ruled = profile.rulings(&description);
+                summary.lanes.push(LaneUsed::new(description, &ruled));
+                rulings.push(ruled);
                 lanes.push(lane);
             }
             Err(missing) if required => {
@@ -186,22 +215,19 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
             Err(missing) => summary.unavailable.push((candidate.name, missing)),
         }
     }
-    Ok(lanes)
+    Ok((lanes, rulings))
 }
 
 fn one_suite(
     args: &CheckArgs,
     selected: &Selected,
-    lanes: &[Box<dyn Lane>],
+    (lanes, rulings): (&[Box<dyn Lane>], &[Rulings]),
     summary: &mut Summary,
     progress: &mut Progress,
     out: &mut dyn Write,
     color: bool,
 ) -> anyhow::Result<()> {
-    let shader = match &args.shader {
-        Some(path) => super::translate::read(path)?,
-        None => selected.shader.clone(),
-    };
+    let shader = shader_of(args, selected)?;
     let suite = &selected.suite;
     let mut add = |entry: Entry, progress: &Progress| -> anyhow::Result<()> {
         if args.format == Format::Text {
@@ -215,20 +241,13 @@ fn one_suite(
         Ok(prepared) => prepared,
         Err(error) => return add(entry(None, Outcome::Refused(error)), progress),
     };
-    // The lanes are in the order of the summary.
-    let rulings: Vec<Rulings> = summary.lanes.iter().map(|used| used.rulings.clone()).collect();
     let mut failing: Vec<Sample> = Vec::new();
     // Translations have no lane: the first that gives a report bears what is found out about them.
     let mut untold = true;
     for (lane, rulings) in lanes.iter().zip(rulings) {
-        let request = request(args, selected, &prepared, rulings)?;
+        let request = request(args, selected, &prepared, rulings.clone())?;
         let name = lane.description().name;
-        for &stage in &lane.description().stages {
-            // Geometry stages and functions run as compute; there is no vertex stage to speak of.
-            let applies = stage == Stage::Compute || prepared.vertex.is_some();
-            if !applies || args.stage.is_some_and(|s| !s.admits(stage)) {
-                continue;
-            }
+        for stage in stages(args, lane.as_ref(), &prepared) {
             progress.start(&suite.name, name, stage, request.samples_of(suite));
             let result = run_suite(&prepared, lane.as_ref(), stage, &request, &mut |done| progress.at(done));
             let outcome = match result {
@@ -255,6 +274,22 @@ fn one_suite(
         save_regressions(path, &suite.name, &failing)?;
     }
     Ok(())
+}
+
+/// The shader that is run under a suite.
+fn shader_of(args: &CheckArgs, selected: &Selected) -> anyhow::Result<SourceFile> {
+    match &args.shader {
+        Some(path) => super::translate::read(path),
+        None => Ok(selected.shader.clone()),
+    }
+}
+
+/// The stages of a lane on which a suite runs.
+fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> {
+    // Geometry stages and functions run as compute; there is no vertex stage to speak of.
+    let applies = |stage: &Stage| *stage == Stage::Compute || prepared.vertex.is_some();
+    let asked = |stage: &Stage| args.stage.is_none_or(|s| s.admits(*stage));
+    lane.description().stages.iter().copied().filter(applies).filter(asked).collect()
 }
 
 fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {

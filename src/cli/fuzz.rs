@@ -1,5 +1,6 @@
 //! `shadercheck fuzz`: every function of a shader file on generated inputs, without a suite.
 
+mod shared;
 mod stub;
 
 use std::io::Write;
@@ -12,13 +13,17 @@ use super::check::progress::Progress;
 use super::check::shell_word;
 use super::includes::{self, Source};
 use crate::bound::profile::Rulings;
+use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::{Diagnostic, Severity};
-use crate::fuzz::{self, Domain, Request, Stated, Subject};
+use crate::diagnostic::{Diagnostic, Lang, Severity};
+use crate::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
 use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
+use crate::report;
 use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
 use crate::suite::run::DEFAULT_SEED;
+
+pub use shared::Found;
 
 /// Samples of a function, when none are asked for.
 const SAMPLES: u64 = 1 << 16;
@@ -75,6 +80,9 @@ pub struct FuzzArgs {
     /// Write a first suite for each function that ran beside its file; never over one that is there
     #[arg(long)]
     pub write_suite: bool,
+    /// Which functions of the run: function `k` of all is done by shard `k` modulo N
+    #[command(flatten)]
+    pub sharing: ShardArgs,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -89,6 +97,11 @@ pub struct FuzzArgs {
 /// When a file cannot be read, a name is unknown, a domain cannot be read, no lane can be had, or output
 /// fails.
 pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let shard = args.sharing.shard()?;
+    anyhow::ensure!(
+        shard.is_none() || (args.case.is_none() && !args.write_suite),
+        "--shard does a part of the functions; --case and --write-suite are for a run without it"
+    );
     let mut stated = Vec::new();
     for text in &args.domain {
         stated.extend(fuzz::option(text).map_err(|why| anyhow::anyhow!("--domain `{text}`: {why}"))?);
@@ -100,20 +113,33 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let lanes: Vec<(&dyn Lane, Rulings)> =
         lanes.iter().map(|lane| (lane.as_ref(), Rulings::of_lane(lane.description()))).collect();
     let mut inputs = Inputs::new(&stated);
-    let mut progress = Progress::new(args.format == Format::Text);
     let mut known: Vec<String> = Vec::new();
+    if let Some(shard) = shard {
+        let mut files = Vec::new();
+        for source in &sources {
+            let (errors, subjects) = subjects(args, source, &mut known)?;
+            for error in &errors {
+                err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
+            }
+            anyhow::ensure!(
+                errors.is_empty(),
+                "`{}` does not compile, so that no part of the run can be done",
+                source.name
+            );
+            files.push((source, subjects));
+        }
+        all_known(args, &known)?;
+        return shared::run(args, shard, &files, &lanes, &mut inputs, summary, out, err);
+    }
+    let mut progress = Progress::new(args.format == Format::Text);
     for source in &sources {
         let mut printed = Printed { out, args, color, many: sources.len() > 1 };
         let report = one_file(args, source, &lanes, &mut inputs, &mut known, &mut progress, &mut printed)?;
         summary.files.push(report);
     }
     progress.finish();
-    let unknown = args.function.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
-    if let (Some(name), true) = (unknown, summary.totals().broken == 0) {
-        let hint = nearest(name, known.iter().map(String::as_str));
-        let hint =
-            hint.map_or_else(|| format!("there are: {}", known.join(", ")), |near| format!("did you mean `{near}`?"));
-        anyhow::bail!("there is no function `{name}` with a body; {hint}");
+    if summary.totals().broken == 0 {
+        all_known(args, &known)?;
     }
     inputs.all_used()?;
     match args.format {
@@ -130,6 +156,10 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         stub::write(&sources, &summary, err)?;
     }
     out.flush()?;
+    status_of(&summary, err)
+}
+
+fn status_of(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let totals = summary.totals();
     Ok(if totals.findings + totals.broken > 0 {
         ExitStatus::Findings
@@ -139,6 +169,16 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     } else {
         ExitStatus::Clean
     })
+}
+
+/// Every function that is asked for has to be there.
+fn all_known(args: &FuzzArgs, known: &[String]) -> anyhow::Result<()> {
+    let unknown = args.function.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
+    let Some(name) = unknown else { return Ok(()) };
+    let hint = nearest(name, known.iter().map(String::as_str));
+    let hint =
+        hint.map_or_else(|| format!("there are: {}", known.join(", ")), |near| format!("did you mean `{near}`?"));
+    anyhow::bail!("there is no function `{name}` with a body; {hint}")
 }
 
 /// The name of a function without the types of its parameters.
@@ -168,11 +208,30 @@ fn one_file(
     if text && printed.many {
         progress.suspend(|| writeln!(printed.out, "{}", source.name))?;
     }
+    let subjects;
+    (report.errors, subjects) = self::subjects(args, source, known)?;
+    for subject in &subjects {
+        let domain = inputs.domain(subject)?;
+        let function = one_function(args, source, subject, &domain, lanes, progress)?;
+        if text {
+            progress.suspend(|| printed.out.write_all(line(&function, printed.color).as_bytes()))?;
+        }
+        report.functions.push(function);
+    }
+    Ok(report)
+}
+
+/// What is wrong with a file, or else the functions of it that are to be run.
+fn subjects(
+    args: &FuzzArgs,
+    source: &Source,
+    known: &mut Vec<String>,
+) -> anyhow::Result<(Vec<Diagnostic>, Vec<Subject>)> {
     let parsed = source.parsed();
     let errors = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
-    report.errors = errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
-    if !report.errors.is_empty() {
-        return Ok(report);
+    let errors: Vec<Diagnostic> = errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
+    if !errors.is_empty() {
+        return Ok((errors, Vec::new()));
     }
     let wanted = |name: &str| args.function.is_empty() || args.function.iter().any(|f| f == name);
     let subjects = fuzz::subjects(&parsed.shader, &wanted)
@@ -181,23 +240,26 @@ fn one_file(
         known.push(info.name.name.clone());
     }
     known.extend(subjects.iter().map(|s| s.label.clone()));
-    for subject in &subjects {
-        let domain = inputs.domain(subject)?;
-        progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
-        let request = Request {
-            samples: args.samples,
-            seed: args.seed,
-            case: args.case.clone(),
-            notes: args.notes,
-            command: command(args, source),
-        };
-        let function = fuzz::run(subject, &domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))?;
-        if text {
-            progress.suspend(|| printed.out.write_all(line(&function, printed.color).as_bytes()))?;
-        }
-        report.functions.push(function);
-    }
-    Ok(report)
+    Ok((errors, subjects))
+}
+
+fn one_function(
+    args: &FuzzArgs,
+    source: &Source,
+    subject: &Subject,
+    domain: &Domain,
+    lanes: &[(&dyn Lane, Rulings)],
+    progress: &mut Progress,
+) -> anyhow::Result<FunctionReport> {
+    progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
+    let request = Request {
+        samples: args.samples,
+        seed: args.seed,
+        case: args.case.clone(),
+        notes: args.notes,
+        command: command(args, source),
+    };
+    fuzz::run(subject, domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))
 }
 
 /// The command line up to the function.

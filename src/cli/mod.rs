@@ -9,8 +9,10 @@ mod includes;
 pub mod init;
 pub mod lanes;
 pub mod lint;
+pub mod merge;
 pub mod mutate;
 pub mod refdata;
+pub mod shard;
 pub mod status;
 pub mod translate;
 
@@ -74,6 +76,8 @@ pub enum Command {
     Mutate(mutate::MutateArgs),
     /// Write reference data, and compare anyone's results with them
     Refdata(refdata::RefdataArgs),
+    /// Join what the shards of a run found
+    Merge(merge::MergeArgs),
     /// Show what can run shaders here
     Lanes(lanes::LanesArgs),
     /// Measure how far a device's operations are off, beside what is promised
@@ -103,6 +107,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
         Command::Refdata(args) => refdata::run(args, &mut out, &mut err),
+        Command::Merge(args) => merge::run(args, &mut out, &mut err, color),
         Command::Lanes(args) => lanes::run(args, &mut out),
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
     };

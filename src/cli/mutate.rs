@@ -1,5 +1,7 @@
 //! `shadercheck mutate`: mutation testing of shaders and their suites.
 
+mod shared;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -9,13 +11,18 @@ use clap::Args;
 use super::check::Format;
 use super::check::progress::Progress;
 use super::check::select::{self, Selected};
+use crate::cli::shard::{ShardArgs, Store, told};
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::mutate::operators::{by_name, registry};
 use crate::mutate::{Operator, Request, run as run_suite};
 use crate::property::nearest;
 use crate::report::mutate::{Summary, json, text};
+use crate::shard::Shard;
 use crate::suite::run::DEFAULT_SEED;
+use crate::text::fingerprint;
+
+pub use shared::Found;
 
 /// Samples of a mutant that nothing kills, when none are asked for.
 const SAMPLES: u64 = 1 << 16;
@@ -45,6 +52,9 @@ pub struct MutateArgs {
     /// Lowest score, in per cent, that is no finding
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub floor: f64,
+    /// Which mutants of the run: mutant `k` of a suite is done by shard `k` modulo N
+    #[command(flatten)]
+    pub sharing: ShardArgs,
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -71,6 +81,7 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         }
         return Ok(ExitStatus::Clean);
     }
+    let shard = args.sharing.shard()?;
     let operators = operators(&args.operator)?;
     let selected = select(&args.suites)?;
     anyhow::ensure!(
@@ -85,9 +96,28 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         lane: format!("{}/{} ({})", description.name, Stage::Compute, description.driver),
         ..Summary::default()
     };
-    let request = Request { samples: args.samples, seed: args.seed, operators };
+    let request = Request { samples: args.samples, seed: args.seed, operators, shard: shard.unwrap_or(Shard::WHOLE) };
+    let mut store = None;
+    let mut found = Found::new(summary.lane.clone());
+    if let Some(shard) = shard {
+        let mut texts = Vec::new();
+        for Selected { suite, shader, argument, .. } in &selected {
+            let other = args.shader.as_deref().map(super::translate::read).transpose()?;
+            let text = format!("{}\n{suite:?}", other.as_ref().unwrap_or(shader).text());
+            texts.push((format!("{} ({argument})", suite.name), fingerprint(&text)));
+        }
+        let folder = Store::new(&args.sharing.shard_dir, shard, shared::identity(args, shard, &summary.lane, &texts))?;
+        if folder.finished::<Found>(err)?.is_some() {
+            return told(&folder, "was done before", args.format == Format::Json, out);
+        }
+        if let Some(state) = folder.checkpoint(err)? {
+            writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
+            found = state;
+        }
+        store = Some(folder);
+    }
     let mut progress = Progress::new(args.format == Format::Text);
-    for Selected { suite, shader, .. } in &selected {
+    for Selected { suite, shader, .. } in selected.iter().skip(found.done()) {
         let other = args.shader.as_deref().map(super::translate::read).transpose()?;
         progress.start(&suite.name, description.name, Stage::Compute, 0);
         let mut told = 0;
@@ -98,32 +128,46 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
             }
             progress.at(done as u64);
         });
-        match result {
-            Ok(result) => summary.suites.push(result),
-            Err(error) => {
+        match (result, &store) {
+            (Ok(result), None) => summary.suites.push(result),
+            (Ok(result), Some(_)) => found.add(request.shard, result),
+            (Err(error), Some(_)) => found.fail(suite.name.clone(), error.to_string()),
+            (Err(error), None) => {
                 progress.suspend(|| writeln!(err, "error: {error}"))?;
                 summary.failed.push((suite.name.clone(), error.to_string()));
             }
         }
+        if let Some(store) = &store {
+            store.save(&found)?;
+        }
     }
     progress.finish();
+    if let Some(store) = &store {
+        store.finish(&found)?;
+        return told(store, "is done", args.format == Format::Json, out);
+    }
+    conclude(&summary, args.floor, args.format == Format::Json, out)
+}
+
+/// Prints the result and gives the status.
+fn conclude(summary: &Summary, floor: f64, as_json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     if summary.failed.is_empty() && summary.score().all() == 0 {
         anyhow::bail!(
             "the chosen operators find nothing to change in the chosen shaders; choose others with --operator"
         );
     }
-    match args.format {
-        Format::Text if summary.suites.is_empty() => {}
-        Format::Text => out.write_all(text(&summary).as_bytes())?,
-        Format::Json => out.write_all(json(&summary).as_bytes())?,
+    if as_json {
+        out.write_all(json(summary).as_bytes())?;
+    } else if !summary.suites.is_empty() {
+        out.write_all(text(summary).as_bytes())?;
     }
     out.flush()?;
     let score = summary.score().share();
     Ok(if !summary.failed.is_empty() {
         ExitStatus::Error
-    } else if score.is_some_and(|share| 100.0 * share < args.floor) {
+    } else if score.is_some_and(|share| 100.0 * share < floor) {
         ExitStatus::Findings
-    } else if score.is_none() && args.floor > 0.0 {
+    } else if score.is_none() && floor > 0.0 {
         // No mutant moved anything: there is no score that could reach the floor.
         ExitStatus::Findings
     } else {

@@ -1,6 +1,7 @@
 //! Which inputs a function takes: what its author or the command line states, and what stands in where
 //! nothing is stated.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use crate::property::Sample;
@@ -18,11 +19,13 @@ const TINY: f64 = 1.0 / (1_u128 << 64) as f64;
 const NEAR_ONE: f64 = 4e-7;
 
 /// A range of numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Lower end.
+    #[serde(with = "crate::value::exact")]
     pub low: f64,
     /// Upper end.
+    #[serde(with = "crate::value::exact")]
     pub high: f64,
     /// The lower end itself is left out.
     pub open_low: bool,
@@ -39,7 +42,7 @@ impl Interval {
 }
 
 /// Something that holds for every value of an input.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     /// Each component lies in the range.
     Within(Interval),

@@ -1,11 +1,13 @@
 //! What a run of one function gives.
 
 use super::domain::Law;
+use crate::lane::LaneName;
 use crate::verdict::BatchVerdict;
 use crate::verdict::diagnosis::Diagnosis;
+use serde::{Deserialize, Serialize};
 
 /// What is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Kind {
     /// A lane gives something else than the function means.
     LaneDeviation,
@@ -119,7 +121,7 @@ impl Kind {
 }
 
 /// How bad something is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Severity {
     /// Wrong: the run fails.
     Finding,
@@ -141,7 +143,7 @@ impl Severity {
 }
 
 /// One input of a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputValue {
     /// Type and name.
     pub name: String,
@@ -152,7 +154,7 @@ pub struct InputValue {
 }
 
 /// One thing that was found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finding {
     /// What it is.
     pub kind: Kind,
@@ -163,7 +165,8 @@ pub struct Finding {
     /// Where it stands in the author's file, with the text there.
     pub place: Option<(String, String)>,
     /// The lane, for what concerns one.
-    pub lane: Option<&'static str>,
+    #[serde(with = "crate::lane::known::option")]
+    pub lane: Option<LaneName>,
     /// Samples that show it.
     pub count: u64,
     /// How many of these count: inputs inside of stated domains, or of moderate size.
@@ -173,13 +176,16 @@ pub struct Finding {
     /// The output that shows it.
     pub output: Option<String>,
     /// What the output means in real numbers.
+    #[serde(with = "crate::value::exact::option")]
     pub meaning: Option<f64>,
     /// Bits of what binary32, or the lane, gives.
     pub found: Option<u32>,
     /// By how much the operation enlarges relative errors.
+    #[serde(with = "crate::value::exact::option")]
     pub condition: Option<f64>,
     /// Of what loses digits: the largest error of strict binary32, as part of the output's size, and the
     /// inputs that show it.
+    #[serde(with = "crate::value::exact::beside")]
     pub worst: Option<(f64, Vec<InputValue>)>,
     /// Where a deviation of a lane comes from.
     pub diagnosis: Option<Diagnosis>,
@@ -188,10 +194,11 @@ pub struct Finding {
 }
 
 /// What one lane gave.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LaneReport {
     /// Name of the lane.
-    pub lane: &'static str,
+    #[serde(with = "crate::lane::known")]
+    pub lane: LaneName,
     /// Verdicts.
     pub verdicts: BatchVerdict,
     /// Why it did not run.
@@ -199,7 +206,7 @@ pub struct LaneReport {
 }
 
 /// What came of one function.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FunctionReport {
     /// Name of the function.
     pub function: String,
@@ -212,6 +219,7 @@ pub struct FunctionReport {
     /// Each input, type and name, with what is stated of it.
     pub inputs: Vec<(String, Vec<Law>)>,
     /// The largest error of strict binary32 on samples that count, as part of the output's size.
+    #[serde(with = "crate::value::exact")]
     pub max_error: f64,
     /// The lanes.
     pub lanes: Vec<LaneReport>,

@@ -5,6 +5,7 @@ mod actual;
 pub mod embedded;
 pub mod vulkan;
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use thiserror::Error;
@@ -15,7 +16,7 @@ use crate::value::Batch;
 pub use actual::{Actual, Marks};
 
 /// Stage of the pipeline in which a kernel runs on a lane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Stage {
     /// A compute stage.
     Compute,
@@ -40,7 +41,7 @@ impl fmt::Display for Stage {
 }
 
 /// Whose promises about numbers hold on a lane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Api {
     /// Vulkan: what its specification and its conformance suite allow a driver.
     Vulkan,
@@ -59,10 +60,11 @@ impl Api {
 }
 
 /// What a lane is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Description {
     /// Name of the lane, as `--lane` takes it.
-    pub name: &'static str,
+    #[serde(with = "known")]
+    pub name: LaneName,
     /// Device and driver with version.
     pub driver: String,
     /// Whose promises hold.
@@ -71,8 +73,62 @@ pub struct Description {
     pub stages: Vec<Stage>,
 }
 
+/// Name of a lane of the registry.
+pub type LaneName = &'static str;
+
+/// Names of lanes, where they are written down: only those of the registry are read back.
+pub mod known {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    /// Writes a name.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn serialize<S: Serializer>(name: &str, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(name)
+    }
+
+    /// Reads the name of a lane.
+    ///
+    /// # Errors
+    /// When there is no such lane.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
+        find(&String::deserialize(from)?)
+    }
+
+    fn find<E: Error>(name: &str) -> Result<&'static str, E> {
+        let candidate = super::registry().iter().find(|candidate| candidate.name == name);
+        candidate.map(|candidate| candidate.name).ok_or_else(|| E::custom(format!("there is no lane `{name}`")))
+    }
+
+    /// The same where there may be none.
+    pub mod option {
+        use super::{Deserialize, Deserializer, Serializer, find};
+
+        /// Writes a name, or none.
+        ///
+        /// # Errors
+        /// Those of the writer.
+        pub fn serialize<S: Serializer>(name: &Option<&'static str>, to: S) -> Result<S::Ok, S::Error> {
+            match name {
+                Some(name) => to.serialize_some(name),
+                None => to.serialize_none(),
+            }
+        }
+
+        /// Reads the name of a lane, or none.
+        ///
+        /// # Errors
+        /// When there is no such lane.
+        pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<&'static str>, D::Error> {
+            Option::<String>::deserialize(from)?.map(|name| find(&name)).transpose()
+        }
+    }
+}
+
 /// A lane that cannot be had here.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq, Eq, Serialize, Deserialize)]
 #[error("{why}; {remedy}")]
 pub struct Unavailable {
     /// What is missing, without a full stop.

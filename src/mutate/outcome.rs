@@ -1,10 +1,16 @@
 //! What became of mutants.
 
+use std::borrow::Cow;
+
 use super::operators::CONSTANT_ULP;
 use crate::verdict::Movement;
+use serde::{Deserialize, Serialize};
+
+/// Name of an operator.
+pub type Name = &'static str;
 
 /// What noticed a mutant.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kill {
     /// A value deviates from the formula, or an output is not written: how.
     Formula(String),
@@ -40,7 +46,7 @@ impl Kill {
 }
 
 /// What became of a mutant.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
     /// The suite noticed it.
     Killed(Kill),
@@ -50,7 +56,7 @@ pub enum Outcome {
     /// else outside of them.
     Unmoved,
     /// No output moved, and the form of the mutant shows why none can: the reason.
-    Equivalent(&'static str),
+    Equivalent(Cow<'static, str>),
     /// It could not be run, which no operator should bring about: why.
     Invalid(String),
 }
@@ -69,10 +75,11 @@ impl Outcome {
 }
 
 /// A mutant and what became of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Tested {
     /// Name of the operator that made it.
-    pub operator: &'static str,
+    #[serde(with = "known")]
+    pub operator: Name,
     /// What was done, without a full stop.
     pub what: String,
     /// Line of the shader, from 1.
@@ -85,6 +92,22 @@ pub struct Tested {
     pub outcome: Outcome,
     /// Samples on which it ran, up to the one that killed it.
     pub samples: u64,
+}
+
+/// Names of operators, where they are written down.
+mod known {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(name: &str, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(name)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
+        let name = String::deserialize(from)?;
+        let operator = crate::mutate::operators::by_name(&name);
+        operator.map(|operator| operator.name).ok_or_else(|| D::Error::custom(format!("there is no operator `{name}`")))
+    }
 }
 
 /// Mutants, counted.
@@ -141,7 +164,7 @@ fn ratio(part: usize, all: usize) -> Option<f64> {
 }
 
 /// The mutants of one suite.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SuiteResult {
     /// Name of the suite.
     pub suite: String,
@@ -182,7 +205,7 @@ mod tests {
             tested("sign", Outcome::Killed(Kill::Relation("r".to_owned()))),
             tested(CONSTANT_ULP, survived),
             tested("sign", Outcome::Unmoved),
-            tested("sign", Outcome::Equivalent("e")),
+            tested("sign", Outcome::Equivalent("e".into())),
             tested("sign", Outcome::Invalid("i".into())),
         ];
         let score = Score::of(&all);

@@ -19,6 +19,7 @@ use crate::lane::{Lane, LaneError, Stage as LaneStage};
 use crate::program::Kernel;
 use crate::program::OutputLayout;
 use crate::property::Sampler;
+use crate::shard::Shard;
 use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, prepare};
 use crate::suite::{Stage, Suite};
 use crate::text::SourceFile;
@@ -44,6 +45,8 @@ pub struct Request {
     pub seed: u64,
     /// Operators that make the mutants.
     pub operators: Vec<&'static Operator>,
+    /// Which mutants are run: mutant `k` of a suite belongs to shard `k mod N`.
+    pub shard: Shard,
 }
 
 /// A batch of inputs.
@@ -96,6 +99,8 @@ pub fn run(
     let parsed = Shader::parse_with(shader, stage, &suite.chosen).shader;
     let written = written(&parsed);
     let mutants = mutants(&parsed, suite.entry.as_deref().unwrap_or("main"), &request.operators);
+    let (index, count) = (request.shard.index() as usize, request.shard.count() as usize);
+    let mutants: Vec<Mutant> = mutants.into_iter().skip(index).step_by(count).collect();
     let mut tested = Vec::with_capacity(mutants.len());
     progress(0, mutants.len());
     for chunk in mutants.chunks(CHUNK) {
@@ -249,7 +254,7 @@ fn outcome(
         moved.merge(movement(&bench.court, &court, bench.layout, batch));
     }
     if moved.samples == 0 {
-        return Ok((identity.map_or(Outcome::Unmoved, Outcome::Equivalent), samples));
+        return Ok((identity.map_or(Outcome::Unmoved, |why| Outcome::Equivalent(why.into())), samples));
     }
     let mut trial = match Trial::with_capacity(prepared, lane, kernel, bench.rulings, STEPS[2]) {
         Ok(trial) => trial,

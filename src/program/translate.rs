@@ -1,5 +1,6 @@
 //! Translation of a program to the languages that naga writes, without coordinate flips.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
@@ -14,7 +15,7 @@ use super::{Entry, Program, ProgramError, contain, strides, validate, validator}
 use crate::lower::Role;
 
 /// A target language.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Language {
     /// SPIR-V 1.1, binary.
     SpirV,

@@ -220,7 +220,7 @@ fn mutant(tested: &Tested) -> Value {
             value["moved_bounds"] = if movement.bounds.is_finite() { movement.bounds.into() } else { Value::Null };
         }
         Outcome::Unmoved => {}
-        Outcome::Equivalent(why) => value["message"] = (*why).into(),
+        Outcome::Equivalent(why) => value["message"] = why.as_ref().into(),
         Outcome::Invalid(why) => value["message"] = why.as_str().into(),
     }
     value

@@ -2,6 +2,7 @@
 //! values and the records and batches made of them. A leaf of the dependency graph.
 
 mod batch;
+pub mod exact;
 mod float;
 mod shape;
 

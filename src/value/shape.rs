@@ -1,12 +1,13 @@
 //! Shapes of values that cross the border between host and shader.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
 /// Type of one component. Each component travels as one 32-bit word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Scalar {
     /// binary32.
     F32,

@@ -5,6 +5,7 @@
 //! gathered and go through the tape.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
 use super::oracle::Court;
@@ -38,10 +39,12 @@ pub struct Doubts {
     pub args: Vec<f64>,
     /// Number of invocations.
     pub count: u64,
+    /// Index of the first of them in the batch.
+    pub first: usize,
 }
 
 /// The verdicts on a batch, counted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct BatchVerdict {
     /// Invocations that agree.
     pub agreed: u64,
@@ -54,11 +57,14 @@ pub struct BatchVerdict {
     /// Undetermined invocations, in the order of [`Reason::ALL`].
     pub undetermined: [u64; Reason::ALL.len()],
     /// The same by place.
+    #[serde(skip)]
     pub doubts: Vec<Doubts>,
     /// Largest distance between a lane and the meaning of the shader, of invocations that agree, in
     /// ULP of the largest component of the variable and of the vectors among the inputs.
+    #[serde(with = "crate::value::exact")]
     pub max_ulp: f64,
     /// The first few failures, in the order of the batch.
+    #[serde(skip)]
     pub failures: Vec<Failure>,
 }
 
@@ -108,7 +114,7 @@ impl BatchVerdict {
                 self.undetermined[reason as usize] += 1;
                 let (op, site) = cause.as_ref().map_or((None, None), |cause| (cause.op, cause.site));
                 let args = cause.map_or_else(Vec::new, |cause| cause.args);
-                self.doubt(Doubts { reason, op, site, args, count: 1 });
+                self.doubt(Doubts { reason, op, site, args, count: 1, first: invocation });
             }
             Verdict::Deviate(deviation) => {
                 self.deviated += 1;
@@ -205,7 +211,10 @@ impl<'a> Bench<'a> {
         verdict.max_ulp = max_ulp;
         verdict.agreed = (count - suspects.len()) as u64;
         verdict.agreed_by[Promise::Text as usize] = verdict.agreed;
-        for (invocation, one) in self.suspects.judge(batch, actual, &suspects) {
+        let mut judged = self.suspects.judge(batch, actual, &suspects);
+        // What comes first must not depend on how samples are shared out among batches and threads.
+        judged.sort_by_key(|(invocation, _)| *invocation);
+        for (invocation, one) in judged {
             verdict.count(invocation, one);
         }
         verdict.max_ulp = verdict.max_ulp.max(self.suspects.take_max_ulp());

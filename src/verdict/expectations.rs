@@ -1,5 +1,6 @@
 //! What a shader means, without any lane: against its formula, and against another shader.
 
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -13,12 +14,13 @@ use crate::program::OutputLayout;
 use crate::value::Batch;
 
 /// How far one shader's meaning is from another's.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Movement {
     /// Invocations with an output that means another number.
     pub samples: u64,
     /// Largest distance between outputs, in units of what a lane is allowed there; infinite for
     /// another number of vertices, and where only one of the two has a value.
+    #[serde(with = "crate::value::exact")]
     pub bounds: f64,
     /// The component that moved by that much, such as `gl_Position.x`; none when no component moved
     /// that has a bound.

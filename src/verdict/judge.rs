@@ -1,5 +1,6 @@
 //! Verdicts on single samples.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use crate::bound::tape::{Cause, Why};
@@ -46,7 +47,7 @@ impl Promise {
 }
 
 /// Why a sample decides nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Reason {
     /// The formula or the shader has no value here.
     Domain,
@@ -129,7 +130,7 @@ impl Doubt {
 }
 
 /// Whose fault a deviation is, as far as a single lane shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Blame {
     /// The shader's own meaning, in real numbers, is not what the formula says.
     Shader,
@@ -148,7 +149,7 @@ impl Blame {
 }
 
 /// A wrong output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Deviation {
     /// Whose fault it is.
     pub blame: Blame,
@@ -157,7 +158,7 @@ pub struct Deviation {
 }
 
 /// How a sample deviates.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum What {
     /// A component is farther off than it may be, or is NaN.
     Value(Value),
@@ -194,21 +195,24 @@ pub enum What {
 }
 
 /// A component that deviates, on all sides.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Value {
     /// Name of the component, such as `gl_Position.x`.
     pub component: String,
     /// Vertex, for a geometry stage.
     pub vertex: Option<usize>,
     /// What the formula says; `None` for an output that the formula does not give.
+    #[serde(with = "crate::value::exact::option")]
     pub expected: Option<f64>,
     /// What the shader means in real numbers.
+    #[serde(with = "crate::value::exact")]
     pub meaning: f64,
     /// The word that the lane wrote.
     pub actual: u32,
     /// Its type.
     pub scalar: Scalar,
     /// How far the side to blame may be off.
+    #[serde(with = "crate::value::exact")]
     pub bound: f64,
 }
 

@@ -2,6 +2,7 @@
 //! by the measured profile of the device, beside the error that the lane made.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::judge::agrees;
 use super::observe::{Slack, slack_of};
@@ -14,7 +15,7 @@ use crate::lane::Actual;
 use crate::value::Batch;
 
 /// Bounds of a part of a batch, and what the lane made of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Survey {
     /// Invocations that were looked at: the first of the batch.
     pub invocations: u64,

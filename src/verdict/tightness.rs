@@ -1,5 +1,6 @@
 //! Figures about bounds: how large they are beside values, and beside the errors that were made.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use crate::value::Record;
@@ -13,7 +14,7 @@ const ENOUGH: u64 = 1000;
 /// How tight the bounds by one profile are. Words count whose bound is finite and on whose way no
 /// comparison could have gone otherwise; those without any error, whose bound is 0 as well, count for
 /// nothing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tightness {
     /// Name of the profile.
     pub profile: String,
@@ -22,13 +23,14 @@ pub struct Tightness {
     /// The word with the largest error ÷ bound.
     pub worst: Option<Worst>,
     /// Median of bound ÷ largest component of the variable.
+    #[serde(with = "crate::value::exact::option")]
     pub median_relative: Option<f64>,
     /// The same for each output variable, beside the errors that were seen.
     pub variables: Vec<VariableTightness>,
 }
 
 /// How tight the bounds of an output variable are, over all its components and vertices.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VariableTightness {
     /// Name of the variable.
     pub name: String,
@@ -39,11 +41,12 @@ pub struct VariableTightness {
     /// differ by orders of magnitude where values cancel, and so do errors; over all words at once the
     /// median of the one and the largest of the other would say nothing of each other. Infinite where
     /// most words have no error.
+    #[serde(with = "crate::value::exact")]
     pub median_over_largest: f64,
 }
 
 /// A word with its error and bound, in the unit of the output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
     /// Name of the component.
     pub component: String,
@@ -52,8 +55,10 @@ pub struct Worst {
     /// Index of the invocation in its batch.
     pub invocation: usize,
     /// Distance of the lane from what the shader means; NaN when the lane gave NaN.
+    #[serde(with = "crate::value::exact")]
     pub error: f64,
     /// How far the lane may be off.
+    #[serde(with = "crate::value::exact")]
     pub bound: f64,
 }
 

@@ -5,6 +5,8 @@ mod cargo;
 mod features;
 mod host;
 mod setup;
+#[cfg(unix)]
+mod slurm;
 mod snapshots;
 mod tasks;
 mod vulkan;
@@ -32,6 +34,10 @@ usage: cargo xtask <task> [arguments]
                     how many shaders of some folders reach a valid module, by version and stage, and what
                     stops the others; --list names the files that REASON stops, --tree leaves out the
                     lowering in place, --every takes one file in N
+  slurm-demo [--samples N] [--suite NAME] [--lane NAME] [--builtin NAME] [--program FILE]
+                    start a throw-away Slurm cluster of two nodes on this machine, check a suite in shards on
+                    100 million samples unless told otherwise, kill a shard on the way, sweep a built-in over
+                    all of binary32, and compare both with the single run; needs slurm-wlm and munge
 
 Set-up means a Vulkan driver: where none is found, lavapipe is installed with apt-get when this user
 may do that without a password. SHADERCHECK_NO_INSTALL=1 forbids it.
@@ -57,6 +63,8 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),
         Some("bench") => tasks::bench(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
+        #[cfg(unix)]
+        Some("slurm-demo") => slurm::run(&rest, messages),
         Some("survey") if !rest.is_empty() => tasks::survey(&rest),
         Some("help" | "--help" | "-h") => {
             io::stdout().write_all(USAGE.as_bytes())?;
@@ -100,7 +108,7 @@ mod tests {
 
     #[test]
     fn usage_names_every_task() {
-        for task in ["check", "test", "tidy", "bench", "soundness", "survey"] {
+        for task in ["check", "test", "tidy", "bench", "soundness", "survey", "slurm-demo"] {
             assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
         }
     }

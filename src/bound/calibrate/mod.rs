@@ -13,6 +13,8 @@ mod probe;
 mod tally;
 mod write;
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -33,6 +35,8 @@ pub use write::Document;
 const DISPATCH: usize = 1 << 17;
 /// Words of one block of an exhaustive sweep; a power of two.
 const SWEEP_BLOCK: u64 = 1 << 26;
+/// Words that parts of an exhaustive sweep are multiples of: all numbers of one sign and exponent.
+const SWEEP_UNIT: u64 = 1 << 23;
 /// Samples of one block of a measurement by samples.
 const SAMPLE_BLOCK: u64 = 1 << 22;
 /// Words that are finite numbers of one sign.
@@ -79,6 +83,14 @@ pub struct Request {
     pub exhaustive: bool,
     /// Device and driver.
     pub driver: String,
+    /// Which part of the samples of each operation: its number from 0, and of how many.
+    #[serde(default = "whole")]
+    pub part: (u64, u64),
+}
+
+/// The part that is everything.
+pub fn whole() -> (u64, u64) {
+    (0, 1)
 }
 
 impl Request {
@@ -96,9 +108,22 @@ impl Request {
         if self.sweeps(op) { 2 * FINITE } else { self.samples + Inputs::new(op).special_count() as u64 }
     }
 
-    /// Samples of all operations.
+    /// The samples of an operation that belong to this part.
+    pub fn range(&self, op: Op) -> Range<u64> {
+        let size = self.size(op);
+        // A dispatch of a sweep begins at a multiple of its size.
+        let unit = if self.sweeps(op) { SWEEP_UNIT } else { 1 };
+        let (index, count) = self.part;
+        let at = |k: u64| {
+            let units = u128::from(size.div_ceil(unit)) * u128::from(k) / u128::from(count.max(1));
+            (units as u64).saturating_mul(unit).min(size)
+        };
+        at(index)..at(index + 1)
+    }
+
+    /// Samples of all operations in this part.
     pub fn total(&self) -> u64 {
-        self.operations().into_iter().map(|op| self.size(op)).sum()
+        self.operations().into_iter().map(|op| self.range(op)).map(|range| range.end - range.start).sum()
     }
 }
 
@@ -132,6 +157,7 @@ impl State {
         let differs = [
             ("device", was.driver != is.driver, was.driver.clone(), is.driver.clone()),
             ("operations", was.ops != is.ops, was.ops.join(","), is.ops.join(",")),
+            ("part", was.part != is.part, format!("{:?}", was.part), format!("{:?}", is.part)),
             ("samples", was.samples != is.samples, was.samples.to_string(), is.samples.to_string()),
             ("exhaustive", was.exhaustive != is.exhaustive, was.exhaustive.to_string(), is.exhaustive.to_string()),
         ];
@@ -144,8 +170,28 @@ impl State {
     /// Samples done.
     pub fn done(&self) -> u64 {
         let complete = self.tallies.len().saturating_sub(1);
-        let sizes = self.request.operations().into_iter().take(complete).map(|op| self.request.size(op));
-        sizes.sum::<u64>() + self.position
+        let mut ranges = self.request.operations().into_iter().map(|op| self.request.range(op));
+        let sizes: u64 = ranges.by_ref().take(complete).map(|range| range.end - range.start).sum();
+        let begin = ranges.next().map_or(0, |range| range.start);
+        sizes + if self.tallies.is_empty() { 0 } else { self.position.saturating_sub(begin) }
+    }
+
+    /// Adds what was measured on another part of the same samples; the order does not matter. The result is a
+    /// state of the whole once all parts are joined.
+    ///
+    /// # Errors
+    /// [`CalibrateError::OtherRun`] when the other is no part of this, or one of both is not complete.
+    pub fn join(&mut self, other: Self) -> Result<(), CalibrateError> {
+        let is = Request { part: other.request.part, ..self.request.clone() };
+        let other = other.resume(&is)?;
+        let complete = |state: &Self| state.tallies.len() == state.request.ops.len();
+        if !complete(self) || !complete(&other) {
+            return Err(CalibrateError::OtherRun { what: "a part of it is not complete".to_owned() });
+        }
+        self.request.part = whole();
+        self.tallies.iter_mut().zip(&other.tallies).for_each(|(one, other)| one.merge(other));
+        self.position = self.request.operations().last().map_or(0, |op| self.request.size(*op));
+        Ok(())
     }
 
     /// Each operation with its tally.
@@ -171,14 +217,14 @@ pub fn run(
 ) -> Result<(), CalibrateError> {
     let (text, suite) = promises();
     for (index, op) in state.request.operations().into_iter().enumerate() {
-        let size = state.request.size(op);
+        let Range { start, end: size } = state.request.range(op);
         let complete = index + 1 < state.tallies.len() || (index + 1 == state.tallies.len() && state.position >= size);
         if complete {
             continue;
         }
         if index == state.tallies.len() {
             state.tallies.push(Tally::default());
-            state.position = 0;
+            state.position = start;
         }
         let judge = Judge::new(op, text, suite, Stage::Compute);
         let sweeps = state.request.sweeps(op);
@@ -221,12 +267,7 @@ impl Device {
     }
 
     /// Runs samples `range` and tallies them.
-    fn block(
-        &mut self,
-        judge: &Judge<'_>,
-        range: std::ops::Range<u64>,
-        tally: &mut Tally,
-    ) -> Result<(), CalibrateError> {
+    fn block(&mut self, judge: &Judge<'_>, range: Range<u64>, tally: &mut Tally) -> Result<(), CalibrateError> {
         // A power of two, so that no part of a sweep crosses from one binade to the next.
         let step = (1 << self.runner.capacity().max(1).ilog2()) * self.width as u64;
         let mut from = range.start;
@@ -263,7 +304,7 @@ impl Device {
     }
 
     /// Writes the arguments of samples `range`.
-    fn fill(&self, batch: &mut Batch, range: std::ops::Range<u64>) {
+    fn fill(&self, batch: &mut Batch, range: Range<u64>) {
         let arity = self.op.arity().unwrap_or(1);
         batch.invocations.clear();
         if self.width > 1 {

@@ -53,9 +53,12 @@ impl Worst {
         f64::from_bits(self.bits)
     }
 
-    /// Takes a value that is greater; NaN is greater than all.
+    /// Takes a value that is greater; NaN is greater than all. Of equal values the one with the smallest
+    /// arguments stays, so that it does not matter in which order parts of a measurement are joined.
     fn take(&mut self, value: f64, at: Arguments, result: u32) {
-        if value > self.value() || (value.is_nan() && !self.value().is_nan()) {
+        let old = self.value();
+        let equal = value == old && old > 0.0 || value.is_nan() && old.is_nan();
+        if value > old || (value.is_nan() && !old.is_nan()) || (equal && at < self.at) {
             *self = Self { bits: value.to_bits(), at, result };
         }
     }

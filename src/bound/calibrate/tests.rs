@@ -68,7 +68,7 @@ impl Runner for SoftRunner {
 
 fn request(ops: &[Op], samples: u64) -> Request {
     let ops = ops.iter().map(|op| op.name().to_owned()).collect();
-    Request { ops, samples, exhaustive: false, driver: "soft 1".to_owned() }
+    Request { ops, samples, exhaustive: false, driver: "soft 1".to_owned(), part: whole() }
 }
 
 fn measured(op: Op, function: Function) -> Tally {

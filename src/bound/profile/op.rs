@@ -1,5 +1,8 @@
 //! The operations that a profile makes promises about, and their exact values.
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use crate::math;
 
 /// An operation on binary32 numbers, as profiles list them.
@@ -342,6 +345,20 @@ fn inverse_cosh(x: f64) -> f64 {
 fn inverse_tanh(x: f64) -> f64 {
     let a = x.abs();
     (0.5 * (2.0 * a / (1.0 - a)).ln_1p()).copysign(x)
+}
+
+/// By name.
+impl Serialize for Op {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Op {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(from)?;
+        Self::by_name(&name).ok_or_else(|| D::Error::custom(format!("there is no operation `{name}`")))
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! special: values where arithmetic has its edges, and structures (coincident nodes, a bone of
 //! length zero, a corner of the simplex) where formulas have theirs.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use crate::value::{Scalar, Shape};
@@ -82,7 +83,7 @@ pub enum RangeRule {
 }
 
 /// How the host ends the strands that it draws as strips with adjacency.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ends {
     /// The end nodes are repeated: a strand of m nodes gives m - 1 segments.
     Repeat,

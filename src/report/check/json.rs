@@ -39,15 +39,15 @@ pub fn json(summary: &Summary) -> String {
 }
 
 fn lane(used: &LaneUsed, stage: Stage) -> Value {
-    let (lane, rulings) = (&used.description, &used.rulings);
+    let LaneUsed { description: lane, against } = used;
     json!({
         "name": lane.name,
         "stage": stage.name(),
         "driver": lane.driver,
         "api": lane.api.name(),
-        "promise": rulings.text.name,
-        "conformance": rulings.conformance.map(|p| &p.name),
-        "measured": rulings.measured.as_ref().map(|p| &p.name),
+        "promise": against.promise,
+        "conformance": against.conformance,
+        "measured": against.measured,
     })
 }
 
@@ -164,7 +164,7 @@ fn case(case: &Case) -> Value {
 fn doubtful(doubtful: &Doubtful) -> Value {
     json!({
         "reason": doubtful.reason.name(),
-        "operation": doubtful.op,
+        "operation": doubtful.op.map(|op| op.name()),
         "at": doubtful.at,
         "text": doubtful.text,
         "args": doubtful.args,

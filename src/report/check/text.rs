@@ -167,7 +167,7 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     if let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?)))
         && value.scalar == Scalar::F32
     {
-        sides(text, case.against, deviation, value);
+        sides(text, &case.against, deviation, value);
     }
     origins(text, &case.diagnosis);
     if case.tried > 0 && !told {
@@ -248,10 +248,11 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
         }
     }
-    for LaneUsed { description, rulings } in &summary.lanes {
-        let promises: Vec<&str> = rulings.promises().map(|p| p.name.as_str()).collect();
-        let measured = match &rulings.measured {
-            Some(measured) => format!("measured profile {}", measured.name),
+    for LaneUsed { description, against } in &summary.lanes {
+        let promises: Vec<&str> =
+            [&against.promise].into_iter().chain(&against.conformance).map(String::as_str).collect();
+        let measured = match &against.measured {
+            Some(measured) => format!("measured profile {measured}"),
             None => "no measured profile".to_owned(),
         };
         let _ = writeln!(text, "note: lane `{}`: promises of {}; {measured}", description.name, promises.join(", "));

@@ -1,5 +1,6 @@
 //! Which segments of a strand a geometry stage draws, seen from what it emits.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use super::trial::Trial;
@@ -15,7 +16,7 @@ const STRANDS: usize = 64;
 const NEAR: f64 = 1e-4;
 
 /// Segments between neighbouring nodes of strands, and how many of them are drawn.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Nodes of one strand.
     pub nodes: usize,

@@ -1,23 +1,26 @@
 //! Undetermined samples, with the places that bring them about.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use super::Prepared;
+use crate::bound::profile::Op;
 use crate::interp::author_span;
-use crate::verdict::{BatchVerdict, Doubts, Reason};
+use crate::verdict::{Doubts, Reason};
 
 /// Undetermined samples with one reason and one place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Doubtful {
     /// Why.
     pub reason: Reason,
     /// Name of the operation, as profiles list it.
-    pub op: Option<&'static str>,
+    pub op: Option<Op>,
     /// File, line and column of the operation.
     pub at: Option<String>,
     /// The author's text there.
     pub text: String,
     /// Arguments of the operation in one of the samples.
+    #[serde(with = "crate::value::exact::list")]
     pub args: Vec<f64>,
     /// Number of samples.
     pub count: u64,
@@ -27,7 +30,7 @@ impl fmt::Display for Doubtful {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} undetermined, {}", self.count, self.reason)?;
         if let Some(op) = self.op {
-            write!(f, ": {op}")?;
+            write!(f, ": {}", op.name())?;
             if !self.args.is_empty() {
                 let args: Vec<String> = self.args.iter().map(|x| format!("{x:?}")).collect();
                 write!(f, " of {} for one", args.join(", "))?;
@@ -41,21 +44,15 @@ impl fmt::Display for Doubtful {
     }
 }
 
-/// The doubts of a run, in words.
-pub(super) fn told(prepared: &Prepared, verdicts: &BatchVerdict) -> Vec<Doubtful> {
-    let mut all: Vec<Doubtful> = verdicts.doubts.iter().map(|doubts| one(prepared, doubts)).collect();
-    all.sort_by_key(|doubtful| std::cmp::Reverse(doubtful.count));
-    all
-}
-
-fn one(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
-    let Doubts { reason, op, site, args, count } = doubts;
+/// Doubts in words.
+pub(super) fn told(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
+    let Doubts { reason, op, site, args, count, first: _ } = doubts;
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
     let span = site.and_then(|site| author_span(program, &executable.place(site)));
     let file = &program.lowered.file;
     Doubtful {
         reason: *reason,
-        op: op.map(|op| op.name()),
+        op: *op,
         at: span.map(|span| file.locate(span.start)),
         text: span.map_or_else(String::new, |span| file.slice(span).to_owned()),
         args: args.clone(),

@@ -1,7 +1,10 @@
 //! Findings: what a report shows a person.
 
+use std::borrow::Cow;
+
+use super::part::{Failing, Shown, Terms};
 use super::trial::Trial;
-use super::{Prepared, Report, Request};
+use super::{Report, Request};
 use crate::lane::{Lane, LaneError, Stage as LaneStage};
 use crate::program::{Port, Program};
 use crate::property::shrink::{self, Shrunk};
@@ -9,9 +12,10 @@ use crate::property::{Sample, regressions};
 use crate::suite::Suite;
 use crate::verdict::diagnosis::{self, Diagnosis, Suspected};
 use crate::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
+use serde::{Deserialize, Serialize};
 
 /// What a finding is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FindingKind {
     /// Outputs deviate from the formula.
     Deviation,
@@ -61,7 +65,7 @@ impl FindingKind {
 }
 
 /// Something that is wrong.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finding {
     /// What it is about.
     pub kind: FindingKind,
@@ -76,14 +80,14 @@ pub struct Finding {
 }
 
 /// The inputs that show a finding.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Case {
     /// The inputs, uniforms last.
     pub inputs: Vec<InputValue>,
     /// How the sample deviates.
     pub deviation: Option<Deviation>,
     /// What the shader was compared with, in a word: `formula`, `reference`.
-    pub against: &'static str,
+    pub against: Cow<'static, str>,
     /// Where that comes from, as far as it could be found out.
     pub diagnosis: Diagnosis,
     /// Rounds of shrinking.
@@ -93,7 +97,7 @@ pub struct Case {
 }
 
 /// One input of a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputValue {
     /// Name, with the type before it.
     pub name: String,
@@ -115,7 +119,7 @@ pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
         }
     }
     let diagnosis = Diagnosis::default();
-    Case { inputs, deviation, against: "formula", diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
+    Case { inputs, deviation, against: "formula".into(), diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
 }
 
 /// The command that runs one sample again.
@@ -129,9 +133,6 @@ pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> 
     )
 }
 
-/// Samples that are shrunk; the rest is counted.
-const SHRUNK: usize = 8;
-
 /// Samples that were asked for one by one: they are reported as they are.
 pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
     let given =
@@ -143,51 +144,61 @@ pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
 pub(super) fn deviations(
     trial: &mut Trial<'_>,
     lane: &dyn Lane,
-    failing: Vec<Sample>,
+    failing: &[Failing],
     request: &Request,
-    report: &mut Report,
-) -> Result<(), LaneError> {
+    report: &Report,
+) -> Result<Vec<Shown>, LaneError> {
     if failing.is_empty() {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let plan = trial.prepared.plan.clone();
     let against = trial.prepared.reference.noun();
-    let first: Vec<Sample> = failing.into_iter().take(SHRUNK).collect();
+    let first = failing.iter().map(|failing| Sample {
+        invocation_record: plan.invocation_record().clone(),
+        case_record: plan.case_record().clone(),
+        invocation: failing.invocation.clone(),
+        case: failing.case.clone(),
+    });
+    let first: Vec<Sample> = first.collect();
     let mut oracle = |samples: &[Sample]| trial.deviates(samples);
     let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
     let batch = Sample::batch(&samples);
     let actual = trial.run(&batch)?;
     let verdicts = judge_each(&trial.court(), &batch, &actual);
-    let mut shown: Vec<(String, Sample)> = Vec::new();
-    for (shrunk, verdict) in shrunk.iter().zip(verdicts) {
+    let mut shown: Vec<Shown> = Vec::new();
+    for ((shrunk, verdict), failing) in shrunk.iter().zip(verdicts).zip(failing) {
+        let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+        let number = failing.number;
         let Verdict::Deviate(deviation) = verdict else {
             // The same inputs gave another answer: nothing that was found may get lost over it.
-            report.findings.push(Finding {
+            let finding = Finding {
                 kind: FindingKind::Deviation,
                 message: "a sample failed, and passed when it was run again: the lane is not deterministic".to_owned(),
                 case: Some(case(shrunk, None)),
                 count: 1,
                 reproduce: Some(reproduce(request, report, &shrunk.sample)),
-            });
+            };
+            shown.push(Shown { number, alike: None, words, finding, sample: None });
             continue;
         };
         let what = kind_of(&deviation);
-        if shown.iter().any(|(w, s)| *w == what || *s == shrunk.sample) {
+        let same = |s: &Shown| s.alike.as_ref().is_some_and(|alike| *alike == what || s.words == words);
+        if shown.iter().any(same) {
             continue;
         }
         let diagnosis = diagnose(trial, lane, &shrunk.sample, &deviation)?;
-        report.findings.push(Finding {
+        let finding = Finding {
             kind: FindingKind::Deviation,
             message: deviation.told(against),
-            count: report.verdicts.deviated,
+            // Known when all parts of the run are.
+            count: 0,
             reproduce: Some(reproduce(request, report, &shrunk.sample)),
-            case: Some(Case { diagnosis, against, ..case(shrunk, Some(deviation)) }),
-        });
-        shown.push((what, shrunk.sample.clone()));
+            case: Some(Case { diagnosis, against: against.into(), ..case(shrunk, Some(deviation)) }),
+        };
+        shown.push(Shown { number, alike: Some(what), words, finding, sample: Some(shrunk.sample.clone()) });
     }
-    report.failing.extend(shown.into_iter().map(|(_, s)| s));
-    Ok(())
+    Ok(shown)
 }
 
 /// Where the deviation of a sample comes from.
@@ -252,8 +263,7 @@ pub(super) fn ranges(report: &mut Report) {
 }
 
 /// Findings about the run itself: too little judged, too much undetermined, segments not drawn.
-pub(super) fn shortfalls(prepared: &Prepared, request: &Request, wanted: u64, report: &mut Report) {
-    let suite = &prepared.suite;
+pub(super) fn shortfalls(terms: &Terms, report: &mut Report) {
     if let Some(coverage) = &report.coverage
         && !coverage.is_complete()
     {
@@ -276,22 +286,22 @@ pub(super) fn shortfalls(prepared: &Prepared, request: &Request, wanted: u64, re
         floor(format!("no sample was judged: of {seen}, all are undetermined ({reasons})"), seen);
         return;
     }
-    if request.replay_only {
+    if terms.replay_only {
         return;
     }
-    let least = suite.floors.judged_of(wanted.min(suite.samples), suite.samples);
+    let least = terms.least;
     // What is stated one by one is no part of a number of samples to be made.
-    if judged < least && prepared.plan.makes_samples() {
+    if judged < least && terms.makes_samples {
         floor(format!("only {judged} samples were judged; the suite asks for {least}"), judged);
     }
     let undetermined = report.verdicts.undetermined_count();
     let share = undetermined as f64 / seen.max(1) as f64;
-    if share > suite.floors.undetermined {
+    if share > terms.undetermined {
         floor(
             format!(
                 "{:.1} % of the samples are undetermined ({reasons}); the suite allows {:.1} %",
                 100.0 * share,
-                100.0 * suite.floors.undetermined
+                100.0 * terms.undetermined
             ),
             undetermined,
         );

@@ -4,6 +4,7 @@ mod bundle;
 mod coverage;
 mod doubts;
 mod finding;
+mod part;
 mod prepare;
 mod relate;
 mod sampling;
@@ -13,19 +14,26 @@ mod survey;
 mod translation;
 mod trial;
 
+use std::ops::ControlFlow;
+
 use crate::bound::profile::Rulings;
 use crate::lane::{Lane, LaneError, Stage};
 use crate::property::Sample;
+use crate::shard::Shard;
 use crate::suite::Suite;
 use crate::verdict::{BatchVerdict, Survey};
+
+use part::Counted;
 
 pub use bundle::{Bundle, bundles};
 pub use coverage::{Coverage, check as coverage};
 pub use doubts::Doubtful;
 pub use finding::{Case, Finding, FindingKind, InputValue};
+pub use part::Part;
 pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
-pub use summary::{Entry, LaneUsed, Outcome, Status, Summary, Totals};
+pub use sampling::Sampled;
+pub use summary::{Against, Entry, LaneUsed, Outcome, Status, Summary, Totals};
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 
@@ -112,6 +120,23 @@ impl Report {
     }
 }
 
+impl Report {
+    /// A report of nothing.
+    pub(super) fn empty(prepared: &Prepared, lane: &'static str, stage: Stage) -> Self {
+        part::Part::new(prepared, lane, stage, 0).report()
+    }
+}
+
+/// Which part of a run is done, from where, and who is told how far it is.
+pub struct Share<'a> {
+    /// The part.
+    pub shard: Shard,
+    /// How far this part was done before.
+    pub resume: Option<Sampled>,
+    /// Told after each batch; may stop the run.
+    pub save: &'a mut dyn FnMut(&Sampled) -> ControlFlow<()>,
+}
+
 /// Runs a prepared suite on one stage of a lane. `progress` is told the number of samples done.
 ///
 /// # Errors
@@ -123,59 +148,73 @@ pub fn run(
     request: &Request,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
-    let description = lane.description();
-    let mut report = Report {
-        suite: prepared.suite.name.clone(),
-        shader: prepared.shader.clone(),
-        lane: description.name,
-        stage,
-        verdicts: BatchVerdict::default(),
-        unsupported: 0,
-        replayed: request.replay.len() as u64,
-        doubts: Vec::new(),
-        relations: Vec::new(),
-        coverage: None,
-        translations: Vec::new(),
-        survey: None,
-        findings: Vec::new(),
-        failing: Vec::new(),
-    };
+    let mut save = |_: &Sampled| ControlFlow::Continue(());
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save };
+    let part = run_part(prepared, lane, stage, request, share, progress)?;
+    Ok(part.map_or_else(|| Report::empty(prepared, lane.description().name, stage), Part::report))
+}
+
+/// Runs one part of the samples of a suite. The first part also does what is done once for a run: samples that
+/// failed before, relations, coverage. Gives nothing when `share.save` stopped it.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
+pub fn run_part(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    stage: Stage,
+    request: &Request,
+    mut share: Share<'_>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Option<Part>, LaneError> {
+    let name = lane.description().name;
+    let once = share.shard.is_first();
     let makes_samples = prepared.plan.makes_samples();
     let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
+    let unsupported = || Ok(Some(Part::new(prepared, name, stage, if once { wanted } else { 0 })));
     let kernel = match stage {
         Stage::Compute => &prepared.compute,
         Stage::Vertex => match &prepared.vertex {
             Some(kernel) => kernel,
-            None => {
-                report.unsupported = wanted;
-                return Ok(report);
-            }
+            None => return unsupported(),
         },
     };
     let mut trial = match trial::Trial::new(prepared, lane, kernel, &request.rulings) {
         Ok(trial) => trial,
-        Err(LaneError::Unsupported(_)) => {
-            report.unsupported = wanted;
-            return Ok(report);
-        }
+        Err(LaneError::Unsupported(_)) => return unsupported(),
         Err(error) => return Err(error),
     };
-    let mut failing = sampling::replay(&mut trial, &request.replay, &mut report)?;
+    let mut report = Report::empty(prepared, name, stage);
+    let mut counted = Counted::default();
+    let given = request.replay.len() as u64;
+    if once {
+        report.replayed = given;
+        counted = sampling::replay(&mut trial, &request.replay, 0)?;
+    }
     if !request.replay_only {
-        failing.extend(sampling::replay(&mut trial, &prepared.rows, &mut report)?);
-        if makes_samples {
-            failing.extend(sampling::sample(&mut trial, request, wanted, &mut report, progress)?);
+        if once {
+            counted.join(sampling::replay(&mut trial, &prepared.rows, given)?);
         }
-        if let Some(strands) = prepared.suite.strands {
+        if makes_samples {
+            let before = given + prepared.rows.len() as u64;
+            let sampled = sampling::sample(&mut trial, request, (wanted, before), &mut share, progress)?;
+            let Some(sampled) = sampled else { return Ok(None) };
+            counted.join(sampled);
+        }
+        if let Some(strands) = prepared.suite.strands.filter(|_| once) {
             report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }
     }
-    relate::check(&mut trial, request, &mut report)?;
-    finding::deviations(&mut trial, lane, failing, request, &mut report)?;
-    report.doubts = doubts::told(prepared, &report.verdicts);
-    finding::ranges(&mut report);
-    finding::shortfalls(prepared, request, wanted, &mut report);
-    survey::warn(&mut report);
-    report.findings.sort_by_key(|f| f.kind);
-    Ok(report)
+    if once {
+        relate::check(&mut trial, request, &mut report)?;
+    }
+    let shown = finding::deviations(&mut trial, lane, &counted.failing, request, &report)?;
+    let suite = &prepared.suite;
+    let terms = part::Terms {
+        least: suite.floors.judged_of(wanted.min(suite.samples), suite.samples),
+        undetermined: suite.floors.undetermined,
+        makes_samples,
+        replay_only: request.replay_only,
+    };
+    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, shown, terms)))
 }

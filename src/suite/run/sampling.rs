@@ -1,35 +1,46 @@
 //! The main loop: batches of generated samples, streamed so that memory does not grow with them.
 
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+use super::part::Counted;
 use super::survey::MOST;
 use super::trial::Trial;
-use super::{Report, Request};
+use super::{Request, Share};
 use crate::lane::{Actual, LaneError};
 use crate::property::{Sample, Sampler};
 use crate::value::Batch;
-use crate::verdict::{BatchVerdict, judge_batch, survey};
+use crate::verdict::{judge_batch, survey};
 
-/// Runs saved samples. Gives those that fail.
-pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], report: &mut Report) -> Result<Vec<Sample>, LaneError> {
-    let mut failing = Vec::new();
-    let mut all = BatchVerdict::default();
-    let court = trial.court();
-    trial.run_samples(samples, |_, batch, actual| {
-        let verdict = judge_batch(&court, batch, actual);
-        failing.extend(verdict.failures.iter().map(|f| Sample::of(batch, f.invocation)));
-        all.merge(verdict);
-    })?;
-    report.verdicts.merge(all);
-    Ok(failing)
+/// How far the samples of a part of a run are done.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Sampled {
+    /// The first case that is still to do.
+    next: u64,
+    pub(super) counted: Counted,
 }
 
-/// Runs generated samples. Gives the first few that fail.
+/// Runs saved samples, the first of which has the number `first` in the run.
+pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], first: u64) -> Result<Counted, LaneError> {
+    let mut counted = Counted::default();
+    let (court, prepared) = (trial.court(), trial.prepared);
+    trial.run_samples(samples, |at, batch, actual| {
+        let verdict = judge_batch(&court, batch, actual);
+        counted.add(prepared, first + at as u64, batch, verdict);
+    })?;
+    Ok(counted)
+}
+
+/// Runs the generated samples of a part of a run; `before` samples are numbered before them. Gives nothing
+/// when it was stopped.
 pub fn sample(
     trial: &mut Trial<'_>,
     request: &Request,
-    wanted: u64,
-    report: &mut Report,
+    (wanted, before): (u64, u64),
+    share: &mut Share<'_>,
     progress: &mut dyn FnMut(u64),
-) -> Result<Vec<Sample>, LaneError> {
+) -> Result<Option<Counted>, LaneError> {
     let prepared = trial.prepared;
     let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
     // A case is never split over batches; the last case of a run may be shorter than asked for.
@@ -37,39 +48,47 @@ pub fn sample(
     let cases_per_batch = (trial.capacity() / per_case).max(1) as u64;
     let sampler = Sampler::new(prepared.plan.clone(), request.seed);
     let cases = wanted.div_ceil(per_case as u64);
-    let mut failing = Vec::new();
+    let part = share.shard.range(cases);
+    let mut sampled = share.resume.take().unwrap_or(Sampled { next: part.start, counted: Counted::default() });
     let court = trial.court();
     let batch_at = |first: u64| {
-        let count = cases_per_batch.min(cases.saturating_sub(first));
+        let count = cases_per_batch.min(part.end.saturating_sub(first));
         (count > 0).then(|| sampler.batch(first, count as usize, per_case))
     };
+    // The survey is of the first samples of the run, also where the first part has fewer of its own.
+    let surveyed = cases.min((MOST as u64).div_ceil(per_case as u64));
+    if share.shard.is_first() && part.end < surveyed && sampled.counted.survey.is_none() {
+        let batch = sampler.batch(0, surveyed as usize, per_case);
+        let actual = trial.run(&batch)?;
+        sampled.counted.survey = Some(survey(&court, &batch, &actual, MOST));
+    }
     // Three things go on at a time: the device runs a batch, the judge works on the one before, and
     // the inputs of the one after are made. Only as many batches are in memory, however many samples.
-    let mut first = 0;
+    let mut first = sampled.next;
     let mut running = batch_at(first);
     let mut finished: Option<(Batch, Actual)> = None;
     while running.is_some() || finished.is_some() {
         let after = first + cases_per_batch;
         let (mut next, mut verdict, mut actual, mut surveyed) = (None, None, None, None);
+        let wants_survey = sampled.counted.survey.is_none() && share.shard.is_first() && sampled.next == 0;
         rayon::in_place_scope(|scope| {
             scope.spawn(|_| next = batch_at(after));
             if let Some((batch, actual)) = &finished {
                 scope.spawn(|_| verdict = Some(judge_batch(&court, batch, actual)));
-                if report.survey.is_none() {
+                if wants_survey {
                     scope.spawn(|_| surveyed = Some(survey(&court, batch, actual, MOST)));
                 }
             }
             actual = running.as_ref().map(|batch| trial.run(batch));
         });
-        if let (Some((batch, _)), Some(mut verdict)) = (finished.take(), verdict) {
-            for failure in std::mem::take(&mut verdict.failures) {
-                if failing.len() < KEPT {
-                    failing.push(Sample::of(&batch, failure.invocation));
-                }
+        if let (Some((batch, _)), Some(verdict)) = (finished.take(), verdict) {
+            sampled.counted.add(prepared, before + sampled.next * per_case as u64, &batch, verdict);
+            sampled.counted.survey = sampled.counted.survey.take().or(surveyed);
+            sampled.next += batch.case_count() as u64;
+            progress(((sampled.next - part.start) * per_case as u64).min(wanted));
+            if sampled.next < part.end && (share.save)(&sampled) == ControlFlow::Break(()) {
+                return Ok(None);
             }
-            report.verdicts.merge(verdict);
-            report.survey = report.survey.take().or(surveyed);
-            progress((first * per_case as u64).min(wanted));
         }
         if let (Some(batch), Some(actual)) = (running.take(), actual) {
             finished = Some((batch, actual?));
@@ -77,8 +96,5 @@ pub fn sample(
         running = next;
         first = after;
     }
-    Ok(failing)
+    Ok(Some(sampled.counted))
 }
-
-/// Failing samples that are kept for shrinking.
-const KEPT: usize = 16;

@@ -1,5 +1,7 @@
 //! A whole run: every suite on every lane, and what follows for the exit status.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Report, RunError};
 use crate::bound::profile::Rulings;
 use crate::lane::{Description, Stage, Unavailable};
@@ -18,12 +20,35 @@ pub struct Summary {
 }
 
 /// A lane with what its results are held against.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LaneUsed {
     /// The lane.
     pub description: Description,
     /// The profiles.
-    pub rulings: Rulings,
+    pub against: Against,
+}
+
+/// Profiles by name.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Against {
+    /// The text of the specification.
+    pub promise: String,
+    /// What the conformance suite accepts.
+    pub conformance: Option<String>,
+    /// What the device was measured to keep.
+    pub measured: Option<String>,
+}
+
+impl LaneUsed {
+    /// A lane, held against some profiles.
+    pub fn new(description: Description, rulings: &Rulings) -> Self {
+        let against = Against {
+            promise: rulings.text.name.clone(),
+            conformance: rulings.conformance.map(|p| p.name.clone()),
+            measured: rulings.measured.as_ref().map(|p| p.name.clone()),
+        };
+        Self { description, against }
+    }
 }
 
 /// One suite on one stage of one lane.

@@ -7,6 +7,7 @@ use crate::property::shrink::{self, Domain};
 use crate::property::{Sample, Sampler};
 use crate::value::Batch;
 use crate::verdict::{CompareError, Comparison, Translations, Unread};
+use serde::{Deserialize, Serialize};
 
 /// Samples on which translations are compared: they are compiled code, where a fault shows at once.
 const SAMPLES: u64 = 2048;
@@ -14,7 +15,7 @@ const SAMPLES: u64 = 2048;
 const SHRUNK: usize = 4;
 
 /// What one translation of a shader means.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Translated {
     /// The language.
     pub language: Language,

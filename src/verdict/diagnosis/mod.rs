@@ -4,6 +4,8 @@
 mod lane;
 mod shader;
 
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 use crate::bound::profile::Op;
@@ -13,7 +15,7 @@ pub use lane::{Suspected, lane};
 pub use shader::shader;
 
 /// A place in the author's text.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
     /// File, line and column.
     pub at: String,
@@ -28,29 +30,31 @@ impl fmt::Display for Place {
 }
 
 /// A number that was written with too few digits.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShortLiteral {
     /// Where it stands.
     pub place: Place,
     /// What it stands for, such as `2π`.
-    pub stands_for: &'static str,
+    pub stands_for: Cow<'static, str>,
     /// How far it is off.
+    #[serde(with = "crate::value::exact")]
     pub off: f64,
 }
 
 /// An operation of the shader that has no value for its arguments.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NoValue {
     /// Where it stands.
     pub place: Option<Place>,
     /// The operation.
     pub op: Option<Op>,
     /// Its arguments, exactly.
+    #[serde(with = "crate::value::exact::list")]
     pub args: Vec<f64>,
 }
 
 /// Whose part of a device is to blame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Origin {
     /// A single operation is outside of its promise.
     BuiltIn {
@@ -61,8 +65,10 @@ pub enum Origin {
         /// Bits of the device's result, when the operation was run alone.
         result: u32,
         /// The exact value.
+        #[serde(with = "crate::value::exact")]
         exact: f64,
         /// The error over the error that is allowed.
+        #[serde(with = "crate::value::exact")]
         factor: f64,
         /// Name of the profile that allows it.
         profile: String,
@@ -77,27 +83,31 @@ pub enum Origin {
 }
 
 /// The first operation at which a device and the meaning of the shader part.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Divergence {
     /// Where it stands.
     pub place: Place,
     /// Its arguments, exactly.
+    #[serde(with = "crate::value::exact::list")]
     pub args: Vec<f64>,
     /// What it means.
+    #[serde(with = "crate::value::exact")]
     pub meaning: f64,
     /// How far a device may be off there.
+    #[serde(with = "crate::value::exact")]
     pub bound: f64,
     /// Bits of what the device has.
     pub actual: u32,
     /// Relative condition number of the operation: by how much it enlarges a relative error of its
     /// arguments.
+    #[serde(with = "crate::value::exact")]
     pub condition: f64,
     /// True when the device goes another way there, and not only to another value.
     pub path: bool,
 }
 
 /// What is known about the origin of a deviation.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Diagnosis {
     /// Literals whose missing digits explain all of it.
     pub literals: Vec<ShortLiteral>,
@@ -169,7 +179,7 @@ mod tests {
     #[test]
     fn a_literal_is_told_with_its_place_and_what_it_stands_for() {
         let place = Place { at: "sphere.vert:12:14".into(), text: "6.283185".into() };
-        let literal = ShortLiteral { place, stands_for: "2π", off: 3.07e-7 };
+        let literal = ShortLiteral { place, stands_for: "2π".into(), off: 3.07e-7 };
         assert_eq!(literal.to_string(), "`6.283185` (sphere.vert:12:14) stands for 2π, off by 3.1e-7");
     }
 

@@ -99,7 +99,11 @@ fn literals(court: &Court<'_>, program: &Program, batch: &Batch) -> Vec<ShortLit
     let chosen = single.or_else(|| (candidates.len() > 1 && fits(&all)).then(|| needed(all, &fits)));
     let literal = |k: usize| {
         let (site, stands_for, constant, value) = candidates[k];
-        Some(ShortLiteral { place: place(court, program, site)?, stands_for, off: (value - constant).abs() })
+        Some(ShortLiteral {
+            place: place(court, program, site)?,
+            stands_for: stands_for.into(),
+            off: (value - constant).abs(),
+        })
     };
     chosen.unwrap_or_default().into_iter().filter_map(literal).collect()
 }

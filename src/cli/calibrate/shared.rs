@@ -1,0 +1,94 @@
+//! `calibrate --shard`: part of the samples of each operation, and what all parts are together.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::{CalibrateArgs, bar, conclude, open, request};
+use crate::bound::calibrate::{self, State};
+use crate::bound::profile::Op;
+use crate::cli::check::Format;
+use crate::cli::merge::Joined;
+use crate::cli::shard::{Store, told};
+use crate::cli::status::ExitStatus;
+use crate::lane::Lane;
+use crate::shard::{Identity, Shard};
+
+/// What some shards measured.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Found(State);
+
+const LANE: &str = "--lane";
+const OUTPUT: &str = "--output";
+
+/// Runs one shard.
+///
+/// # Errors
+/// When the device fails, or a file cannot be written.
+pub fn run(
+    args: &CalibrateArgs,
+    shard: Shard,
+    ops: &[Op],
+    lane: &dyn Lane,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> anyhow::Result<ExitStatus> {
+    let description = lane.description();
+    let names: Vec<&str> = ops.iter().map(|op| op.name()).collect();
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.profile.toml", description.name)));
+    let identity = Identity::new("calibrate", 0, shard.count())
+        .with(LANE, description.name)
+        .with("driver", &description.driver)
+        .with("--builtin", names.join(","))
+        .with("--exhaustive", args.exhaustive)
+        .with("--samples", args.samples)
+        .with(OUTPUT, output.display());
+    let store = Store::new(&args.sharing.shard_dir, shard, identity)?;
+    if store.finished::<State>(err)?.is_some() {
+        return told(&store, "was done before", args.format == Format::Json, out);
+    }
+    let request = request(args, ops, lane, shard);
+    let mut state = State::new(request.clone());
+    if let Some(saved) = store.checkpoint::<State>(err)? {
+        writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
+        state = saved.resume(&request)?;
+    }
+    let bar = bar(args.format == Format::Text, request.total());
+    bar.set_position(state.done());
+    calibrate::run(lane, &mut state, &mut |state, op| {
+        bar.set_message(op.name());
+        bar.set_position(state.done());
+        store.save(state).map_err(|error| std::io::Error::other(format!("{error:#}")))
+    })?;
+    bar.finish_and_clear();
+    store.finish(&state)?;
+    told(&store, "is done", args.format == Format::Json, out)
+}
+
+impl Joined for Found {
+    fn join(&mut self, other: Self) -> anyhow::Result<()> {
+        Ok(self.0.join(other.0)?)
+    }
+
+    /// Needs the device: its behaviours are probed, and its definitions confirmed.
+    fn print(
+        self,
+        identity: &Identity,
+        json: bool,
+        _: bool,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let parameter = |name: &str| identity.parameters.get(name).map(String::as_str);
+        let lane = open(parameter(LANE), err)?;
+        let (here, measured) = (&lane.description().driver, &self.0.request().driver);
+        anyhow::ensure!(
+            here == measured,
+            "the shards measured {measured}, and this machine has {here}; merge where the device is"
+        );
+        let output = PathBuf::from(parameter(OUTPUT).unwrap_or("measured.profile.toml"));
+        conclude(&self.0, &output, lane.as_ref(), json, out)
+    }
+}

@@ -1,0 +1,192 @@
+//! `check --shard`: one part of the samples of every suite, and what the parts are together.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+
+use anyhow::Context;
+use serde::{Deserialize, Serialize};
+
+use super::progress::Progress;
+use super::select::Selected;
+use super::{CheckArgs, Format, request, shader_of, stages, status_of};
+use crate::bound::profile::Rulings;
+use crate::cli::merge::Joined;
+use crate::cli::shard::{Store, told};
+use crate::cli::status::ExitStatus;
+use crate::lane::{Lane, Unavailable};
+use crate::report;
+use crate::shard::{Identity, Shard};
+use crate::suite::run::{Entry, LaneUsed, Outcome, Part, Sampled, Share, Summary, prepare, run_part};
+use crate::text::fingerprint;
+
+/// What some shards found.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Found {
+    lanes: Vec<LaneUsed>,
+    /// Lanes that were wanted and could not be had, on some machine.
+    unavailable: Vec<(String, Unavailable)>,
+    parts: Vec<Part>,
+}
+
+/// How far a shard is.
+#[derive(Default, Serialize, Deserialize)]
+struct State {
+    done: Vec<Part>,
+    /// The suite under way: its place among those that are done, and its samples so far.
+    under_way: Option<(usize, Sampled)>,
+}
+
+/// The same, to be written.
+#[derive(Serialize)]
+struct StateRef<'a> {
+    done: &'a [Part],
+    under_way: Option<(usize, &'a Sampled)>,
+}
+
+/// Everything that the result of a run depends on.
+fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[LaneUsed]) -> anyhow::Result<Identity> {
+    let mut identity = Identity::new("check", args.seed, shard.count());
+    if let Some(samples) = args.samples {
+        identity = identity.with("--samples", samples);
+    }
+    if let Some(profile) = &args.profile {
+        identity = identity.with("--profile", profile);
+    }
+    if let Some(stage) = args.stage {
+        identity = identity.with("--stage", format!("{stage:?}").to_lowercase());
+    }
+    identity = identity.with("--quick", args.quick);
+    for LaneUsed { description, against } in lanes {
+        let profiles = [Some(&against.promise), against.conformance.as_ref(), against.measured.as_ref()];
+        let profiles: Vec<&str> = profiles.into_iter().flatten().map(String::as_str).collect();
+        identity = identity.with(
+            &format!("lane `{}`", description.name),
+            format!("{} by {}", description.driver, profiles.join(", ")),
+        );
+    }
+    for one in selected {
+        let shader = shader_of(args, one)?;
+        let text = format!("{}\n{:?}\n{:?}", shader.text(), one.suite, one.saved);
+        identity = identity
+            .with(&format!("suite `{}` ({})", one.suite.name, one.argument), format!("{:016x}", fingerprint(&text)));
+    }
+    Ok(identity)
+}
+
+/// Runs one shard. The status is [`ExitStatus::Clean`] when its result is written, whatever was found: that is
+/// for the merge to tell.
+///
+/// # Errors
+/// When a suite cannot run at all, a lane fails, or a file cannot be written. The shard can then be run again, and
+/// goes on from its last checkpoint.
+#[expect(clippy::too_many_arguments, reason = "all that the command has set up")]
+pub fn run(
+    args: &CheckArgs,
+    shard: Shard,
+    selected: &[Selected],
+    lanes: &[Box<dyn Lane>],
+    rulings: &[Rulings],
+    summary: Summary,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> anyhow::Result<ExitStatus> {
+    let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes)?)?;
+    if store.finished::<Found>(err)?.is_some() {
+        return told(&store, "was done before", args.format == Format::Json, out);
+    }
+    let mut state: State = store.checkpoint(err)?.unwrap_or_default();
+    if state.under_way.is_some() || !state.done.is_empty() {
+        writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
+    }
+    let mut progress = Progress::new(args.format == Format::Text);
+    let mut place = 0;
+    for one in selected {
+        let name = &one.suite.name;
+        let prepared = prepare(&one.suite, &shader_of(args, one)?)
+            .with_context(|| format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more"))?;
+        let mut untold = true;
+        for (lane, rulings) in lanes.iter().zip(rulings) {
+            let request = request(args, one, &prepared, rulings.clone())?;
+            for stage in stages(args, lane.as_ref(), &prepared) {
+                let told = std::mem::take(&mut untold);
+                place += 1;
+                if place <= state.done.len() {
+                    continue;
+                }
+                progress.start(name, lane.description().name, stage, request.samples_of(&one.suite) / shard.count());
+                let resume = state.under_way.take().filter(|(at, _)| *at == place).map(|(_, sampled)| sampled);
+                let mut failed = None;
+                let mut save = |sampled: &Sampled| {
+                    let state = StateRef { done: &state.done, under_way: Some((place, sampled)) };
+                    match store.save(&state) {
+                        Ok(()) => ControlFlow::Continue(()),
+                        Err(error) => {
+                            failed = Some(error);
+                            ControlFlow::Break(())
+                        }
+                    }
+                };
+                let share = Share { shard, resume, save: &mut save };
+                let part = run_part(&prepared, lane.as_ref(), stage, &request, share, &mut |n| progress.at(n))
+                    .with_context(|| format!("suite `{name}` on {}/{stage}", lane.description().name))?;
+                let Some(mut part) = part else {
+                    return Err(failed.unwrap_or_else(|| anyhow::anyhow!("stopped")));
+                };
+                if told && shard.is_first() {
+                    part.check_translations(&prepared, &request);
+                }
+                state.done.push(part);
+                store.save(&StateRef { done: &state.done, under_way: None })?;
+            }
+        }
+    }
+    progress.finish();
+    let unavailable = summary.unavailable.into_iter().map(|(name, why)| (name.to_owned(), why)).collect();
+    store.finish(&Found { lanes: summary.lanes, unavailable, parts: state.done })?;
+    told(&store, "is done", args.format == Format::Json, out)
+}
+
+impl Joined for Found {
+    fn join(&mut self, other: Self) -> anyhow::Result<()> {
+        anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
+        for one in other.unavailable {
+            if !self.unavailable.contains(&one) {
+                self.unavailable.push(one);
+            }
+        }
+        self.unavailable.sort_by(|a, b| (&a.0, &a.1.why, &a.1.remedy).cmp(&(&b.0, &b.1.why, &b.1.remedy)));
+        let same = self.parts.len() == other.parts.len()
+            && self.parts.iter().zip(&other.parts).all(|(one, other)| one.is_like(other));
+        anyhow::ensure!(same, "the shards ran different suites");
+        self.parts.iter_mut().zip(other.parts).for_each(|(one, other)| one.join(other));
+        Ok(())
+    }
+
+    fn print(
+        self,
+        identity: &Identity,
+        json: bool,
+        color: bool,
+        out: &mut dyn Write,
+        _: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
+        let registry = crate::lane::registry();
+        summary.unavailable = self
+            .unavailable
+            .into_iter()
+            .filter_map(|(name, why)| Some((registry.iter().find(|c| c.name == name)?.name, why)))
+            .collect();
+        for part in self.parts {
+            let report = part.report();
+            let (suite, shader, on) = (report.suite.clone(), report.shader.clone(), (report.lane, report.stage));
+            let entry = Entry { suite, shader, on: Some(on), outcome: Outcome::Ran(Box::new(report)) };
+            if !json {
+                out.write_all(report::check::line(&entry, color).as_bytes())?;
+            }
+            summary.entries.push(entry);
+        }
+        super::print(&summary, json, color, out)?;
+        Ok(status_of(&summary))
+    }
+}

@@ -1,0 +1,164 @@
+//! `fuzz --shard`: some of the functions, and what all of them are together.
+
+use std::io::Write;
+
+use serde::{Deserialize, Serialize};
+
+use super::{FuzzArgs, Inputs, Source, one_function, status_of};
+use crate::bound::profile::Rulings;
+use crate::cli::check::Format;
+use crate::cli::check::progress::Progress;
+use crate::cli::merge::Joined;
+use crate::cli::shard::{Store, told};
+use crate::cli::status::ExitStatus;
+use crate::fuzz::{FunctionReport, Subject};
+use crate::lane::{Description, Lane, Unavailable};
+use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
+use crate::shard::{Identity, Shard};
+use crate::text::fingerprint;
+
+/// What some shards found.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct Found {
+    lanes: Vec<Description>,
+    unavailable: Vec<(String, Unavailable)>,
+    files: Vec<Shared>,
+}
+
+/// Functions of a file, each with its number in the run.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Shared {
+    file: String,
+    functions: Vec<(u64, FunctionReport)>,
+}
+
+/// The name of the parameter that says whether notes are shown.
+const NOTES: &str = "--notes";
+
+/// Everything that the result of a run depends on.
+fn identity(args: &FuzzArgs, shard: Shard, files: &[(&Source, Vec<Subject>)], lanes: &[Description]) -> Identity {
+    let mut identity = Identity::new("fuzz", args.seed, shard.count())
+        .with("--samples", args.samples)
+        .with(NOTES, args.notes)
+        .with("--function", args.function.join(","))
+        .with("--domain", args.domain.join("; "));
+    for lane in lanes {
+        identity = identity.with(&format!("lane `{}`", lane.name), &lane.driver);
+    }
+    for (source, _) in files {
+        let text = fingerprint(source.file.text());
+        identity = identity.with(&format!("file `{}`", source.name), format!("{text:016x}"));
+    }
+    identity
+}
+
+/// Runs one shard: function `k` of the run is done by shard `k mod N`.
+///
+/// # Errors
+/// When a domain is wrong, or a file cannot be written.
+#[expect(clippy::too_many_arguments, reason = "all that the command has set up")]
+pub fn run(
+    args: &FuzzArgs,
+    shard: Shard,
+    files: &[(&Source, Vec<Subject>)],
+    lanes: &[(&dyn Lane, Rulings)],
+    inputs: &mut Inputs<'_>,
+    summary: Summary,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> anyhow::Result<ExitStatus> {
+    let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, files, &summary.lanes))?;
+    if store.finished::<Found>(err)?.is_some() {
+        return told(&store, "was done before", args.format == Format::Json, out);
+    }
+    let unavailable = summary.unavailable.into_iter().map(|(name, why)| (name.to_owned(), why)).collect();
+    let fresh = || Found {
+        lanes: summary.lanes,
+        unavailable,
+        files: files.iter().map(|(s, _)| Shared { file: s.name.clone(), functions: Vec::new() }).collect(),
+    };
+    let mut found = match store.checkpoint(err)? {
+        Some(found) => {
+            writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
+            found
+        }
+        None => fresh(),
+    };
+    let mut progress = Progress::new(args.format == Format::Text);
+    let mut number = 0;
+    for (at, (source, subjects)) in files.iter().enumerate() {
+        for subject in subjects {
+            // Also where another shard runs the function: a domain that is wrong is told by all.
+            let domain = inputs.domain(subject)?;
+            let mine = number % shard.count() == shard.index();
+            if mine && found.files[at].functions.iter().all(|(done, _)| *done != number) {
+                let function = one_function(args, source, subject, &domain, lanes, &mut progress)?;
+                found.files[at].functions.push((number, function));
+                store.save(&found)?;
+            }
+            number += 1;
+        }
+    }
+    inputs.all_used()?;
+    progress.finish();
+    store.finish(&found)?;
+    told(&store, "is done", args.format == Format::Json, out)
+}
+
+impl Joined for Found {
+    fn join(&mut self, other: Self) -> anyhow::Result<()> {
+        anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
+        for one in other.unavailable {
+            if !self.unavailable.contains(&one) {
+                self.unavailable.push(one);
+            }
+        }
+        self.unavailable.sort_by(|a, b| (&a.0, &a.1.why, &a.1.remedy).cmp(&(&b.0, &b.1.why, &b.1.remedy)));
+        let names = |found: &[Shared]| found.iter().map(|file| file.file.clone()).collect::<Vec<_>>();
+        anyhow::ensure!(names(&self.files) == names(&other.files), "the shards ran different files");
+        for (one, other) in self.files.iter_mut().zip(other.files) {
+            one.functions.extend(other.functions);
+            one.functions.sort_by_key(|(number, _)| *number);
+        }
+        Ok(())
+    }
+
+    fn print(
+        self,
+        identity: &Identity,
+        as_json: bool,
+        color: bool,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus> {
+        let notes = identity.parameters.get(NOTES).is_some_and(|notes| notes == "true");
+        let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
+        let registry = crate::lane::registry();
+        summary.unavailable = self
+            .unavailable
+            .into_iter()
+            .filter_map(|(name, why)| Some((registry.iter().find(|c| c.name == name)?.name, why)))
+            .collect();
+        let many = self.files.len() > 1;
+        for Shared { file, functions } in self.files {
+            if many && !as_json {
+                writeln!(out, "{file}")?;
+            }
+            let functions: Vec<FunctionReport> = functions.into_iter().map(|(_, function)| function).collect();
+            for function in functions.iter().filter(|_| !as_json) {
+                out.write_all(line(function, color).as_bytes())?;
+            }
+            summary.files.push(FileReport { file, functions, ..FileReport::default() });
+        }
+        if as_json {
+            out.write_all(json(&summary).as_bytes())?;
+        } else {
+            for file in &summary.files {
+                out.write_all(findings(file, notes, color).as_bytes())?;
+            }
+            writeln!(out)?;
+            out.write_all(totals(&summary, notes, color).as_bytes())?;
+        }
+        status_of(&summary, err)
+    }
+}

@@ -1,0 +1,213 @@
+//! `shadercheck merge`: joins what the shards of a run found.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::check::Format;
+use super::shard::write_atomically;
+use super::status::ExitStatus;
+use super::{calibrate, check, fuzz, mutate};
+use crate::shard::{self, Identity, Sealed, Shard, Sort};
+
+/// Arguments of `shadercheck merge`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(after_long_help = "\
+A folder stands for the results of shards in it, shard-I-of-N.json; a file for itself. Every shard has to be there \
+once, and all have to be of one run: the same command, version, seed and parameters. The report, and the exit status, \
+are those of the run without shards.
+
+With --out what was joined is also written to a file, which may be joined again: 10000 results can be joined in \
+groups. Shards may then be missing.")]
+pub struct MergeArgs {
+    /// Folders and files with results; the folder `shards` without one
+    #[arg(value_name = "DIR|FILE")]
+    pub paths: Vec<PathBuf>,
+    /// Write what was joined to this file, also when shards are missing
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// What the shards of a command found. Joining is associative, and its order does not matter.
+pub trait Joined: Serialize + DeserializeOwned {
+    /// Adds what another shard found.
+    ///
+    /// # Errors
+    /// When the two are not of one run after all.
+    fn join(&mut self, other: Self) -> anyhow::Result<()>;
+
+    /// Prints what all shards found like the run without shards, and gives its status.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    fn print(
+        self,
+        identity: &Identity,
+        json: bool,
+        color: bool,
+        out: &mut dyn Write,
+        err: &mut dyn Write,
+    ) -> anyhow::Result<ExitStatus>;
+}
+
+/// A result and the file that it was read from.
+type Read = (PathBuf, Sealed<Value>);
+
+/// Runs the command.
+///
+/// # Errors
+/// When a file cannot be read or is damaged, a shard is missing or there twice, or the shards are not of one run.
+pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let paths = if args.paths.is_empty() { vec![PathBuf::from("shards")] } else { args.paths.clone() };
+    let mut all: Vec<Read> = Vec::new();
+    for file in files(&paths)? {
+        let name = file.display();
+        let text = fs::read_to_string(&file).with_context(|| format!("cannot read `{name}`"))?;
+        let sealed: Sealed<Value> = shard::open(&text).with_context(|| format!("`{name}`"))?;
+        anyhow::ensure!(
+            sealed.sort == Sort::Result,
+            "`{name}` is a checkpoint of a shard that did not end; run it again"
+        );
+        all.push((file, sealed));
+    }
+    let Some((first, rest)) = all.split_first() else {
+        let folders: Vec<String> = paths.iter().map(|p| format!("`{}`", p.display())).collect();
+        anyhow::bail!("{} holds no results of shards (shard-*.json)", folders.join(", "));
+    };
+    let identity = first.1.identity.clone();
+    for (file, sealed) in rest {
+        identity
+            .same(&sealed.identity)
+            .with_context(|| format!("`{}` and `{}` are of different runs", first.0.display(), file.display()))?;
+    }
+    let here = Identity::new("", 0, 1).version;
+    anyhow::ensure!(
+        identity.version == here,
+        "the results are of version {} of the tool, and this is version {here}; merge with the same version",
+        identity.version
+    );
+    let covers = covered(&all)?;
+    let missing: Vec<u64> = (0..identity.shards).filter(|index| !covers.contains_key(index)).collect();
+    if !missing.is_empty() && args.out.is_none() {
+        anyhow::bail!("{}", told(&missing, &identity, &paths));
+    }
+    let covers: Vec<u64> = covers.into_keys().collect();
+    let merge = Merge { args, identity, covers, missing, paths: &paths, color };
+    match merge.identity.command.as_str() {
+        "check" => merge.of::<check::Found>(all, out, err),
+        "fuzz" => merge.of::<fuzz::Found>(all, out, err),
+        "mutate" => merge.of::<mutate::Found>(all, out, err),
+        "calibrate" => merge.of::<calibrate::Found>(all, out, err),
+        other => anyhow::bail!("the results are of the command `{other}`, which this version cannot merge"),
+    }
+}
+
+struct Merge<'a> {
+    args: &'a MergeArgs,
+    identity: Identity,
+    covers: Vec<u64>,
+    missing: Vec<u64>,
+    paths: &'a [PathBuf],
+    color: bool,
+}
+
+impl Merge<'_> {
+    fn of<T: Joined>(self, all: Vec<Read>, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+        let mut joined: Option<T> = None;
+        for (file, sealed) in all {
+            let found: T =
+                serde_json::from_value(sealed.found).with_context(|| format!("cannot read `{}`", file.display()))?;
+            match &mut joined {
+                None => joined = Some(found),
+                Some(joined) => joined.join(found).with_context(|| format!("`{}`", file.display()))?,
+            }
+        }
+        let Some(joined) = joined else { return Ok(ExitStatus::Error) };
+        if let Some(path) = &self.args.out {
+            let (identity, covers) = (self.identity.clone(), self.covers.clone());
+            let text = shard::seal(&Sealed { sort: Sort::Result, identity, covers, found: &joined })?;
+            write_atomically(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
+        }
+        if !self.missing.is_empty() {
+            writeln!(err, "note: {}", told(&self.missing, &self.identity, self.paths))?;
+            return Ok(ExitStatus::Clean);
+        }
+        let status = joined.print(&self.identity, self.args.format == Format::Json, self.color, out, err)?;
+        out.flush()?;
+        Ok(status)
+    }
+}
+
+/// The files that the arguments name, those of a folder by name.
+fn files(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut all = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            all.push(path.clone());
+            continue;
+        }
+        let begin = all.len();
+        let entries = fs::read_dir(path).with_context(|| format!("cannot read the folder `{}`", path.display()))?;
+        for entry in entries {
+            let entry = entry.with_context(|| format!("cannot read the folder `{}`", path.display()))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with("shard-") && name.ends_with(".json") {
+                all.push(entry.path());
+            }
+        }
+        all[begin..].sort();
+    }
+    Ok(all)
+}
+
+/// The shards that are there, each with its file. One that is there twice is refused.
+fn covered(all: &[Read]) -> anyhow::Result<BTreeMap<u64, &Path>> {
+    let mut covers: BTreeMap<u64, &Path> = BTreeMap::new();
+    for (file, sealed) in all {
+        let count = sealed.identity.shards;
+        for &index in &sealed.covers {
+            Shard::new(index, count).with_context(|| format!("`{}`", file.display()))?;
+            if let Some(other) = covers.insert(index, file) {
+                anyhow::bail!(
+                    "shard {index}/{count} is there twice: in `{}` and in `{}`",
+                    other.display(),
+                    file.display()
+                );
+            }
+        }
+    }
+    Ok(covers)
+}
+
+/// Shards that are named before the rest is counted.
+const NAMED: usize = 10;
+
+fn told(missing: &[u64], identity: &Identity, paths: &[PathBuf]) -> String {
+    let count = identity.shards;
+    let begun = |&index: &u64| {
+        let stem = Shard::new(index, count).map(Shard::stem).unwrap_or_default();
+        paths.iter().any(|path| path.join(format!("{stem}.checkpoint")).exists())
+    };
+    let name = |index: &u64| format!("{index}{}", if begun(index) { " (begun)" } else { "" });
+    let mut names: Vec<String> = missing.iter().take(NAMED).map(name).collect();
+    if missing.len() > NAMED {
+        names.push(format!("{} more", missing.len() - NAMED));
+    }
+    format!(
+        "of {count} shards {} {} missing: {}; run each again with --shard {}/{count} and the same arguments",
+        missing.len(),
+        if missing.len() == 1 { "is" } else { "are" },
+        names.join(", "),
+        missing.first().copied().unwrap_or_default()
+    )
+}

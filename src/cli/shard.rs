@@ -1,0 +1,273 @@
+//! `--shard`: which part of a run this process does, and the folder in which the parts meet.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::cli::status::ExitStatus;
+use crate::shard::{self, Identity, Sealed, Shard, Sort};
+
+/// Arguments of every command that can be shared out.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ShardArgs {
+    /// Do one part of the run, I of N, counted from 0, and write what it found into --shard-dir; `auto`
+    /// takes I and N from Slurm, Kubernetes, AWS Batch, GitLab, Buildkite, or SHADERCHECK_SHARD_INDEX and
+    /// SHADERCHECK_SHARD_COUNT; `shadercheck merge` joins the parts
+    #[arg(long, value_name = "I/N|auto")]
+    pub shard: Option<String>,
+    /// Folder for the results of the parts; a part that was stopped goes on from there when it is run again
+    #[arg(long, value_name = "DIR", default_value = "shards", requires = "shard")]
+    pub shard_dir: PathBuf,
+}
+
+impl ShardArgs {
+    /// The shard that is asked for; none for a whole run.
+    ///
+    /// # Errors
+    /// When there is no such shard, or the environment names none.
+    pub fn shard(&self) -> anyhow::Result<Option<Shard>> {
+        match self.shard.as_deref() {
+            None => Ok(None),
+            Some("auto") => {
+                let get = |name: &str| std::env::var(name).ok();
+                Ok(Some(shard::detect(&get).context("--shard auto")?))
+            }
+            Some(text) => Ok(Some(text.parse().context("--shard")?)),
+        }
+    }
+}
+
+/// The files of one shard in the folder.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    shard: Shard,
+    identity: Identity,
+}
+
+impl Store {
+    /// Makes the folder, if need be, and sees that files can be written there: before the work, not after it.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or written to.
+    pub fn new(folder: &Path, shard: Shard, identity: Identity) -> anyhow::Result<Self> {
+        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+        let store = Self { folder: folder.to_owned(), shard, identity };
+        let probe = store.folder.join(format!(".{}.{}.probe", shard.stem(), std::process::id()));
+        fs::write(&probe, b"").with_context(|| format!("cannot write to the folder `{}`", folder.display()))?;
+        // Left behind, it would do no harm.
+        let _ = fs::remove_file(&probe);
+        Ok(store)
+    }
+
+    /// The shard.
+    pub fn shard(&self) -> Shard {
+        self.shard
+    }
+
+    /// The file with what the shard found.
+    pub fn result_path(&self) -> PathBuf {
+        self.folder.join(format!("{}.json", self.shard.stem()))
+    }
+
+    fn checkpoint_path(&self) -> PathBuf {
+        self.folder.join(format!("{}.checkpoint", self.shard.stem()))
+    }
+
+    /// What this shard found when it was run before, if it came to its end. A file that is damaged is told on
+    /// `err`, and counts as none.
+    ///
+    /// # Errors
+    /// When the file is there and is of another run, or cannot be read.
+    pub fn finished<T: DeserializeOwned>(&self, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
+        self.read(&self.result_path(), Sort::Result, err)
+    }
+
+    /// How far this shard got when it was run before. A file that is damaged is told on `err`, and counts as
+    /// none.
+    ///
+    /// # Errors
+    /// When the file is there and is of another run, or cannot be read.
+    pub fn checkpoint<T: DeserializeOwned>(&self, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
+        self.read(&self.checkpoint_path(), Sort::Checkpoint, err)
+    }
+
+    fn read<T: DeserializeOwned>(&self, path: &Path, sort: Sort, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
+        let name = path.display();
+        let text = match fs::read_to_string(path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error).with_context(|| format!("cannot read `{name}`")),
+        };
+        let opened: Sealed<serde_json::Value> = match shard::open(&text) {
+            Ok(opened) => opened,
+            Err(error) => {
+                writeln!(err, "note: `{name}` is not used: {error}")?;
+                return Ok(None);
+            }
+        };
+        self.identity.same(&opened.identity).with_context(|| {
+            format!("`{name}` is of another run, this run being the one and the file the other; remove it or give another --shard-dir")
+        })?;
+        anyhow::ensure!(
+            opened.sort == sort && opened.covers == [self.shard.index()],
+            "`{name}` is of another shard; remove it or give another --shard-dir"
+        );
+        Ok(Some(serde_json::from_value(opened.found).with_context(|| format!("cannot read `{name}`"))?))
+    }
+
+    /// Notes how far the shard got.
+    ///
+    /// # Errors
+    /// When the file cannot be written; the one before is then still there.
+    pub fn save<T: Serialize>(&self, state: &T) -> anyhow::Result<()> {
+        self.write(&self.checkpoint_path(), Sort::Checkpoint, state)
+    }
+
+    /// Writes what the shard found, and forgets how it got there.
+    ///
+    /// # Errors
+    /// When the file cannot be written; nothing is then under its name.
+    pub fn finish<T: Serialize>(&self, found: &T) -> anyhow::Result<()> {
+        self.write(&self.result_path(), Sort::Result, found)?;
+        let checkpoint = self.checkpoint_path();
+        if checkpoint.exists() {
+            fs::remove_file(&checkpoint).with_context(|| format!("cannot remove `{}`", checkpoint.display()))?;
+        }
+        Ok(())
+    }
+
+    fn write<T: Serialize>(&self, path: &Path, sort: Sort, found: &T) -> anyhow::Result<()> {
+        let sealed = Sealed { sort, identity: self.identity.clone(), covers: vec![self.shard.index()], found };
+        let text = shard::seal(&sealed).context("what was found cannot be written down")?;
+        write_atomically(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))
+    }
+}
+
+/// Says that a shard has its result, on `out`.
+pub(super) fn told(store: &Store, how: &str, json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let (shard, path) = (store.shard(), store.result_path());
+    if json {
+        let value = serde_json::json!({
+            "shard": shard.index(), "shards": shard.count(), "result": path.display().to_string(),
+        });
+        writeln!(out, "{value:#}")?;
+    } else {
+        writeln!(out, "shard {shard} {how}: {}", path.display())?;
+    }
+    out.flush()?;
+    Ok(ExitStatus::Clean)
+}
+
+/// Writes a file so that at any time either the old or the new one is there, whole: also when the process or
+/// the machine stops. On an error nothing is left behind.
+///
+/// # Errors
+/// When the file cannot be written, as on a full disk.
+pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Not a temporary file of the system's kind: those are readable by their owner alone.
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let fresh = folder.join(format!(".{name}.{}.new", std::process::id()));
+    let written = File::create(&fresh).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    written.and_then(|()| fs::rename(&fresh, path)).inspect_err(|_| {
+        // The error that is told is the first one.
+        let _ = fs::remove_file(&fresh);
+    })?;
+    // The new name is on the disk once the folder is. Not every system lets a folder be opened.
+    File::open(folder).and_then(|folder| folder.sync_all()).or(Ok(()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn store(folder: &Path, seed: u64) -> Store {
+        let shard: Shard = "1/3".parse().unwrap();
+        Store::new(folder, shard, Identity::new("check", seed, 3)).unwrap()
+    }
+
+    fn checkpoint(store: &Store) -> (anyhow::Result<Option<Vec<u64>>>, String) {
+        let mut err = Vec::new();
+        let found = store.checkpoint(&mut err);
+        (found, String::from_utf8(err).unwrap())
+    }
+
+    #[test]
+    fn a_shard_goes_on_from_its_checkpoint_and_is_done_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = store(&folder.path().join("made/here"), 1);
+        assert!(checkpoint(&store).0.unwrap().is_none());
+        store.save(&vec![1_u64, 2]).unwrap();
+        assert_eq!(checkpoint(&store).0.unwrap(), Some(vec![1, 2]));
+        assert!(store.finished::<Vec<u64>>(&mut Vec::new()).unwrap().is_none(), "a checkpoint is no result");
+        store.finish(&vec![3_u64]).unwrap();
+        assert!(checkpoint(&store).0.unwrap().is_none());
+        assert_eq!(store.finished::<Vec<u64>>(&mut Vec::new()).unwrap(), Some(vec![3]));
+        let left: Vec<_> = fs::read_dir(&store.folder).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(left, ["shard-00001-of-00003.json"]);
+    }
+
+    #[test]
+    fn a_damaged_checkpoint_is_told_and_not_used() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = store(folder.path(), 1);
+        store.save(&vec![1_u64]).unwrap();
+        let text = fs::read_to_string(store.checkpoint_path()).unwrap();
+        fs::write(store.checkpoint_path(), &text[..text.len() / 2]).unwrap();
+        let (found, told) = checkpoint(&store);
+        assert!(found.unwrap().is_none());
+        assert!(told.contains("is not used: the file is damaged"), "{told}");
+    }
+
+    #[test]
+    fn a_checkpoint_of_another_run_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        store(folder.path(), 1).save(&vec![1_u64]).unwrap();
+        let error = format!("{:#}", checkpoint(&store(folder.path(), 2)).0.unwrap_err());
+        assert!(error.contains("is of another run") && error.contains("the seed is `2` in one and `1`"), "{error}");
+        // The file of one shard under the name of another.
+        let other = Store { shard: "2/3".parse().unwrap(), ..store(folder.path(), 1) };
+        fs::copy(store(folder.path(), 1).checkpoint_path(), other.checkpoint_path()).unwrap();
+        assert!(checkpoint(&other).0.unwrap_err().to_string().contains("of another shard"));
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_written_is_told_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        let error = Store::new(&file, Shard::WHOLE, Identity::new("check", 0, 1)).unwrap_err().to_string();
+        assert!(error.starts_with("cannot make the folder"), "{error}");
+    }
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole_and_nothing_is_left_when_that_fails() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.toml");
+        write_atomically(&path, b"old").unwrap();
+        write_atomically(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        // A folder of that name cannot be replaced by a file.
+        let taken = folder.path().join("taken");
+        fs::create_dir_all(taken.join("inside")).unwrap();
+        assert!(write_atomically(&taken, b"x").is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left behind");
+    }
+
+    #[test]
+    fn no_shard_is_a_whole_run_and_a_wrong_one_is_told() {
+        assert_eq!(ShardArgs::default().shard().unwrap(), None);
+        let args = ShardArgs { shard: Some("5/2".to_owned()), ..ShardArgs::default() };
+        let error = format!("{:#}", args.shard().unwrap_err());
+        assert!(error.starts_with("--shard: there is no shard 5 of 2"), "{error}");
+    }
+}
