@@ -5,12 +5,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::array::{Array, Kind, Per, Role};
+use super::array::{Array, Per, Role};
 use super::digest::Digest;
 use super::document::{
-    Document, Domain, ExpectedSource, NO_DIGEST, ProfileSource, SCHEMA, SCHEMA_VERSION, SuiteSource, Tool, flag_bits,
+    Document, ExpectedSource, NO_DIGEST, ProfileSource, SCHEMA, SCHEMA_VERSION, SuiteSource, Tool, flag_bits,
 };
 use super::flags::{Flag, Flags};
+use super::layout::{arrays, domain, equations};
 use super::number::upward;
 use crate::bound::profile::Profile;
 use crate::bound::profile::grid::MIN_NORMAL;
@@ -21,9 +22,9 @@ use crate::lane::Stage;
 use crate::math::twofold::{Twofold, WIDTH};
 use crate::math::wide;
 use crate::property::{Sampler, encode};
+use crate::suite::Expect;
 use crate::suite::run::Prepared;
-use crate::suite::{Expect, Suite};
-use crate::value::{Batch, Field, Record, Scalar, Shape};
+use crate::value::{Batch, Field, Record, Scalar};
 use crate::verdict::{Limiter, Limits, Meant, Reason};
 
 /// Samples of a block, as far as whole cases fit.
@@ -94,12 +95,12 @@ struct Route {
 }
 
 /// The outputs of one sample.
-struct Outputs {
-    vertices: usize,
+pub(super) struct Outputs {
+    pub vertices: usize,
     /// Words of all outputs of a vertex that the data hold, as places in the record of the program.
     words: Vec<usize>,
     /// The variables: their words among `words`, and their types.
-    fields: Vec<(Field, Range<usize>)>,
+    pub fields: Vec<(Field, Range<usize>)>,
     /// Types of all words of the record.
     scalars: Vec<Scalar>,
     /// Words of a vertex in the program.
@@ -554,7 +555,7 @@ impl Words<Twofold> for Inputs<'_> {
         };
         let last = count.saturating_sub(1);
         let mut out = [0.0; WIDTH];
-        if from_case && self.first % per_case == 0 && per_case % WIDTH == 0 {
+        if from_case && self.first.is_multiple_of(per_case) && per_case.is_multiple_of(WIDTH) {
             out = [number(words[self.first / per_case * stride + word], scalar); WIDTH];
             return Twofold::of(out);
         }
@@ -586,100 +587,4 @@ fn routes(param: &Param, sides: [&Record; 2]) -> Vec<Route> {
     }
     // The formula was bound to these records, so each of its inputs is in one.
     Vec::new()
-}
-
-/// The numbers in parentheses, which are those of equations.
-fn equations(source: &str) -> Vec<u32> {
-    source.split('(').skip(1).filter_map(|part| part.split(')').next()?.parse().ok()).collect()
-}
-
-fn domain(suite: &Suite) -> Vec<Domain> {
-    let group = |group: &crate::property::InputGroup| Domain {
-        inputs: group.names.clone(),
-        generator: group.generator.name().to_owned(),
-        about: group.generator.about().to_owned(),
-        range: group.options.range,
-        values: group.options.values.clone(),
-        components: group.options.components,
-    };
-    suite.inputs.iter().map(group).collect()
-}
-
-fn arrays(sides: [&Record; 2], outputs: &Outputs, emits: bool, bounded: bool) -> Vec<Array> {
-    let mut arrays = Vec::new();
-    for (record, per, prefix) in [(sides[0], Per::Sample, "input"), (sides[1], Per::Case, "case")] {
-        for field in record.fields() {
-            arrays.push(Array {
-                name: format!("{prefix}.{}", field.name),
-                role: Role::Input,
-                variable: field.name.clone(),
-                ty: field.shape.to_string(),
-                dtype: kind(field.shape.scalar),
-                per,
-                shape: dimensions(field.shape),
-                components: (0..field.shape.words()).map(|word| field.shape.component_name(word)).collect(),
-            });
-        }
-    }
-    let mut roles = vec![(Role::Expected, "expected"), (Role::Nearest, "nearest")];
-    roles.extend(bounded.then_some((Role::Bound, "bound")));
-    for (role, prefix) in roles {
-        for (field, _) in &outputs.fields {
-            let shape = field.shape;
-            let component = |vertex: usize, word: usize| {
-                let name = shape.component_name(word);
-                if emits { format!("@{vertex}{name}") } else { name }
-            };
-            let vertices = 0..outputs.vertices;
-            let (words, of_vertex) = (shape.words(), dimensions(shape));
-            arrays.push(Array {
-                name: format!("{prefix}.{}", field.name),
-                role,
-                variable: field.name.clone(),
-                ty: shape.to_string(),
-                dtype: match role {
-                    Role::Expected => Kind::F8,
-                    Role::Bound => Kind::F4,
-                    Role::Input | Role::Nearest | Role::Flags => kind(shape.scalar),
-                },
-                per: Per::Sample,
-                shape: if emits { [vec![outputs.vertices], of_vertex].concat() } else { of_vertex },
-                components: vertices
-                    .flat_map(|v| (0..words).map(move |w| (v, w)))
-                    .map(|(v, w)| component(v, w))
-                    .collect(),
-            });
-        }
-    }
-    arrays.push(Array {
-        name: "flags".into(),
-        role: Role::Flags,
-        variable: String::new(),
-        ty: String::new(),
-        dtype: Kind::U2,
-        per: Per::Sample,
-        shape: Vec::new(),
-        components: vec![String::new()],
-    });
-    arrays
-}
-
-fn kind(scalar: Scalar) -> Kind {
-    match scalar {
-        Scalar::F32 => Kind::F4,
-        Scalar::I32 => Kind::I4,
-        Scalar::U32 | Scalar::Bool => Kind::U4,
-    }
-}
-
-/// A scalar has no dimension, a vector one, a matrix two, and an array one more in front.
-fn dimensions(shape: Shape) -> Vec<usize> {
-    let mut dimensions: Vec<usize> = shape.array.iter().map(|&n| n as usize).collect();
-    if shape.columns > 1 {
-        dimensions.push(usize::from(shape.columns));
-    }
-    if shape.rows > 1 {
-        dimensions.push(usize::from(shape.rows));
-    }
-    dimensions
 }

@@ -19,6 +19,7 @@ mod digest;
 mod document;
 mod flags;
 mod generate;
+mod layout;
 mod number;
 mod produce;
 pub mod read;

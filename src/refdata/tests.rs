@@ -332,3 +332,31 @@ fn another_version_of_the_schema_is_refused_by_name() {
     let error = dataset(b"{\"provenance\": {}}", Format::Json).unwrap_err().to_string();
     assert!(error.starts_with("its provenance is no document of schema"), "{error}");
 }
+
+#[test]
+fn parts_together_are_the_whole_and_faults_of_theirs_are_told() {
+    let prepared = prepared("bone_weight");
+    let generator = Generator::new(&prepared, profile::by_name("binary32"), 200_000, 7).unwrap();
+    assert_eq!(generator.blocks(), 4);
+    let part = |blocks: std::ops::Range<u64>| {
+        let memory = Memory::default();
+        let mut sink = Format::Npz.sink(&generator.document(&blocks), Box::new(memory.clone()), &spill).unwrap();
+        produce(&generator, blocks, &mut *sink, &mut |_| {}).unwrap();
+        drop(sink);
+        dataset(&memory.take(), Format::Npz).unwrap()
+    };
+    let whole = part(0..4);
+    let (first, second, none, last) = (part(0..1), part(1..3), part(3..3), part(3..4));
+    let joined = Dataset::join(vec![last.clone(), first.clone(), none, second.clone()]).unwrap();
+    assert_eq!(joined.arrays, whole.arrays);
+    assert_eq!(joined.document.rows, 200_000);
+    let told = |parts: &[&Dataset]| Dataset::join(parts.iter().map(|&p| p.clone()).collect()).unwrap_err().to_string();
+    assert_eq!(told(&[]), "it holds no reference file");
+    assert_eq!(told(&[&second, &last]), "samples 0 to 65535 are missing");
+    assert_eq!(told(&[&first, &last]), "samples 65536 to 196607 are missing");
+    assert_eq!(told(&[&first, &second]), "samples 196608 to 199999 are missing");
+    assert_eq!(told(&[&first, &second, &second, &last]), "sample 65536 is in two parts");
+    let mut other = second;
+    other.document.seed = "8".into();
+    assert!(told(&[&first, &other, &last]).contains("is of another run"));
+}

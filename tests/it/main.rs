@@ -22,6 +22,7 @@ mod own;
 mod piglit;
 mod positions;
 mod probe;
+mod refdata;
 mod regress;
 mod sarif;
 mod shards;

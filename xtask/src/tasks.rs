@@ -76,7 +76,7 @@ fn unreferenced(workspace: &Path, messages: &mut dyn Write) -> Result<u8> {
     complain(&references.complaints(workspace)?, messages)
 }
 
-/// Prints how fast the gate is, the functions on columns, and the linter.
+/// Prints how fast the gate is, the functions on columns, the linter, and reference data.
 pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     if let Some((_, rest)) = arguments.split_first().filter(|(first, _)| *first == "--against-script") {
@@ -95,6 +95,8 @@ pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
             "lint",
             "--bench",
             "fuzz",
+            "--bench",
+            "refdata",
             "--",
         ])
         .args(arguments),

@@ -11,10 +11,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::fresh::Fresh;
 use crate::bound::profile::{self, Profile};
 use crate::cli::check::select::{self, Selected};
+use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::property::nearest;
 use crate::refdata::write::{Format, Spill, Store};
 use crate::refdata::{Generator, produce, scene};
+use crate::shard::Shard;
 use crate::suite::Expect;
 use crate::suite::run::{DEFAULT_SEED, prepare};
 use crate::text::SourceFile;
@@ -49,6 +51,10 @@ pub struct GenerateArgs {
     /// What bounds are derived from: a shipped profile by name, a file that `calibrate` wrote, or `none`
     #[arg(long, value_name = "NAME|FILE", default_value = "vulkan-1.4")]
     pub profile: String,
+    /// Write one part of the samples, I of N, counted from 0, to a file of its own in the folder; `auto`
+    /// takes I and N from the environment, as for `check`
+    #[arg(long, value_name = "I/N|auto")]
+    pub shard: Option<String>,
 }
 
 /// Format of the files.
@@ -105,7 +111,13 @@ const VERTICES: u64 = 2048;
 pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let selected = select::select(&args.suites)?;
     let profile = profile(&args.profile)?;
-    let paths = paths(&args.output, &selected, args.format)?;
+    let sharing = ShardArgs { shard: args.shard.clone(), ..ShardArgs::default() };
+    let shard = sharing.shard()?;
+    anyhow::ensure!(
+        shard.is_none() || args.format != FormatArg::Glb,
+        "--shard shares out samples, and a scene has none; leave it out"
+    );
+    let paths = paths(&args.output, &selected, args.format, shard)?;
     for (selected, path) in selected.iter().zip(paths) {
         let failed = || format!("cannot write `{}`", path.display());
         let Some(format) = args.format.format() else {
@@ -121,8 +133,8 @@ pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> any
         let samples = args.samples.unwrap_or(selected.suite.samples);
         let prepared = prepare(&selected.suite, &selected.shader)?;
         let generator = Generator::new(&prepared, profile.as_deref(), samples, args.seed)?;
-        let blocks = 0..generator.blocks();
-        let bar = bar(&selected.suite.name, samples);
+        let blocks = shard.unwrap_or(Shard::WHOLE).range(generator.blocks());
+        let bar = bar(&selected.suite.name, generator.rows_of(&blocks));
         let digest = write(&path, |store| {
             let sink = format.sink(&generator.document(&blocks), store, &spill);
             produce(&generator, blocks.clone(), &mut *sink?, &mut |done| bar.set_position(done))
@@ -148,10 +160,20 @@ fn spill() -> io::Result<Box<dyn Spill>> {
 }
 
 /// The file of each suite.
-fn paths(output: &Path, selected: &[Selected], format: FormatArg) -> anyhow::Result<Vec<PathBuf>> {
+fn paths(
+    output: &Path,
+    selected: &[Selected],
+    format: FormatArg,
+    shard: Option<Shard>,
+) -> anyhow::Result<Vec<PathBuf>> {
     let (format, endings) = format.endings();
     let is_file = !output.is_dir() && output.extension().is_some();
     if is_file {
+        anyhow::ensure!(
+            shard.is_none(),
+            "--shard writes a file for each part; name a folder in place of `{}`",
+            output.display()
+        );
         anyhow::ensure!(
             selected.len() == 1,
             "{} suites do not go into the one file `{}`; name a folder",
@@ -170,9 +192,18 @@ fn paths(output: &Path, selected: &[Selected], format: FormatArg) -> anyhow::Res
     std::fs::create_dir_all(output).with_context(|| format!("cannot make the folder `{}`", output.display()))?;
     let plain = |c: char| if c.is_alphanumeric() || "-_=,.".contains(c) { c } else { '_' };
     let name = |s: &Selected| s.suite.name.chars().map(plain).collect::<String>();
-    let paths: Vec<PathBuf> = selected.iter().map(|s| output.join(format!("{}.{}", name(s), endings[0]))).collect();
+    // The parts of a suite lie in a folder of their own, which is a data set as a whole.
+    let file = |s: &Selected| match shard {
+        None => PathBuf::from(format!("{}.{}", name(s), endings[0])),
+        Some(shard) => Path::new(&name(s)).join(format!("{}.{}", shard.stem(), endings[0])),
+    };
+    let paths: Vec<PathBuf> = selected.iter().map(|s| output.join(file(s))).collect();
     for (k, path) in paths.iter().enumerate() {
         anyhow::ensure!(!paths[..k].contains(path), "two suites would be written to `{}`", path.display());
+        if let Some(folder) = path.parent() {
+            let failed = || format!("cannot make the folder `{}`", folder.display());
+            std::fs::create_dir_all(folder).with_context(failed)?;
+        }
     }
     Ok(paths)
 }

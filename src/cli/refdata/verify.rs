@@ -25,7 +25,7 @@ are matched with samples by a column `index`, or by the inputs (`input.NAME`, or
 Exit status: 0 everything that has a bound is within it; 1 findings; 2 a file cannot be read, or does not \
 fit.")]
 pub struct VerifyArgs {
-    /// Reference file: json, npz, parquet or csv
+    /// Reference file: json, npz, parquet or csv; or the folder with the parts that `--shard` wrote
     #[arg(value_name = "REF")]
     pub reference: PathBuf,
     /// Outputs to judge: npz, npy, parquet, csv, json, or raw binary32 numbers (raw, bin, f32)
@@ -79,15 +79,38 @@ fn source(path: &Path) -> anyhow::Result<Source> {
         .with_context(|| format!("the ending of `{name}` tells no format; there are npz, parquet, csv, json and raw"))
 }
 
+/// The files of a folder that are reference files by their ending, in the order of their names.
+fn parts(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let failed = || format!("cannot read the folder `{}`", folder.display());
+    let mut paths: Vec<PathBuf> = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(failed)? {
+        let path = entry.with_context(failed)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        // What is being written has a name that begins with a point.
+        let is_part = !name.starts_with('.') && Source::of_name(&name).is_some_and(|source| source != Source::Raw);
+        if is_part && path.is_file() {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}
+
 /// Runs the command.
 ///
 /// # Errors
 /// When a file cannot be read or does not fit the other, or output fails.
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let open = |path: &Path| File::open(path).with_context(|| format!("cannot read `{}`", path.display()));
-    let mut file = open(&args.reference)?;
-    let reference = Dataset::read(source(&args.reference)?, &mut file)
-        .with_context(|| format!("`{}`", args.reference.display()))?;
+    let read = |path: &Path| -> anyhow::Result<Dataset> {
+        Dataset::read(source(path)?, &mut open(path)?).with_context(|| format!("`{}`", path.display()))
+    };
+    let reference = if args.reference.is_dir() {
+        let parts: Vec<Dataset> = parts(&args.reference)?.iter().map(|path| read(path)).collect::<Result<_, _>>()?;
+        Dataset::join(parts).with_context(|| format!("`{}`", args.reference.display()))?
+    } else {
+        read(&args.reference)?
+    };
     let format = match args.actual_format {
         Some(SourceArg::Npz) => Source::Npz,
         Some(SourceArg::Parquet) => Source::Parquet,

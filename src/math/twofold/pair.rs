@@ -40,9 +40,9 @@ impl Pair {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn settled(a: f64, b: f64) -> Self {
         // Beyond the finite numbers the rest has no meaning, and must not turn an infinity into NaN.
-        let high = if a - a == 0.0 { a + b } else { a };
+        let high = if a.is_finite() { a + b } else { a };
         let low = b - (high - a);
-        Self { high, low: if high - high == 0.0 { low } else { 0.0 } }
+        Self { high, low: if high.is_finite() { low } else { 0.0 } }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -85,7 +85,7 @@ impl Pair {
         let third = rest.high / b.high;
         let sum = Self::settled(first, second).add(Self::of(third));
         // What has no finite quotient has none to be made better.
-        if sum.high - sum.high == 0.0 { sum } else { Self::of(first) }
+        if sum.high.is_finite() { sum } else { Self::of(first) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -104,7 +104,7 @@ impl Pair {
     pub fn sin_cos_pi(x: f64) -> (Self, Self) {
         // From 2^30 on these numbers are even.
         const ALL_EVEN: f64 = 1_073_741_824.0;
-        let finite = x - x == 0.0;
+        let finite = x.is_finite();
         let x = if x.abs() < ALL_EVEN { x } else { 0.0 };
         let (turns, _) = nearest(0.5 * x);
         let x = x - 2.0 * turns;

@@ -35,6 +35,9 @@ pub enum ReadError {
     /// No reference file, or one of another version.
     #[error("{0}")]
     Schema(String),
+    /// Parts that do not make a whole.
+    #[error("{0}")]
+    Parts(String),
     /// The numbers are not those that were written.
     #[error(
         "SHA-256 is {found}, and the file says {stated}: it was changed or damaged after it was written{}",
@@ -112,10 +115,56 @@ impl Dataset {
         Some((&self.document.arrays[at], &self.arrays[at]))
     }
 
+    /// Joins the parts of a data set, in whatever order.
+    ///
+    /// # Errors
+    /// [`ReadError::Parts`] when a part is missing, doubled, or of another run.
+    pub fn join(mut parts: Vec<Self>) -> Result<Self, ReadError> {
+        let wrong = |what: String| Err(ReadError::Parts(what));
+        parts.sort_by_key(|part| part.document.first);
+        let mut parts = parts.into_iter();
+        let Some(mut whole) = parts.next() else { return wrong("it holds no reference file".into()) };
+        let common = |document: &Document| Document { first: 0, rows: 0, sha256: String::new(), ..document.clone() };
+        let (all, mut end) = (common(&whole.document), whole.document.first + whole.document.rows);
+        if whole.document.first > 0 {
+            return wrong(format!("samples 0 to {} are missing", whole.document.first - 1));
+        }
+        for part in parts {
+            let Document { first, rows, .. } = part.document;
+            if common(&part.document) != all {
+                return wrong(format!(
+                    "the part that begins with sample {first} is of another run: suite, seed, profile, number of \
+                     samples or version differ"
+                ));
+            }
+            if first < end && rows > 0 {
+                return wrong(format!("sample {first} is in two parts"));
+            }
+            if first > end {
+                return wrong(format!("samples {end} to {} are missing", first - 1));
+            }
+            for (bytes, more) in whole.arrays.iter_mut().zip(part.arrays) {
+                bytes.extend(more);
+            }
+            end = end.max(first + rows);
+        }
+        if end < all.samples {
+            return wrong(format!("samples {end} to {} are missing", all.samples - 1));
+        }
+        whole.document.rows = end;
+        // Each part has been checked by its own digest.
+        whole.document.sha256.clear();
+        Ok(whole)
+    }
+
     fn check(&self) -> Result<(), ReadError> {
         let Document { arrays, rows, first, block_rows, per_case, sha256, .. } = &self.document;
         let damaged = |what: String| Err(ReadError::Damaged(what));
-        if *block_rows == 0 || *per_case == 0 || block_rows % per_case != 0 || first % block_rows != 0 {
+        if *block_rows == 0
+            || *per_case == 0
+            || !block_rows.is_multiple_of(*per_case)
+            || !first.is_multiple_of(*block_rows)
+        {
             return damaged("its provenance states blocks that are no whole cases".into());
         }
         for (array, bytes) in arrays.iter().zip(&self.arrays) {

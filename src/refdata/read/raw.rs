@@ -16,7 +16,7 @@ pub(super) fn table(from: &mut dyn Load, order: ByteOrder, width: usize) -> Resu
     let mut bytes = Vec::new();
     from.read_to_end(&mut bytes)?;
     let size = 4 * width.max(1);
-    if bytes.len() % size != 0 {
+    if !bytes.len().is_multiple_of(size) {
         return Err(ReadError::Damaged(format!(
             "it has {} bytes, which is no multiple of {size}: a sample has {width} binary32 numbers; it is cut off, \
              or not of these outputs",

@@ -1,0 +1,64 @@
+//! Generated vectors per second, beside the same formula in NumPy: both write NPZ with inputs, expected values in
+//! binary64 and the nearest binary32, in turn in one run; the fastest of three counts.
+//!
+//! NumPy's side is `fixtures/bench/reference.py`; it runs where `SHADERCHECK_PYTHON`, or else `python3`, has
+//! numpy.
+
+#![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+/// Repetitions; other work on the machine only ever slows a run down.
+const REPEAT: usize = 3;
+
+fn main() {
+    let python = std::env::var("SHADERCHECK_PYTHON").unwrap_or_else(|_| "python3".into());
+    let found = Command::new(&python).args(["-c", "import numpy"]).output().is_ok_and(|o| o.status.success());
+    if !found {
+        println!("refdata: NumPy was not run: `{python}` has no numpy (SHADERCHECK_PYTHON names another)");
+    }
+    let folder = tempfile::tempdir().expect("a folder for files");
+    println!("reference data       vectors/s   numpy/s   ratio   with bounds/s");
+    for (suite, samples) in [("sphere", 4_000_000_u64), ("skinning", 1_000_000)] {
+        let [mut ours, mut theirs, mut bounded] = [f64::MAX; 3];
+        for _ in 0..REPEAT {
+            ours = ours.min(generate(folder.path(), suite, samples, "none"));
+            if found {
+                theirs = theirs.min(numpy(&python, folder.path(), suite, samples));
+            }
+        }
+        bounded = bounded.min(generate(folder.path(), suite, samples / 8, "vulkan-1.4"));
+        let rate = |seconds: f64, samples: u64| samples as f64 / seconds;
+        let (ours, bounded) = (rate(ours, samples), rate(bounded, samples / 8));
+        let theirs = if found { rate(theirs, samples) } else { f64::NAN };
+        println!("{suite:18} {ours:>11.0} {theirs:>9.0} {:>7.1} {bounded:>15.0}", ours / theirs);
+    }
+}
+
+/// Seconds of a run of the program, from its start to its end.
+fn generate(folder: &Path, suite: &str, samples: u64, profile: &str) -> f64 {
+    let start = Instant::now();
+    let status = Command::new(env!("CARGO_BIN_EXE_shadercheck"))
+        .args(["refdata", "generate", suite, "--profile", profile, "--output", "ours.npz"])
+        .args(["--samples", &samples.to_string()])
+        .current_dir(folder)
+        .output()
+        .expect("the program starts");
+    assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stderr));
+    start.elapsed().as_secs_f64()
+}
+
+/// Seconds that the script measures for itself: without the start of the interpreter.
+fn numpy(python: &str, folder: &Path, suite: &str, samples: u64) -> f64 {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bench/reference.py");
+    let output = Command::new(python)
+        .arg(script)
+        .args([suite, &samples.to_string(), "theirs.npz"])
+        .current_dir(folder)
+        .output()
+        .expect("the interpreter starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).trim().parse().expect("the script prints seconds")
+}
