@@ -69,8 +69,11 @@ pub enum AutoError {
 /// Looks variables up; one that is empty counts as one that is not set.
 type Lookup<'a> = &'a dyn Fn(&str) -> Option<String>;
 
+/// A system, the variable that tells it, and how its variables are read.
+type System = (&'static str, &'static str, fn(Lookup<'_>) -> Result<Shard, AutoError>);
+
 /// The systems: a name, the variable that tells them, and how they are read.
-const SYSTEMS: [(&str, &str, fn(Lookup<'_>) -> Result<Shard, AutoError>); 6] = [
+const SYSTEMS: [System; 6] = [
     ("Slurm", "SLURM_ARRAY_TASK_ID", slurm),
     ("Kubernetes", "JOB_COMPLETION_INDEX", kubernetes),
     ("AWS Batch", "AWS_BATCH_JOB_ARRAY_INDEX", aws),

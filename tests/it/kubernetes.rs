@@ -147,6 +147,7 @@ struct Claim {
     spec: ClaimSpec,
 }
 
+#[expect(clippy::enum_variant_names, reason = "the names are those of the API")]
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 enum AccessMode {
     ReadWriteOnce,
@@ -206,7 +207,7 @@ fn faults(texts: [&str; 3]) -> Vec<String> {
                 unless(volume.is_some(), "what is mounted is a volume");
                 let writable = volume.is_none_or(|v| !v.persistent_volume_claim.read_only) || mount.read_only;
                 unless(writable, "a read-only volume is mounted so");
-                let named = container.args.iter().any(|arg| *arg == mount.mount_path);
+                let named = container.args.contains(&mount.mount_path);
                 unless(named, "the program is given the folder that is mounted");
             }
             let resources = container.resources.iter().flat_map(|r| r.requests.keys().chain(r.limits.keys()));
