@@ -17,15 +17,14 @@ use crate::lowering::compare_snapshot;
 const FOLDER: &str = "fixtures/errors";
 
 /// Each fixture with the text at which its first diagnostic stands.
-const PLACES: [(&str, &str); 8] = [
+const PLACES: [(&str, &str); 7] = [
     ("index_array.vert", "3] = velocity"),
     ("index_component.vert", "4]"),
     ("recursion.vert", "half_until_small(0.5"),
     ("syntax.vert", ";\n}"),
-    ("texture_buffer.vert", "heights, gl_VertexID"),
+    ("texture_integer.vert", "texture(heights, position.xy)"),
     ("type.vert", "+ normal"),
     ("unknown_function.vert", "normalise("),
-    ("validator_return.vert", "float weight(float x)"),
 ];
 
 /// On these naga's reader panics, and nobody knows where.

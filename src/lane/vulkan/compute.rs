@@ -3,7 +3,7 @@
 use super::gpu::{Gpu, Outputs, as_bytes};
 use super::texture::{self, Textures};
 use crate::lane::{Actual, LaneError, Runner};
-use crate::program::{ENTRY_POINT, Form, Kernel, WORKGROUP, binding};
+use crate::program::{ENTRY_POINT, Kernel, WORKGROUP, binding};
 use crate::value::Batch;
 
 pub(super) struct ComputeRunner {
@@ -76,12 +76,10 @@ impl ComputeRunner {
             let outputs = Outputs::new(gpu, &kernel.output, capacity);
             let entry = |at, buffer: &wgpu::Buffer| (at, buffer.clone());
             let mut bound = vec![entry(binding::PARAMS, &outputs.params), entry(binding::OUTPUTS, &outputs.storage)];
-            // A layout made from the module has no binding for a buffer that the module never reads.
-            let fed = matches!(kernel.form, Form::Compute);
-            if fed && kernel.invocation.words() > 0 {
+            if kernel.invocation.words() > 0 {
                 bound.push(entry(binding::INVOCATIONS, &invocations));
             }
-            if fed && kernel.case.words() > 0 {
+            if kernel.case.words() > 0 {
                 bound.push(entry(binding::CASES, &cases));
             }
             let entries: Vec<_> = bound

@@ -55,13 +55,12 @@ impl Gpu {
         let scopes = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let value = work();
-        // Scopes are a stack: the last one opened is popped first.
-        for scope in scopes.into_iter().rev() {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                return Err(LaneError::Api(error.to_string()));
-            }
+        // Scopes are a stack: the last one opened is popped first, and all of them are, whatever they say.
+        let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
+        match errors.first() {
+            Some(error) => Err(LaneError::Api(error.to_string())),
+            None => Ok(value),
         }
-        Ok(value)
     }
 
     pub fn shader(&self, kernel: &Kernel) -> wgpu::ShaderModule {
