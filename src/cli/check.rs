@@ -1,6 +1,6 @@
 //! `shadercheck check`: suites on lanes.
 
-mod profile;
+pub(super) mod profile;
 pub(super) mod progress;
 pub(super) mod select;
 mod shared;

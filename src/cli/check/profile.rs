@@ -33,24 +33,7 @@ impl Choice {
     /// place.
     pub fn new(argument: Option<&str>) -> anyhow::Result<Self> {
         let Some(argument) = argument else { return Ok(Self::ByDevice) };
-        if argument == NONE {
-            return Ok(Self::Nothing);
-        }
-        if let Some(shipped) = profile::by_name(argument) {
-            return Ok(Self::Given(Arc::new(shipped.clone())));
-        }
-        let path = Path::new(argument);
-        if !path.exists() && !argument.ends_with(".toml") {
-            let names = || profile::names().chain([NONE]);
-            let hint = nearest(argument, names()).map_or_else(
-                || format!("profiles are {}", names().collect::<Vec<_>>().join(", ")),
-                |near| format!("did you mean `{near}`?"),
-            );
-            anyhow::bail!("there is no profile and no file `{argument}`; {hint}");
-        }
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the profile `{argument}`"))?;
-        let base = |name: &str| profile::by_name(name).cloned();
-        Ok(Self::Given(Arc::new(profile::parse(&SourceFile::new(argument, text), &base)?)))
+        Ok(named(argument)?.map_or(Self::Nothing, Self::Given))
     }
 
     /// What the results of a lane are held against.
@@ -61,6 +44,31 @@ impl Choice {
             Self::Given(measured) => Rulings { measured: Some(measured.clone()), ..Rulings::of_api(lane.api) },
         }
     }
+}
+
+/// The profile that an argument names: a shipped one or a file; none for `none`.
+///
+/// # Errors
+/// As of [`Choice::new`].
+pub fn named(argument: &str) -> anyhow::Result<Option<Arc<Profile>>> {
+    if argument == NONE {
+        return Ok(None);
+    }
+    if let Some(shipped) = profile::by_name(argument) {
+        return Ok(Some(Arc::new(shipped.clone())));
+    }
+    let path = Path::new(argument);
+    if !path.exists() && !argument.ends_with(".toml") {
+        let names = || profile::names().chain([NONE]);
+        let hint = nearest(argument, names()).map_or_else(
+            || format!("profiles are {}", names().collect::<Vec<_>>().join(", ")),
+            |near| format!("did you mean `{near}`?"),
+        );
+        anyhow::bail!("there is no profile and no file `{argument}`; {hint}");
+    }
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the profile `{argument}`"))?;
+    let base = |name: &str| profile::by_name(name).cloned();
+    Ok(Some(Arc::new(profile::parse(&SourceFile::new(argument, text), &base)?)))
 }
 
 #[cfg(test)]

@@ -2,27 +2,21 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::fresh::Fresh;
-use crate::bound::profile::{self, Profile};
+use crate::cli::check::profile;
 use crate::cli::check::select::{self, Selected};
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::property::nearest;
 use crate::refdata::write::{Format, Spill, Store};
 use crate::refdata::{Generator, produce, scene};
 use crate::shard::Shard;
 use crate::suite::Expect;
 use crate::suite::run::{DEFAULT_SEED, prepare};
-use crate::text::SourceFile;
-
-/// The word that asks for no bounds.
-const NONE: &str = "none";
 
 /// Arguments of `shadercheck refdata generate`.
 #[derive(Args, Clone, Debug)]
@@ -110,7 +104,7 @@ const VERTICES: u64 = 2048;
 /// name then.
 pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let selected = select::select(&args.suites)?;
-    let profile = profile(&args.profile)?;
+    let profile = profile::named(&args.profile)?;
     let sharing = ShardArgs { shard: args.shard.clone(), ..ShardArgs::default() };
     let shard = sharing.shard()?;
     anyhow::ensure!(
@@ -206,28 +200,6 @@ fn paths(
         }
     }
     Ok(paths)
-}
-
-/// The profile that an argument names; none for `none`.
-fn profile(argument: &str) -> anyhow::Result<Option<Arc<Profile>>> {
-    if argument == NONE {
-        return Ok(None);
-    }
-    if let Some(shipped) = profile::by_name(argument) {
-        return Ok(Some(Arc::new(shipped.clone())));
-    }
-    let path = Path::new(argument);
-    if !path.exists() && !argument.ends_with(".toml") {
-        let names = || profile::names().chain([NONE]);
-        let hint = nearest(argument, names()).map_or_else(
-            || format!("profiles are {}", names().collect::<Vec<_>>().join(", ")),
-            |near| format!("did you mean `{near}`?"),
-        );
-        anyhow::bail!("there is no profile and no file `{argument}`; {hint}");
-    }
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the profile `{argument}`"))?;
-    let base = |name: &str| profile::by_name(name).cloned();
-    Ok(Some(Arc::new(profile::parse(&SourceFile::new(argument, text), &base)?)))
 }
 
 /// A bar on standard error; hidden when it is no terminal.
