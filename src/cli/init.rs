@@ -10,6 +10,7 @@ use ignore::WalkBuilder;
 
 use crate::cli::status::ExitStatus;
 use crate::glsl::Stage;
+use crate::lane::{self, Lane};
 use crate::suite::draft::{self, Subject};
 use crate::suite::{self, Suite};
 use crate::text::SourceFile;
@@ -66,6 +67,8 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     );
     let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
+    let devices: Vec<Box<dyn Lane>> =
+        lane::registry().iter().filter(|c| !c.stand_in).filter_map(|c| (c.open)().ok()).collect();
     let mut written = 0;
     for (path, stage) in &shaders {
         let file = match super::includes::read(path, &[]) {
@@ -84,7 +87,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
                 writeln!(err, "left out: {} has a suite already", told(path, &subject))?;
                 continue;
             }
-            written += u64::from(one(args, path, *stage, (&file, &subject), &mut names, out, err)?);
+            written += u64::from(one(args, path, *stage, (&file, &subject, &devices), &mut names, out, err)?);
         }
         if rest > 0 {
             writeln!(err, "left out: {rest} more functions of {}", path.display())?;
@@ -119,7 +122,7 @@ fn one(
     args: &InitArgs,
     path: &Path,
     stage: Stage,
-    (file, subject): (&SourceFile, &Subject),
+    (file, subject, devices): (&SourceFile, &Subject, &[Box<dyn Lane>]),
     names: &mut BTreeSet<String>,
     out: &mut dyn Write,
     err: &mut dyn Write,
@@ -145,7 +148,7 @@ fn one(
         writeln!(err, "left out: {}: `{}` is there already", told(path, subject), target.display())?;
         return Ok(false);
     }
-    let draft = match draft::draft(file, stage, subject, &name, &shader) {
+    let draft = match draft::draft(file, stage, subject, &name, &shader, devices) {
         Ok(draft) => draft,
         Err(why) => {
             writeln!(err, "left out: {}: {why}", told(path, subject))?;

@@ -113,3 +113,29 @@ fn what_cannot_run_is_told() {
     assert!(run_in(empty.path(), "init").expect(2).err.contains("`.` holds no shader"));
     assert!(run_in(empty.path(), "init gone").expect(2).err.contains("`gone` is no folder"));
 }
+
+/// The interpreter keeps more than a device promises: what is written passes on devices too.
+#[test]
+fn floors_are_those_of_devices() {
+    let text = "float at(vec3 p, float time) { return length(p - vec3(sin(time), 0.0, 0.0)) - 0.4; }\n\
+        vec3 slope(vec3 p, float time) { const vec2 e = vec2(1e-3, 0.0);\n\
+        return normalize(vec3(at(p + e.xyy, time) - at(p - e.xyy, time), at(p + e.yxy, time) - at(p - e.yxy, time),\n\
+        at(p + e.yyx, time) - at(p - e.yyx, time))); }\n";
+    let folder = folder(&[("ball.glsl", text)]);
+    run_in(folder.path(), "init").expect(0);
+    let suite = fs::read_to_string(folder.path().join("ball_slope.suite.toml")).unwrap();
+    assert!(suite.contains("[floors]\nundetermined = ") && suite.contains("reason = \"no promise"), "{suite}");
+    let ran: Ran = command(folder.path(), "check . --lane vulkan").output().unwrap().into();
+    ran.expect(0);
+}
+
+#[test]
+fn a_function_without_the_memory_of_its_stage_gets_a_suite() {
+    let shader = "#version 430\nlayout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer B { float x[]; };\n\
+        float half_of(float a) { return 0.5 * a; }\nfloat first(float a) { return a + x[0]; }\n\
+        void main() { x[0] = half_of(first(x[1])); }\n";
+    let folder = folder(&[("a.comp", shader)]);
+    let ran = run_in(folder.path(), "init").expect(0);
+    assert!(ran.out.contains("wrote a_half_of.suite.toml"), "{ran:?}");
+    assert!(ran.err.contains("`first` of") && ran.err.contains("memory that is written or read"), "{ran:?}");
+}
