@@ -9,9 +9,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
 use crate::bound::profile::Rulings;
+use crate::cli::fresh;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
@@ -80,8 +82,8 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub sharing: ShardArgs,
     /// How the result is printed
-    #[arg(long, value_enum, default_value_t)]
-    pub format: ReportFormat,
+    #[arg(long, value_parser = formats(), default_value = TEXT)]
+    pub format: String,
 }
 
 /// Stage of a lane.
@@ -135,36 +137,21 @@ pub enum Format {
     Json,
 }
 
-/// How the result of a run is printed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum ReportFormat {
-    /// For people
-    #[default]
-    Text,
-    /// For programs
-    Json,
-    /// Test cases, for CI services
-    Junit,
-    /// SARIF 2.1.0, for code scanning
-    Sarif,
-    /// Annotations of GitHub Actions
-    Github,
-    /// A summary for the page of a CI job
-    Markdown,
+fn formats() -> PossibleValuesParser {
+    let others = report::check::FORMATS.iter().map(|f| PossibleValue::new(f.name).help(f.summary));
+    PossibleValuesParser::new(std::iter::once(PossibleValue::new(TEXT).help("For people")).chain(others))
 }
 
-impl ReportFormat {
-    /// The report in one of the formats for programs; none for the text.
-    fn report(self) -> Option<&'static report::check::Format> {
-        let name = match self {
-            Self::Text => return None,
-            Self::Json => "json",
-            Self::Junit => "junit",
-            Self::Sarif => "sarif",
-            Self::Github => "github",
-            Self::Markdown => "markdown",
-        };
-        report::check::FORMATS.iter().find(|format| format.name == name)
+/// The format that is no report for programs.
+const TEXT: &str = "text";
+
+impl CheckArgs {
+    fn is_text(&self) -> bool {
+        report::check::by_name(&self.format).is_none()
+    }
+
+    fn is_json(&self) -> bool {
+        self.format == "json"
     }
 }
 
@@ -183,7 +170,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         "--shard does a part of the samples; --case, --sources and --report-dir are for a run without it"
     );
     anyhow::ensure!(
-        shard.is_none() || matches!(args.format, ReportFormat::Text | ReportFormat::Json),
+        shard.is_none() || args.is_text() || args.is_json(),
         "a shard has no whole report; with --shard, --format is text or json"
     );
     let selected = select::select(&args.suites)?;
@@ -199,7 +186,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         for (name, missing) in &summary.unavailable {
             writeln!(err, "lane `{name}` cannot be had: {missing}")?;
         }
-        if args.format == ReportFormat::Json {
+        if args.is_json() {
             out.write_all(report::check::json(&summary).as_bytes())?;
         }
         anyhow::bail!("no lane can run here, so nothing was checked");
@@ -207,7 +194,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     if let Some(shard) = shard {
         return shared::run(args, shard, &selected, &lanes, &rulings, summary, out, err);
     }
-    let mut progress = Progress::new(args.format == ReportFormat::Text);
+    let mut progress = Progress::new(args.is_text());
     for suite in &selected {
         let before = summary.entries.len();
         one_suite(args, suite, (&lanes, &rulings), &mut summary, &mut progress, out, color)?;
@@ -221,7 +208,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     if let Some(folder) = &args.report_dir {
         write_reports(folder, &summary)?;
     }
-    match args.format.report() {
+    match report::check::by_name(&args.format) {
         None => print(&summary, false, color, out)?,
         Some(format) => out.write_all((format.write)(&summary).map_err(anyhow::Error::msg)?.as_bytes())?,
     }
@@ -304,7 +291,7 @@ fn one_suite(
     let shader = shader_of(args, selected)?;
     let suite = &selected.suite;
     let mut add = |entry: Entry, progress: &Progress| -> anyhow::Result<()> {
-        if args.format == ReportFormat::Text {
+        if args.is_text() {
             progress.suspend(|| out.write_all(report::check::line(&entry, color).as_bytes()))?;
         }
         summary.entries.push(entry);
@@ -377,13 +364,11 @@ fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> 
 /// Writes the run in every format for programs, each file in one step.
 fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    for format in &report::check::FORMATS {
+    for format in report::check::FORMATS {
         let path = folder.join(format.file);
         let context = || format!("cannot write `{}`", path.display());
         let text = (format.write)(summary).map_err(anyhow::Error::msg).with_context(context)?;
-        let mut file = tempfile::NamedTempFile::new_in(folder).with_context(context)?;
-        file.write_all(text.as_bytes()).with_context(context)?;
-        file.persist(&path).with_context(context)?;
+        fresh::write(&path, text.as_bytes()).with_context(context)?;
     }
     Ok(())
 }
@@ -404,7 +389,7 @@ fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     for (name, content) in &bundle.files {
         let path = folder.join(name);
-        std::fs::write(&path, content).with_context(|| format!("cannot write `{}`", path.display()))?;
+        fresh::write(&path, content).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 pub mod calibrate;
 pub mod check;
 pub mod explain;
+mod fresh;
 pub mod fuzz;
 mod includes;
 pub mod init;

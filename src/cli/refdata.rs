@@ -1,6 +1,5 @@
 //! `shadercheck refdata`: reference data out, anyone's results in.
 
-mod fresh;
 mod generate;
 mod verify;
 

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use crate::cli::status::ExitStatus;
+use crate::lane::{self, Unavailable};
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
 
 /// Arguments of every command that can be shared out.
@@ -39,6 +40,34 @@ impl ShardArgs {
             }
             Some(text) => Ok(Some(text.parse().context("--shard")?)),
         }
+    }
+}
+
+/// Lanes that were wanted and could not be had, as results hold them.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Absent(Vec<(String, Unavailable)>);
+
+impl Absent {
+    /// Of lanes by name.
+    pub fn new(lanes: Vec<(&'static str, Unavailable)>) -> Self {
+        Self(lanes.into_iter().map(|(name, why)| (name.to_owned(), why)).collect())
+    }
+
+    /// Adds those of another shard, in an order that does not depend on which comes first.
+    pub fn join(&mut self, other: Self) {
+        for one in other.0 {
+            if !self.0.contains(&one) {
+                self.0.push(one);
+            }
+        }
+        self.0.sort_by(|a, b| (&a.0, &a.1.why, &a.1.remedy).cmp(&(&b.0, &b.1.why, &b.1.remedy)));
+    }
+
+    /// The lanes among those that this program knows.
+    pub fn known(self) -> Vec<(&'static str, Unavailable)> {
+        let named = |name: &str| Some(lane::registry().iter().find(|c| c.name == name)?.name);
+        self.0.into_iter().filter_map(|(name, why)| Some((named(&name)?, why))).collect()
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 
+use crate::cli::fresh;
 use crate::cli::status::ExitStatus;
 use crate::diagnostic::Lang;
 use crate::glsl::Stage;
@@ -113,9 +114,5 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
 
 fn write_file(path: &Path, translation: Translation) -> anyhow::Result<()> {
     let context = || format!("cannot write `{}`", path.display());
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).with_context(context)?;
-    file.write_all(&translation.into_bytes()).with_context(context)?;
-    file.persist(path).with_context(context)?;
-    Ok(())
+    fresh::write(path, &translation.into_bytes()).with_context(context)
 }

@@ -78,8 +78,8 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
     if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
         let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
-        let made_alone = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
-        match made_alone.and_then(made) {
+        let with_memory = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
+        match with_memory.and_then(made) {
             Ok(ready) => return Ok(ready),
             Err(why) if matches!(shader.stage(), Stage::Geometry | Stage::Compute) => return Err(why),
             // What stops the stage says more than what stops the function.

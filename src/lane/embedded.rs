@@ -56,10 +56,7 @@ impl Runner for EmbeddedRunner {
     }
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let count = batch.invocation_count();
-        if count > self.capacity {
-            return Err(LaneError::Unsupported(format!("a batch of {count} invocations; {} fit", self.capacity)));
-        }
+        self.count_of(batch, "invocations")?;
         let meaning =
             self.executable.run::<Binary32>(batch, interp::FUEL).map_err(|error| LaneError::Api(error.to_string()))?;
         accepted(&self.layout, &meaning)

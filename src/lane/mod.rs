@@ -200,6 +200,18 @@ pub trait Runner {
     /// # Errors
     /// [`LaneError`]; the outputs are then gone.
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError>;
+
+    /// How many invocations a batch has; `what` they are called where there are too many.
+    ///
+    /// # Errors
+    /// [`LaneError::Unsupported`] for more than fit.
+    fn count_of(&self, batch: &Batch, what: &str) -> Result<usize, LaneError> {
+        let (count, most) = (batch.invocation_count(), self.capacity());
+        if count > most {
+            return Err(LaneError::Unsupported(format!("a batch of {count} {what}; {most} fit")));
+        }
+        Ok(count)
+    }
 }
 
 /// A lane that may be had.

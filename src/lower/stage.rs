@@ -214,7 +214,7 @@ fn inputs_of_the_stage(work: &mut Work<'_>, function: FunctionId) {
     let shader = work.shader;
     for id in shader.used_by(&shader.reachable(function)) {
         let symbol = shader.symbol(id);
-        let fed = match symbol.kind {
+        let is_input = match symbol.kind {
             SymbolKind::Global(storage) => storage == Storage::In,
             SymbolKind::BlockMember(k) | SymbolKind::BlockInstance(k) => {
                 shader.interface().blocks.get(k).is_some_and(|b| b.storage == Storage::In)
@@ -225,7 +225,7 @@ fn inputs_of_the_stage(work: &mut Work<'_>, function: FunctionId) {
             }
             SymbolKind::Param(_) | SymbolKind::Local => false,
         };
-        if fed {
+        if is_input {
             let name = shader.function_info(function).name.span;
             let span = symbol.span.or(shader.uses_of(id).next().map(|u| u.span)).unwrap_or(name);
             let message = format!("`{}`, an input of the stage, cannot be fed or read", symbol.name);

@@ -2,11 +2,30 @@
 
 use std::fmt::Write;
 
+use serde_json::{Value, json};
+
 use crate::diagnostic::Severity;
 
 /// Address of the schema.
-pub(super) const SCHEMA: &str =
-    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
+const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
+
+/// A log of one run of this program, with a line break.
+pub(super) fn log(rules: Vec<Value>, results: Vec<Value>, root: Option<Value>) -> String {
+    let mut run = json!({
+        "tool": { "driver": {
+            "name": "shadercheck",
+            "semanticVersion": env!("CARGO_PKG_VERSION"),
+            "rules": rules,
+        } },
+        "columnKind": "unicodeCodePoints",
+        "results": results,
+    });
+    if let Some(root) = root {
+        run["originalUriBaseIds"] = root;
+    }
+    let log = json!({ "$schema": SCHEMA, "version": "2.1.0", "runs": [run] });
+    format!("{log:#}\n")
+}
 
 /// A severity as the standard calls it (3.27.10).
 pub(super) fn level(severity: Severity) -> &'static str {

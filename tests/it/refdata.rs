@@ -6,7 +6,7 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-use crate::binary::{Ran, root, run_in};
+use crate::binary::{Ran, root, run_in, say};
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
@@ -23,10 +23,10 @@ fn generate(folder: &Path, args: &str) -> Ran {
     run_in(folder, &format!("refdata generate {args}"))
 }
 
-/// Says loudly that a test did not run, where it cannot: it has shown nothing then.
-#[expect(clippy::print_stderr, reason = "a skip has to be seen")]
+/// Says loudly that a test did not run, where it cannot: it has shown nothing then. The set-up of the tests
+/// says so too.
 fn not_run(what: &str) {
-    eprintln!("NOT RUN: {what}");
+    say(&format!("NOT RUN: {what}"));
 }
 
 #[test]

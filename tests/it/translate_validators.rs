@@ -1,12 +1,12 @@
 //! Translations as the validators of Khronos see them, where they are installed.
 
-use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
 use shadercheck::lower::Role;
 use shadercheck::program::Language;
 
+use crate::binary::say;
 use crate::lowering::{UNIFORMS, names, shipped, stage};
 
 /// Environment of `spirv-val`: Vulkan 1.1 takes SPIR-V up to 1.3.
@@ -51,11 +51,6 @@ fn validate(language: Language, role: &Role, bytes: &[u8]) -> Result<bool, Strin
 
 fn installed(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
-}
-
-/// Past the capture of the test harness: whoever reads the log sees what was not checked.
-fn say(line: &str) {
-    std::io::stderr().write_all(format!("{line}\n").as_bytes()).unwrap();
 }
 
 fn checks(tool: &str, languages: &[Language]) {

@@ -126,6 +126,18 @@ pub fn report_validators(host: &dyn Host, messages: &mut dyn Write) -> io::Resul
     writeln!(messages, "xtask: validators of translations: {}", states.join(", "))
 }
 
+/// One line on what the examples that read reference data are tried with.
+pub fn report_readers(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    let compiler = ["c++", "g++", "clang++"].into_iter().find(|name| on_path(host, name).is_some());
+    let compiler = compiler.map_or("no C++ compiler".to_owned(), |name| format!("{name} found"));
+    let python = host.var("SHADERCHECK_PYTHON").unwrap_or_else(|| "python3".to_owned());
+    let modules = ["numpy", "pyarrow"].map(|module| {
+        let there = host.run(&[&python, "-c", &format!("import {module}")]).is_some_and(|outcome| outcome.success);
+        format!("{module} {}", if there { "found" } else { "missing, so its reader is not tried" })
+    });
+    writeln!(messages, "xtask: readers of reference data: {compiler}; {python}: {}", modules.join(", "))
+}
+
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
@@ -249,5 +261,25 @@ mod tests {
         report_validators(&host, &mut messages).unwrap();
         let text = String::from_utf8(messages).unwrap();
         assert_eq!(text, "xtask: validators of translations: spirv-val found, glslangValidator not on PATH\n");
+    }
+
+    #[test]
+    fn readers_that_are_not_tried_are_named() {
+        let mut messages = Vec::new();
+        let mut host = Fake::default().var("PATH", "/usr/bin").file("/usr/bin/g++", "").program(
+            "python3 -c import numpy",
+            true,
+            "",
+        );
+        report_readers(&mut host, &mut messages).unwrap();
+        let mut other = Fake::default().var("SHADERCHECK_PYTHON", "/opt/python");
+        report_readers(&mut other, &mut messages).unwrap();
+        let text = String::from_utf8(messages).unwrap();
+        assert_eq!(
+            text,
+            "xtask: readers of reference data: g++ found; python3: numpy found, pyarrow missing, so its reader is not \
+             tried\nxtask: readers of reference data: no C++ compiler; /opt/python: numpy missing, so its reader is \
+             not tried, pyarrow missing, so its reader is not tried\n"
+        );
     }
 }

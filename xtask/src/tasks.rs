@@ -26,6 +26,7 @@ pub fn check(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
 pub fn test(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     setup::report_validators(&ThisMachine, messages)?;
+    setup::report_readers(&mut ThisMachine, messages)?;
     let nextest = cargo(["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
     let mut run = match (nextest, arguments.is_empty()) {
         (true, _) => cargo(["nextest", "run", "--workspace"]),

@@ -94,10 +94,7 @@ impl Runner for AdversaryRunner {
     }
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let count = batch.invocation_count();
-        if count > self.capacity {
-            return Err(LaneError::Unsupported(format!("a batch of {count} invocations; {} fit", self.capacity)));
-        }
+        self.count_of(batch, "invocations")?;
         let domain = || Adversary::new(Arc::clone(&self.device));
         let meaning = self.executable.run_with(batch, interp::FUEL, domain);
         embedded::accepted(&self.layout, &meaning.map_err(|error| LaneError::Api(error.to_string()))?)

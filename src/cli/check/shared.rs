@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use super::progress::Progress;
 use super::select::Selected;
-use super::{CheckArgs, ReportFormat, request, shader_of, stages, status_of};
+use super::{CheckArgs, request, shader_of, stages, status_of};
 use crate::bound::profile::Rulings;
 use crate::cli::merge::Joined;
-use crate::cli::shard::{Store, told};
+use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
-use crate::lane::{Lane, Unavailable};
+use crate::lane::Lane;
 use crate::report;
 use crate::shard::{Identity, Shard};
 use crate::suite::run::{Entry, LaneUsed, Outcome, Part, Sampled, Share, Summary, prepare, run_part};
@@ -24,7 +24,7 @@ use crate::text::fingerprint;
 pub struct Found {
     lanes: Vec<LaneUsed>,
     /// Lanes that were wanted and could not be had, on some machine.
-    unavailable: Vec<(String, Unavailable)>,
+    unavailable: Absent,
     parts: Vec<Part>,
 }
 
@@ -92,13 +92,13 @@ pub fn run(
 ) -> anyhow::Result<ExitStatus> {
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes)?)?;
     if store.finished::<Found>(err)?.is_some() {
-        return told(&store, "was done before", args.format == ReportFormat::Json, out);
+        return told(&store, "was done before", args.is_json(), out);
     }
     let mut state: State = store.checkpoint(err)?.unwrap_or_default();
     if state.under_way.is_some() || !state.done.is_empty() {
         writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
     }
-    let mut progress = Progress::new(args.format == ReportFormat::Text);
+    let mut progress = Progress::new(args.is_text());
     let mut place = 0;
     for one in selected {
         let name = &one.suite.name;
@@ -141,20 +141,15 @@ pub fn run(
         }
     }
     progress.finish();
-    let unavailable = summary.unavailable.into_iter().map(|(name, why)| (name.to_owned(), why)).collect();
+    let unavailable = Absent::new(summary.unavailable);
     store.finish(&Found { lanes: summary.lanes, unavailable, parts: state.done })?;
-    told(&store, "is done", args.format == ReportFormat::Json, out)
+    told(&store, "is done", args.is_json(), out)
 }
 
 impl Joined for Found {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
-        for one in other.unavailable {
-            if !self.unavailable.contains(&one) {
-                self.unavailable.push(one);
-            }
-        }
-        self.unavailable.sort_by(|a, b| (&a.0, &a.1.why, &a.1.remedy).cmp(&(&b.0, &b.1.why, &b.1.remedy)));
+        self.unavailable.join(other.unavailable);
         let same = self.parts.len() == other.parts.len()
             && self.parts.iter().zip(&other.parts).all(|(one, other)| one.is_like(other));
         anyhow::ensure!(same, "the shards ran different suites");
@@ -171,12 +166,7 @@ impl Joined for Found {
         _: &mut dyn Write,
     ) -> anyhow::Result<ExitStatus> {
         let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
-        let registry = crate::lane::registry();
-        summary.unavailable = self
-            .unavailable
-            .into_iter()
-            .filter_map(|(name, why)| Some((registry.iter().find(|c| c.name == name)?.name, why)))
-            .collect();
+        summary.unavailable = self.unavailable.known();
         for part in self.parts {
             let report = part.report();
             let (suite, shader, on) = (report.suite.clone(), report.shader.clone(), (report.lane, report.stage));

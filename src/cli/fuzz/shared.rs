@@ -9,10 +9,10 @@ use crate::bound::profile::Rulings;
 use crate::cli::check::Format;
 use crate::cli::check::progress::Progress;
 use crate::cli::merge::Joined;
-use crate::cli::shard::{Store, told};
+use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
 use crate::fuzz::{FunctionReport, Subject};
-use crate::lane::{Description, Lane, Unavailable};
+use crate::lane::{Description, Lane};
 use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
 use crate::shard::{Identity, Shard};
 use crate::text::fingerprint;
@@ -21,7 +21,7 @@ use crate::text::fingerprint;
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Found {
     lanes: Vec<Description>,
-    unavailable: Vec<(String, Unavailable)>,
+    unavailable: Absent,
     files: Vec<Shared>,
 }
 
@@ -71,7 +71,7 @@ pub fn run(
     if store.finished::<Found>(err)?.is_some() {
         return told(&store, "was done before", args.format == Format::Json, out);
     }
-    let unavailable = summary.unavailable.into_iter().map(|(name, why)| (name.to_owned(), why)).collect();
+    let unavailable = Absent::new(summary.unavailable);
     let fresh = || Found {
         lanes: summary.lanes,
         unavailable,
@@ -108,12 +108,7 @@ pub fn run(
 impl Joined for Found {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
-        for one in other.unavailable {
-            if !self.unavailable.contains(&one) {
-                self.unavailable.push(one);
-            }
-        }
-        self.unavailable.sort_by(|a, b| (&a.0, &a.1.why, &a.1.remedy).cmp(&(&b.0, &b.1.why, &b.1.remedy)));
+        self.unavailable.join(other.unavailable);
         let names = |found: &[Shared]| found.iter().map(|file| file.file.clone()).collect::<Vec<_>>();
         anyhow::ensure!(names(&self.files) == names(&other.files), "the shards ran different files");
         for (one, other) in self.files.iter_mut().zip(other.files) {
@@ -133,12 +128,7 @@ impl Joined for Found {
     ) -> anyhow::Result<ExitStatus> {
         let notes = identity.parameters.get(NOTES).is_some_and(|notes| notes == "true");
         let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
-        let registry = crate::lane::registry();
-        summary.unavailable = self
-            .unavailable
-            .into_iter()
-            .filter_map(|(name, why)| Some((registry.iter().find(|c| c.name == name)?.name, why)))
-            .collect();
+        summary.unavailable = self.unavailable.known();
         let many = self.files.len() > 1;
         for Shared { file, functions } in self.files {
             if many && !as_json {

@@ -7,9 +7,9 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::fresh::Fresh;
 use crate::cli::check::profile;
 use crate::cli::check::select::{self, Selected};
+use crate::cli::fresh::Fresh;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::refdata::write::{Format, Spill, Store};

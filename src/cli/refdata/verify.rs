@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 
-use super::fresh::Fresh;
 use crate::cli::check::Format;
+use crate::cli::fresh::Fresh;
 use crate::cli::status::ExitStatus;
 use crate::refdata::Role;
 use crate::refdata::read::{self, Dataset, Source};

@@ -102,10 +102,7 @@ impl Runner for ComputeRunner {
     }
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let count = batch.invocation_count();
-        if count > self.capacity {
-            return Err(LaneError::Unsupported(format!("a batch of {count} invocations; {} fit", self.capacity)));
-        }
+        let count = self.count_of(batch, "invocations")?;
         let gpu = self.gpu.clone();
         gpu.checked(|| {
             gpu.queue.write_buffer(&self.invocations, 0, as_bytes(&batch.invocations));

@@ -85,10 +85,7 @@ impl Runner for UniformsRunner {
     }
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let count = batch.invocation_count();
-        if count > self.capacity {
-            return Err(LaneError::Unsupported(format!("a batch of {count} invocations; {} fit", self.capacity)));
-        }
+        let count = self.count_of(batch, "invocations")?;
         let gpu = self.gpu.clone();
         gpu.checked(|| {
             let stride = self.stride as usize / 4;

@@ -182,10 +182,7 @@ impl Runner for VertexRunner {
     }
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let count = batch.invocation_count();
-        if count > self.capacity {
-            return Err(LaneError::Unsupported(format!("a batch of {count} vertices; {} fit", self.capacity)));
-        }
+        let count = self.count_of(batch, "vertices")?;
         let gpu = self.gpu.clone();
         gpu.checked(|| {
             self.upload(batch, count);

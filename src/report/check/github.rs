@@ -1,13 +1,22 @@
 //! `github`: commands of GitHub Actions that put findings beside the lines of a change.
 //! <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>
 
+use super::Format;
 use super::items::{self, Item};
 use crate::diagnostic::Severity;
 use crate::report::actions::{data, property};
 use crate::suite::run::Summary;
 
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "github",
+    summary: "Annotations of GitHub Actions",
+    file: "annotations.txt",
+    write: |summary| Ok(github(summary)),
+};
+
 /// A line for each finding.
-pub fn github(summary: &Summary) -> String {
+fn github(summary: &Summary) -> String {
     items::all(summary).iter().map(command).collect()
 }
 

@@ -2,11 +2,16 @@
 
 use serde_json::{Value, json};
 
+use super::Format;
 use crate::lane::Stage;
 use crate::program::Source;
 use crate::suite::run::{Case, Doubtful, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
 use crate::verdict::diagnosis::{Diagnosis, Origin, Place};
 use crate::verdict::{Promise, Reason};
+
+/// The format.
+pub const FORMAT: Format =
+    Format { name: "json", summary: "For programs", file: "report.json", write: |summary| Ok(json(summary)) };
 
 /// The whole run as one JSON object, with a line break.
 pub fn json(summary: &Summary) -> String {

@@ -2,15 +2,20 @@
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite, XmlString};
 
+use super::Format;
 use super::items;
 use crate::diagnostic::Severity;
 use crate::suite::run::{Outcome, Summary};
+
+/// The format.
+pub const FORMAT: Format =
+    Format { name: "junit", summary: "Test cases, for CI services", file: "junit.xml", write: junit };
 
 /// The whole file.
 ///
 /// # Errors
 /// What the library says.
-pub fn junit(summary: &Summary) -> Result<String, String> {
+fn junit(summary: &Summary) -> Result<String, String> {
     let mut report = Report::new("shadercheck");
     let mut suites: Vec<TestSuite> = Vec::new();
     for entry in &summary.entries {

@@ -2,15 +2,24 @@
 
 use std::fmt::Write;
 
+use super::Format;
 use super::items;
 use crate::diagnostic::Severity;
 use crate::suite::run::{Outcome, Status, Summary};
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "markdown",
+    summary: "A summary for the page of a CI job",
+    file: "summary.md",
+    write: |summary| Ok(markdown(summary)),
+};
 
 /// Findings that are shown in full.
 const SHOWN: usize = 20;
 
 /// Totals, a table of suites and lanes, and the findings.
-pub fn markdown(summary: &Summary) -> String {
+fn markdown(summary: &Summary) -> String {
     let totals = summary.totals();
     let word = match summary.status() {
         Status::Pass => "passed",

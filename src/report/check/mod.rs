@@ -17,8 +17,10 @@ pub use text::{finding, line, totals};
 
 /// A format for other programs.
 pub struct Format {
-    /// Its name, as a user writes it.
+    /// Name, as `--format` takes it.
     pub name: &'static str,
+    /// What it is for, in a few words.
+    pub summary: &'static str,
     /// The file that holds it in a folder of reports.
     pub file: &'static str,
     /// The whole report of a run.
@@ -29,10 +31,9 @@ pub struct Format {
 }
 
 /// All formats for other programs.
-pub const FORMATS: [Format; 5] = [
-    Format { name: "json", file: "report.json", write: |summary| Ok(json(summary)) },
-    Format { name: "junit", file: "junit.xml", write: junit::junit },
-    Format { name: "sarif", file: "report.sarif", write: |summary| Ok(sarif::sarif(summary)) },
-    Format { name: "github", file: "annotations.txt", write: |summary| Ok(github::github(summary)) },
-    Format { name: "markdown", file: "summary.md", write: |summary| Ok(markdown::markdown(summary)) },
-];
+pub const FORMATS: &[&Format] = &[&json::FORMAT, &junit::FORMAT, &sarif::FORMAT, &github::FORMAT, &markdown::FORMAT];
+
+/// The format of this name; none for the text, which is for people.
+pub fn by_name(name: &str) -> Option<&'static Format> {
+    FORMATS.iter().copied().find(|f| f.name == name)
+}

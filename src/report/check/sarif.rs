@@ -4,32 +4,28 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
+use super::Format;
 use super::items::{self, Item};
-use crate::report::sarif::{SCHEMA, encoded, level};
+use crate::report::sarif::{encoded, level, log};
 use crate::suite::run::{FindingKind, Summary};
 
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "sarif",
+    summary: "SARIF 2.1.0, for code scanning",
+    file: "report.sarif",
+    write: |summary| Ok(sarif(summary)),
+};
+
 /// The whole log, with a line break.
-pub fn sarif(summary: &Summary) -> String {
+fn sarif(summary: &Summary) -> String {
     let all = items::all(summary);
     let used: BTreeSet<&str> = all.iter().map(|item| item.code.as_str()).collect();
     let rules: Vec<Value> =
         used.iter().map(|code| json!({ "id": code, "shortDescription": { "text": about(code) } })).collect();
     let index = |code: &str| used.iter().position(|used| *used == code).unwrap_or_default();
     let results: Vec<Value> = all.iter().map(|item| result(item, index(&item.code))).collect();
-    let log = json!({
-        "$schema": SCHEMA,
-        "version": "2.1.0",
-        "runs": [{
-            "tool": { "driver": {
-                "name": "shadercheck",
-                "semanticVersion": env!("CARGO_PKG_VERSION"),
-                "rules": rules,
-            } },
-            "columnKind": "unicodeCodePoints",
-            "results": results,
-        }],
-    });
-    format!("{log:#}\n")
+    log(rules, results, None)
 }
 
 fn result(item: &Item, index: usize) -> Value {

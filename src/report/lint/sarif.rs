@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 use crate::diagnostic::{Diagnostic, Fix, Lang, Told};
 use crate::lint::{RULES, Rule, front_end_errors};
 use crate::report::page;
-use crate::report::sarif::{SCHEMA, encoded, level};
+use crate::report::sarif::{encoded, level, log};
 use crate::text::{SourceFile, Span, fingerprint};
 
-use super::{Context, Format, to_text};
+use super::{Context, Format};
 
 /// The format.
 pub const FORMAT: Format = Format { name: "sarif", summary: "SARIF 2.1.0, for code scanning", write };
@@ -32,19 +32,8 @@ fn write(found: &[Diagnostic], context: &Context) -> String {
             result(d, &index, &format!("{line:016x}:{nth}"), context)
         })
         .collect();
-    let mut run = json!({
-        "tool": { "driver": {
-            "name": "shadercheck",
-            "semanticVersion": env!("CARGO_PKG_VERSION"),
-            "rules": rules,
-        } },
-        "columnKind": "unicodeCodePoints",
-        "results": results,
-    });
-    if let Some(root) = &context.root {
-        run["originalUriBaseIds"] = json!({ ROOT: { "uri": format!("file://{}/", encoded(root)) } });
-    }
-    to_text(&json!({ "$schema": SCHEMA, "version": "2.1.0", "runs": [run] }))
+    let root = context.root.as_ref().map(|root| json!({ ROOT: { "uri": format!("file://{}/", encoded(root)) } }));
+    log(rules, results, root)
 }
 
 /// All rules, and those errors of the front end that were found.

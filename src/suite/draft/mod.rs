@@ -5,7 +5,7 @@ pub mod guess;
 
 use std::fmt::Write;
 
-use super::run::{DEFAULT_SEED, FindingKind, Report, Request, RunError, prepare, run};
+use super::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, RunError, prepare, run};
 use super::{Stage, parse};
 use crate::bound::profile::Rulings;
 use crate::diagnostic::Diagnostic;
@@ -118,7 +118,7 @@ pub fn draft(
         .ok_or("there is no embedded lane")
         .and_then(|candidate| (candidate.open)().map_err(|_| "the embedded lane cannot be opened"))?;
     let all: Vec<String> = candidates.iter().map(|(_, law)| law.clone()).collect();
-    let report = tried(&assemble(&all, ""), file, &*lane)?;
+    let report = tried(&ready(&assemble(&all, ""), file)?, &*lane)?;
     let broken: Vec<&str> = report
         .findings
         .iter()
@@ -130,16 +130,17 @@ pub fn draft(
     // A device leaves more samples open than the interpreter, which is more exact than is promised.
     let mut floors = floors(&report);
     let mut worst = share(&report);
-    let plain = assemble(&laws, "");
-    for report in devices.iter().filter_map(|device| tried(&plain, file, &**device).ok()) {
+    let prepared = ready(&assemble(&laws, ""), file)?;
+    for report in devices.iter().filter_map(|device| tried(&prepared, &**device).ok()) {
         if share(&report) > worst {
             (worst, floors) = (share(&report), self::floors(&report));
         }
     }
     let text = assemble(&laws, &floors);
-    let mut reports = vec![tried(&text, file, &*lane)?];
+    let prepared = ready(&text, file)?;
+    let mut reports = vec![tried(&prepared, &*lane)?];
     // What a device cannot run is told when the suite is run.
-    reports.extend(devices.iter().filter_map(|device| tried(&text, file, &**device).ok()));
+    reports.extend(devices.iter().filter_map(|device| tried(&prepared, &**device).ok()));
     let mut complaints: Vec<String> = Vec::new();
     for message in reports.iter().flat_map(Report::errors).map(|finding| &finding.message) {
         if !complaints.contains(message) {
@@ -166,12 +167,16 @@ fn first_of(diagnostics: &[Diagnostic]) -> String {
     )
 }
 
-fn tried(text: &str, shader: &SourceFile, lane: &dyn Lane) -> Result<Report, String> {
+/// The suite of a text, ready to be run.
+fn ready(text: &str, shader: &SourceFile) -> Result<Prepared, String> {
     let suite = parse(&SourceFile::new("the new suite", text)).map_err(|error| error.to_string())?;
-    let prepared = prepare(&suite, shader).map_err(|error| match error {
+    prepare(&suite, shader).map_err(|error| match error {
         RunError::Shader { diagnostics, .. } => first_of(&diagnostics),
         other => other.to_string(),
-    })?;
+    })
+}
+
+fn tried(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, String> {
     let request = Request {
         samples: Some(SAMPLES),
         seed: DEFAULT_SEED,
@@ -179,10 +184,9 @@ fn tried(text: &str, shader: &SourceFile, lane: &dyn Lane) -> Result<Report, Str
         replay: Vec::new(),
         replay_only: false,
         rulings: Rulings::of_lane(lane.description()),
-        arguments: suite.name.clone(),
+        arguments: prepared.suite.name.clone(),
     };
-    let stage = lane::Stage::Compute;
-    run(&prepared, lane, stage, &request, &mut |_| {}).map_err(|error| error.to_string())
+    run(prepared, lane, lane::Stage::Compute, &request, &mut |_| {}).map_err(|error| error.to_string())
 }
 
 fn head(subject: &Subject, name: &str, shader: &str) -> String {

@@ -1,11 +1,11 @@
 //! Files that appear under their name when they are whole.
 
 use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that is being written beside the one that it will be. It is removed unless it is kept.
-pub(super) struct Fresh {
+pub struct Fresh {
     file: File,
     beside: PathBuf,
     path: PathBuf,
@@ -14,6 +14,9 @@ pub(super) struct Fresh {
 
 impl Fresh {
     /// Begins a file.
+    ///
+    /// # Errors
+    /// What the system says.
     pub fn new(path: &Path) -> io::Result<Self> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         // Not a temporary file of the system's kind: those are readable by their owner alone.
@@ -24,17 +27,33 @@ impl Fresh {
     }
 
     /// What is written to.
+    ///
+    /// # Errors
+    /// What the system says.
     pub fn file(&self) -> io::Result<File> {
         self.file.try_clone()
     }
 
-    /// Gives the file its name. What the disk has not taken yet shows here as an error.
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// What the system says, also about what the disk has not taken yet.
     pub fn keep(mut self) -> io::Result<()> {
         self.file.sync_all()?;
         fs::rename(&self.beside, &self.path)?;
         self.kept = true;
         Ok(())
     }
+}
+
+/// Writes a whole file.
+///
+/// # Errors
+/// What the system says; there is no file of this name then, or the one that was there.
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut fresh = Fresh::new(path)?;
+    fresh.file.write_all(bytes)?;
+    fresh.keep()
 }
 
 impl Drop for Fresh {
@@ -48,8 +67,6 @@ impl Drop for Fresh {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use super::*;
 
     #[test]
