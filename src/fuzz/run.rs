@@ -340,7 +340,10 @@ fn message(named: &Named, shown: &str) -> String {
         Kind::IllConditioned => {
             let lost = (f64::from(named.strict) - named.meaning).abs() / named.meaning.abs();
             let bits = (24.0 + lost.max(LIMIT * LIMIT).log2()).clamp(0.0, 24.0);
-            let many = if named.condition.is_finite() {
+            let many = if named.condition == 0.0 {
+                // `floor` and the like: flat on both sides.
+                " has a jump beside its argument".to_owned()
+            } else if named.condition.is_finite() {
                 format!(" enlarges rounding errors {} times", short(named.condition))
             } else {
                 " keeps no right digit".to_owned()

@@ -45,6 +45,7 @@ pub(crate) enum Feature {
     LayoutLocation,
     LayoutLocationUniform,
     LayoutLocationVarying,
+    LocalConstants,
     MixedQualifiers,
     OpaqueIndex,
     Precision,
@@ -100,7 +101,7 @@ impl Feature {
             Self::Doubles => (400, NEVER, &["ARB_gpu_shader_fp64"]),
             Self::FloatSuffix => (120, 300, &["EXT_gpu_shader4"]),
             Self::ImplicitConversions => (120, NEVER, &["EXT_shader_implicit_conversions"]),
-            Self::InitializerLists | Self::ScalarSwizzles | Self::VectorLength => {
+            Self::InitializerLists | Self::LocalConstants | Self::ScalarSwizzles | Self::VectorLength => {
                 (420, NEVER, &["ARB_shading_language_420pack"])
             }
             Self::MixedQualifiers => (420, 310, &["ARB_shading_language_420pack"]),
@@ -141,6 +142,7 @@ impl Feature {
             Self::InitializerLists => told!("an initialiser list", "初期化子リスト"),
             Self::ScalarSwizzles => told!("a swizzle of a scalar", "スカラのスウィズル"),
             Self::VectorLength => told!("`.length()` of a vector or matrix", "ベクトル・行列の `.length()`"),
+            Self::LocalConstants => told!("a local constant of the run", "実行時に決まるローカル定数"),
             Self::MixedQualifiers => told!("this order of qualifiers", "この順序の修飾子"),
             Self::LayoutLocation => told!("`layout(location)`", "`layout(location)`"),
             Self::LayoutLocationUniform => told!("`layout(location)` of a uniform", "uniform の `layout(location)`"),

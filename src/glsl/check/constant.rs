@@ -81,7 +81,7 @@ impl Checker<'_> {
     }
 
     fn is_constant_symbol(&self, symbol: super::super::symbols::SymbolId) -> bool {
-        let symbol = &self.out.symbols[symbol.index()];
+        let (id, symbol) = (symbol, &self.out.symbols[symbol.index()]);
         match symbol.kind {
             SymbolKind::Builtin => {
                 symbol.name.starts_with("gl_Max")
@@ -89,7 +89,7 @@ impl Checker<'_> {
                     || symbol.name == "gl_WorkGroupSize"
             }
             SymbolKind::Global(storage) => storage == Storage::Const,
-            SymbolKind::Local => symbol.read_only,
+            SymbolKind::Local => symbol.read_only && !self.run_time.contains(&id),
             SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_) | SymbolKind::Param(_) => false,
         }
     }

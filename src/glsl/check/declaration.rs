@@ -302,7 +302,11 @@ impl Checker<'_> {
             self.array_rules(&ty, declarator.span, declarator.initializer.is_some(), !self.language.es());
             self.storage_type(&ty, Storage::Global, &declaration.qualifiers, declarator.name.span);
             self.initialiser_rules(declarator, Storage::Global, &ty, constant);
-            self.declare(&declarator.name, ty, SymbolKind::Local, constant, value.filter(|_| constant));
+            let known = declarator.initializer.as_ref().is_none_or(|initializer| self.is_constant(initializer.value));
+            let symbol = self.declare(&declarator.name, ty, SymbolKind::Local, constant, value.filter(|_| constant));
+            if constant && !known {
+                self.run_time.insert(symbol);
+            }
         }
     }
 

@@ -324,6 +324,8 @@ impl Checker<'_> {
         if super::expression::has_array(ty) {
             self.need(Feature::ArrayValues, span);
         }
+        // From 4.20 on a local constant may get its value when the shader runs (GLSL 4.60, 4.3.3).
+        let constant = constant && (self.at_file_scope() || !self.language.has(Feature::LocalConstants));
         let global = storage == Storage::Uniform || (self.at_file_scope() && (self.language.es()));
         if (constant || global) && !self.is_constant(initializer.value) && !ty.is_error() {
             let message =

@@ -67,6 +67,8 @@ struct Checker<'a> {
     sink: &'a mut Sink,
     /// Whether each expression is constant by the rules of the language.
     constant: Vec<bool>,
+    /// Local constants that get their value when the shader runs.
+    run_time: HashSet<SymbolId>,
     /// Features that were told already.
     told_features: HashSet<Feature>,
     /// Last members of storage blocks without a size, and instances of such blocks.
@@ -135,6 +137,7 @@ pub(crate) fn check(
         conversions,
         sink,
         constant: vec![false; n],
+        run_time: HashSet::new(),
         told_features: HashSet::new(),
         runtime: HashSet::new(),
         uniform_blocks: HashSet::new(),

@@ -200,3 +200,22 @@ fn es_has_rules_of_its_own() {
     one(Stage::Fragment, &one_of("float x = 1;"), "T006 `int` does not become `float` by itself");
     clean(&one_of("float x = 1.0; x *= 2.0; vec2 v = vec2(1, 2);"), Stage::Fragment);
 }
+
+#[test]
+fn a_local_constant_may_get_its_value_when_the_shader_runs() {
+    let text = |version: &str, body: &str| format!("#version {version}\nuniform float u;\nvoid main() {{ {body} }}\n");
+    let told = "E044 the initialiser of `a` must be constant";
+    one(Stage::Vertex, &text("410", "const float a = u;"), told);
+    one(Stage::Vertex, &text("310 es", "const float a = u;"), told);
+    for right in [
+        text("420", "const float a = u; const float b = a + 1.0; float c = b;"),
+        text("150\n#extension GL_ARB_shading_language_420pack : enable", "const float a = u;"),
+    ] {
+        assert_eq!(parse(&right, Stage::Vertex).diagnostics, [], "{right}");
+    }
+    // It is no constant expression, and still nothing can be written to it.
+    one(Stage::Vertex, &text("460", "const int n = int(u); float a[n];"), "E039 the size of an array must be constant");
+    let written = parse(&text("460", "const float a = u; a = 1.0;"), Stage::Vertex).diagnostics;
+    assert_eq!(written.len(), 1, "{written:?}");
+    one(Stage::Vertex, "#version 460\nuniform float u;\nconst float a = u;\nvoid main() {}\n", told);
+}

@@ -214,3 +214,12 @@ fn a_way_through_a_function_without_return_is_allowed() {
       void main() { gl_Position = vec4(f(p.x), g(int(p.y)), g(1), f(4.0)); }";
     expect("t.vert", text, &[1.0, 2.0, 0.0, 0.0], &[], &[2.0, 20.0, 10.0, 5.0]);
 }
+
+#[test]
+fn local_constants_with_values_of_the_run() {
+    gives(
+        "float twice(const float a) { const float b = a * 2.0; return b; }",
+        "const float half_of = x * 0.5; const vec2 p = v.xy + half_of; r = vec4(p, twice(half_of), half_of);",
+        [2.75, 3.75, 3.5, 1.75],
+    );
+}
