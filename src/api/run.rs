@@ -2,7 +2,7 @@
 
 use crate::bound::profile::Rulings;
 use crate::diagnostic::Lang;
-use crate::lane::{self, Lane, Stage as LaneStage};
+use crate::lane::{self, Lane};
 use crate::lower::Target;
 use crate::program::Program;
 use crate::property::regressions;
@@ -114,7 +114,7 @@ pub(super) fn on_lanes(
     for lane in lanes {
         let request = request(lane.as_ref());
         for &stage in &lane.description().stages {
-            if stage == LaneStage::Vertex && prepared.vertex.is_none() {
+            if prepared.kernel(stage).is_none() {
                 continue;
             }
             let outcome = match run(prepared, lane.as_ref(), stage, &request, &mut |_| {}) {

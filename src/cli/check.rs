@@ -93,6 +93,8 @@ pub enum StageArg {
     Compute,
     /// Vertex: vertex buffers and uniform buffers
     Vertex,
+    /// Geometry: a geometry stage of the API
+    Geometry,
 }
 
 /// Sources of inputs, storage first: what other sources give is compared with it.
@@ -123,6 +125,7 @@ impl StageArg {
         match self {
             Self::Compute => stage == Stage::Compute,
             Self::Vertex => stage == Stage::Vertex,
+            Self::Geometry => stage == Stage::Geometry,
         }
     }
 }
@@ -355,8 +358,8 @@ fn shader_of(args: &CheckArgs, selected: &Selected) -> anyhow::Result<SourceFile
 
 /// The stages of a lane on which a suite runs.
 fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> {
-    // Geometry stages and functions run as compute; there is no vertex stage to speak of.
-    let applies = |stage: &Stage| *stage == Stage::Compute || prepared.vertex.is_some();
+    // Functions run as compute alone; there is no stage to speak of.
+    let applies = |stage: &Stage| prepared.kernel(*stage).is_some();
     let asked = |stage: &Stage| args.stage.is_none_or(|s| s.admits(*stage));
     lane.description().stages.iter().copied().filter(applies).filter(asked).collect()
 }

@@ -15,7 +15,14 @@ use super::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, Una
 /// None; the signature is that of all lanes.
 pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
     let driver = format!("interpreter of shadercheck {}, strict binary32", env!("CARGO_PKG_VERSION"));
-    let description = Description { name: "embedded", driver, api: Api::Binary32, stages: vec![Stage::Compute] };
+    let description = Description {
+        name: "embedded",
+        driver,
+        executor: "interpreter".to_owned(),
+        front_end: "naga".to_owned(),
+        api: Api::Binary32,
+        stages: vec![Stage::Compute],
+    };
     Ok(Box::new(Embedded { description }))
 }
 
@@ -31,6 +38,9 @@ impl Lane for Embedded {
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         match kernel.form {
             Form::Compute => {}
+            Form::Geometry => {
+                return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
+            }
             Form::Vertex { .. } => {
                 return Err(LaneError::Unsupported("the interpreter has no vertex fetch".to_owned()));
             }

@@ -6,7 +6,9 @@ pub mod embedded;
 pub mod vulkan;
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::fmt;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use thiserror::Error;
 
@@ -22,14 +24,17 @@ pub enum Stage {
     Compute,
     /// A vertex stage with vertex buffers and uniform buffers.
     Vertex,
+    /// A geometry stage of the API; lanes without one run such shaders as compute.
+    Geometry,
 }
 
 impl Stage {
-    /// `compute` or `vertex`.
+    /// `compute`, `vertex` or `geometry`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Compute => "compute",
             Self::Vertex => "vertex",
+            Self::Geometry => "geometry",
         }
     }
 }
@@ -45,15 +50,18 @@ impl fmt::Display for Stage {
 pub enum Api {
     /// Vulkan: what its specification and its conformance suite allow a driver.
     Vulkan,
+    /// OpenGL: what the GLSL specification says of range and precision.
+    OpenGl,
     /// Strict binary32 of IEEE 754: every operation rounded to nearest, in the order of the source.
     Binary32,
 }
 
 impl Api {
-    /// `vulkan` or `binary32`.
+    /// `vulkan`, `opengl` or `binary32`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vulkan => "vulkan",
+            Self::OpenGl => "opengl",
             Self::Binary32 => "binary32",
         }
     }
@@ -67,16 +75,27 @@ pub struct Description {
     pub name: LaneName,
     /// Device and driver with version.
     pub driver: String,
+    /// What executes the shader, whatever API it is reached through: `gallivm` for llvmpipe and lavapipe alike.
+    pub executor: String,
+    /// What reads the shader and makes of it what the executor takes: `naga`, `glslang`, `Mesa`.
+    pub front_end: String,
     /// Whose promises hold.
     pub api: Api,
     /// Stages in which it can run kernels.
     pub stages: Vec<Stage>,
 }
 
+impl Description {
+    /// Executor and front end: lanes that share both say the same thing twice.
+    pub fn group(&self) -> (&str, &str) {
+        (&self.executor, &self.front_end)
+    }
+}
+
 /// Name of a lane of the registry.
 pub type LaneName = &'static str;
 
-/// Names of lanes, where they are written down: only those of the registry are read back.
+/// Names of lanes, where they are written down. What is read back may be a lane of another machine.
 pub mod known {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -92,14 +111,18 @@ pub mod known {
     /// Reads the name of a lane.
     ///
     /// # Errors
-    /// When there is no such lane.
+    /// When it is no word of small letters, digits and hyphens.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
         find(&String::deserialize(from)?)
     }
 
     fn find<E: Error>(name: &str) -> Result<&'static str, E> {
-        let candidate = super::registry().iter().find(|candidate| candidate.name == name);
-        candidate.map(|candidate| candidate.name).ok_or_else(|| E::custom(format!("there is no lane `{name}`")))
+        // The lane may be one of another machine, whose drivers are not here.
+        let word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        if name.is_empty() || name.len() > 64 || !name.chars().all(word) {
+            return Err(E::custom(format!("`{name}` is no name of a lane")));
+        }
+        Ok(super::interned(name))
     }
 
     /// The same where there may be none.
@@ -120,7 +143,7 @@ pub mod known {
         /// Reads the name of a lane, or none.
         ///
         /// # Errors
-        /// When there is no such lane.
+        /// When it is no word of small letters, digits and hyphens.
         pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<&'static str>, D::Error> {
             Option::<String>::deserialize(from)?.map(|name| find(&name)).transpose()
         }
@@ -221,21 +244,38 @@ pub struct Candidate {
     /// What it is, in a few words.
     pub about: &'static str,
     /// Opens it.
-    pub open: fn() -> Result<Box<dyn Lane>, Unavailable>,
+    pub open: Box<dyn Fn() -> Result<Box<dyn Lane>, Unavailable> + Send + Sync>,
     /// True for a lane that only stands in where no device can be had; it runs beside devices when it
     /// is asked for by name.
     pub stand_in: bool,
 }
 
-/// All lanes that this build knows.
+/// All lanes that this build knows here: those that are always listed, and one for each further driver that is found.
+/// They are looked for once.
 pub fn registry() -> &'static [Candidate] {
-    &[
-        Candidate { name: "vulkan", about: "any Vulkan driver, through wgpu", open: vulkan::open, stand_in: false },
-        Candidate {
+    static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let mut all = vulkan::candidates();
+        all.push(Candidate {
             name: "embedded",
             about: "interpreter in strict binary32, without any driver",
-            open: embedded::open,
+            open: Box::new(embedded::open),
             stand_in: true,
-        },
-    ]
+        });
+        all
+    })
+}
+
+/// The name of a lane that is found when the program runs, kept for as long as it runs.
+pub(crate) fn interned(name: &str) -> LaneName {
+    static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    match names.get(name) {
+        Some(known) => known,
+        None => {
+            let name: &'static str = Box::leak(name.to_owned().into_boxed_str());
+            names.insert(name);
+            name
+        }
+    }
 }

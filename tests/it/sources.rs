@@ -34,7 +34,7 @@ struct PlantedRunner {
 
 fn source_of(form: &Form) -> Source {
     match form {
-        Form::Compute => Source::Storage,
+        Form::Compute | Form::Geometry => Source::Storage,
         Form::Uniforms => Source::Uniforms,
         Form::Constants => Source::Constants,
         Form::Vertex { .. } => Source::Attributes,

@@ -29,7 +29,14 @@ impl Adversary {
     pub fn lane(profile: &Profile, stage: Stage, strategy: Strategy, seed: u64, rearrange: bool) -> AdversaryLane {
         let driver = format!("adversary by {}, {stage}, {strategy:?}, seed {seed:#x}", profile.name);
         AdversaryLane {
-            description: Description { name: "adversary", driver, api: Api::Vulkan, stages: vec![Stage::Compute] },
+            description: Description {
+                name: "adversary",
+                driver,
+                executor: "adversary".to_owned(),
+                front_end: "naga".to_owned(),
+                api: Api::Vulkan,
+                stages: vec![Stage::Compute],
+            },
             device: Device::new(profile, stage, strategy, seed),
             laws: (rearrange && profile.rearrangement).then_some(Laws::Distribution),
             seed,
@@ -59,6 +66,9 @@ impl Lane for AdversaryLane {
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         match kernel.form {
             Form::Compute => {}
+            Form::Geometry => {
+                return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
+            }
             Form::Vertex { .. } => {
                 return Err(LaneError::Unsupported("the interpreter has no vertex fetch".to_owned()));
             }

@@ -94,6 +94,9 @@ pub fn in_stage(op: Op, stage: lane::Stage) -> Result<Kernel, ProgramError> {
     match stage {
         lane::Stage::Compute => pointwise(op),
         lane::Stage::Vertex => vertex(op),
+        lane::Stage::Geometry => {
+            Err(ProgramError::Unsupported { what: "single operations in a geometry stage".to_owned() })
+        }
     }
 }
 
@@ -101,7 +104,7 @@ pub fn in_stage(op: Op, stage: lane::Stage) -> Result<Kernel, ProgramError> {
 pub fn result_name(stage: lane::Stage) -> &'static str {
     match stage {
         lane::Stage::Compute => "return",
-        lane::Stage::Vertex => "result",
+        lane::Stage::Vertex | lane::Stage::Geometry => "result",
     }
 }
 

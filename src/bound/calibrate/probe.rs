@@ -85,6 +85,7 @@ fn kernel_of(program: &Program, stage: Stage) -> Result<Kernel, ProgramError> {
     match stage {
         Stage::Compute => program.compute_kernel(),
         Stage::Vertex => program.vertex_kernel(&[4, 4, 4, 4]),
+        Stage::Geometry => program.geometry_kernel(),
     }
 }
 

@@ -18,8 +18,14 @@ pub(super) struct Soft {
 
 impl Soft {
     pub(super) fn new(function: Function) -> Self {
-        let description =
-            Description { name: "soft", driver: "soft 1".to_owned(), api: Api::Vulkan, stages: vec![Stage::Compute] };
+        let description = Description {
+            name: "soft",
+            driver: "soft 1".to_owned(),
+            executor: "soft".to_owned(),
+            front_end: "naga".to_owned(),
+            api: Api::Vulkan,
+            stages: vec![Stage::Compute],
+        };
         Self { description, function, left: Cell::new(usize::MAX) }
     }
 }

@@ -190,7 +190,8 @@ impl Profile {
     pub fn flush(&self, stage: Stage) -> Flush {
         match stage {
             Stage::Compute => self.compute,
-            Stage::Vertex => self.vertex,
+            // Both are ends of the same pipeline; a device treats them alike.
+            Stage::Vertex | Stage::Geometry => self.vertex,
         }
     }
 

@@ -10,6 +10,7 @@ use crate::lane::{Api, Description};
 pub fn promises(api: Api) -> Vec<&'static Profile> {
     let names: &[&str] = match api {
         Api::Vulkan => &["vulkan-1.4", "vulkan-cts"],
+        Api::OpenGl => &["glsl-4.60"],
         Api::Binary32 => &["binary32"],
     };
     let shipped = |name: &&str| by_name(name).unwrap_or_else(|| unreachable!("`{name}` is part of the program"));
@@ -52,7 +53,14 @@ mod tests {
     use crate::lane::Stage;
 
     fn lane(api: Api, driver: &str) -> Description {
-        Description { name: "soft", driver: driver.to_owned(), api, stages: vec![Stage::Compute] }
+        Description {
+            name: "soft",
+            driver: driver.to_owned(),
+            executor: "soft".to_owned(),
+            front_end: "naga".to_owned(),
+            api,
+            stages: vec![Stage::Compute],
+        }
     }
 
     #[test]

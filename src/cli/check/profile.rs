@@ -78,7 +78,14 @@ mod tests {
 
     fn lane() -> Description {
         let driver = "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)".to_owned();
-        Description { name: "soft", driver, api: Api::Vulkan, stages: vec![Stage::Compute] }
+        Description {
+            name: "soft",
+            driver,
+            executor: "soft".to_owned(),
+            front_end: "naga".to_owned(),
+            api: Api::Vulkan,
+            stages: vec![Stage::Compute],
+        }
     }
 
     fn measured(argument: Option<&str>) -> Option<String> {

@@ -44,6 +44,16 @@ impl Gpu {
         parts.join(", ")
     }
 
+    /// What executes shaders: Mesa's drivers for processors share one compiler, whatever API they are reached through.
+    pub fn executor(&self) -> String {
+        let name = self.info.name.to_lowercase();
+        match () {
+            () if name.contains("llvmpipe") => "gallivm".to_owned(),
+            () if name.contains("swiftshader") => "subzero".to_owned(),
+            () => self.info.name.clone(),
+        }
+    }
+
     /// Stages in which this device can write storage.
     pub fn stages(&self) -> Vec<Stage> {
         let vertex = self.device.features().contains(wgpu::Features::VERTEX_WRITABLE_STORAGE);

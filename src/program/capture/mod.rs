@@ -153,6 +153,8 @@ pub enum Form {
         /// Uniform blocks, bound in group 1 by index.
         blocks: Vec<UniformBlock>,
     },
+    /// For a lane that runs the geometry stage of its API; the module is that of [`Form::Compute`].
+    Geometry,
 }
 
 impl Program {
@@ -188,6 +190,17 @@ impl Program {
     /// cannot be captured.
     pub fn vertex_kernel(&self, components: &[u8]) -> Result<Kernel, ProgramError> {
         vertex::kernel(self, components)
+    }
+
+    /// The kernel of this program for a lane that has geometry stages.
+    ///
+    /// # Errors
+    /// [`ProgramError::Unsupported`] when the program is no geometry stage, or an input or output cannot be captured.
+    pub fn geometry_kernel(&self) -> Result<Kernel, ProgramError> {
+        if !matches!(self.role, crate::lower::Role::Geometry(_)) {
+            return Err(ProgramError::Unsupported { what: "a program that is no geometry stage, as one".to_owned() });
+        }
+        Ok(Kernel { form: Form::Geometry, ..self.compute_kernel()? })
     }
 
     /// What one invocation of this program takes.

@@ -36,10 +36,7 @@ pub fn bundles(
     rulings: &Rulings,
     report: &Report,
 ) -> Result<Vec<Bundle>, LaneError> {
-    let kernel = match stage {
-        Stage::Compute => &prepared.compute,
-        Stage::Vertex => prepared.vertex.as_ref().unwrap_or(&prepared.compute),
-    };
+    let kernel = prepared.kernel(stage).unwrap_or(&prepared.compute);
     let cases: Vec<(&Finding, &Case)> = report.findings.iter().filter_map(|f| Some((f, f.case.as_ref()?))).collect();
     if cases.is_empty() {
         return Ok(Vec::new());

@@ -246,6 +246,7 @@ fn diagnose(
                 (Some(source @ Source::Attributes), _) if !vertex => program.kernel_from(source, &batch),
                 (_, LaneStage::Compute) => program.compute_kernel(),
                 (_, LaneStage::Vertex) => program.vertex_kernel(&components(&prepared.suite, program)),
+                (_, LaneStage::Geometry) => program.geometry_kernel(),
             };
             let suspected = Suspected { lane, stage: court.stage, kernel: &kernel, batch: &batch, deviation };
             diagnosis::lane(&court, &prepared.program, &suspected)

@@ -206,13 +206,7 @@ fn part_of(
     let makes_samples = prepared.plan.makes_samples();
     let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let unsupported = || Ok(Some(Part::new(prepared, name, stage, if once { wanted } else { 0 })));
-    let kernel = match stage {
-        Stage::Compute => &prepared.compute,
-        Stage::Vertex => match &prepared.vertex {
-            Some(kernel) => kernel,
-            None => return unsupported(),
-        },
-    };
+    let Some(kernel) = prepared.kernel(stage) else { return unsupported() };
     let mut trial = match trial::Trial::new(prepared, lane, kernel, &request.rulings) {
         Ok(trial) => trial,
         Err(LaneError::Unsupported(_)) => return unsupported(),

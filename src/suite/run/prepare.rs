@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::diagnostic::Diagnostic;
 use crate::glsl;
+use crate::lane::Stage as LaneStage;
 use crate::lower::Target;
 use crate::program::{Kernel, Program, ProgramError};
 use crate::property::relations::law::LawError;
@@ -100,6 +101,8 @@ pub struct Prepared {
     pub compute: Kernel,
     /// Its vertex kernel, for a vertex suite.
     pub vertex: Option<Kernel>,
+    /// Its geometry kernel, for a geometry suite.
+    pub geometry: Option<Kernel>,
     /// The formula, bound to the program.
     pub reference: Reference,
     /// What fills the inputs.
@@ -110,6 +113,17 @@ pub struct Prepared {
     pub rows: Vec<Sample>,
     /// What the program means.
     pub oracle: Oracle,
+}
+
+impl Prepared {
+    /// The kernel for a stage of a lane; none where the suite is not of that stage.
+    pub fn kernel(&self, stage: LaneStage) -> Option<&Kernel> {
+        match stage {
+            LaneStage::Compute => Some(&self.compute),
+            LaneStage::Vertex => self.vertex.as_ref(),
+            LaneStage::Geometry => self.geometry.as_ref(),
+        }
+    }
 }
 
 /// Reads, lowers, translates and captures the shader of a suite, and binds what is expected and inputs to
@@ -149,6 +163,7 @@ pub fn prepare_with(
         Stage::Vertex => Some(program.vertex_kernel(&super::finding::components(suite, &program)).map_err(captured)?),
         Stage::Geometry | Stage::Fragment | Stage::Function => None,
     };
+    let geometry = (suite.stage == Stage::Geometry).then(|| program.geometry_kernel()).transpose().map_err(captured)?;
     let shader_name = || shader.name().to_owned();
     let (reference, rows) = expected(&program)?;
     // Recorded rows are samples enough: a suite need not say how to make others.
@@ -184,6 +199,7 @@ pub fn prepare_with(
         program,
         compute,
         vertex,
+        geometry,
         reference,
     })
 }

@@ -101,6 +101,7 @@ impl<'a> Trial<'a> {
         let stage = match kernel.form {
             Form::Compute | Form::Uniforms | Form::Constants => Stage::Compute,
             Form::Vertex { .. } => Stage::Vertex,
+            Form::Geometry => Stage::Geometry,
         };
         Ok(Self { prepared, rulings, stage, runner: lane.prepare(kernel, capacity)?, source: None })
     }

@@ -133,6 +133,9 @@ const MODULES: &[(&str, &[&str])] = &[
 const CONFINED: &[(&str, &[&str])] = &[
     ("wgpu", &["src/lane/vulkan"]),
     ("pollster", &["src/lane/vulkan"]),
+    ("khronos_egl", &["src/lane/opengl"]),
+    ("glow", &["src/lane/opengl"]),
+    ("ash", &["src/lane/native"]),
     ("pulp", &["src/math"]),
     ("naga", &["src/lower", "src/program", "src/interp", "src/lane"]),
     ("tree_sitter", &["src/lint"]),

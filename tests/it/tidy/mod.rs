@@ -7,6 +7,7 @@ mod lengths;
 mod paths;
 mod readme;
 mod suites;
+mod unsafe_code;
 mod wording;
 
 use std::fmt;
