@@ -191,8 +191,7 @@ impl Opened {
         let enabled = vk::PhysicalDeviceFeatures::default()
             .geometry_shader(has.geometry_shader == vk::TRUE)
             .shader_tessellation_and_geometry_point_size(has.shader_tessellation_and_geometry_point_size == vk::TRUE)
-            .shader_clip_distance(has.shader_clip_distance == vk::TRUE)
-            .robust_buffer_access(has.robust_buffer_access == vk::TRUE);
+            .shader_clip_distance(has.shader_clip_distance == vk::TRUE);
         let mut feedback = vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default().transform_feedback(true);
         let names = [ash::ext::transform_feedback::NAME.as_ptr()];
         let create = vk::DeviceCreateInfo::default()
