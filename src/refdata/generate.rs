@@ -78,6 +78,8 @@ pub struct Generator<'a> {
     source: Source,
     arrays: Vec<Array>,
     outputs: Outputs,
+    /// Words of a sample and of a case that are real numbers.
+    real: [Vec<usize>; 2],
 }
 
 /// What gives expected values.
@@ -163,6 +165,8 @@ impl<'a> Generator<'a> {
             source,
             arrays,
             outputs,
+            real: sides
+                .map(|record| (0..record.words()).filter(|&word| record.scalar_of(word) == Scalar::F32).collect()),
         })
     }
 
@@ -285,6 +289,7 @@ impl<'a> Generator<'a> {
                 // The words of one variable of all vertices of a sample.
                 let (vertices, width) = (self.outputs.vertices, self.outputs.words.len());
                 let at = |vertex: usize| vertex * width + range.start..vertex * width + range.end;
+                let at: Vec<Range<usize>> = (0..vertices).map(at).collect();
                 match array.role {
                     Role::Input => {
                         let (words, record, count) = match array.per {
@@ -292,11 +297,11 @@ impl<'a> Generator<'a> {
                             Per::Case => (&batch.cases, sides[1], batch.case_count()),
                         };
                         let range = record.index_of(&array.variable).map_or(0..0, |index| record.range(index));
-                        columns(words, record.words(), count, &range, |w| w.to_le_bytes())
+                        gather(&words[..count * record.words()], record.words(), &[range])
                     }
-                    Role::Expected => gather(expected, stride, vertices, &at, |x| x.to_le_bytes()),
-                    Role::Nearest => gather(nearest, stride, vertices, &at, |x| x.to_le_bytes()),
-                    Role::Bound => gather(bound, stride, vertices, &at, |x| x.to_le_bytes()),
+                    Role::Expected => gather(expected, stride, &at),
+                    Role::Nearest => gather(nearest, stride, &at),
+                    Role::Bound => gather(bound, stride, &at),
                     Role::Flags => flags.iter().flat_map(|flags| flags.0.to_le_bytes()).collect(),
                 }
             })
@@ -304,38 +309,22 @@ impl<'a> Generator<'a> {
     }
 }
 
-fn columns<const N: usize>(
-    words: &[u32],
-    stride: usize,
-    rows: usize,
-    range: &Range<usize>,
-    bytes: impl Fn(u32) -> [u8; N],
-) -> Vec<u8> {
-    let mut out = Vec::with_capacity(rows * range.len() * N);
-    for row in words.chunks_exact(stride.max(1)).take(rows) {
-        for &word in &row[range.clone()] {
-            out.extend_from_slice(&bytes(word));
-        }
-    }
-    out
-}
-
-fn gather<X: Copy, const N: usize>(
-    values: &[X],
-    stride: usize,
-    vertices: usize,
-    at: &dyn Fn(usize) -> Range<usize>,
-    bytes: impl Fn(X) -> [u8; N],
-) -> Vec<u8> {
-    let ranges: Vec<Range<usize>> = (0..vertices).map(at).collect();
+/// The bytes of these places of each row, the least significant first.
+fn gather<X: bytemuck::Pod>(values: &[X], stride: usize, ranges: &[Range<usize>]) -> Vec<u8> {
     let words: usize = ranges.iter().map(ExactSizeIterator::len).sum();
-    let mut out = Vec::with_capacity(values.len() / stride.max(1) * words * N);
-    for row in values.chunks_exact(stride.max(1)) {
-        for range in &ranges {
-            for &x in &row[range.clone()] {
-                out.extend_from_slice(&bytes(x));
+    let mut out = if words == stride {
+        bytemuck::cast_slice(values).to_vec()
+    } else {
+        let mut out = Vec::with_capacity(values.len() / stride.max(1) * words * size_of::<X>());
+        for row in values.chunks_exact(stride.max(1)) {
+            for range in ranges {
+                out.extend_from_slice(bytemuck::cast_slice(&row[range.clone()]));
             }
         }
+        out
+    };
+    if cfg!(target_endian = "big") {
+        out.chunks_exact_mut(size_of::<X>()).for_each(<[u8]>::reverse);
     }
     out
 }
@@ -377,7 +366,7 @@ impl<'g, 'a> Worker<'g, 'a> {
             Source::Formula { exact, routes } => {
                 let width = self.out.len();
                 for at in (0..rows).step_by(WIDTH) {
-                    let inputs = Inputs { batch, routes, first: first + at };
+                    let inputs = Inputs::new(batch, routes, first + at);
                     let out = &mut self.out;
                     let lanes = WIDTH.min(rows - at);
                     let mut nearest = [0; WIDTH];
@@ -431,10 +420,7 @@ impl<'g, 'a> Worker<'g, 'a> {
 
     /// Flags that follow from the inputs.
     fn inputs(&self, batch: &Batch, first: usize, flags: &mut [Flags]) {
-        let real = |record: &Record| -> Vec<usize> {
-            (0..record.words()).filter(|&word| record.scalar_of(word) == Scalar::F32).collect()
-        };
-        let (own, shared) = (real(&batch.invocation_record), real(&batch.case_record));
+        let [own, shared] = &self.generator.real;
         let mut of_case = (usize::MAX, Flags::default());
         for (k, flags) in flags.iter_mut().enumerate() {
             let invocation = first + k;
@@ -540,6 +526,18 @@ struct Inputs<'b> {
     batch: &'b Batch,
     routes: &'b [Route],
     first: usize,
+    /// The last sample of the batch.
+    last: usize,
+    /// The case of all these samples, where it is one.
+    case: Option<usize>,
+}
+
+impl<'b> Inputs<'b> {
+    fn new(batch: &'b Batch, routes: &'b [Route], first: usize) -> Self {
+        let one = first.is_multiple_of(batch.per_case) && batch.per_case.is_multiple_of(WIDTH);
+        let last = batch.invocation_count().saturating_sub(1);
+        Self { batch, routes, first, last, case: one.then(|| first / batch.per_case) }
+    }
 }
 
 impl Words<Twofold> for Inputs<'_> {
@@ -547,21 +545,19 @@ impl Words<Twofold> for Inputs<'_> {
     fn word(&self, index: usize) -> Twofold {
         let Route { from_case, word, scalar } = self.routes[index];
         let Batch { per_case, .. } = *self.batch;
-        let count = self.batch.invocations.len() / self.batch.invocation_record.words().max(1);
         let (words, stride) = if from_case {
             (&self.batch.cases, self.batch.case_record.words())
         } else {
             (&self.batch.invocations, self.batch.invocation_record.words())
         };
-        let last = count.saturating_sub(1);
         let mut out = [0.0; WIDTH];
-        if from_case && self.first.is_multiple_of(per_case) && per_case.is_multiple_of(WIDTH) {
-            out = [number(words[self.first / per_case * stride + word], scalar); WIDTH];
+        if let (true, Some(case)) = (from_case, self.case) {
+            out = [number(words[case * stride + word], scalar); WIDTH];
             return Twofold::of(out);
         }
         for (lane, out) in out.iter_mut().enumerate() {
             // Beyond the end of a block the last sample is computed again.
-            let row = (self.first + lane).min(last);
+            let row = (self.first + lane).min(self.last);
             let row = if from_case { row / per_case } else { row };
             *out = number(words[row * stride + word], scalar);
         }

@@ -3,12 +3,18 @@
 use std::io;
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::digest::Digest;
 use super::generate::{Block, Generator};
 use super::write::Sink;
 
-/// Makes these blocks and hands them to a writer. While one is written the next is made, so that two are in
-/// memory, however many there are. `progress` is told the number of samples done. Gives the digest.
+/// Most blocks that are made side by side.
+const ABREAST: u64 = 4;
+
+/// Makes these blocks and hands them to a writer. Some are made side by side, and while they are written the
+/// next ones are made, so that twice [`ABREAST`] are in memory at most, however many there are. `progress` is told the
+/// number of samples done. Gives the digest.
 ///
 /// # Errors
 /// What the writer fails with.
@@ -21,23 +27,26 @@ pub fn produce(
     let mut digest = Digest::default();
     let mut number = blocks.start;
     let mut done = 0;
-    let mut ready = (number < blocks.end).then(|| generator.block(number));
-    while let Some(block) = ready.take() {
-        number += 1;
-        let next = || (number < blocks.end).then(|| generator.block(number));
-        let write = |block: &Block| -> io::Result<()> {
-            digest.add(&block.digest);
-            sink.block(block)
+    let abreast = ABREAST.min(rayon::current_num_threads() as u64);
+    let make = |from: u64| -> Vec<Block> {
+        let until = from.saturating_add(abreast).min(blocks.end);
+        (from..until).into_par_iter().map(|number| generator.block(number)).collect()
+    };
+    let mut ready = make(number);
+    while !ready.is_empty() {
+        number += ready.len() as u64;
+        let mut write = |blocks: &[Block]| {
+            for block in blocks {
+                digest.add(&block.digest);
+                sink.block(block)?;
+                done += block.rows as u64;
+                progress(done);
+            }
+            Ok::<(), io::Error>(())
         };
-        let written = {
-            let mut write = write;
-            let (next, written) = rayon::join(next, || write(&block));
-            ready = next;
-            written
-        };
+        let (next, written) = rayon::join(|| make(number), || write(&ready));
         written?;
-        done += block.rows as u64;
-        progress(done);
+        ready = next;
     }
     let mut document = generator.document(&blocks);
     document.sha256 = digest.hex();
