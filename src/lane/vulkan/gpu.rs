@@ -13,8 +13,7 @@ pub(super) struct Gpu {
     pub queue: wgpu::Queue,
 }
 
-/// The devices that the Vulkan loader shows. Real ones come first, and among drivers for the processor Mesa's:
-/// the loader's own order turns round when a driver is added.
+/// The devices that the Vulkan loader shows, in the order of [`super::order`].
 pub(super) fn adapters() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::VULKAN;
@@ -24,8 +23,7 @@ pub(super) fn adapters() -> Vec<wgpu::Adapter> {
     let mut found = pollster::block_on(found);
     found.sort_by_key(|adapter| {
         let info = adapter.get_info();
-        let processor = info.device_type == wgpu::DeviceType::Cpu;
-        (processor, processor && !info.name.to_lowercase().contains("llvmpipe"))
+        super::order(info.device_type == wgpu::DeviceType::Cpu, &info.name)
     });
     found
 }
