@@ -34,6 +34,11 @@ pub(super) struct Translator {
 impl Translator {
     /// Looks whether the program is there.
     pub fn find() -> Result<Self, String> {
+        if !cfg!(unix) {
+            return Err(
+                "its translator writes into a pipe by the name `/dev/stdout`, which this system lacks".to_owned()
+            );
+        }
         let output = Command::new(PROGRAM).arg("--version").stdin(Stdio::null()).output();
         let output = output.map_err(|error| format!("`{PROGRAM}` cannot be started ({error})"))?;
         let text = String::from_utf8_lossy(&output.stdout);

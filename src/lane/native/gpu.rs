@@ -8,10 +8,10 @@ use std::rc::Rc;
 
 use ash::vk;
 
-use crate::lane::LaneError;
+use crate::lane::{LaneError, vulkan};
 
 /// How long a batch may take. Longer than this, the shader does not end.
-const PATIENCE: std::time::Duration = std::time::Duration::from_secs(20);
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(60);
 
 /// A device with its queue.
 pub(super) struct Gpu {
@@ -62,10 +62,17 @@ impl Gpu {
     fn on(instance: &ash::Instance) -> Result<Opened, String> {
         // SAFETY: the instance is alive.
         let devices = unsafe { instance.enumerate_physical_devices() };
-        let devices = devices.map_err(failed("Vulkan shows no device"))?;
+        let mut devices = devices.map_err(failed("Vulkan shows no device"))?;
         if devices.is_empty() {
             return Err("no Vulkan driver was found".to_owned());
         }
+        let order = |physical: &vk::PhysicalDevice| {
+            // SAFETY: the device is one of the instance.
+            let properties = unsafe { instance.get_physical_device_properties(*physical) };
+            let name = properties.device_name_as_c_str().unwrap_or_default().to_string_lossy();
+            vulkan::order(properties.device_type == vk::PhysicalDeviceType::CPU, &name)
+        };
+        devices.sort_by_key(order);
         let mut why = "no Vulkan device here has VK_EXT_transform_feedback".to_owned();
         for physical in devices {
             match Opened::new(instance, physical) {
@@ -191,8 +198,7 @@ impl Opened {
         let enabled = vk::PhysicalDeviceFeatures::default()
             .geometry_shader(has.geometry_shader == vk::TRUE)
             .shader_tessellation_and_geometry_point_size(has.shader_tessellation_and_geometry_point_size == vk::TRUE)
-            .shader_clip_distance(has.shader_clip_distance == vk::TRUE)
-            .robust_buffer_access(has.robust_buffer_access == vk::TRUE);
+            .shader_clip_distance(has.shader_clip_distance == vk::TRUE);
         let mut feedback = vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default().transform_feedback(true);
         let names = [ash::ext::transform_feedback::NAME.as_ptr()];
         let create = vk::DeviceCreateInfo::default()

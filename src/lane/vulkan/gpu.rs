@@ -13,13 +13,19 @@ pub(super) struct Gpu {
     pub queue: wgpu::Queue,
 }
 
-/// The devices that the Vulkan loader shows, in its order.
+/// The devices that the Vulkan loader shows, in the order of [`super::order`].
 pub(super) fn adapters() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::VULKAN;
     // Debug layers and markers cost time and print; what is validated is validated by wgpu itself.
     descriptor.flags = wgpu::InstanceFlags::empty();
-    pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::VULKAN))
+    let found = wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::VULKAN);
+    let mut found = pollster::block_on(found);
+    found.sort_by_key(|adapter| {
+        let info = adapter.get_info();
+        super::order(info.device_type == wgpu::DeviceType::Cpu, &info.name)
+    });
+    found
 }
 
 impl Gpu {

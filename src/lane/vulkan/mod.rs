@@ -82,6 +82,12 @@ fn slug(device: &str) -> String {
     if slug.is_empty() { "unnamed".to_owned() } else { slug }
 }
 
+/// Where a device stands among others: real ones come first, and among drivers for the processor Mesa's. The loader's
+/// own order turns round when a driver is added.
+pub(super) fn order(processor: bool, device: &str) -> (bool, bool) {
+    (processor, processor && !device.to_lowercase().contains("llvmpipe"))
+}
+
 /// What executes shaders on a device: Mesa's drivers for processors share one compiler, whatever API they are reached
 /// through.
 pub(super) fn executor(device: &str) -> String {
@@ -143,7 +149,7 @@ impl Lane for Vulkan {
 
 #[cfg(test)]
 mod names {
-    use super::{executor, unique};
+    use super::{executor, order, unique};
 
     #[test]
     fn every_device_has_a_name_of_its_own() {
@@ -161,6 +167,14 @@ mod names {
             assert_eq!(name, expected);
             names.push(name);
         }
+    }
+
+    #[test]
+    fn a_driver_that_is_added_takes_no_name_from_another_one() {
+        let mut devices =
+            [(true, "SwiftShader Device (Subzero)"), (true, "llvmpipe (LLVM 15.0.6)"), (false, "NVIDIA H100")];
+        devices.sort_by_key(|&(processor, device)| order(processor, device));
+        assert_eq!(devices.map(|(_, device)| &device[..4]), ["NVID", "llvm", "Swif"]);
     }
 
     #[test]
