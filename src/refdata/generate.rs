@@ -76,6 +76,8 @@ pub struct Generator<'a> {
     pub(super) source: Source,
     arrays: Vec<Array>,
     pub(super) outputs: Outputs,
+    /// Words of a sample and of a case that are real numbers.
+    pub(super) real: [Vec<usize>; 2],
     /// Samples for which the shader is farther from what is expected than any device may be.
     pub(super) apart: AtomicU64,
 }
@@ -183,6 +185,8 @@ impl<'a> Generator<'a> {
             source,
             arrays,
             outputs,
+            real: sides
+                .map(|record| (0..record.words()).filter(|&word| record.scalar_of(word) == Scalar::F32).collect()),
             apart: AtomicU64::new(0),
         })
     }
@@ -350,6 +354,7 @@ impl<'a> Generator<'a> {
                 // The words of one variable of all vertices of a sample.
                 let (vertices, width) = (self.outputs.vertices, self.outputs.words.len());
                 let at = |vertex: usize| vertex * width + range.start..vertex * width + range.end;
+                let at: Vec<Range<usize>> = (0..vertices).map(at).collect();
                 match array.role {
                     Role::Input => {
                         let (words, record, count) = match array.per {
@@ -357,11 +362,11 @@ impl<'a> Generator<'a> {
                             Per::Case => (&batch.cases, sides[1], batch.case_count()),
                         };
                         let range = record.index_of(&array.variable).map_or(0..0, |index| record.range(index));
-                        columns(words, record.words(), count, &range, |w| w.to_le_bytes())
+                        gather(&words[..count * record.words()], record.words(), &[range])
                     }
-                    Role::Expected => gather(expected, stride, vertices, &at, |x| x.to_le_bytes()),
-                    Role::Nearest => gather(nearest, stride, vertices, &at, |x| x.to_le_bytes()),
-                    Role::Bound => gather(bound, stride, vertices, &at, |x| x.to_le_bytes()),
+                    Role::Expected => gather(expected, stride, &at),
+                    Role::Nearest => gather(nearest, stride, &at),
+                    Role::Bound => gather(bound, stride, &at),
                     Role::Flags => flags.iter().flat_map(|flags| flags.0.to_le_bytes()).collect(),
                 }
             })
@@ -369,38 +374,22 @@ impl<'a> Generator<'a> {
     }
 }
 
-fn columns<const N: usize>(
-    words: &[u32],
-    stride: usize,
-    rows: usize,
-    range: &Range<usize>,
-    bytes: impl Fn(u32) -> [u8; N],
-) -> Vec<u8> {
-    let mut out = Vec::with_capacity(rows * range.len() * N);
-    for row in words.chunks_exact(stride.max(1)).take(rows) {
-        for &word in &row[range.clone()] {
-            out.extend_from_slice(&bytes(word));
-        }
-    }
-    out
-}
-
-fn gather<X: Copy, const N: usize>(
-    values: &[X],
-    stride: usize,
-    vertices: usize,
-    at: &dyn Fn(usize) -> Range<usize>,
-    bytes: impl Fn(X) -> [u8; N],
-) -> Vec<u8> {
-    let ranges: Vec<Range<usize>> = (0..vertices).map(at).collect();
+/// The bytes of these places of each row, the least significant first.
+fn gather<X: bytemuck::Pod>(values: &[X], stride: usize, ranges: &[Range<usize>]) -> Vec<u8> {
     let words: usize = ranges.iter().map(ExactSizeIterator::len).sum();
-    let mut out = Vec::with_capacity(values.len() / stride.max(1) * words * N);
-    for row in values.chunks_exact(stride.max(1)) {
-        for range in &ranges {
-            for &x in &row[range.clone()] {
-                out.extend_from_slice(&bytes(x));
+    let mut out = if words == stride {
+        bytemuck::cast_slice(values).to_vec()
+    } else {
+        let mut out = Vec::with_capacity(values.len() / stride.max(1) * words * size_of::<X>());
+        for row in values.chunks_exact(stride.max(1)) {
+            for range in ranges {
+                out.extend_from_slice(bytemuck::cast_slice(&row[range.clone()]));
             }
         }
+        out
+    };
+    if cfg!(target_endian = "big") {
+        out.chunks_exact_mut(size_of::<X>()).for_each(<[u8]>::reverse);
     }
     out
 }

@@ -3,11 +3,16 @@
 use std::io;
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::digest::Digest;
 use super::document::Document;
 use super::generate::{Block, Generator};
 use super::read::{ReadError, Sequence};
 use super::write::Sink;
+
+/// Most blocks that are made side by side.
+const ABREAST: u64 = 4;
 
 /// Where blocks are kept that are done, so that a run that was stopped need not make them again.
 pub trait Keep: Sync {
@@ -34,9 +39,9 @@ impl Keep for Forget {
     }
 }
 
-/// Makes these blocks, but for those that are kept, and hands them to a writer. While one is written the next is
-/// made, so that two are in memory, however many there are. `progress` is told the number of samples done. Gives
-/// the digest.
+/// Makes these blocks, but for those that are kept, and hands them to a writer. Some are made side by side, and
+/// while they are written the next ones are made, so that twice [`ABREAST`] are in memory at most, however many
+/// there are. `progress` is told the number of samples done. Gives the digest.
 ///
 /// # Errors
 /// What the writer, or the place where blocks are kept, fails with.
@@ -50,26 +55,34 @@ pub fn produce(
     let mut digest = Digest::default();
     let mut number = blocks.start;
     let mut done = 0;
-    let make = |number: u64| -> io::Result<Option<Block>> {
-        if number >= blocks.end {
-            return Ok(None);
-        }
+    let abreast = ABREAST.min(rayon::current_num_threads() as u64);
+    let one = |number: u64| -> io::Result<Block> {
         if let Some(block) = keep.load(number) {
-            return Ok(Some(block));
+            return Ok(block);
         }
         let block = generator.block(number);
         keep.save(number, &block)?;
-        Ok(Some(block))
+        Ok(block)
+    };
+    let make = |from: u64| -> io::Result<Vec<Block>> {
+        let until = from.saturating_add(abreast).min(blocks.end);
+        (from..until).into_par_iter().map(one).collect()
     };
     let mut ready = make(number)?;
-    while let Some(block) = ready.take() {
-        number += 1;
-        digest.add(&block.digest);
-        let (next, written) = rayon::join(|| make(number), || sink.block(&block));
+    while !ready.is_empty() {
+        number += ready.len() as u64;
+        let mut write = |blocks: &[Block]| {
+            for block in blocks {
+                digest.add(&block.digest);
+                sink.block(block)?;
+                done += block.rows as u64;
+                progress(done);
+            }
+            Ok::<(), io::Error>(())
+        };
+        let (next, written) = rayon::join(|| make(number), || write(&ready));
         written?;
         ready = next?;
-        done += block.rows as u64;
-        progress(done);
     }
     let mut document = generator.document(&blocks);
     document.sha256 = digest.hex();

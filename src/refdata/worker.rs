@@ -65,7 +65,7 @@ impl<'g, 'a> Worker<'g, 'a> {
             Source::Formula { exact, routes } => {
                 let width = self.out.len();
                 for at in (0..rows).step_by(WIDTH) {
-                    let inputs = Inputs { batch, routes, first: first + at };
+                    let inputs = Inputs::new(batch, routes, first + at);
                     let out = &mut self.out;
                     let lanes = WIDTH.min(rows - at);
                     let mut nearest = [0; WIDTH];
@@ -139,10 +139,7 @@ impl<'g, 'a> Worker<'g, 'a> {
 
     /// Flags that follow from the inputs.
     fn inputs(&self, batch: &Batch, first: usize, flags: &mut [Flags]) {
-        let real = |record: &Record| -> Vec<usize> {
-            (0..record.words()).filter(|&word| record.scalar_of(word) == Scalar::F32).collect()
-        };
-        let (own, shared) = (real(&batch.invocation_record), real(&batch.case_record));
+        let [own, shared] = &self.generator.real;
         let mut of_case = (usize::MAX, Flags::default());
         for (k, flags) in flags.iter_mut().enumerate() {
             let invocation = first + k;
@@ -265,6 +262,18 @@ struct Inputs<'b> {
     batch: &'b Batch,
     routes: &'b [Route],
     first: usize,
+    /// The last sample of the batch.
+    last: usize,
+    /// The case of all these samples, where it is one.
+    case: Option<usize>,
+}
+
+impl<'b> Inputs<'b> {
+    fn new(batch: &'b Batch, routes: &'b [Route], first: usize) -> Self {
+        let one = first.is_multiple_of(batch.per_case) && batch.per_case.is_multiple_of(WIDTH);
+        let last = batch.invocation_count().saturating_sub(1);
+        Self { batch, routes, first, last, case: one.then(|| first / batch.per_case) }
+    }
 }
 
 impl Words<Twofold> for Inputs<'_> {
@@ -272,21 +281,19 @@ impl Words<Twofold> for Inputs<'_> {
     fn word(&self, index: usize) -> Twofold {
         let Route { from_case, word, scalar } = self.routes[index];
         let Batch { per_case, .. } = *self.batch;
-        let count = self.batch.invocations.len() / self.batch.invocation_record.words().max(1);
         let (words, stride) = if from_case {
             (&self.batch.cases, self.batch.case_record.words())
         } else {
             (&self.batch.invocations, self.batch.invocation_record.words())
         };
-        let last = count.saturating_sub(1);
         let mut out = [0.0; WIDTH];
-        if from_case && self.first.is_multiple_of(per_case) && per_case.is_multiple_of(WIDTH) {
-            out = [number(words[self.first / per_case * stride + word], scalar); WIDTH];
+        if let (true, Some(case)) = (from_case, self.case) {
+            out = [number(words[case * stride + word], scalar); WIDTH];
             return Twofold::of(out);
         }
         for (lane, out) in out.iter_mut().enumerate() {
             // Beyond the end of a block the last sample is computed again.
-            let row = (self.first + lane).min(last);
+            let row = (self.first + lane).min(self.last);
             let row = if from_case { row / per_case } else { row };
             *out = number(words[row * stride + word], scalar);
         }
