@@ -119,6 +119,9 @@ impl<'a> Roundoff<'a> {
     }
 }
 
+/// Sees the place of an invocation, what is expected of it, and how far each word may be off.
+pub type Each<'e> = &'e mut dyn FnMut(usize, &[f64], &[f64]);
+
 /// Gives what a reference expects, with how far the expectation itself may be off.
 pub struct Wanted<'a> {
     evaluator: Evaluator<'a>,
@@ -133,7 +136,7 @@ impl<'a> Wanted<'a> {
 
     /// Calls `each` with the place of each of these invocations, at most [`LANES`] of them, its expected words
     /// (empty where nothing is expected), and how far each of them may be off.
-    pub fn look(&mut self, batch: &Batch, first: usize, count: usize, each: &mut dyn FnMut(usize, &[f64], &[f64])) {
+    pub fn look(&mut self, batch: &Batch, first: usize, count: usize, each: Each<'_>) {
         let invocations: Vec<usize> = (first..first + count).collect();
         self.evaluator.turn_to(batch, &invocations);
         for (lane, &invocation) in invocations.iter().enumerate() {

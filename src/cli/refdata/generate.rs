@@ -17,9 +17,10 @@ use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::refdata::read::Sequence;
 use crate::refdata::write::{Format, Spill, Store};
-use crate::refdata::{Forget, Generator, Subject, copy, produce, scene};
+use crate::refdata::{Document, Forget, Generator, Subject, copy, produce, scene};
 use crate::shard::Shard;
-use crate::suite::run::DEFAULT_SEED;
+use crate::suite::Expect;
+use crate::suite::run::{DEFAULT_SEED, prepare};
 
 /// Arguments of `shadercheck refdata generate`.
 #[derive(Args, Clone, Debug)]
@@ -146,11 +147,12 @@ pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> any
         };
         match item {
             Item::Suite(selected) => {
-                let prepared = crate::suite::run::prepare(&selected.suite, &selected.shader)?;
-                let samples = args.samples.unwrap_or_else(|| match prepared.suite.expect {
-                    crate::suite::Expect::Recorded(_) => prepared.rows.len() as u64,
-                    _ => prepared.suite.samples,
-                });
+                let prepared = prepare(&selected.suite, &selected.shader)?;
+                let own = match prepared.suite.expect {
+                    Expect::Recorded(_) => prepared.rows.len() as u64,
+                    Expect::Formula(_) | Expect::Reference(_) | Expect::Nothing => prepared.suite.samples,
+                };
+                let samples = args.samples.unwrap_or(own);
                 let job = Job { args, profile: profile.as_deref(), format, path: &path, shard };
                 job.run(Subject::from(&prepared), samples, out, err)?;
             }
@@ -233,7 +235,7 @@ impl Job<'_> {
     }
 
     /// The digest of the part, if it is there as a whole. One that is damaged is made again.
-    fn finished(&self, document: &crate::refdata::Document, err: &mut dyn Write) -> anyhow::Result<Option<String>> {
+    fn finished(&self, document: &Document, err: &mut dyn Write) -> anyhow::Result<Option<String>> {
         let path = self.path.display();
         if !self.path.exists() {
             return Ok(None);

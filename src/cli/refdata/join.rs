@@ -67,6 +67,9 @@ fn begins_with(path: &Path, beginning: &[u8]) -> bool {
 /// Shards that are named.
 const NAMED: usize = 10;
 
+/// The files of each suite with their documents.
+type Suites = BTreeMap<String, (Vec<PathBuf>, Vec<(String, Document)>)>;
+
 /// What became of one data set.
 struct Joined {
     document: Document,
@@ -80,7 +83,7 @@ struct Joined {
 /// When a part cannot be read or is damaged, is missing, doubled or of another run, or the joined file cannot be
 /// written.
 pub fn run(args: &MergeArgs, paths: Vec<PathBuf>, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let mut suites: BTreeMap<String, (Vec<PathBuf>, Vec<(String, Document)>)> = BTreeMap::new();
+    let mut suites = Suites::new();
     for (path, document) in paths.iter().zip(files::documents(&paths)?) {
         let suite = suites.entry(document.1.suite.name.clone()).or_default();
         suite.0.push(path.clone());
@@ -138,10 +141,7 @@ fn joined(
 }
 
 /// The joined file of each suite, if one is asked for.
-fn targets(
-    out: Option<&Path>,
-    suites: &BTreeMap<String, (Vec<PathBuf>, Vec<(String, Document)>)>,
-) -> anyhow::Result<Vec<Option<(PathBuf, Format)>>> {
+fn targets(out: Option<&Path>, suites: &Suites) -> anyhow::Result<Vec<Option<(PathBuf, Format)>>> {
     let Some(out) = out else { return Ok(suites.iter().map(|_| None).collect()) };
     let format = |path: &Path| {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
