@@ -7,6 +7,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 use crate::bound::profile::Rulings;
 use crate::property::Sample;
+use crate::suite::ledger::{self, Ledger};
 use crate::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
 use crate::suite::{self, Suite};
 use crate::text::SourceFile;
@@ -78,7 +79,8 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
     let own = saved.iter().filter(|regression| regression.suite == suite.name);
     let replay: Vec<Sample> = own.map(|regression| regression.to_sample(invocation, case)).collect::<Result<_, _>>()?;
     let lanes = run::lanes(&[]).map_err(Failed::from)?;
-    let entries = run::on_lanes(&prepared, &lanes, |lane| Request {
+    let ledger = ledger_of(path)?;
+    let mut entries = run::on_lanes(&prepared, &lanes, |lane| Request {
         samples: None,
         seed: DEFAULT_SEED,
         quick: false,
@@ -95,14 +97,31 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
         .iter()
         .flat_map(|entry| match &entry.outcome {
             Run::Ran(report) => report.failing.clone(),
-            Run::Refused(_) | Run::LaneFailed(_) => Vec::new(),
+            Run::Refused(_) | Run::LaneFailed(_) | Run::KnownFailure { .. } => Vec::new(),
         })
         .collect();
     if !failing.is_empty() {
         suite::save_regressions(&regressions, &suite.name, &failing)?;
     }
+    for entry in &mut entries {
+        let lane =
+            lanes.iter().map(|lane| lane.description()).find(|lane| entry.on.is_some_and(|on| on.0 == lane.name));
+        if let (Some(ledger), Some(lane)) = (&ledger, lane) {
+            ledger.apply(entry, lane);
+        }
+    }
     let outcome = run::outcome(entries);
     if outcome.passed() { Ok(()) } else { Err(Failed::from(outcome.report())) }
+}
+
+/// What is expected to fail of a suite.
+fn ledger_of(suite: &Path) -> Result<Option<Ledger>, Failed> {
+    let Some(path) = suite::ledger_path(suite) else { return Ok(None) };
+    let read = ledger::parse(&suite::read_ledger(&path)?);
+    let told = |problems: Vec<suite::Problem>| {
+        Failed::from(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+    };
+    read.map(Some).map_err(told)
 }
 
 #[cfg(test)]

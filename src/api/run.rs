@@ -10,7 +10,7 @@ use crate::property::{InputGroup, Own, Sample, generators};
 use crate::report;
 use crate::suite::draft::guess;
 use crate::suite::run::{
-    Entry, Outcome as Run, Prepared, Request, RunError, Status, Summary, prepare, prepare_with, run,
+    Entry, Outcome as Run, Peer, Prepared, Request, RunError, Status, Summary, hear, prepare, prepare_with, run,
 };
 use crate::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
 use crate::text::SourceFile;
@@ -111,6 +111,7 @@ pub(super) fn on_lanes(
     request: impl Fn(&dyn Lane) -> Request,
 ) -> Vec<Entry> {
     let mut entries = Vec::new();
+    let rulings: Vec<Rulings> = lanes.iter().map(|lane| request(lane.as_ref()).rulings).collect();
     for lane in lanes {
         let request = request(lane.as_ref());
         for &stage in &lane.description().stages {
@@ -125,6 +126,13 @@ pub(super) fn on_lanes(
             entries.push(Entry { suite, shader, on: Some((lane.description().name, stage)), outcome });
         }
     }
+    let peers: Vec<Peer<'_>> =
+        lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane: lane.as_ref(), rulings }).collect();
+    let ran = entries.iter_mut().filter_map(|entry: &mut Entry| match &mut entry.outcome {
+        Run::Ran(report) => Some(&mut **report),
+        Run::Refused(_) | Run::LaneFailed(_) | Run::KnownFailure { .. } => None,
+    });
+    hear(prepared, &peers, &mut ran.collect::<Vec<_>>());
     entries
 }
 

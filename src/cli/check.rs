@@ -1,7 +1,9 @@
 //! `shadercheck check`: suites on lanes.
 
+mod ledger;
 pub(super) mod profile;
-pub(super) mod progress;
+mod progress;
+mod screen;
 pub(super) mod select;
 mod shared;
 
@@ -22,14 +24,16 @@ use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
 use crate::suite::run::{
-    Bundle, DEFAULT_SEED, Entry, LaneUsed, Outcome, Prepared, Request, Status, Summary, bundles, check_translations,
-    most_from, prepare, run as run_suite, run_from, stage_of,
+    Bundle, DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
+    check_translations, hear, most_from, prepare, run as run_suite, run_from, stage_of,
 };
-use crate::suite::save_regressions;
+use crate::suite::{self, save_regressions};
 use crate::text::SourceFile;
 
+use ledger::Ledgers;
 use profile::Choice;
-use progress::Progress;
+use progress::{Progress, Task};
+use screen::Screen;
 use select::Selected;
 pub use shared::Found;
 
@@ -73,6 +77,10 @@ pub struct CheckArgs {
     /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
+    /// Failures that are expected: this file, or `none`; without it the `expectations.toml` beside each suite or
+    /// above it, up to the root of the repository (not with --shader and --case)
+    #[arg(long, value_name = "FILE|none")]
+    pub expectations: Option<String>,
     /// Write the report here in every format, and each failing case: the shader, what it was lowered to,
     /// SPIR-V, inputs and outputs as bits, the command that runs it again, a test for piglit's shader_runner, and an Amber script for
     /// functions and geometry stages
@@ -81,6 +89,9 @@ pub struct CheckArgs {
     /// Which part of the run
     #[command(flatten)]
     pub sharing: ShardArgs,
+    /// On a terminal as well, a line for each suite and stage, without colours, table and progress
+    #[arg(long)]
+    pub plain: bool,
     /// How the result is printed
     #[arg(long, value_parser = formats(), default_value = TEXT)]
     pub format: String,
@@ -183,6 +194,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
     }
     let profile = Choice::new(args.profile.as_deref())?;
+    let ledgers = Ledgers::new(args, &selected)?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
     let (lanes, rulings) = open_lanes(args, &profile, &mut summary)?;
     if lanes.is_empty() {
@@ -195,12 +207,16 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         anyhow::bail!("no lane can run here, so nothing was checked");
     }
     if let Some(shard) = shard {
-        return shared::run(args, shard, &selected, &lanes, &rulings, summary, out, err);
+        return shared::run(args, shard, &selected, &ledgers, &lanes, &rulings, summary, out, err);
     }
-    let mut progress = Progress::new(args.is_text());
-    for suite in &selected {
+    let tasks = tasks(args, &selected, &lanes);
+    let mut progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
+    let mut screen = Screen::new(args, &selected, &lanes, color);
+    let all = Peers { lanes: &lanes, rulings: &rulings, ledgers: &ledgers };
+    for (number, suite) in selected.iter().enumerate() {
         let before = summary.entries.len();
-        one_suite(args, suite, (&lanes, &rulings), &mut summary, &mut progress, out, color)?;
+        one_suite(args, (number, suite), &all, &mut summary, &mut progress, &screen, out)?;
+        progress.suspend(|| screen.suite(&suite.suite.name, &summary.entries[before..], out))?;
         if summary.entries.len() == before {
             // Only the vertex stage of a lane can be asked for in vain: every suite runs in compute.
             let name = &suite.suite.name;
@@ -208,11 +224,12 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
     }
     progress.finish();
+    summary.stale = ledgers.stale();
     if let Some(folder) = &args.report_dir {
         write_reports(folder, &summary)?;
     }
     match report::check::by_name(&args.format) {
-        None => print(&summary, false, color, out)?,
+        None => screen.end(&summary, out)?,
         Some(format) => out.write_all((format.write)(&summary).map_err(anyhow::Error::msg)?.as_bytes())?,
     }
     out.flush()?;
@@ -224,10 +241,7 @@ fn print(summary: &Summary, json: bool, color: bool, out: &mut dyn Write) -> any
     if json {
         out.write_all(report::check::json(summary).as_bytes())?;
     } else {
-        for at in 0..summary.entries.len() {
-            out.write_all(report::check::finding(&summary.entries, at, color).as_bytes())?;
-        }
-        writeln!(out)?;
+        screen::findings(summary, color, out)?;
         out.write_all(report::check::totals(summary, color).as_bytes())?;
     }
     out.flush()?;
@@ -282,21 +296,50 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
     Ok((lanes, rulings))
 }
 
+/// What is to be run, as far as it is known before shaders are read.
+fn tasks(args: &CheckArgs, selected: &[Selected], lanes: &[Box<dyn Lane>]) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for (suite, selected) in selected.iter().enumerate() {
+        let samples = args.samples.unwrap_or(selected.suite.samples / if args.quick { 8 } else { 1 }).max(1);
+        for lane in lanes {
+            let lane = lane.description();
+            let applies = |stage: Stage| match stage {
+                Stage::Compute => true,
+                Stage::Vertex => selected.suite.stage == suite::Stage::Vertex,
+                Stage::Geometry => selected.suite.stage == suite::Stage::Geometry,
+            };
+            for &stage in lane.stages.iter().filter(|&&stage| applies(stage)) {
+                if args.stage.is_none_or(|asked| asked.admits(stage)) {
+                    tasks.push(Task { suite, on: (lane.name, stage), samples });
+                }
+            }
+        }
+    }
+    tasks
+}
+
+/// The lanes of a run, what each is held against, and what is expected to fail.
+struct Peers<'a> {
+    lanes: &'a [Box<dyn Lane>],
+    rulings: &'a [Rulings],
+    ledgers: &'a Ledgers,
+}
+
 fn one_suite(
     args: &CheckArgs,
-    selected: &Selected,
-    (lanes, rulings): (&[Box<dyn Lane>], &[Rulings]),
+    (number, selected): (usize, &Selected),
+    Peers { lanes, rulings, ledgers }: &Peers<'_>,
     summary: &mut Summary,
     progress: &mut Progress,
+    screen: &Screen,
     out: &mut dyn Write,
-    color: bool,
 ) -> anyhow::Result<()> {
     let shader = shader_of(args, selected)?;
     let suite = &selected.suite;
-    let mut add = |entry: Entry, progress: &Progress| -> anyhow::Result<()> {
-        if args.is_text() {
-            progress.suspend(|| out.write_all(report::check::line(&entry, color).as_bytes()))?;
-        }
+    let before = summary.entries.len();
+    let mut add = |mut entry: Entry, progress: &Progress| -> anyhow::Result<()> {
+        ledgers.apply(number, &mut entry, &summary.lanes);
+        progress.suspend(|| screen.entry(&entry, out))?;
         summary.entries.push(entry);
         Ok(())
     };
@@ -308,12 +351,12 @@ fn one_suite(
     let mut failing: Vec<Sample> = Vec::new();
     // Translations have no lane: the first that gives a report bears what is found out about them.
     let mut untold = true;
-    for (lane, rulings) in lanes.iter().zip(rulings) {
+    for (lane, rulings) in lanes.iter().zip(*rulings) {
         let request = request(args, selected, &prepared, rulings.clone())?;
         let name = lane.description().name;
         for (stage, source) in ways(args, lane.as_ref(), &prepared) {
             let most = source.map_or(u64::MAX, |source| most_from(&prepared, source));
-            progress.start(&suite.name, name, stage, request.samples_of(suite).min(most));
+            progress.start((number, &suite.name), name, stage, request.samples_of(suite).min(most));
             let mut at = |done| progress.at(done);
             let result = match source {
                 None => run_suite(&prepared, lane.as_ref(), stage, &request, &mut at),
@@ -340,6 +383,13 @@ fn one_suite(
             add(entry(Some((name, stage)), outcome), progress)?;
         }
     }
+    let peers: Vec<Peer<'_>> =
+        lanes.iter().zip(*rulings).map(|(lane, rulings)| Peer { lane: lane.as_ref(), rulings }).collect();
+    let ran = summary.entries[before..].iter_mut().filter_map(|entry| match &mut entry.outcome {
+        Outcome::Ran(report) => Some(&mut **report),
+        Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
+    });
+    hear(&prepared, &peers, &mut ran.collect::<Vec<&mut Report>>());
     // Another shader's failures are no regressions of the suite's own.
     if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some())
     {

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::bar::Bar;
 use super::check::Format;
-use super::check::progress::Progress;
 use super::check::shell_word;
 use super::includes::{self, Source};
 use crate::bound::profile::Rulings;
@@ -128,7 +128,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         all_known(&args.function, &known)?;
         return shared::run(args, shard, &files, &lanes, &mut inputs, summary, out, err);
     }
-    let mut progress = Progress::new(args.format == Format::Text);
+    let mut progress = Bar::new(args.format == Format::Text);
     for source in &sources {
         let mut printed = Printed { out, args, color, many: sources.len() > 1 };
         let report = one_file(args, source, &lanes, &mut inputs, &mut known, &mut progress, &mut printed)?;
@@ -197,7 +197,7 @@ fn one_file(
     lanes: &[(&dyn Lane, Rulings)],
     inputs: &mut Inputs<'_>,
     known: &mut Vec<String>,
-    progress: &mut Progress,
+    progress: &mut Bar,
     printed: &mut Printed<'_>,
 ) -> anyhow::Result<FileReport> {
     let mut report = FileReport { file: source.name.clone(), ..FileReport::default() };
@@ -255,7 +255,7 @@ fn one_function(
     subject: &Subject,
     domain: &Domain,
     lanes: &[(&dyn Lane, Rulings)],
-    progress: &mut Progress,
+    progress: &mut Bar,
 ) -> anyhow::Result<FunctionReport> {
     progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);
     let request = Request {

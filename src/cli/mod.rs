@@ -1,6 +1,7 @@
 //! The command line, one file a subcommand. Results go to standard output, progress and complaints
 //! to standard error.
 
+mod bar;
 pub mod calibrate;
 pub mod check;
 pub mod explain;

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 
+use super::bar::Bar;
 use super::check::Format;
-use super::check::progress::Progress;
 use super::check::select::{self, Selected};
 use crate::cli::shard::{ShardArgs, Store, told};
 use crate::cli::status::ExitStatus;
@@ -116,7 +116,7 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         }
         store = Some(folder);
     }
-    let mut progress = Progress::new(args.format == Format::Text);
+    let mut progress = Bar::new(args.format == Format::Text);
     for Selected { suite, shader, .. } in selected.iter().skip(found.done()) {
         let other = args.shader.as_deref().map(super::translate::read).transpose()?;
         progress.start(&suite.name, description.name, Stage::Compute, 0);

@@ -19,7 +19,8 @@ pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
         name: "embedded",
         driver,
         executor: "interpreter".to_owned(),
-        front_end: "naga".to_owned(),
+        // It takes the module as it is: nothing translates.
+        front_end: "none".to_owned(),
         api: Api::Binary32,
         stages: vec![Stage::Compute],
     };

@@ -9,6 +9,7 @@ use crate::property::regressions::{self, Regression};
 use crate::text::{SourceFile, decode};
 
 use super::error::LoadError;
+use super::ledger::FILE;
 use super::{Contents, Expect, Includes, Suite, parse};
 
 /// Ending of a suite file.
@@ -128,6 +129,32 @@ fn attach_pictures(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
         *picture = Some(read.map_err(|why| named(std::io::Error::new(ErrorKind::InvalidData, why)))?);
     }
     Ok(())
+}
+
+/// The ledger of a suite file: the nearest `expectations.toml` in its folder or above, up to the root of the
+/// repository. Without a repository, up to the working folder where the suite lies below it, or in its own folder.
+pub fn ledger_path(suite: &Path) -> Option<PathBuf> {
+    let folder = suite.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let whole = folder.canonicalize().ok()?;
+    let root = whole.ancestors().find(|folder| folder.join(".git").exists()).map(Path::to_owned);
+    let here = || std::env::current_dir().and_then(|here| here.canonicalize()).ok();
+    let last = root.or_else(|| here().filter(|here| whole.starts_with(here))).unwrap_or_else(|| whole.clone());
+    let found = whole.ancestors().take_while(|folder| folder.starts_with(&last)).map(|folder| folder.join(FILE));
+    let found = found.into_iter().find(|path| path.is_file())?;
+    // Shown as people named the suite where it lies beside it, and from the working folder on elsewhere.
+    if found.parent() == Some(&*whole) {
+        return Some(folder.join(FILE));
+    }
+    let short = here().and_then(|here| found.strip_prefix(here).map(Path::to_owned).ok());
+    Some(short.unwrap_or(found))
+}
+
+/// Reads the text of a ledger.
+///
+/// # Errors
+/// A file that cannot be read, or is no text.
+pub fn read_ledger(path: &Path) -> Result<SourceFile, LoadError> {
+    read(path)
 }
 
 /// The regression file of a suite file: `sphere.suite.toml` has `sphere.regressions` beside it.

@@ -7,6 +7,7 @@ mod expect;
 mod files;
 mod includes;
 mod keys;
+pub mod ledger;
 mod parse;
 mod record;
 pub mod run;
@@ -24,7 +25,10 @@ use crate::value::Record;
 
 pub use error::{LoadError, Problem, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
-pub use files::{ENDING, Loaded, load, read_regressions, read_shader, regressions_path, save_regressions, search};
+pub use files::{
+    ENDING, Loaded, ledger_path, load, read_ledger, read_regressions, read_shader, regressions_path, save_regressions,
+    search,
+};
 pub use includes::Includes;
 pub use keys::{page, schema};
 pub use parse::{Names, parse, parse_with};

@@ -210,6 +210,12 @@ impl SourceFile {
         self.text[start..end].trim_end_matches(['\n', '\r'])
     }
 
+    /// The line in which a byte offset lies; in an assembled text, of the file that it comes from.
+    pub fn line_at(&self, offset: usize) -> String {
+        let (file, span) = self.origin(Span::at(offset));
+        file.line_text(file.position(span.start).line).to_owned()
+    }
+
     /// `name:line:column` of a byte offset; in an assembled text, of the file that it comes from.
     pub fn locate(&self, offset: usize) -> String {
         let (file, span) = self.origin(Span::at(offset));

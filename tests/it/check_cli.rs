@@ -206,9 +206,23 @@ fn without_any_lane_nothing_is_checked_and_that_is_an_error() {
 #[test]
 fn lanes_tells_what_can_run_and_why_not() {
     let ran = run("lanes").expect(0);
-    assert!(ran.out.starts_with("vulkan     available    ") && ran.out.contains("(compute, vertex)"), "{}", ran.out);
+    assert!(ran.out.starts_with("lane ") && ran.out.contains("  executor x front end\n"), "{}", ran.out);
+    let vulkan = ran.out.lines().find(|line| line.starts_with("vulkan ")).unwrap();
+    assert!(vulkan.contains("  compute vertex  ") && vulkan.ends_with(" x naga"), "{}", ran.out);
     let ran = without_lanes("lanes").expect(0);
-    assert!(ran.out.starts_with("vulkan     unavailable  no Vulkan driver was found; install one"), "{}", ran.out);
+    assert!(ran.out.contains("\nvulkan    unavailable ("), "{}", ran.out);
+    assert!(
+        ran.out.contains("no Vulkan driver was found\n          to get it: install one, for example"),
+        "{}",
+        ran.out
+    );
+    assert!(ran.out.lines().all(|line| line.chars().count() <= 100), "{}", ran.out);
+    let json = without_lanes("lanes --format json").expect(0).json();
+    let lanes = json["lanes"].as_array().unwrap();
+    let of = |name: &str| lanes.iter().find(|lane| lane["name"] == name).unwrap();
+    assert_eq!((&of("vulkan")["available"], &of("embedded")["available"]), (&false.into(), &true.into()));
+    assert!(of("vulkan")["remedy"].as_str().unwrap().starts_with("install one"), "{json:#}");
+    assert_eq!((&of("embedded")["executor"], &of("embedded")["front_end"]), (&"interpreter".into(), &"none".into()));
 }
 
 /// The profiles of the first lane of a run.

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::binary::run;
+use crate::binary::{root, run};
+use crate::schema::{closed, conforms};
 
 #[track_caller]
 fn has(value: &Value, keys: &[&str]) {
@@ -30,6 +31,53 @@ const SUITE: [&str; 11] = [
 ];
 const PROMISES: [&str; 4] = ["text", "conformance", "rearranged", "measured"];
 const REASONS: [&str; 7] = ["domain", "no_promise", "ill_conditioned", "branch", "texel_edge", "underflow", "overflow"];
+
+/// What a report breaks of `docs/check.schema.json`, which lists every key that this version writes.
+fn faults(report: &Value) -> Vec<String> {
+    let schema = std::fs::read_to_string(root().join("docs/check.schema.json")).unwrap();
+    let schema = closed(serde_json::from_str(&schema).unwrap());
+    let mut faults = Vec::new();
+    conforms(&schema, &schema, report, "", &mut faults);
+    faults
+}
+
+#[test]
+fn reports_follow_the_schema() {
+    for (args, status) in [
+        ("check --samples 64", 0),
+        ("check sphere --samples 64 --sources", 0),
+        ("check sphere --shader fixtures/alarms/sphere_swapped.vert --samples 64", 1),
+        ("check sphere --shader fixtures/alarms/sphere_turn.vert --samples 64 --lane embedded", 1),
+        ("check sphere --shader fixtures/alarms/sphere_nan.vert --samples 64 --lane embedded", 1),
+        ("check sphere --shader fixtures/alarms/sphere_syntax.vert --samples 64", 1),
+        ("check hair --shader fixtures/alarms/hair_few.geom --samples 64", 1),
+        ("check fixtures/alarms/floor.suite.toml --samples 64", 1),
+    ] {
+        let report = run(&format!("{args} --format json")).expect(status).json();
+        assert_eq!(faults(&report), Vec::<String>::new(), "{args}");
+    }
+}
+
+#[test]
+fn a_report_that_breaks_the_schema_is_found() {
+    let args = "check sphere --shader fixtures/alarms/sphere_swapped.vert --samples 64 --lane embedded --format json";
+    let report = run(args).expect(1).json();
+    for (pointer, key, wrong) in [
+        ("", "status", Value::from("passed")),
+        ("/totals", "judged", Value::from(-1)),
+        ("/suites/0", "surprise", Value::from(1)),
+        ("/suites/0/findings/0", "kind", Value::from("deviatoin")),
+        ("/suites/0/findings/0/case", "rounds", Value::from("3")),
+        ("/suites/0/findings/0/case/inputs/0", "bits", Value::from(vec!["3f800000"])),
+    ] {
+        let mut broken = report.clone();
+        broken.pointer_mut(pointer).unwrap()[key] = wrong;
+        assert!(!faults(&broken).is_empty(), "{pointer}/{key}");
+    }
+    let mut short = report;
+    short["suites"][0].as_object_mut().unwrap().remove("known");
+    assert_eq!(faults(&short), ["/suites/0: `known` is missing"]);
+}
 
 #[test]
 fn a_run_that_passes_has_all_keys() {

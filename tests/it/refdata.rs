@@ -10,6 +10,7 @@ use std::process::Command;
 use tempfile::TempDir;
 
 use crate::binary::{Ran, root, run_in, say};
+use crate::schema::conforms;
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
@@ -189,84 +190,6 @@ fn the_schema_is_that_of_the_files() {
     wrong["blocks"][0]["arrays"]["flags"]["bits"][0] = "12".into();
     wrong["provenance"].as_object_mut().unwrap().remove("seed");
     assert_eq!(faults(&wrong).len(), 4, "{:?}", faults(&wrong));
-}
-
-/// The part of JSON Schema that ours uses.
-fn conforms(
-    root: &serde_json::Value,
-    schema: &serde_json::Value,
-    value: &serde_json::Value,
-    at: &str,
-    faults: &mut Vec<String>,
-) {
-    use serde_json::Value;
-    if let Some(reference) = schema["$ref"].as_str() {
-        return conforms(root, root.pointer(&reference[1..]).unwrap(), value, at, faults);
-    }
-    if let Some(any) = schema["anyOf"].as_array() {
-        let fits = any.iter().any(|schema| {
-            let mut own = Vec::new();
-            conforms(root, schema, value, at, &mut own);
-            own.is_empty()
-        });
-        if !fits {
-            faults.push(format!("{at}: {value} fits none of the forms"));
-        }
-        return;
-    }
-    let is = |name: &str| match name {
-        "object" => value.is_object(),
-        "array" => value.is_array(),
-        "string" => value.is_string(),
-        "integer" => value.is_u64() || value.is_i64(),
-        "number" => value.is_number(),
-        "boolean" => value.is_boolean(),
-        "null" => value.is_null(),
-        other => panic!("the schema has a type `{other}`"),
-    };
-    let typed = match &schema["type"] {
-        Value::String(name) => is(name),
-        Value::Array(names) => names.iter().any(|name| is(name.as_str().unwrap())),
-        _ => true,
-    };
-    let listed = schema["enum"].as_array().is_none_or(|list| list.contains(value));
-    let fixed = schema.get("const").is_none_or(|only| only == value);
-    let least = schema["minimum"].as_f64().is_none_or(|least| value.as_f64().is_none_or(|x| x >= least));
-    let pattern = schema["pattern"].as_str().is_none_or(|pattern| match (pattern, value.as_str()) {
-        (_, None) => true,
-        ("^[0-9a-f]{64}$", Some(text)) => text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit()),
-        ("^([0-9a-f]{4}|[0-9a-f]{8}|[0-9a-f]{16})$", Some(text)) => {
-            [4, 8, 16].contains(&text.len()) && text.bytes().all(|b| b.is_ascii_hexdigit())
-        }
-        ("^[0-9]+$", Some(text)) => text.bytes().all(|b| b.is_ascii_digit()),
-        ("^1\\.[0-9]+$", Some(text)) => text.starts_with("1."),
-        (other, _) => panic!("the schema has a pattern `{other}`"),
-    });
-    if !(typed && listed && fixed && least && pattern) {
-        faults.push(format!("{at}: {value} does not fit"));
-        return;
-    }
-    if let Some(members) = value.as_object() {
-        for name in schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str) {
-            if !members.contains_key(name) {
-                faults.push(format!("{at}: `{name}` is missing"));
-            }
-        }
-        for (name, member) in members {
-            let below = format!("{at}/{name}");
-            match (schema["properties"].get(name), &schema["additionalProperties"]) {
-                (Some(schema), _) => conforms(root, schema, member, &below, faults),
-                (None, Value::Bool(false)) => faults.push(format!("{below} is not known")),
-                (None, other @ Value::Object(_)) => conforms(root, other, member, &below, faults),
-                (None, _) => {}
-            }
-        }
-    }
-    if let (Some(list), Some(items)) = (value.as_array(), schema.get("items")) {
-        for (k, item) in list.iter().enumerate() {
-            conforms(root, items, item, &format!("{at}/{k}"), faults);
-        }
-    }
 }
 
 #[test]

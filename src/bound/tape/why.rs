@@ -139,6 +139,11 @@ impl Tape<'_> {
         id
     }
 
+    /// Where the operation stands that gives a column its value in a lane; `None` for an input.
+    pub fn site_of(&self, column: Column, lane: usize) -> Option<Site> {
+        self.arena.nodes[self.operation(column, lane) as usize].site
+    }
+
     /// The exact arguments of the operation that gives a column its value in a lane.
     pub fn arguments_of(&self, column: Column, lane: usize) -> Vec<f64> {
         self.argument_values(self.operation(column, lane), lane)

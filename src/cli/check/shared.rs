@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
+use super::ledger::{Ledgers, Written};
 use super::progress::Progress;
 use super::select::Selected;
 use super::{CheckArgs, request, shader_of, stages, status_of};
@@ -16,7 +17,7 @@ use crate::cli::status::ExitStatus;
 use crate::lane::Lane;
 use crate::report;
 use crate::shard::{Identity, Shard};
-use crate::suite::run::{Entry, LaneUsed, Outcome, Part, Sampled, Share, Summary, prepare, run_part};
+use crate::suite::run::{Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, hear_parts, prepare, run_part};
 use crate::text::fingerprint;
 
 /// What some shards found.
@@ -26,6 +27,8 @@ pub struct Found {
     /// Lanes that were wanted and could not be had, on some machine.
     unavailable: Absent,
     parts: Vec<Part>,
+    /// What is expected to fail; applied when everything is joined.
+    ledgers: Written,
 }
 
 /// How far a shard is.
@@ -84,6 +87,7 @@ pub fn run(
     args: &CheckArgs,
     shard: Shard,
     selected: &[Selected],
+    ledgers: &Ledgers,
     lanes: &[Box<dyn Lane>],
     rulings: &[Rulings],
     summary: Summary,
@@ -98,22 +102,28 @@ pub fn run(
     if state.under_way.is_some() || !state.done.is_empty() {
         writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
     }
-    let mut progress = Progress::new(args.is_text());
+    let mut tasks = super::tasks(args, selected, lanes);
+    tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
+    let mut progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
     let mut place = 0;
-    for one in selected {
+    let mut of: Vec<usize> = Vec::new();
+    for (number, one) in selected.iter().enumerate() {
         let name = &one.suite.name;
         let prepared = prepare(&one.suite, &shader_of(args, one)?)
             .with_context(|| format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more"))?;
         let mut untold = true;
+        let first = place;
         for (lane, rulings) in lanes.iter().zip(rulings) {
             let request = request(args, one, &prepared, rulings.clone())?;
             for stage in stages(args, lane.as_ref(), &prepared) {
                 let told = std::mem::take(&mut untold);
                 place += 1;
+                of.push(number);
                 if place <= state.done.len() {
                     continue;
                 }
-                progress.start(name, lane.description().name, stage, request.samples_of(&one.suite) / shard.count());
+                let samples = request.samples_of(&one.suite) / shard.count();
+                progress.start((number, name), lane.description().name, stage, samples);
                 let resume = state.under_way.take().filter(|(at, _)| *at == place).map(|(_, sampled)| sampled);
                 let mut failed = None;
                 let mut save = |sampled: &Sampled| {
@@ -139,16 +149,21 @@ pub fn run(
                 store.save(&StateRef { done: &state.done, under_way: None })?;
             }
         }
+        let peers: Vec<Peer<'_>> =
+            lanes.iter().zip(rulings).map(|(lane, rulings)| Peer { lane: lane.as_ref(), rulings }).collect();
+        hear_parts(&prepared, &peers, &mut state.done[first..place]);
     }
     progress.finish();
     let unavailable = Absent::new(summary.unavailable);
-    store.finish(&Found { lanes: summary.lanes, unavailable, parts: state.done })?;
+    let ledgers = ledgers.written(&of);
+    store.finish(&Found { lanes: summary.lanes, unavailable, parts: state.done, ledgers })?;
     told(&store, "is done", args.is_json(), out)
 }
 
 impl Joined for Found {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
+        anyhow::ensure!(self.ledgers == other.ledgers, "the shards expect different failures");
         self.unavailable.join(other.unavailable);
         let same = self.parts.len() == other.parts.len()
             && self.parts.iter().zip(&other.parts).all(|(one, other)| one.is_like(other));
@@ -167,15 +182,18 @@ impl Joined for Found {
     ) -> anyhow::Result<ExitStatus> {
         let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
         summary.unavailable = self.unavailable.known();
-        for part in self.parts {
+        let ledgers = self.ledgers.read()?;
+        for (number, part) in self.parts.into_iter().enumerate() {
             let report = part.report();
             let (suite, shader, on) = (report.suite.clone(), report.shader.clone(), (report.lane, report.stage));
-            let entry = Entry { suite, shader, on: Some(on), outcome: Outcome::Ran(Box::new(report)) };
+            let mut entry = Entry { suite, shader, on: Some(on), outcome: Outcome::Ran(Box::new(report)) };
+            ledgers.apply(number, &mut entry, &summary.lanes);
             if !json {
                 out.write_all(report::check::line(&entry, color).as_bytes())?;
             }
             summary.entries.push(entry);
         }
+        summary.stale = ledgers.stale();
         super::print(&summary, json, color, out)?;
         Ok(status_of(&summary))
     }

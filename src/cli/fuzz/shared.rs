@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{FuzzArgs, Inputs, Source, one_function, status_of};
 use crate::bound::profile::Rulings;
+use crate::cli::bar::Bar;
 use crate::cli::check::Format;
-use crate::cli::check::progress::Progress;
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
@@ -84,7 +84,7 @@ pub fn run(
         }
         None => fresh(),
     };
-    let mut progress = Progress::new(args.format == Format::Text);
+    let mut progress = Bar::new(args.format == Format::Text);
     let mut number = 0;
     for (at, (source, subjects)) in files.iter().enumerate() {
         for subject in subjects {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::diagnostic::Severity;
 use crate::suite::run::{Entry, Finding, Outcome, RunError, Summary};
-use crate::verdict::diagnosis::Diagnosis;
+use crate::verdict::diagnosis::{Diagnosis, Place};
 
 /// Something that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,28 +54,29 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
             .collect(),
         Outcome::Refused(error) => vec![plain("configuration", error.to_string())],
         Outcome::LaneFailed(message) => vec![plain("lane", message.clone())],
+        Outcome::KnownFailure { .. } => Vec::new(),
     }
 }
 
 fn of_finding(on: &str, shader: &str, finding: &Finding) -> Item {
-    let place = finding.case.as_ref().and_then(|case| place(&case.diagnosis)).and_then(parsed);
+    let place = finding.case.as_ref().and_then(|case| place(&case.diagnosis)).and_then(|place| parsed(&place.at));
     let (file, at) = place.map_or_else(|| (shader.to_owned(), None), |(file, at)| (file, Some(at)));
     Item {
         severity: if finding.kind.is_warning() { Severity::Warning } else { Severity::Error },
         code: finding.kind.name().to_owned(),
         message: format!("{on}: {}", finding.message),
-        details: super::text::block(on, shader, finding),
+        details: super::block::block(on, shader, finding),
         file,
         at,
     }
 }
 
 /// Where a deviation shows first in the author's text.
-fn place(diagnosis: &Diagnosis) -> Option<&str> {
+pub(super) fn place(diagnosis: &Diagnosis) -> Option<&Place> {
     let literal = diagnosis.literals.first().map(|literal| &literal.place);
     let no_value = diagnosis.no_value.as_ref().and_then(|no_value| no_value.place.as_ref());
     let divergence = diagnosis.divergence.as_ref().map(|divergence| &divergence.place);
-    literal.or(no_value).or(divergence).map(|place| place.at.as_str())
+    literal.or(no_value).or(divergence)
 }
 
 /// `file:line:column` in its parts.

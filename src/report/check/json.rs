@@ -5,8 +5,10 @@ use serde_json::{Value, json};
 use super::Format;
 use crate::lane::Stage;
 use crate::program::Source;
-use crate::suite::run::{Case, Doubtful, Entry, Finding, LaneUsed, Outcome, RunError, Status, Summary};
-use crate::verdict::diagnosis::{Diagnosis, Origin, Place};
+use crate::suite::run::{
+    Case, Doubtful, Entry, Expectation, Finding, LaneUsed, Outcome, Repeated, RunError, Status, Summary,
+};
+use crate::verdict::diagnosis::{Diagnosis, Origin, Place, Stand, Witness};
 use crate::verdict::{Promise, Reason};
 
 /// The format.
@@ -39,7 +41,9 @@ pub fn json(summary: &Summary) -> String {
             "deviated": totals.deviated,
             "undetermined": totals.undetermined,
             "unsupported": totals.unsupported,
+            "known_failures": summary.known().len(),
         },
+        "stale_expectations": summary.stale,
     });
     format!("{value:#}\n")
 }
@@ -50,6 +54,8 @@ fn lane(used: &LaneUsed, stage: Stage) -> Value {
         "name": lane.name,
         "stage": stage.name(),
         "driver": lane.driver,
+        "executor": lane.executor,
+        "front_end": lane.front_end,
         "api": lane.api.name(),
         "promise": against.promise,
         "conformance": against.conformance,
@@ -72,6 +78,7 @@ fn entry(entry: &Entry) -> Value {
         "unsupported": 0,
         "max_ulp": null,
         "findings": [],
+        "known": [],
     });
     match &entry.outcome {
         Outcome::Ran(report) => {
@@ -112,6 +119,10 @@ fn entry(entry: &Entry) -> Value {
             value["translations"] = super::translations::json(&report.translations);
             value["survey"] = report.survey.as_ref().map(super::survey::json).into();
             value["findings"] = report.findings.iter().map(finding).collect();
+            value["known"] = report.known.iter().map(|k| known(finding(&k.finding), &k.expectation)).collect();
+            if let Some(Repeated { samples, different }) = report.repeated {
+                value["repeated"] = json!({"samples": samples, "different": different});
+            }
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
             value["findings"] = diagnostics
@@ -133,11 +144,22 @@ fn entry(entry: &Entry) -> Value {
         Outcome::Refused(error) => {
             value["findings"] = json!([{"kind": "configuration", "severity": "error", "message": error.to_string()}]);
         }
+        Outcome::KnownFailure { message, expectation } => {
+            let finding = json!({"kind": "lane", "severity": "error", "message": message});
+            value["known"] = json!([known(finding, expectation)]);
+        }
         Outcome::LaneFailed(message) => {
             value["findings"] = json!([{"kind": "lane", "severity": "error", "message": message}]);
         }
     }
     value
+}
+
+/// A finding that is expected.
+fn known(mut finding: Value, expectation: &Expectation) -> Value {
+    let Expectation { at, reason, link } = expectation;
+    finding["expected"] = json!({"at": at, "reason": reason, "link": link});
+    finding
 }
 
 fn finding(finding: &Finding) -> Value {
@@ -192,7 +214,7 @@ fn doubtful(doubtful: &Doubtful) -> Value {
 
 /// Adds what is known about the origin of a deviation, where anything is.
 fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence } = diagnosis;
+    let Diagnosis { literals, no_value, origin, divergence, written, hearing } = diagnosis;
     let place = |place: &Place| json!({"at": place.at, "text": place.text});
     if !literals.is_empty() {
         let literal = |l: &crate::verdict::diagnosis::ShortLiteral| json!({"place": place(&l.place), "stands_for": l.stands_for, "off": l.off, "message": l.to_string()});
@@ -213,6 +235,28 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
             Origin::Miscompilation => ("miscompilation", None),
         };
         value["origin"] = json!({"kind": kind, "operation": operation, "message": origin.to_string()});
+    }
+    if let Some(written) = written {
+        value["computed_at"] = place(written);
+    }
+    if let Some(hearing) = hearing {
+        let witness = |w: &Witness| {
+            json!({
+                "lane": w.lane,
+                "stage": w.stage.name(),
+                "executor": w.executor,
+                "front_end": w.front_end,
+                "stand": w.stand.name(),
+                "agrees": match w.stand {
+                    Stand::Right => Some(true),
+                    Stand::Wrong => Some(false),
+                    Stand::Open => None,
+                },
+                "actual_bits": w.word.map(|word| format!("0x{word:08x}")),
+            })
+        };
+        value["fault"] = json!({"kind": hearing.fault.name(), "message": hearing.fault.to_string()});
+        value["witnesses"] = hearing.witnesses.iter().map(witness).collect();
     }
     if let Some(divergence) = divergence {
         value["first_divergence"] = json!({

@@ -5,7 +5,7 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite, X
 use super::Format;
 use super::items;
 use crate::diagnostic::Severity;
-use crate::suite::run::{Outcome, Summary};
+use crate::suite::run::{Expectation, Outcome, Summary};
 
 /// The format.
 pub const FORMAT: Format =
@@ -28,11 +28,15 @@ fn junit(summary: &Summary) -> Result<String, String> {
                 skipped.set_message(format!("{} samples are not supported on this lane", report.unsupported));
                 skipped
             }
+            (None, Outcome::Ran(report)) if !report.known.is_empty() => expected(&report.known[0].expectation),
+            (None, Outcome::KnownFailure { expectation, .. }) => expected(expectation),
             (None, _) => TestCaseStatus::success(),
             (Some(first), outcome) => {
                 let kind = match outcome {
                     Outcome::Ran(_) => NonSuccessKind::Failure,
-                    Outcome::Refused(_) | Outcome::LaneFailed(_) => NonSuccessKind::Error,
+                    Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => {
+                        NonSuccessKind::Error
+                    }
                 };
                 let mut failed = TestCaseStatus::non_success(kind);
                 let details: Vec<&str> = errors.iter().map(|item| item.details.trim()).collect();
@@ -66,4 +70,11 @@ fn junit(summary: &Summary) -> Result<String, String> {
     }
     report.add_test_suites(suites);
     report.to_string().map_err(|error| error.to_string())
+}
+
+/// The format has no word for a failure that is expected; other tools tell it as a test that is skipped.
+fn expected(expectation: &Expectation) -> TestCaseStatus {
+    let mut skipped = TestCaseStatus::skipped();
+    skipped.set_message(format!("known failure: {expectation}"));
+    skipped
 }

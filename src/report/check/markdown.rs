@@ -39,11 +39,16 @@ fn markdown(summary: &Summary) -> String {
             Outcome::Ran(report) => {
                 let verdicts = &report.verdicts;
                 let worst = if verdicts.agreed > 0 { format!("{:.1} ULP", verdicts.max_ulp) } else { "-".to_owned() };
-                let mark = if report.errors().is_empty() { "ok" } else { "**FAIL**" };
+                let mark = match report.errors().is_empty() {
+                    true if report.known.is_empty() => "ok",
+                    true => "known",
+                    false => "**FAIL**",
+                };
                 let undetermined = verdicts.undetermined_count();
                 (mark, format!("{} | {} | {undetermined} | {worst}", report.judged(), verdicts.deviated))
             }
             Outcome::Refused(_) | Outcome::LaneFailed(_) => ("**FAIL**", "- | - | - | -".to_owned()),
+            Outcome::KnownFailure { .. } => ("known", "- | - | - | -".to_owned()),
         };
         let _ = writeln!(text, "| {mark} | `{}` | {on} | {rest} |", entry.suite.replace('|', "\\|"));
     }
@@ -66,6 +71,20 @@ fn markdown(summary: &Summary) -> String {
         }
         if of.len() > SHOWN {
             let _ = writeln!(text, "\n{} more are in the other reports.", of.len() - SHOWN);
+        }
+    }
+    let known = summary.known();
+    if !known.is_empty() {
+        let _ = write!(text, "\n### Known failures\n\n");
+        for (entry, kind, message, expectation) in known {
+            let on = entry.on.map_or_else(String::new, |(lane, stage)| format!(" on {lane}/{stage}"));
+            let _ = writeln!(
+                text,
+                "- `{}`{on}, {kind}: {}; {}",
+                entry.suite,
+                escaped(message),
+                escaped(&expectation.to_string())
+            );
         }
     }
     for (name, why) in &summary.unavailable {

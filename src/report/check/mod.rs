@@ -1,5 +1,6 @@
 //! Reports of `shadercheck check`.
 
+mod block;
 mod github;
 mod items;
 mod json;
@@ -7,13 +8,15 @@ mod junit;
 mod markdown;
 mod sarif;
 mod survey;
+mod table;
 mod text;
 mod translations;
 
 use crate::suite::run::Summary;
 
 pub use json::json;
-pub use text::{finding, line, totals};
+pub use table::{Table, short};
+pub use text::{brief, finding, line, not_run, totals};
 
 /// A format for other programs.
 pub struct Format {

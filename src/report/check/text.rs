@@ -2,24 +2,23 @@
 
 use std::fmt::Write as _;
 
+use super::block::one;
 use crate::diagnostic::Lang;
 use crate::program::Source;
 use crate::report::diagnostics;
-use crate::suite::run::{Apart, Case, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Summary};
-use crate::value::{F32Bits, Scalar};
-use crate::verdict::diagnosis::Diagnosis;
-use crate::verdict::{Blame, Deviation, Value};
+use crate::suite::run::{Apart, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Status, Summary};
+use crate::verdict::Reason;
 
 /// Colours of a terminal; empty strings elsewhere.
-struct Style {
-    good: &'static str,
-    bad: &'static str,
-    bold: &'static str,
-    off: &'static str,
+pub(super) struct Style {
+    pub good: &'static str,
+    pub bad: &'static str,
+    pub bold: &'static str,
+    pub off: &'static str,
 }
 
 impl Style {
-    fn new(color: bool) -> Self {
+    pub(super) fn new(color: bool) -> Self {
         if color {
             Self { good: "\u{1b}[32m", bad: "\u{1b}[31m", bold: "\u{1b}[1m", off: "\u{1b}[0m" }
         } else {
@@ -33,7 +32,7 @@ pub fn line(entry: &Entry, color: bool) -> String {
     let style = Style::new(color);
     let source = match &entry.outcome {
         Outcome::Ran(report) => report.source,
-        Outcome::Refused(_) | Outcome::LaneFailed(_) => None,
+        Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
     };
     let on = match (entry.on, source) {
         // The longest name of a source is longer than that of a stage.
@@ -64,9 +63,25 @@ pub fn line(entry: &Entry, color: bool) -> String {
         }
         Outcome::Refused(error) => (false, error.to_string()),
         Outcome::LaneFailed(message) => (false, message.clone()),
+        Outcome::KnownFailure { message, .. } => (true, message.clone()),
     };
-    let (mark, paint) = if good { ("ok  ", style.good) } else { ("FAIL", style.bad) };
-    format!("{paint}{mark}{}  {:<16} {on:<15}  {text}\n", style.off, entry.suite)
+    let (mark, paint) = match good {
+        true if is_known(entry) => ("known", style.good),
+        true => ("ok  ", style.good),
+        false => ("FAIL", style.bad),
+    };
+    // A mark of five letters takes one of the two blanks.
+    let blank = if mark.len() > 4 { " " } else { "  " };
+    format!("{paint}{mark}{}{blank}{:<16} {on:<15}  {text}\n", style.off, entry.suite)
+}
+
+/// True when a failure was expected.
+pub(super) fn is_known(entry: &Entry) -> bool {
+    match &entry.outcome {
+        Outcome::Ran(report) => !report.known.is_empty(),
+        Outcome::KnownFailure { .. } => true,
+        Outcome::Refused(_) | Outcome::LaneFailed(_) => false,
+    }
 }
 
 /// Everything that is wrong with the suite and lane of `entries[at]`; empty when nothing is. Findings
@@ -108,7 +123,24 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
                 entry.shader
             );
         }
-        Outcome::Refused(_) | Outcome::LaneFailed(_) => {}
+        Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => {}
+    }
+    text
+}
+
+/// What kept suites from running, for which a table has no room.
+pub fn not_run(summary: &Summary, color: bool) -> String {
+    let style = Style::new(color);
+    let mut text = String::new();
+    for entry in &summary.entries {
+        let on = entry.on.map_or_else(String::new, |(lane, stage)| format!(" on {lane}/{stage}"));
+        let why = match &entry.outcome {
+            Outcome::LaneFailed(message) => format!("the lane failed: {message}"),
+            // Diagnostics follow.
+            Outcome::Refused(RunError::Shader { .. }) | Outcome::Ran(_) | Outcome::KnownFailure { .. } => continue,
+            Outcome::Refused(error) => error.to_string(),
+        };
+        let _ = writeln!(text, "\n{}{}{on}: {why}{}", style.bold, entry.suite, style.off);
     }
     text
 }
@@ -132,119 +164,6 @@ fn same_findings<'e>(entry: &'e Entry, report: &Report) -> Option<&'e Report> {
     };
     let same = earlier.suite == report.suite && earlier.shader == report.shader && told(earlier) == told(report);
     (same && !report.errors().is_empty()).then_some(&**earlier)
-}
-
-/// True for the words of an identity matrix in binary32.
-fn is_identity(name: &str, bits: &[u32]) -> bool {
-    let size = match bits.len() {
-        4 => 2,
-        9 => 3,
-        16 => 4,
-        _ => return false,
-    };
-    let one = |k: usize| k.is_multiple_of(size + 1);
-    name.starts_with("mat") && bits.iter().enumerate().all(|(k, &b)| b == if one(k) { 1.0_f32.to_bits() } else { 0 })
-}
-
-/// Words of an input that are shown; a longer one is cut in the middle, the command has it whole.
-const SHOWN: usize = 16;
-
-/// One finding with all that is known about it.
-pub(super) fn block(on: &str, shader: &str, finding: &Finding) -> String {
-    let mut text = String::new();
-    one(&mut text, on, shader, finding, false, false);
-    text
-}
-
-/// One finding. Its inputs and the command are left out when an earlier finding has `told` them.
-fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, told: bool, color: bool) {
-    let style = Style::new(color);
-    let _ = writeln!(text, "\n{}{on}: {}{}", style.bold, finding.message, style.off);
-    let _ = writeln!(text, "  file       {shader}");
-    if finding.count > 0 {
-        let _ = writeln!(text, "  samples    {}", finding.count);
-    }
-    if let Some(case) = &finding.case {
-        case_text(text, case, told);
-    }
-    if let Some(command) = finding.reproduce.as_ref().filter(|_| !told) {
-        let _ = writeln!(text, "  reproduce  {command}");
-    }
-}
-
-fn case_text(text: &mut String, case: &Case, told: bool) {
-    // A case that was asked for is shown as it is.
-    let mut label = if case.tried > 0 { "smallest" } else { "case" };
-    if told {
-        let _ = writeln!(text, "  {label:<9}  as above");
-    }
-    for InputValue { name, bits, decimal } in case.inputs.iter().filter(|_| !told) {
-        if is_identity(name, bits) {
-            let _ = writeln!(text, "  {label:<9}  {name} = identity");
-            label = "";
-            continue;
-        }
-        let shown = bits.len().min(SHOWN);
-        let more = if bits.len() > shown { format!(", … {} more", bits.len() - shown) } else { String::new() };
-        let hex: Vec<String> = bits[..shown].iter().map(|b| format!("{b:08x}")).collect();
-        let _ = writeln!(text, "  {label:<9}  {name} = {}{more}", decimal[..shown].join(", "));
-        let _ = writeln!(text, "             bits {}{more}", hex.join(" "));
-        label = "";
-    }
-    if let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?)))
-        && value.scalar == Scalar::F32
-    {
-        sides(text, &case.against, deviation, value);
-    }
-    origins(text, &case.diagnosis);
-    if case.tried > 0 && !told {
-        let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
-    }
-}
-
-/// Where a deviation comes from.
-fn origins(text: &mut String, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence } = diagnosis;
-    for literal in literals {
-        let _ = writeln!(text, "  because    {literal}");
-    }
-    if let Some(no_value) = no_value {
-        let _ = writeln!(text, "  because    {no_value}");
-    }
-    if let Some(origin) = origin {
-        let _ = writeln!(text, "  because    {origin}");
-    }
-    if let Some(divergence) = divergence {
-        let _ = writeln!(text, "  first at   {divergence}");
-    }
-}
-
-/// A component on all sides.
-fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value) {
-    let Value { component, expected, meaning, actual, bound, .. } = value;
-    if let Some(expected) = expected {
-        let label = if against == "expectation" { "expected" } else { against };
-        let _ = writeln!(text, "  {label:<9}  {component} = {expected:?}");
-    }
-    let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
-    let _ = writeln!(text, "  shader     {component} = {meaning:?}{allowed}");
-    let bits = F32Bits(*actual);
-    let _ = writeln!(text, "  lane       {component} = {bits} (0x{actual:08x}, {})", bits.to_hex_float());
-    let found = match deviation.blame {
-        Blame::Shader => *meaning,
-        Blame::Lane => f64::from(bits.to_f32()),
-    };
-    let off = (found - deviation.target(value)).abs();
-    // The distance of a NaN is NaN, and that of an expected 0 in ULP is astronomical.
-    if off.is_finite() {
-        let ulp = off / crate::value::ulp_at(deviation.target(value));
-        let ulp = if ulp < 1e9 { format!("{ulp:.1}") } else { format!("{ulp:.1e}") };
-        let times = match deviation.blame {
-            Blame::Lane if *bound > 0.0 => format!("{:.1} times what is allowed, ", off / bound),
-            Blame::Lane | Blame::Shader => String::new(),
-        };
-        let _ = writeln!(text, "  off by     {off:.3e}: {times}{ulp} ULP");
-    }
 }
 
 /// How outputs differ from those of inputs in storage.
@@ -291,6 +210,33 @@ pub fn totals(summary: &Summary, color: bool) -> String {
             let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
         }
     }
+    text.push_str(&end(summary, &style));
+    text
+}
+
+/// The same where a table stands before it: what suites have in common is told once, and the rest is in the other
+/// formats.
+pub fn brief(summary: &Summary, color: bool) -> String {
+    let style = Style::new(color);
+    let mut text = super::survey::warnings(summary);
+    let mut by_reason = [0; Reason::ALL.len()];
+    for entry in &summary.entries {
+        if let Outcome::Ran(report) = &entry.outcome {
+            by_reason.iter_mut().zip(report.verdicts.undetermined).for_each(|(sum, n)| *sum += n);
+        }
+    }
+    let some = Reason::ALL.iter().zip(by_reason).filter(|(_, n)| *n > 0);
+    let parts: Vec<String> = some.map(|(reason, n)| format!("{n} {reason}")).collect();
+    if !parts.is_empty() {
+        let _ = writeln!(text, "note: undetermined: {}; `--plain` tells where", parts.join(", "));
+    }
+    text.push_str(&end(summary, &style));
+    text
+}
+
+/// The last lines of both.
+fn end(summary: &Summary, style: &Style) -> String {
+    let mut text = String::new();
     for LaneUsed { description, against } in &summary.lanes {
         let promises: Vec<&str> =
             [&against.promise].into_iter().chain(&against.conformance).map(String::as_str).collect();
@@ -304,32 +250,29 @@ pub fn totals(summary: &Summary, color: bool) -> String {
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` did not run: {why}");
     }
+    let known = summary.known();
+    for (entry, kind, message, expectation) in &known {
+        let on = entry.on.map_or_else(String::new, |(lane, stage)| format!(" on {lane}/{stage}"));
+        let _ = writeln!(text, "known: {}{on}: {kind}: {message}; expected: {expectation}", entry.suite);
+    }
+    for stale in &summary.stale {
+        let _ = writeln!(text, "note: {stale}");
+    }
     let t = summary.totals();
     let (word, paint) = match summary.status() {
-        crate::suite::run::Status::Pass => ("pass", style.good),
-        crate::suite::run::Status::Fail => ("fail", style.bad),
-        crate::suite::run::Status::Broken => ("not run", style.bad),
+        Status::Pass => ("pass", style.good),
+        Status::Fail => ("fail", style.bad),
+        Status::Broken => ("not run", style.bad),
+    };
+    let failures = match known.len() {
+        0 => String::new(),
+        1 => ", 1 known failure".to_owned(),
+        n => format!(", {n} known failures"),
     };
     let _ = writeln!(
         text,
-        "{paint}{word}{}: {} judged, {} agreed, {} deviated, {} undetermined, {} unsupported",
+        "{paint}{word}{}: {} judged, {} agreed, {} deviated, {} undetermined, {} unsupported{failures}",
         style.off, t.judged, t.agreed, t.deviated, t.undetermined, t.unsupported
     );
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::is_identity;
-
-    #[test]
-    fn only_the_identity_is_called_so() {
-        let one = 1.0_f32.to_bits();
-        let mut bits: Vec<u32> = (0..16).map(|k| if k % 5 == 0 { one } else { 0 }).collect();
-        assert!(is_identity("mat4 mc", &bits));
-        assert!(!is_identity("float[16] w", &bits));
-        // -0 is another word than 0.
-        bits[1] = 0x8000_0000;
-        assert!(!is_identity("mat4 mc", &bits));
-    }
 }

@@ -11,7 +11,7 @@ use crate::suite::run::{Outcome, Summary, Translated};
 pub(super) fn notes(summary: &Summary) -> String {
     let reports = summary.entries.iter().filter_map(|entry| match &entry.outcome {
         Outcome::Ran(report) => Some((report.suite.as_str(), &report.translations[..])),
-        Outcome::Refused(_) | Outcome::LaneFailed(_) => None,
+        Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
     });
     lines(&reports.collect::<Vec<_>>())
 }

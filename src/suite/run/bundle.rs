@@ -59,7 +59,7 @@ pub fn bundles(
 }
 
 /// The inputs of a case as a sample.
-fn sample(prepared: &Prepared, case: &Case) -> Sample {
+pub(super) fn sample(prepared: &Prepared, case: &Case) -> Sample {
     let (invocation, cases) = (&prepared.compute.invocation, &prepared.compute.case);
     let mut sample = Sample {
         invocation_record: invocation.clone(),

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::part::{Failing, Shown, Terms};
 use super::trial::Trial;
-use super::{Report, Request};
+use super::{Report, Request, repeat};
 use crate::lane::{Lane, LaneError, Stage as LaneStage};
 use crate::program::{Port, Program, Source};
 use crate::property::shrink::{self, Shrunk};
@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 pub enum FindingKind {
     /// Outputs deviate from the formula.
     Deviation,
+    /// The same inputs gave other outputs: a fault of the lane.
+    Flaky,
     /// A relation between outputs does not hold.
     Relation,
     /// A translation means something else than the shader.
@@ -29,6 +31,8 @@ pub enum FindingKind {
     Floor,
     /// Something that was asked for tested nothing.
     Vacuous,
+    /// A ledger expects a failure that did not come.
+    UnexpectedPass,
     /// The lane is worse than its device was measured to be, and keeps what is promised: a warning.
     Quality,
     /// The bounds are so wide that they test little: a warning.
@@ -39,13 +43,15 @@ pub enum FindingKind {
 
 impl FindingKind {
     /// All kinds.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Deviation,
+        Self::Flaky,
         Self::Relation,
         Self::Translation,
         Self::Coverage,
         Self::Floor,
         Self::Vacuous,
+        Self::UnexpectedPass,
         Self::Quality,
         Self::VacuousBound,
         Self::Range,
@@ -55,11 +61,13 @@ impl FindingKind {
     pub fn about(self) -> &'static str {
         match self {
             Self::Deviation => "Outputs deviate from what is expected, or from what the shader means.",
+            Self::Flaky => "The same inputs gave other outputs when they ran again: a fault of the lane.",
             Self::Relation => "A relation between outputs does not hold.",
             Self::Translation => "A translation means something else than the shader.",
             Self::Coverage => "Parts of what should be drawn are not.",
             Self::Floor => "Too few samples were judged, or too many left undetermined.",
             Self::Vacuous => "Something that was asked for tested nothing.",
+            Self::UnexpectedPass => "The ledger expects a failure that did not come.",
             Self::Quality => "The lane is worse than its device was measured to be, and keeps what is promised.",
             Self::VacuousBound => "The bounds are so wide that they test little.",
             Self::Range => "Real numbers are fine and binary32 is not.",
@@ -70,11 +78,13 @@ impl FindingKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Deviation => "deviation",
+            Self::Flaky => "flaky",
             Self::Relation => "relation",
             Self::Translation => "translation",
             Self::Coverage => "coverage",
             Self::Floor => "floor",
             Self::Vacuous => "vacuous",
+            Self::UnexpectedPass => "unexpected_pass",
             Self::Quality => "quality",
             Self::VacuousBound => "vacuous_bound",
             Self::Range => "range",
@@ -85,9 +95,14 @@ impl FindingKind {
     pub fn is_warning(self) -> bool {
         match self {
             Self::Quality | Self::VacuousBound | Self::Range => true,
-            Self::Deviation | Self::Relation | Self::Translation | Self::Coverage | Self::Floor | Self::Vacuous => {
-                false
-            }
+            Self::Deviation
+            | Self::Flaky
+            | Self::Relation
+            | Self::Translation
+            | Self::Coverage
+            | Self::Floor
+            | Self::Vacuous
+            | Self::UnexpectedPass => false,
         }
     }
 }
@@ -160,11 +175,17 @@ pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> 
     format!("shadercheck check {} --lane {} {way} --case '{inputs}'", request.arguments, report.lane)
 }
 
+/// Flaky samples are told once.
+const FLAKY: &str = "flaky";
+
 /// Samples that were asked for one by one: they are reported as they are.
 pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
-    let given =
-        |sample: Sample| Shrunk { original: sample.clone(), sample, rounds: 0, tried: 0, accepted: 0, minimal: false };
-    samples.into_iter().map(given).collect()
+    samples.into_iter().map(unshrunk).collect()
+}
+
+/// A sample as it is.
+pub(super) fn unshrunk(sample: Sample) -> Shrunk {
+    Shrunk { original: sample.clone(), sample, rounds: 0, tried: 0, accepted: 0, minimal: false }
 }
 
 /// Shrinks the failing samples, all together, and reports each kind of deviation once.
@@ -187,26 +208,51 @@ pub(super) fn deviations(
         case: failing.case.clone(),
     });
     let first: Vec<Sample> = first.collect();
-    let mut oracle = |samples: &[Sample]| trial.deviates(samples);
+    let prints: Vec<u64> = failing.iter().map(|failing| failing.print).collect();
+    let mut shown: Vec<Shown> = Vec::new();
+    let (mut steady, mut numbers) = (Vec::new(), Vec::new());
+    for ((sample, failing), again) in first.iter().zip(failing).zip(repeat::again(trial, &first, &prints)?) {
+        let number = failing.number;
+        // A shader that is wrong is wrong on a flaky lane too.
+        if !again.is_flaky() || again.is_shader() {
+            steady.push(sample.clone());
+            numbers.push(number);
+        }
+        if again.is_flaky() {
+            let words = [&sample.case[..], &sample.invocation[..]].concat();
+            let finding = again.finding(request, report, &unshrunk(sample.clone()));
+            shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
+        }
+    }
+    if steady.is_empty() {
+        return Ok(shown);
+    }
+    let first = steady;
+    // On a flaky lane only what is wrong whatever the lane gives is made simpler.
+    let flaky = !shown.is_empty();
+    let counts = |d: &Deviation| !flaky || d.blame == Blame::Shader;
+    let mut oracle = |samples: &[Sample]| trial.deviates(samples, &counts);
     let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
     let batch = Sample::batch(&samples);
     let actual = trial.run(&batch)?;
     let verdicts = judge_each(&trial.court(), &batch, &actual);
-    let mut shown: Vec<Shown> = Vec::new();
-    for ((shrunk, verdict), failing) in shrunk.iter().zip(verdicts).zip(failing) {
+    for ((shrunk, verdict), number) in shrunk.iter().zip(verdicts).zip(numbers) {
         let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
-        let number = failing.number;
         let Verdict::Deviate(deviation) = verdict else {
             // The same inputs gave another answer: nothing that was found may get lost over it.
             let finding = Finding {
-                kind: FindingKind::Deviation,
-                message: "a sample failed, and passed when it was run again: the lane is not deterministic".to_owned(),
+                kind: FindingKind::Flaky,
+                message: "flaky: a sample failed, and passed when it was run again: the lane is not deterministic"
+                    .to_owned(),
                 case: Some(case(shrunk, None)),
                 count: 1,
                 reproduce: Some(reproduce(request, report, &shrunk.sample)),
             };
-            shown.push(Shown { number, alike: None, words, finding, sample: None });
+            let told = shown.iter().any(|s| s.alike.as_deref() == Some(FLAKY));
+            if !told {
+                shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
+            }
             continue;
         };
         let what = kind_of(&deviation);
@@ -225,6 +271,7 @@ pub(super) fn deviations(
         };
         shown.push(Shown { number, alike: Some(what), words, finding, sample: Some(shrunk.sample.clone()) });
     }
+    shown.sort_by_key(|shown| shown.number);
     Ok(shown)
 }
 

@@ -7,6 +7,7 @@ mod finding;
 mod part;
 mod prepare;
 mod relate;
+mod repeat;
 mod sampling;
 mod shader_test;
 pub mod soundness;
@@ -15,6 +16,7 @@ mod summary;
 mod survey;
 mod translation;
 mod trial;
+mod witness;
 
 use std::ops::ControlFlow;
 
@@ -35,12 +37,14 @@ pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use part::Part;
 pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
+pub use repeat::Repeated;
 pub use sampling::Sampled;
 pub use sources::{Apart, most as most_from, run_from};
-pub use summary::{Against, Entry, LaneUsed, Outcome, Status, Summary, Totals};
+pub use summary::{Against, Entry, Expectation, Known, LaneUsed, Outcome, Status, Summary, Totals};
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 pub use trial::stage_of;
+pub use witness::{Peer, hear, hear_parts};
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;
@@ -106,10 +110,14 @@ pub struct Report {
     pub coverage: Option<Coverage>,
     /// What the shader's translations mean, on the first report of a suite; empty on the others.
     pub translations: Vec<Translated>,
+    /// What came of running the first samples twice; `None` where that was not done.
+    pub repeated: Option<Repeated>,
     /// How tight the bounds are, for a run on generated samples.
     pub survey: Option<Survey>,
     /// What is wrong, worst first; warnings last.
     pub findings: Vec<Finding>,
+    /// Findings that a ledger expects: they do not make the run fail.
+    pub known: Vec<Known>,
     /// Failing samples as shrunk, to be saved.
     pub failing: Vec<Sample>,
 }
@@ -236,6 +244,7 @@ fn part_of(
     if once {
         let related = if request.quick { relate::QUICK_SAMPLES } else { relate::SAMPLES };
         relate::check(&mut trial, request, related, &mut report)?;
+        repeat::check(&mut trial, request, &mut report)?;
     }
     let shown = finding::deviations(&mut trial, lane, &counted.failing, request, &report)?;
     let suite = &prepared.suite;

@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::finding::{self, Finding};
-use super::{Coverage, Doubtful, Prepared, Report, Request, Translated, doubts, survey};
-use crate::lane::{LaneName, Stage};
+use super::{Coverage, Doubtful, Prepared, Repeated, Report, Request, Translated, doubts, repeat, survey};
+use crate::lane::{Actual, LaneName, Stage};
 use crate::property::Sample;
 use crate::verdict::{BatchVerdict, Survey};
 
@@ -31,6 +31,7 @@ pub struct Part {
     relations: Vec<(String, u64)>,
     coverage: Option<Coverage>,
     translations: Vec<Translated>,
+    repeated: Option<Repeated>,
     findings: Vec<Finding>,
     /// Failing samples, shrunk.
     shown: Vec<Shown>,
@@ -83,6 +84,8 @@ pub(super) struct Failing {
     pub number: u64,
     pub invocation: Vec<u32>,
     pub case: Vec<u32>,
+    /// What it gave, see [`repeat::print`].
+    pub print: u64,
 }
 
 /// A failing sample, shrunk.
@@ -105,7 +108,7 @@ impl Counted {
         &mut self,
         prepared: &Prepared,
         first: u64,
-        batch: &crate::value::Batch,
+        (batch, actual): (&crate::value::Batch, &Actual),
         mut verdict: BatchVerdict,
     ) {
         for doubts in std::mem::take(&mut verdict.doubts) {
@@ -115,7 +118,8 @@ impl Counted {
         for failure in std::mem::take(&mut verdict.failures) {
             if self.failing.len() < SHRUNK {
                 let Sample { invocation, case, .. } = Sample::of(batch, failure.invocation);
-                self.failing.push(Failing { number: first + failure.invocation as u64, invocation, case });
+                let (number, print) = (first + failure.invocation as u64, repeat::print(actual, failure.invocation));
+                self.failing.push(Failing { number, invocation, case, print });
             }
         }
         self.verdicts.merge(verdict);
@@ -166,6 +170,7 @@ impl Part {
             relations: Vec::new(),
             coverage: None,
             translations: Vec::new(),
+            repeated: None,
             findings: Vec::new(),
             shown: Vec::new(),
             terms: None,
@@ -185,6 +190,7 @@ impl Part {
         self.relations.extend(report.relations);
         self.coverage = self.coverage.take().or(report.coverage);
         self.translations.extend(report.translations);
+        self.repeated = self.repeated.or(report.repeated);
         self.findings.extend(report.findings);
         self.failing.extend(report.failing);
     }
@@ -204,13 +210,14 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, terms, failing, .. } = other;
+        let Self { shown, terms, failing, repeated, .. } = other;
         self.counted.join(counted);
         self.unsupported += unsupported;
         self.replayed += replayed;
         self.relations.extend(relations);
         self.coverage = self.coverage.take().or(coverage);
         self.translations.extend(translations);
+        self.repeated = self.repeated.or(repeated);
         self.findings.extend(findings);
         self.failing.extend(failing);
         self.shown.extend(shown);
@@ -219,6 +226,11 @@ impl Part {
         let last = self.counted.failing.last().map_or(0, |failing| failing.number);
         self.shown.retain(|shown| shown.number <= last);
         self.shown.sort_by_key(|shown| shown.number);
+    }
+
+    /// The failing samples that are shown, with what is known about them.
+    pub(super) fn shown_mut(&mut self) -> impl Iterator<Item = &mut Finding> {
+        self.shown.iter_mut().map(|shown| &mut shown.finding).chain(&mut self.findings)
     }
 
     /// What a run found whose parts are all joined.
@@ -256,8 +268,10 @@ impl Part {
             relations,
             coverage,
             translations,
+            repeated: self.repeated,
             survey,
             findings,
+            known: Vec::new(),
             failing,
         };
         if let Some(terms) = &self.terms {

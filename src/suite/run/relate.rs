@@ -200,9 +200,9 @@ fn fail(
     let Some(Outcome::Fails(claim)) = outcome else {
         // The same inputs gave another answer: nothing that was found may get lost over it.
         report.findings.push(Finding {
-            kind: FindingKind::Relation,
+            kind: FindingKind::Flaky,
             message: format!(
-                "the relation `{}` failed, and held when it was checked again: the lane is not deterministic",
+                "flaky: the relation `{}` failed, and held when it was checked again: the lane is not deterministic",
                 relation.name()
             ),
             count,

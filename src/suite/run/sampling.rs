@@ -28,7 +28,7 @@ pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], first: u64) -> Result<C
     let (court, prepared) = (trial.court(), trial.prepared);
     trial.run_samples(samples, |at, batch, actual| {
         let verdict = judge_batch(&court, batch, actual);
-        counted.add(prepared, first + at as u64, batch, verdict);
+        counted.add(prepared, first + at as u64, (batch, actual), verdict);
     })?;
     Ok(counted)
 }
@@ -85,8 +85,8 @@ pub fn sample(
             }
             actual = running.as_ref().map(|batch| trial.run(batch));
         });
-        if let (Some((batch, _)), Some(verdict)) = (finished.take(), verdict) {
-            sampled.counted.add(prepared, before + sampled.next * per_case as u64, &batch, verdict);
+        if let (Some((batch, actual)), Some(verdict)) = (finished.take(), verdict) {
+            sampled.counted.add(prepared, before + sampled.next * per_case as u64, (&batch, &actual), verdict);
             sampled.counted.survey = sampled.counted.survey.take().or(surveyed);
             sampled.next += batch.case_count() as u64;
             progress(((sampled.next - part.start) * per_case as u64).min(wanted));

@@ -1,8 +1,10 @@
 //! A whole run: every suite on every lane, and what follows for the exit status.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
-use super::{Report, RunError};
+use super::{Finding, Report, RunError};
 use crate::bound::profile::Rulings;
 use crate::lane::{Description, Stage, Unavailable};
 
@@ -17,6 +19,8 @@ pub struct Summary {
     pub unavailable: Vec<(&'static str, Unavailable)>,
     /// Suites in order, once for each lane and stage.
     pub entries: Vec<Entry>,
+    /// Entries of ledgers that are about nothing that ran, although their lane and driver did, one line each.
+    pub stale: Vec<String>,
 }
 
 /// A lane with what its results are held against.
@@ -73,6 +77,41 @@ pub enum Outcome {
     Refused(RunError),
     /// The lane failed.
     LaneFailed(String),
+    /// The lane failed, as a ledger expects.
+    KnownFailure {
+        /// How it failed.
+        message: String,
+        /// What expects it.
+        expectation: Expectation,
+    },
+}
+
+/// What a ledger says of a failure that it expects.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Expectation {
+    /// `file:line:column` of the entry.
+    pub at: String,
+    /// Why the failure is expected.
+    pub reason: String,
+    /// Where more is told.
+    pub link: Option<String>,
+}
+
+impl fmt::Display for Expectation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({}", self.reason, self.at)?;
+        self.link.as_ref().map_or(Ok(()), |link| write!(f, ", {link}"))?;
+        f.write_str(")")
+    }
+}
+
+/// A finding that a ledger expects.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// The finding.
+    pub finding: Finding,
+    /// What expects it.
+    pub expectation: Expectation,
 }
 
 /// Counted samples of a run.
@@ -102,6 +141,25 @@ pub enum Status {
 }
 
 impl Summary {
+    /// Failures that ledgers expect: the entry, what failed in a word and in a line, and what expects it.
+    pub fn known(&self) -> Vec<(&Entry, &'static str, &str, &Expectation)> {
+        let mut all = Vec::new();
+        for entry in &self.entries {
+            match &entry.outcome {
+                Outcome::Ran(report) => {
+                    for Known { finding, expectation } in &report.known {
+                        all.push((entry, finding.kind.name(), finding.message.as_str(), expectation));
+                    }
+                }
+                Outcome::KnownFailure { message, expectation } => {
+                    all.push((entry, "lane", message.as_str(), expectation));
+                }
+                Outcome::Refused(_) | Outcome::LaneFailed(_) => {}
+            }
+        }
+        all
+    }
+
     /// All samples.
     pub fn totals(&self) -> Totals {
         let mut totals = Totals::default();
@@ -124,6 +182,7 @@ impl Summary {
             match &entry.outcome {
                 Outcome::Ran(report) => failed |= !report.errors().is_empty(),
                 Outcome::Refused(RunError::Shader { .. }) | Outcome::LaneFailed(_) => failed = true,
+                Outcome::KnownFailure { .. } => {}
                 Outcome::Refused(
                     RunError::Program { .. }
                     | RunError::Reference { .. }

@@ -5,7 +5,7 @@ use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
 use crate::program::{Form, Kernel, Program, Source};
 use crate::property::Sample;
 use crate::value::Batch;
-use crate::verdict::{Court, Verdict, judge_each};
+use crate::verdict::{Court, Deviation, Verdict, judge_each};
 
 use super::Prepared;
 
@@ -195,15 +195,19 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// For each sample, whether it deviates.
+    /// For each sample, whether it deviates in a way that counts.
     ///
     /// # Errors
     /// [`LaneError`]; there is no verdict then.
-    pub fn deviates(&mut self, samples: &[Sample]) -> Result<Vec<bool>, LaneError> {
+    pub fn deviates(
+        &mut self,
+        samples: &[Sample],
+        counts: &dyn Fn(&Deviation) -> bool,
+    ) -> Result<Vec<bool>, LaneError> {
         let mut verdicts = Vec::with_capacity(samples.len());
         let court = self.court();
         self.run_samples(samples, |_, batch, actual| {
-            let deviates = |verdict: Verdict| matches!(verdict, Verdict::Deviate(_));
+            let deviates = |verdict: Verdict| matches!(verdict, Verdict::Deviate(deviation) if counts(&deviation));
             verdicts.extend(judge_each(&court, batch, actual).into_iter().map(deviates));
         })?;
         Ok(verdicts)

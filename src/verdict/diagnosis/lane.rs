@@ -1,5 +1,6 @@
 //! Deviations of a lane: what its device computes on the way, operation by operation.
 
+use super::shader::written;
 use super::{Diagnosis, Divergence, Origin, Place};
 use crate::bound::profile::{Op, Profile};
 use crate::bound::replay::{ReplayError, replay};
@@ -36,7 +37,8 @@ pub struct Suspected<'a> {
 /// [`LaneError`] when the lane fails.
 pub fn lane(court: &Court<'_>, program: &Program, suspected: &Suspected<'_>) -> Result<Diagnosis, LaneError> {
     let profile = court.rulings.conformance.unwrap_or(court.rulings.text);
-    let mut diagnosis = Diagnosis::default();
+    let written = written(court, program, suspected.batch, suspected.deviation);
+    let mut diagnosis = Diagnosis { written, ..Diagnosis::default() };
     let mut built_in = None;
     if let Ok(probed) = program.probed(WORDS)
         && let Ok(kernel) = (suspected.kernel)(&probed.program)
@@ -95,7 +97,7 @@ fn culprit(
 
 fn place(probed: &Probed, point: usize) -> Place {
     let point = &probed.points[point];
-    Place { at: probed.locate(point), text: probed.text(point).to_owned() }
+    Place { at: probed.locate(point), text: probed.text(point).to_owned(), line: probed.line(point) }
 }
 
 /// The first step of the device's trace that is farther from the meaning than a device may be.

@@ -3,6 +3,7 @@
 
 mod lane;
 mod shader;
+mod witness;
 
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -13,6 +14,7 @@ use crate::value::F32Bits;
 
 pub use lane::{Suspected, lane};
 pub use shader::shader;
+pub use witness::{Fault, Hearing, NONE, Stand, Witness, stand};
 
 /// A place in the author's text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,6 +23,8 @@ pub struct Place {
     pub at: String,
     /// The text that stands there; empty where nothing of the author's does.
     pub text: String,
+    /// The line of the file in which it begins; empty where nothing of the author's stands.
+    pub line: String,
 }
 
 impl fmt::Display for Place {
@@ -117,6 +121,10 @@ pub struct Diagnosis {
     pub origin: Option<Origin>,
     /// Where it first shows; `None` when it is gone as soon as intermediate values are looked at.
     pub divergence: Option<Divergence>,
+    /// Where the wrong output is computed.
+    pub written: Option<Place>,
+    /// What the other lanes of the run say; `None` before they were asked, and where no lane has a say.
+    pub hearing: Option<Hearing>,
 }
 
 fn list(values: impl Iterator<Item = String>) -> String {
@@ -178,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_literal_is_told_with_its_place_and_what_it_stands_for() {
-        let place = Place { at: "sphere.vert:12:14".into(), text: "6.283185".into() };
+        let place = Place { at: "sphere.vert:12:14".into(), text: "6.283185".into(), line: String::new() };
         let literal = ShortLiteral { place, stands_for: "2π".into(), off: 3.07e-7 };
         assert_eq!(literal.to_string(), "`6.283185` (sphere.vert:12:14) stands for 2π, off by 3.1e-7");
     }
@@ -192,7 +200,7 @@ mod tests {
             exact: 0.479,
             factor: 2.0,
             profile: "vulkan-1.4".into(),
-            place: Some(Place { at: "a.vert:3:5".into(), text: "sin(x)".into() }),
+            place: Some(Place { at: "a.vert:3:5".into(), text: "sin(x)".into(), line: String::new() }),
         };
         assert_eq!(
             origin.to_string(),

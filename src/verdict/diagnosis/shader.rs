@@ -46,14 +46,27 @@ const NEAR: f64 = 2e-2;
 pub fn shader(court: &Court<'_>, program: &Program, batch: &Batch, deviation: &Deviation) -> Diagnosis {
     let no_value =
         deviation.value().filter(|v| !v.meaning.is_finite()).and_then(|v| no_value(court, program, batch, v));
-    Diagnosis { literals: literals(court, program, batch), no_value, ..Diagnosis::default() }
+    let written = written(court, program, batch, deviation);
+    Diagnosis { literals: literals(court, program, batch), no_value, written, ..Diagnosis::default() }
+}
+
+/// Where the component that deviates gets its value.
+pub(super) fn written(court: &Court<'_>, program: &Program, batch: &Batch, deviation: &Deviation) -> Option<Place> {
+    let value = deviation.value()?;
+    let mut machine = court.oracle.ideal_tape();
+    machine.run_some(batch, &[0]);
+    let layout = program.output_layout();
+    let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component)?;
+    let OutputColumn::Real(&column) = machine.output(value.vertex.unwrap_or(0), word) else { return None };
+    place(court, program, machine.domain().site_of(column, 0)?)
 }
 
 /// The place of a site in the author's text.
 pub(super) fn place(court: &Court<'_>, program: &Program, site: Site) -> Option<Place> {
     let span = author_span(program, &court.oracle.executable.place(site))?;
     let file = &program.lowered.file;
-    Some(Place { at: file.locate(span.start), text: file.slice(span).to_owned() })
+    let line = file.line_at(span.start);
+    Some(Place { at: file.locate(span.start), text: file.slice(span).to_owned(), line })
 }
 
 fn no_value(court: &Court<'_>, program: &Program, batch: &Batch, value: &Value) -> Option<NoValue> {

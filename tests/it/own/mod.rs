@@ -9,6 +9,7 @@ mod formats;
 mod includes;
 mod init;
 mod laws;
+mod ledger;
 mod schema;
 mod textures;
 

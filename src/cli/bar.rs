@@ -1,0 +1,49 @@
+//! A progress bar on a terminal for one thing after the other; nothing elsewhere.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::lane::Stage;
+
+/// Progress of one thing after the other.
+pub struct Bar {
+    bar: ProgressBar,
+}
+
+impl Bar {
+    /// A bar on standard error; hidden when it is no terminal, or not wanted.
+    pub fn new(wanted: bool) -> Self {
+        let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg:40} [{bar:30}] {human_pos}/{human_len} {per_sec} {eta} left")
+        {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self { bar }
+    }
+
+    /// Begins a suite.
+    pub fn start(&mut self, suite: &str, lane: &str, stage: Stage, samples: u64) {
+        self.bar.reset();
+        self.bar.set_length(samples);
+        self.bar.set_message(format!("{suite} on {lane}/{stage}"));
+        self.bar.enable_steady_tick(Duration::from_millis(200));
+    }
+
+    /// Samples done.
+    pub fn at(&self, done: u64) {
+        self.bar.set_position(done);
+    }
+
+    /// Prints something without tearing the bar.
+    pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

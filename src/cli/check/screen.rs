@@ -1,0 +1,87 @@
+//! What people see: on a terminal a table that grows suite by suite, elsewhere a line for each suite and stage.
+
+use std::io::{IsTerminal, Write};
+
+use super::CheckArgs;
+use super::select::Selected;
+use crate::lane::Lane;
+use crate::report::check::{Table, brief, finding, line, not_run, totals};
+use crate::suite::run::{Entry, Summary};
+
+/// The widest table; a narrower terminal has a narrower one.
+const WIDEST: usize = 100;
+
+/// Where the result of a run goes while it runs.
+pub struct Screen {
+    way: Way,
+    color: bool,
+}
+
+enum Way {
+    /// Another format: nothing before the end.
+    Silent,
+    Lines,
+    Table {
+        table: Table,
+        /// True once its head is printed.
+        begun: bool,
+    },
+}
+
+impl Screen {
+    /// A table on a terminal, lines elsewhere and where they are asked for, nothing for other formats.
+    pub fn new(args: &CheckArgs, selected: &[Selected], lanes: &[Box<dyn Lane>], color: bool) -> Self {
+        let plain = args.plain || !std::io::stdout().is_terminal();
+        let way = if !args.is_text() {
+            Way::Silent
+        } else if plain {
+            Way::Lines
+        } else {
+            let width = terminal_size::terminal_size().map_or(WIDEST, |(width, _)| usize::from(width.0).min(WIDEST));
+            let names = lanes.iter().map(|lane| lane.description().name).collect();
+            let suites = selected.iter().map(|selected| selected.suite.name.as_str());
+            Way::Table { table: Table::new(names, suites, width), begun: false }
+        };
+        Self { way, color: color && !args.plain }
+    }
+
+    /// A suite ran on a stage of a lane.
+    pub fn entry(&self, entry: &Entry, out: &mut dyn Write) -> anyhow::Result<()> {
+        match self.way {
+            Way::Lines => Ok(out.write_all(line(entry, self.color).as_bytes())?),
+            Way::Silent | Way::Table { .. } => Ok(()),
+        }
+    }
+
+    /// A suite ran on all lanes.
+    pub fn suite(&mut self, name: &str, entries: &[Entry], out: &mut dyn Write) -> anyhow::Result<()> {
+        let Way::Table { table, begun } = &mut self.way else { return Ok(()) };
+        if !std::mem::replace(begun, true) {
+            out.write_all(table.head(self.color).as_bytes())?;
+        }
+        out.write_all(table.row(name, entries, self.color).as_bytes())?;
+        Ok(out.flush()?)
+    }
+
+    /// All of it ran.
+    pub fn end(&self, summary: &Summary, out: &mut dyn Write) -> anyhow::Result<()> {
+        if matches!(self.way, Way::Table { .. }) {
+            out.write_all(not_run(summary, self.color).as_bytes())?;
+        }
+        findings(summary, self.color, out)?;
+        let last = match self.way {
+            Way::Silent | Way::Lines => totals(summary, self.color),
+            Way::Table { .. } => brief(summary, self.color),
+        };
+        out.write_all(last.as_bytes())?;
+        Ok(out.flush()?)
+    }
+}
+
+/// Everything that is wrong, and an empty line.
+pub fn findings(summary: &Summary, color: bool, out: &mut dyn Write) -> anyhow::Result<()> {
+    for at in 0..summary.entries.len() {
+        out.write_all(finding(&summary.entries, at, color).as_bytes())?;
+    }
+    Ok(writeln!(out)?)
+}

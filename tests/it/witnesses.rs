@@ -1,0 +1,215 @@
+//! Faults of an executor and of a front end, seen through several lanes: whose fault it is follows from groups.
+
+use shadercheck::bound::profile::Rulings;
+use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, embedded};
+use shadercheck::program::{Kernel, OutputLayout};
+use shadercheck::shard::Shard;
+use shadercheck::suite::run::{
+    DEFAULT_SEED, FindingKind, Peer, Prepared, Report, Request, Share, hear, hear_parts, run, run_part,
+};
+use shadercheck::value::Batch;
+use shadercheck::verdict::diagnosis::{Fault, Hearing, Stand};
+
+use crate::alarms::{prepared, raw};
+
+/// The interpreter under another name, whose first output is off by some amount.
+struct Planted {
+    lane: Box<dyn Lane>,
+    description: Description,
+    off: f32,
+    layout: OutputLayout,
+}
+
+struct PlantedRunner {
+    runner: Box<dyn Runner>,
+    off: f32,
+    layout: OutputLayout,
+}
+
+impl Lane for Planted {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let runner = self.lane.prepare(kernel, capacity)?;
+        // What looks into a failure is another kernel.
+        let off = if kernel.output == self.layout { self.off } else { 0.0 };
+        Ok(Box::new(PlantedRunner { runner, off, layout: kernel.output.clone() }))
+    }
+}
+
+impl Runner for PlantedRunner {
+    fn capacity(&self) -> usize {
+        self.runner.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let actual = self.runner.run(batch)?;
+        if self.off == 0.0 {
+            return Ok(actual);
+        }
+        let marks = Marks::random();
+        let mut words = raw(&actual, &self.layout, marks);
+        let at = self.layout.header_words() + usize::from(self.layout.max_vertices.is_some());
+        for record in words.chunks_exact_mut(self.layout.words()) {
+            record[at] = (f32::from_bits(record[at]) + self.off).to_bits();
+        }
+        Actual::accept(&self.layout, words, actual.count(), marks)
+    }
+}
+
+/// A lane: name, executor, front end, whose promises hold, and by how much it is off.
+type Plan = (&'static str, &'static str, &'static str, Api, f32);
+
+const STRICT: Api = Api::Binary32;
+
+fn lanes(prepared: &Prepared, plans: &[Plan]) -> Vec<Planted> {
+    let one = |&(name, executor, front_end, api, off): &Plan| Planted {
+        lane: embedded::open().unwrap(),
+        description: Description {
+            name,
+            driver: format!("{executor} 1.0"),
+            executor: executor.to_owned(),
+            front_end: front_end.to_owned(),
+            api,
+            stages: vec![Stage::Compute],
+        },
+        off,
+        layout: prepared.program.output_layout(),
+    };
+    plans.iter().map(one).collect()
+}
+
+fn request(prepared: &Prepared, lane: &dyn Lane) -> Request {
+    Request {
+        samples: Some(256),
+        seed: DEFAULT_SEED,
+        quick: true,
+        replay: Vec::new(),
+        replay_only: false,
+        rulings: Rulings::of_lane(lane.description()),
+        arguments: prepared.suite.name.clone(),
+    }
+}
+
+/// What the lanes say of the first deviation of each lane, in the order of the lanes; none for those without one.
+fn hearings(suite: &str, plans: &[Plan]) -> Vec<Option<Hearing>> {
+    let prepared = prepared(suite);
+    let lanes = lanes(&prepared, plans);
+    let rulings: Vec<Rulings> = lanes.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
+    let mut reports: Vec<Report> = lanes
+        .iter()
+        .map(|lane| run(&prepared, lane, Stage::Compute, &request(&prepared, lane), &mut |_| {}).unwrap())
+        .collect();
+    let peers: Vec<Peer<'_>> = lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
+    hear(&prepared, &peers, &mut reports.iter_mut().collect::<Vec<_>>());
+    let hearing = |report: &Report| {
+        let found = report.findings.iter().find(|finding| finding.kind == FindingKind::Deviation)?;
+        let hearing = found.case.as_ref().unwrap().diagnosis.hearing.clone();
+        Some(hearing.unwrap_or_else(|| panic!("nobody was heard: {found:?}")))
+    };
+    reports.iter().map(hearing).collect()
+}
+
+/// The same fault on every lane that deviates.
+#[track_caller]
+fn fault(suite: &str, plans: &[Plan]) -> Fault {
+    let all: Vec<Option<Hearing>> = hearings(suite, plans);
+    for (hearing, plan) in all.iter().zip(plans) {
+        assert_eq!(hearing.is_some(), plan.4 != 0.0, "{plan:?}: {all:#?}");
+    }
+    let mut faults = all.into_iter().flatten().map(|hearing| hearing.fault);
+    let first = faults.next().unwrap();
+    assert!(faults.all(|fault| fault.name() == first.name()));
+    first
+}
+
+#[test]
+fn a_fault_of_an_executor_is_seen_through_two_front_ends() {
+    let plans: [Plan; 4] = [
+        ("a", "X", "naga", STRICT, 0.01),
+        ("b", "X", "glslang", STRICT, 0.01),
+        ("c", "Y", "naga", STRICT, 0.0),
+        ("d", "Y", "glslang", STRICT, 0.0),
+    ];
+    let found = fault("morph", &plans);
+    let Fault::Executor { executor, through, right } = &found else { panic!("{found}") };
+    assert_eq!((executor.as_str(), through.len(), right.as_slice()), ("X", 2, &["Y".to_owned()][..]));
+    // The list names the lane that is accused first, then all others with what they say.
+    let hearing = hearings("morph", &plans).remove(1).unwrap();
+    let said: Vec<(&str, Stand)> = hearing.witnesses.iter().map(|w| (w.lane, w.stand)).collect();
+    assert_eq!(said, [("b", Stand::Wrong), ("a", Stand::Wrong), ("c", Stand::Right), ("d", Stand::Right)]);
+    assert!(hearing.witnesses.iter().all(|witness| witness.word.is_some()));
+}
+
+#[test]
+fn a_fault_of_a_front_end_is_seen_on_two_executors() {
+    let plans: [Plan; 4] = [
+        ("a", "X", "naga", STRICT, 0.0),
+        ("b", "X", "glslang", STRICT, 0.01),
+        ("c", "Y", "naga", STRICT, 0.0),
+        ("d", "Y", "glslang", STRICT, 0.01),
+    ];
+    for suite in ["morph", "hair"] {
+        let found = fault(suite, &plans);
+        let Fault::Translator { front_end, on, .. } = &found else { panic!("{suite}: {found}") };
+        assert_eq!((front_end.as_str(), on.len()), ("glslang", 2));
+    }
+}
+
+#[test]
+fn lanes_of_one_group_are_one_witness() {
+    let alone = fault("morph", &[("a", "X", "naga", STRICT, 0.01)]);
+    assert_eq!(alone.name(), "one_group");
+    let twice = fault("morph", &[("a", "X", "naga", STRICT, 0.01), ("b", "X", "naga", STRICT, 0.01)]);
+    assert_eq!(twice, alone);
+    assert!(twice.to_string().contains("one witness cannot tell them apart"), "{twice}");
+}
+
+#[test]
+fn when_all_groups_agree_against_the_meaning_it_is_suspect() {
+    let all = |other: f32| -> [Plan; 3] {
+        [("a", "X", "naga", STRICT, 0.01), ("b", "Y", "Mesa", STRICT, other), ("c", "X", "Mesa", STRICT, 0.01)]
+    };
+    let alike = fault("morph", &all(0.01));
+    assert_eq!(alike, Fault::Everyone { groups: 3, alike: true });
+    assert!(alike.to_string().contains("our own meaning or bound is suspect"), "{alike}");
+    assert_eq!(fault("morph", &all(0.02)), Fault::Everyone { groups: 3, alike: false });
+}
+
+#[test]
+fn a_lane_whose_api_promises_nothing_still_bears_witness() {
+    // OpenGL promises nothing for the sine: there the same fault is no deviation, and is seen all the same.
+    let plans: [Plan; 3] =
+        [("a", "X", "naga", STRICT, 0.01), ("b", "X", "Mesa", Api::OpenGl, 0.01), ("c", "Y", "Mesa", Api::OpenGl, 0.0)];
+    let hearing = hearings("sphere", &plans).remove(0).unwrap();
+    assert_eq!(hearing.fault.name(), "executor", "{hearing:#?}");
+    assert_eq!(hearing.with(Stand::Wrong), ["a/compute", "b/compute"]);
+    assert_eq!(hearing.with(Stand::Right), ["c/compute"]);
+}
+
+#[test]
+fn parts_of_a_run_are_heard_as_the_run_is() {
+    let prepared = prepared("morph");
+    let lanes = lanes(&prepared, &[("a", "X", "naga", STRICT, 0.01), ("b", "Y", "naga", STRICT, 0.0)]);
+    let rulings: Vec<Rulings> = lanes.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
+    let peers: Vec<Peer<'_>> = lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
+    let request = request(&prepared, &lanes[0]);
+    let mut save = |_: &_| std::ops::ControlFlow::Continue(());
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save };
+    let part = run_part(&prepared, &lanes[0], Stage::Compute, &request, share, &mut |_| {}).unwrap().unwrap();
+    let mut parts = [part];
+    hear_parts(&prepared, &peers, &mut parts);
+    // What is handed over is read back.
+    let text = serde_json::to_string(&parts).unwrap();
+    let [part]: [shadercheck::suite::run::Part; 1] = serde_json::from_str(&text).unwrap();
+    let mut whole = run(&prepared, &lanes[0], Stage::Compute, &request, &mut |_| {}).unwrap();
+    hear(&prepared, &peers, &mut [&mut whole]);
+    let heard = |report: &Report| -> Vec<Option<Hearing>> {
+        report.findings.iter().filter_map(|f| Some(f.case.as_ref()?.diagnosis.hearing.clone())).collect()
+    };
+    let merged = part.report();
+    assert_eq!(heard(&merged), heard(&whole));
+    assert!(heard(&merged).iter().flatten().any(|hearing| hearing.fault.name() == "executor"), "{:?}", heard(&merged));
+}
