@@ -1,5 +1,6 @@
 //! `shadercheck check`: suites on lanes.
 
+mod page;
 pub(super) mod profile;
 pub(super) mod progress;
 pub(super) mod select;
@@ -28,6 +29,7 @@ use crate::suite::run::{
 use crate::suite::save_regressions;
 use crate::text::SourceFile;
 
+use page::Pages;
 use profile::Choice;
 use progress::Progress;
 use select::Selected;
@@ -73,11 +75,14 @@ pub struct CheckArgs {
     /// wrote, or `none`; the shipped one of each lane's device, if there is one, without it
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
-    /// Write the report here in every format, and each failing case: the shader, what it was lowered to,
+    /// Write the report here as a page (`index.html`) and in every format, and each failing case: the shader, what it was lowered to,
     /// SPIR-V, inputs and outputs as bits, the command that runs it again, a test for piglit's shader_runner, and an Amber script for
     /// functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
+    /// Results of `shadercheck mutate --format json`, to be shown on the page
+    #[arg(long, value_name = "FILE", requires = "report_dir")]
+    pub mutations: Option<PathBuf>,
     /// Which part of the run
     #[command(flatten)]
     pub sharing: ShardArgs,
@@ -198,9 +203,11 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         return shared::run(args, shard, &selected, &lanes, &rulings, summary, out, err);
     }
     let mut progress = Progress::new(args.is_text());
+    let mut pages = Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?;
     for suite in &selected {
         let before = summary.entries.len();
-        one_suite(args, suite, (&lanes, &rulings), &mut summary, &mut progress, out, color)?;
+        one_suite(args, suite, (&lanes, &rulings), &mut summary, (&mut progress, &mut pages), out, color)?;
+        pages.next(summary.entries.len());
         if summary.entries.len() == before {
             // Only the vertex stage of a lane can be asked for in vain: every suite runs in compute.
             let name = &suite.suite.name;
@@ -210,6 +217,10 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     progress.finish();
     if let Some(folder) = &args.report_dir {
         write_reports(folder, &summary)?;
+        pages.write(folder, &summary, &rulings)?;
+        for note in &pages.notes {
+            writeln!(err, "note: {note}")?;
+        }
     }
     match report::check::by_name(&args.format) {
         None => print(&summary, false, color, out)?,
@@ -287,12 +298,13 @@ fn one_suite(
     selected: &Selected,
     (lanes, rulings): (&[Box<dyn Lane>], &[Rulings]),
     summary: &mut Summary,
-    progress: &mut Progress,
+    (progress, pages): (&mut Progress, &mut Pages),
     out: &mut dyn Write,
     color: bool,
 ) -> anyhow::Result<()> {
     let shader = shader_of(args, selected)?;
     let suite = &selected.suite;
+    let before = summary.entries.len();
     let mut add = |entry: Entry, progress: &Progress| -> anyhow::Result<()> {
         if args.is_text() {
             progress.suspend(|| out.write_all(report::check::line(&entry, color).as_bytes()))?;
@@ -301,13 +313,16 @@ fn one_suite(
         Ok(())
     };
     let entry = |on, outcome| Entry { suite: suite.name.clone(), shader: shader.name().to_owned(), on, outcome };
-    let prepared = match prepare(suite, &shader) {
+    let prepared = prepare(suite, &shader);
+    pages.suite(&suite.name, &suite.title, &shader, prepared.as_ref().ok());
+    let prepared = match prepared {
         Ok(prepared) => prepared,
         Err(error) => return add(entry(None, Outcome::Refused(error)), progress),
     };
     let mut failing: Vec<Sample> = Vec::new();
     // Translations have no lane: the first that gives a report bears what is found out about them.
     let mut untold = true;
+    let mut entries = before;
     for (lane, rulings) in lanes.iter().zip(rulings) {
         let request = request(args, selected, &prepared, rulings.clone())?;
         let name = lane.description().name;
@@ -329,6 +344,7 @@ fn one_suite(
                             write_bundle(folder, &bundle)?;
                         }
                     }
+                    pages.look(&prepared, lane.as_ref(), stage, &request, &report);
                     failing.extend(report.failing.iter().cloned());
                     Outcome::Ran(Box::new(report))
                 }
@@ -338,6 +354,8 @@ fn one_suite(
                 }
             };
             add(entry(Some((name, stage)), outcome), progress)?;
+            entries += 1;
+            pages.next(entries);
         }
     }
     // Another shader's failures are no regressions of the suite's own.

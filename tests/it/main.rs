@@ -19,6 +19,7 @@ mod lowering;
 mod lowering_vertex;
 mod mutate;
 mod own;
+mod page;
 mod piglit;
 mod positions;
 mod probe;
