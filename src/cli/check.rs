@@ -1,6 +1,7 @@
 //! `shadercheck check`: suites on lanes.
 
 mod ledger;
+mod page;
 pub(super) mod profile;
 mod progress;
 mod screen;
@@ -31,6 +32,7 @@ use crate::suite::{self, save_regressions};
 use crate::text::SourceFile;
 
 use ledger::Ledgers;
+use page::Pages;
 use profile::Choice;
 use progress::{Progress, Task};
 use screen::Screen;
@@ -81,11 +83,14 @@ pub struct CheckArgs {
     /// above it, up to the root of the repository (not with --shader and --case)
     #[arg(long, value_name = "FILE|none")]
     pub expectations: Option<String>,
-    /// Write the report here in every format, and each failing case: the shader, what it was lowered to,
+    /// Write the report here as a page (`index.html`) and in every format, and each failing case: the shader, what it was lowered to,
     /// SPIR-V, inputs and outputs as bits, the command that runs it again, a test for piglit's shader_runner, and an Amber script for
     /// functions and geometry stages
     #[arg(long, value_name = "DIR")]
     pub report_dir: Option<PathBuf>,
+    /// Results of `shadercheck mutate --format json`, to be shown on the page
+    #[arg(long, value_name = "FILE", requires = "report_dir")]
+    pub mutations: Option<PathBuf>,
     /// Which part of the run
     #[command(flatten)]
     pub sharing: ShardArgs,
@@ -211,12 +216,14 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     }
     let tasks = tasks(args, &selected, &lanes);
     let mut progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
+    let mut pages = Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?;
     let mut screen = Screen::new(args, &selected, &lanes, color);
     let all = Peers { lanes: &lanes, rulings: &rulings, ledgers: &ledgers };
     for (number, suite) in selected.iter().enumerate() {
         let before = summary.entries.len();
-        one_suite(args, (number, suite), &all, &mut summary, &mut progress, &screen, out)?;
+        one_suite(args, (number, suite), &all, &mut summary, (&mut progress, &mut pages), &screen, out)?;
         progress.suspend(|| screen.suite(&suite.suite.name, &summary.entries[before..], out))?;
+        pages.next(summary.entries.len());
         if summary.entries.len() == before {
             // Only the vertex stage of a lane can be asked for in vain: every suite runs in compute.
             let name = &suite.suite.name;
@@ -227,6 +234,10 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     summary.stale = ledgers.stale();
     if let Some(folder) = &args.report_dir {
         write_reports(folder, &summary)?;
+        pages.write(folder, &summary, &rulings)?;
+        for note in &pages.notes {
+            writeln!(err, "note: {note}")?;
+        }
     }
     match report::check::by_name(&args.format) {
         None => screen.end(&summary, out)?,
@@ -330,7 +341,7 @@ fn one_suite(
     (number, selected): (usize, &Selected),
     Peers { lanes, rulings, ledgers }: &Peers<'_>,
     summary: &mut Summary,
-    progress: &mut Progress,
+    (progress, pages): (&mut Progress, &mut Pages),
     screen: &Screen,
     out: &mut dyn Write,
 ) -> anyhow::Result<()> {
@@ -344,13 +355,16 @@ fn one_suite(
         Ok(())
     };
     let entry = |on, outcome| Entry { suite: suite.name.clone(), shader: shader.name().to_owned(), on, outcome };
-    let prepared = match prepare(suite, &shader) {
+    let prepared = prepare(suite, &shader);
+    pages.suite(&suite.name, &suite.title, &shader, prepared.as_ref().ok());
+    let prepared = match prepared {
         Ok(prepared) => prepared,
         Err(error) => return add(entry(None, Outcome::Refused(error)), progress),
     };
     let mut failing: Vec<Sample> = Vec::new();
     // Translations have no lane: the first that gives a report bears what is found out about them.
     let mut untold = true;
+    let mut entries = before;
     for (lane, rulings) in lanes.iter().zip(*rulings) {
         let request = request(args, selected, &prepared, rulings.clone())?;
         let name = lane.description().name;
@@ -372,6 +386,7 @@ fn one_suite(
                             write_bundle(folder, &bundle)?;
                         }
                     }
+                    pages.look(&prepared, lane.as_ref(), stage, &request, &report);
                     failing.extend(report.failing.iter().cloned());
                     Outcome::Ran(Box::new(report))
                 }
@@ -381,6 +396,8 @@ fn one_suite(
                 }
             };
             add(entry(Some((name, stage)), outcome), progress)?;
+            entries += 1;
+            pages.next(entries);
         }
     }
     let peers: Vec<Peer<'_>> =

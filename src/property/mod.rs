@@ -3,6 +3,7 @@
 pub mod generators;
 mod nearest;
 mod own;
+mod picture;
 mod plan;
 pub mod regressions;
 mod relation;
@@ -15,6 +16,7 @@ mod stream;
 
 pub use nearest::nearest;
 pub use own::Own;
+pub use picture::{Axis, Kind, Picture};
 pub use plan::{InputGroup, Plan, PlanError};
 pub use relation::{Claim, Observed, Relation};
 pub use sample::Sample;

@@ -118,11 +118,11 @@ pub(super) struct Planned {
 
 impl Planned {
     /// The words of the group, gathered from a record.
-    fn gather(&self, record: &[u32]) -> Vec<u32> {
+    pub(super) fn gather(&self, record: &[u32]) -> Vec<u32> {
         self.spans.iter().flat_map(|span| record[span.clone()].iter().copied()).collect()
     }
 
-    fn scatter(&self, words: &[u32], record: &mut [u32]) {
+    pub(super) fn scatter(&self, words: &[u32], record: &mut [u32]) {
         let mut at = 0;
         for span in &self.spans {
             record[span.clone()].copy_from_slice(&words[at..at + span.len()]);

@@ -4,6 +4,7 @@ mod actions;
 pub mod check;
 pub mod diagnostics;
 pub mod fuzz;
+pub mod html;
 pub mod lint;
 pub mod mutate;
 pub mod page;

@@ -129,6 +129,8 @@ impl BatchVerdict {
 
 /// Invocations that one thread judges at a time.
 pub(super) const CHUNK: usize = 4096;
+/// The same where each gets a verdict of its own.
+const FEW: usize = 512;
 
 /// Judges every invocation of a batch.
 ///
@@ -158,13 +160,22 @@ pub fn judge_batch(court: &Court<'_>, batch: &Batch, actual: &Actual) -> BatchVe
 pub fn judge_each(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Verdict> {
     let count = batch.invocation_count();
     assert_eq!(actual.count(), count, "outputs of another batch");
-    let mut bench = Bench::new(court);
-    let mut verdicts = vec![Verdict::Agree(Promise::Text); count];
-    let (suspects, _) = bench.scan(batch, actual, 0..count);
-    for (invocation, verdict) in bench.suspects.judge(batch, actual, &suspects) {
-        verdicts[invocation] = verdict;
-    }
-    verdicts
+    let chunks: Vec<Vec<Verdict>> = (0..count.div_ceil(FEW))
+        .into_par_iter()
+        .map_init(
+            || Bench::new(court),
+            |bench, chunk| {
+                let range = chunk * FEW..((chunk + 1) * FEW).min(count);
+                let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
+                let (suspects, _) = bench.scan(batch, actual, range);
+                for (invocation, verdict) in bench.suspects.judge(batch, actual, &suspects) {
+                    verdicts[invocation - first] = verdict;
+                }
+                verdicts
+            },
+        )
+        .collect();
+    chunks.concat()
 }
 
 /// An invocation that the first look leaves open.

@@ -2,6 +2,7 @@
 //! are compared.
 
 mod batch;
+mod closeup;
 pub mod diagnosis;
 mod expectations;
 mod judge;
@@ -17,6 +18,7 @@ mod translation;
 mod used;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
+pub use closeup::{Closeup, Seen, closeups};
 pub use expectations::{Movement, movement, shader_deviation};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};

@@ -21,6 +21,7 @@ mod lowering;
 mod lowering_vertex;
 mod mutate;
 mod own;
+mod page;
 mod piglit;
 mod positions;
 mod probe;

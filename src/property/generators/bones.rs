@@ -5,7 +5,7 @@ use glam::{DMat3, DMat4, DVec3};
 use crate::value::{Scalar, Shape};
 
 use super::matrix::{self, SIMPLER_RIGID, with_translation};
-use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, float, word};
+use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, float, word};
 
 /// A number of bones, their roots and tips, and B_i · inverse(M_i), where M_i is the frame of the
 /// bone at rest (origin at the root, y along the bone) and B_i the posed frame: turned about the
@@ -58,6 +58,9 @@ fn blend_matrix(root: DVec3, tip: DVec3, pose: &DMat4) -> DMat4 {
 
 /// Length of a special bone, relative to an ordinary one.
 const NEAR: f64 = 1.0 / 1024.0;
+
+/// Bones that a picture shows.
+const SHOWN: usize = 3;
 
 impl Generator for Bones {
     fn name(&self) -> &str {
@@ -151,6 +154,39 @@ impl Generator for Bones {
         (1..=count as u32).contains(&words[0])
             && words[roots..matrices].chunks_exact(rows).all(is_point)
             && words[matrices..].chunks_exact(16).all(|m| matrix::is_rigid(&matrix::read(m), &wide))
+    }
+
+    fn role(&self) -> Role {
+        Role::Moves
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        let Parts { count, roots, tips, matrices, rows } = parts(group);
+        let shown = count.min(SHOWN);
+        let blend = arrange::bent(group.range(), shown, view.frame);
+        out[0] = shown as u32;
+        for bone in 0..count {
+            // Those that do not count are like the last.
+            let k = bone.min(shown - 1);
+            for (at, k) in [(roots, k), (tips, k + 1)] {
+                let p = arrange::joint(group.range(), k, shown);
+                let out = &mut out[at + bone * rows..][..rows];
+                for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, 1.0]) {
+                    *word_out = word(c);
+                }
+            }
+            matrix::write(&blend[k], &mut out[matrices + bone * 16..][..16]);
+        }
+    }
+
+    fn lines(&self, group: &Group, words: &[u32]) -> Vec<[[f64; 3]; 2]> {
+        let Parts { count, roots, tips, matrices, rows } = parts(group);
+        let point = |at: usize| DVec3::from_array(std::array::from_fn(|c| f64::from(float(words[at + c]))));
+        let line = |bone: usize| {
+            let blend = matrix::read(&words[matrices + bone * 16..][..16]);
+            [roots, tips].map(|at| blend.transform_point3(point(at + bone * rows)).to_array())
+        };
+        (0..(words[0] as usize).min(count)).map(line).collect()
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

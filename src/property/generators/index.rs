@@ -2,7 +2,7 @@
 
 use crate::value::{Scalar, Shape};
 
-use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_shape};
+use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, every_shape};
 use crate::property::sample::{decode, encode};
 
 /// Whole numbers in a range, both ends included, for int, uint and bool inputs. Special: the ends.
@@ -67,6 +67,18 @@ impl Generator for Index {
             .iter()
             .zip(group.scalars())
             .all(|(&w, &scalar)| (lo..=hi).contains(&decode(w, scalar)) && (scalar != Scalar::Bool || w <= 1))
+    }
+
+    fn role(&self) -> Role {
+        Role::Follows
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        let (lo, hi) = ends(group);
+        let along = (view.at[0] * (hi - lo + 1) as f64).floor() as i64;
+        for (word, &scalar) in out.iter_mut().zip(group.scalars()) {
+            *word = encode((lo + along).min(hi) as f64, scalar);
+        }
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

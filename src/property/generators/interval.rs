@@ -2,7 +2,7 @@
 
 use crate::value::{Scalar, Shape};
 
-use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_shape};
+use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, every_shape, word};
 
 /// Numbers in a range, each component for itself.
 pub struct Interval;
@@ -48,6 +48,17 @@ impl Generator for Interval {
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         (0..words.len()).all(|i| group.word_in_range(words, i))
+    }
+
+    fn role(&self) -> Role {
+        Role::Axis
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        let count = out.len();
+        for (k, word_out) in out.iter_mut().enumerate() {
+            *word_out = word(arrange::wave(group.range(), k, count, view.frame));
+        }
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

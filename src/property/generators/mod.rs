@@ -12,6 +12,7 @@ use crate::value::{Scalar, Shape};
 use super::stream::{Stream, mix};
 
 mod affine;
+mod arrange;
 mod bones;
 mod constant;
 mod direction;
@@ -32,6 +33,7 @@ mod simplex;
 mod spatial;
 mod vector;
 
+pub use arrange::{Role, View};
 pub use drawn::Drawn;
 pub use group::Group;
 pub use range::Range;
@@ -186,6 +188,19 @@ pub trait Generator: Send + Sync {
     /// be made plainer together.
     fn simpler(&self, _group: &Group, _words: &[u32], _k: usize, _out: &mut [u32]) -> bool {
         false
+    }
+
+    /// What it is in a picture.
+    fn role(&self) -> Role {
+        Role::Still
+    }
+
+    /// Writes what a picture shows in a place, over a sample; see [`Role`].
+    fn arrange(&self, _group: &Group, _view: &View, _out: &mut [u32]) {}
+
+    /// Lines to be drawn beside what a shader makes of the words, such as bones.
+    fn lines(&self, _group: &Group, _words: &[u32]) -> Vec<[[f64; 3]; 2]> {
+        Vec::new()
     }
 
     /// Fills many rows: [`Generator::fill`] for each, without a virtual call for each.

@@ -2,7 +2,9 @@
 
 use crate::value::Shape;
 
-use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, is_vector, mix, spatial, word};
+use super::{
+    Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, is_vector, mix, spatial, word,
+};
 
 /// Windows of strands: primitive k of a case sees the nodes k to k + N - 1 of the case's run, so that
 /// neighbouring primitives share nodes. With `[strands]` the run consists of strands of that many
@@ -102,6 +104,21 @@ impl Generator for NodeRun {
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         spatial::admits(group, 1.0, words)
+    }
+
+    fn role(&self) -> Role {
+        Role::Strand
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        let Some(strands) = group.options().strands else { return };
+        for (corner, element) in group.elements().iter().enumerate() {
+            let node = (strands.node(view.primitive, corner), strands.nodes);
+            for (at, c) in element.clone().zip(arrange::strand(group.range(), view.strand, node).to_array()) {
+                out[at] = word(c);
+            }
+        }
+        spatial::set_w(group, 1.0, out);
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

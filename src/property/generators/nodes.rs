@@ -3,7 +3,7 @@
 use crate::value::{Scalar, Shape};
 
 use super::{
-    Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_shape, float, is_vector, spatial, word,
+    Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, every_shape, float, is_vector, spatial, word,
 };
 
 /// Points of a curve or the ends of a segment with a point beside it. Special: all at one place, two
@@ -106,6 +106,10 @@ impl Generator for Nodes {
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         spatial::admits(group, 1.0, words)
+    }
+
+    fn role(&self) -> Role {
+        Role::Place
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

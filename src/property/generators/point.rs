@@ -2,7 +2,9 @@
 
 use crate::value::Shape;
 
-use super::{Generator, Group, Options, Place, RangeRule, Stream, every_shape, is_vector, spatial};
+use super::{
+    Generator, Group, Options, Place, RangeRule, Role, Stream, View, arrange, every_shape, is_vector, spatial, word,
+};
 
 /// Points in a box, with w = 1. Special: the origin, lattice points, points on an axis or the
 /// diagonal, corners of the box, edge values, all names at one place.
@@ -36,6 +38,20 @@ impl Generator for Point {
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         spatial::admits(group, 1.0, words)
+    }
+
+    fn role(&self) -> Role {
+        Role::Shape
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        for (k, element) in group.elements().iter().enumerate() {
+            let point = arrange::shape(group.range(), view.shape + k, view.at).to_array();
+            for (at, c) in element.clone().zip(point) {
+                out[at] = word(c);
+            }
+        }
+        spatial::set_w(group, 1.0, out);
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

@@ -6,7 +6,7 @@ use crate::value::Shape;
 
 use super::matrix::{self, with_translation};
 use super::rigid::Rigid;
-use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_shape, is_mat4};
+use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, every_shape, is_mat4};
 
 /// Rigid transforms of parts that hang together: each part turns about a joint that it shares with
 /// the part before it. Special: all parts equal, all the identity, each part turned back by half a
@@ -66,6 +66,26 @@ impl Generator for RigidParts {
         // A chain of parts leaves the box of its joints: only the sort of matrix is held.
         let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
         group.elements().iter().all(|e| matrix::is_rigid(&matrix::read(&words[e.clone()]), &wide))
+    }
+
+    fn role(&self) -> Role {
+        Role::Moves
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        let parts = arrange::bent(group.range(), group.elements().len(), view.frame);
+        for (element, part) in group.elements().iter().zip(parts) {
+            matrix::write(&part, &mut out[element.clone()]);
+        }
+    }
+
+    fn lines(&self, group: &Group, words: &[u32]) -> Vec<[[f64; 3]; 2]> {
+        let parts = group.elements().len();
+        let line = |(k, element): (usize, &std::ops::Range<usize>)| {
+            let part = matrix::read(&words[element.clone()]);
+            [k, k + 1].map(|k| part.transform_point3(arrange::joint(group.range(), k, parts)).to_array())
+        };
+        group.elements().iter().enumerate().map(line).collect()
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

@@ -2,7 +2,9 @@
 
 use crate::value::{Scalar, Shape};
 
-use super::{Generator, Group, Options, Place, RangeRule, SPECIAL, Stream, every_shape, float, word};
+use super::{
+    Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, every_shape, float, word,
+};
 
 /// Weights of a convex combination over all words of the group. They are multiples of 2^-24, so
 /// that their binary32 sum is exactly one in every order. Special: corners, edges with their
@@ -92,6 +94,15 @@ impl Generator for Simplex {
     fn admits(&self, _group: &Group, words: &[u32]) -> bool {
         let sum: f64 = words.iter().map(|&w| f64::from(float(w))).sum();
         words.iter().all(|&w| float(w) >= 0.0) && sum == 1.0
+    }
+
+    fn role(&self) -> Role {
+        Role::Follows
+    }
+
+    fn arrange(&self, _group: &Group, view: &View, out: &mut [u32]) {
+        let shares = arrange::shares(out.len(), view.at[0]);
+        out.iter_mut().zip(shares).for_each(|(out, share)| *out = word(share));
     }
 
     fn simplest(&self, _group: &Group, out: &mut [u32]) {

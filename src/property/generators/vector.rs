@@ -2,7 +2,7 @@
 
 use crate::value::Shape;
 
-use super::{Generator, Group, Options, Place, RangeRule, Stream, every_shape, is_vector, spatial};
+use super::{Generator, Group, Options, Place, RangeRule, Role, Stream, every_shape, is_vector, spatial};
 
 /// Vectors with components in a range and w = 0. Special: the zero vector, lattice vectors, axes,
 /// the diagonal, edge values, all names equal.
@@ -36,6 +36,10 @@ impl Generator for Vector {
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         spatial::admits(group, 0.0, words)
+    }
+
+    fn role(&self) -> Role {
+        Role::Place
     }
 
     fn simplest(&self, group: &Group, out: &mut [u32]) {

@@ -51,7 +51,8 @@ fn a_run_that_passes_writes_no_case_and_a_vertex_stage_no_script() {
     let ran: Ran = command(dir.path(), "check . --lane embedded --report-dir out").output().unwrap().into();
     ran.expect(0);
     let inside = fs::read_dir(dir.path().join("out")).unwrap().map(|entry| entry.unwrap().path());
-    assert_eq!(inside.filter(|path| path.is_dir()).count(), 0);
+    let folders: Vec<_> = inside.filter(|path| path.is_dir()).collect();
+    assert_eq!(folders, [dir.path().join("out/plots")], "charts, and no case");
     let stage = "#version 330\nin float x;\nvoid main() { gl_Position = vec4(x, 0.0, 0.0, 1.0); }\n";
     let text = "suite = \"v\"\nshader = \"a.vert\"\nstage = \"vertex\"\nsamples = 64\n\
         relations = [{ kind = \"even\", inputs = [\"x\"] }]\n\
