@@ -21,6 +21,24 @@ impl<T: fmt::Display> fmt::Display for Escaped<T> {
     }
 }
 
+/// A message in which what stands between backticks is code.
+pub(super) struct Told<T>(pub T);
+
+impl<T: fmt::Display> fmt::Display for Told<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = self.0.to_string();
+        let parts: Vec<&str> = text.split('`').collect();
+        // Backticks that have no partner stay what they are.
+        if parts.len() % 2 == 0 {
+            return write!(f, "{}", Escaped(text));
+        }
+        for (k, part) in parts.into_iter().enumerate() {
+            if k % 2 == 1 { write!(f, "<code>{}</code>", Escaped(part))? } else { write!(f, "{}", Escaped(part))? }
+        }
+        Ok(())
+    }
+}
+
 /// JSON inside of a script element: nothing in it can end the element.
 pub(super) fn script(value: &serde_json::Value) -> String {
     value.to_string().replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
@@ -70,6 +88,12 @@ mod tests {
         let json = script(&serde_json::json!({ "name": evil }));
         assert!(!json.contains(['<', '>', '&']), "{json}");
         assert_eq!(serde_json::from_str::<serde_json::Value>(&json).unwrap()["name"], evil);
+    }
+
+    #[test]
+    fn what_stands_between_backticks_is_code() {
+        assert_eq!(Told("`a<b>` is `1`").to_string(), "<code>a&lt;b&gt;</code> is <code>1</code>");
+        assert_eq!(Told("one ` alone").to_string(), "one ` alone");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::escape::{Escaped, count, number};
+use super::escape::{Escaped, Told, count, number};
 use crate::suite::run::{Case, Finding, FindingKind};
 use crate::value::{F32Bits, Scalar};
 use crate::verdict::diagnosis::{Diagnosis, Divergence, Stand};
@@ -27,6 +27,21 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
     }
 }
 
+/// How often a finding shows, where that is counted.
+pub(super) fn how_many(finding: &Finding) -> Option<String> {
+    let unit = match finding.kind {
+        FindingKind::Coverage => ["segment", "segments"],
+        FindingKind::Floor | FindingKind::Vacuous | FindingKind::VacuousBound => return None,
+        FindingKind::Deviation
+        | FindingKind::Relation
+        | FindingKind::Translation
+        | FindingKind::Quality
+        | FindingKind::Range => ["sample", "samples"],
+    };
+    let unit = unit[usize::from(finding.count != 1)];
+    (finding.count > 0).then(|| format!("{} {unit}", count(finding.count)))
+}
+
 /// A finding, with a name of its own for what can be copied.
 pub(super) fn finding(text: &mut String, finding: &Finding, lane: &str, name: &str) {
     let class = if finding.kind.is_warning() { " warning" } else { "" };
@@ -34,11 +49,10 @@ pub(super) fn finding(text: &mut String, finding: &Finding, lane: &str, name: &s
         text,
         "<section class=\"finding{class}\"><h4>{}</h4><p>{}</p>",
         Escaped(who(finding, lane)),
-        Escaped(&finding.message)
+        Told(&finding.message)
     );
-    if finding.count > 0 {
-        let many = if finding.count == 1 { "sample shows" } else { "samples show" };
-        let _ = write!(text, "<p class=\"quiet\">{} {many} it.</p>", count(finding.count));
+    if let Some(many) = how_many(finding) {
+        let _ = write!(text, "<p class=\"quiet\">{many}</p>");
     }
     if let Some(case) = &finding.case {
         sides(text, case);
@@ -116,7 +130,7 @@ fn because(text: &mut String, diagnosis: &Diagnosis) {
     if !reasons.is_empty() {
         text.push_str("<h5>Because</h5>");
         for reason in reasons {
-            let _ = write!(text, "<div class=\"mono\">{}</div>", Escaped(reason));
+            let _ = write!(text, "<div>{}</div>", Told(reason));
         }
     }
     if let (Some(written), None) = (written, divergence) {

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::escape::{Escaped, count, script};
-use super::finding::who;
+use super::escape::{Escaped, Told, count, script};
+use super::finding::{how_many, who};
 use super::{Page, anchor, fails, suites, way};
-use crate::suite::run::{Finding, Outcome, RunError, Status};
+use crate::suite::run::{Finding, FindingKind, Outcome, RunError, Status};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 4] =
@@ -108,9 +108,11 @@ struct Wrong {
     who: String,
     message: String,
     at: Option<String>,
-    samples: u64,
+    many: Option<String>,
     on: Vec<(String, String)>,
     warning: bool,
+    /// It follows from outputs that deviate.
+    follows: bool,
 }
 
 /// What is wrong, each thing once, errors first.
@@ -130,16 +132,19 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
             who: who.to_owned(),
             message,
             at,
-            samples: 0,
+            many: None,
+            follows: false,
             on: on.clone(),
             warning: false,
         };
         match &entry.outcome {
             Outcome::Ran(report) => {
+                let deviates = report.findings.iter().any(|f| f.kind == FindingKind::Deviation);
                 for finding in &report.findings {
                     add(Wrong {
                         at: place(finding),
-                        samples: finding.count,
+                        many: how_many(finding),
+                        follows: deviates && finding.kind == FindingKind::Relation,
                         warning: finding.kind.is_warning(),
                         ..plain(&who(finding, report.lane), finding.message.clone(), None)
                     });
@@ -156,18 +161,18 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
             Outcome::KnownFailure { .. } => {}
         }
     }
-    for (warning, title) in [(false, "What is wrong"), (true, "Warnings")] {
-        let some: Vec<&Wrong> = all.iter().filter(|wrong| wrong.warning == warning).collect();
-        if some.is_empty() {
-            continue;
-        }
-        let open = if warning { "<details class=\"plain\">" } else { "" };
-        let heading = match warning {
-            true => {
-                format!("<summary>{} {}</summary>", some.len(), if some.len() == 1 { "warning" } else { "warnings" })
-            }
-            false => format!("<h2>{title}</h2>"),
+    for (warning, follows) in [(false, false), (false, true), (true, false)] {
+        let some: Vec<&Wrong> = all.iter().filter(|w| (w.warning, w.follows) == (warning, follows)).collect();
+        let heading = match (some.len(), warning, follows) {
+            (0, _, _) => continue,
+            (_, false, false) => "<h2>What is wrong</h2>".to_owned(),
+            (1, false, true) => "<summary>1 relation does not hold for outputs that deviate</summary>".to_owned(),
+            (n, false, true) => format!("<summary>{n} relations do not hold for outputs that deviate</summary>"),
+            (1, true, _) => "<summary>1 warning</summary>".to_owned(),
+            (n, true, _) => format!("<summary>{n} warnings</summary>"),
         };
+        let folded = warning || follows;
+        let open = if folded { "<details class=\"plain\">" } else { "" };
         let _ = writeln!(text, "{open}{heading}\n<ul class=\"wrongs\">");
         for wrong in some {
             let class = if warning { "who warning" } else { "who" };
@@ -176,13 +181,13 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
                 "<li><span class=\"{class}\">{}</span><div><p><b>{}</b>: {}</p><p class=\"more\">",
                 Escaped(&wrong.who),
                 Escaped(&wrong.suite),
-                Escaped(&wrong.message)
+                Told(&wrong.message)
             );
             if let Some(at) = &wrong.at {
                 let _ = write!(text, "at <code>{}</code>; ", Escaped(at));
             }
-            if wrong.samples > 0 {
-                let _ = write!(text, "{} samples; ", count(wrong.samples));
+            if let Some(many) = &wrong.many {
+                let _ = write!(text, "{many}; ");
             }
             let links: Vec<String> = wrong
                 .on
@@ -194,7 +199,7 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
                 .collect();
             let _ = writeln!(text, "{}</p></div></li>", links.join(", "));
         }
-        text.push_str(if warning { "</ul></details>\n" } else { "</ul>\n" });
+        text.push_str(if folded { "</ul></details>\n" } else { "</ul>\n" });
     }
 }
 

@@ -59,10 +59,18 @@ pub(super) fn note(notes: &mut Notes, file: &str, at: &str, meant: &str, told: &
     }
 }
 
-/// A text with its lines numbered, and notes below the lines that they are about.
-pub(super) fn listing(out: &mut String, text: &str, notes: &Notes) {
+/// A text with its lines numbered, and notes below the lines that they are about; the whole of it, or only lines
+/// so near to a note.
+pub(super) fn listing(out: &mut String, text: &str, notes: &Notes, near: Option<usize>) {
     out.push_str("<div class=\"source mono\" tabindex=\"0\" role=\"region\" aria-label=\"Source\">");
+    let shown = |number: usize| near.is_none_or(|near| notes.keys().any(|noted| noted.abs_diff(number) <= near));
     for (number, line) in text.lines().enumerate().map(|(k, line)| (k + 1, line)) {
+        if !shown(number) {
+            if shown(number + 1) && number > 1 {
+                out.push_str("<div class=\"quiet\">⋯</div>");
+            }
+            continue;
+        }
         let here = notes.get(&number).map_or(&[][..], Vec::as_slice);
         let class = if here.is_empty() { "" } else { " class=\"hit\"" };
         let _ = write!(out, "<div{class}><span class=\"no\">{number}</span>");
@@ -105,11 +113,22 @@ mod tests {
         note(&mut notes, "a:b.vert", "a:b.vert:2:11", "3.14", "too few <digits>");
         note(&mut notes, "a:b.vert", "other.vert:1:1", "", "not here");
         let mut out = String::new();
-        listing(&mut out, text, &notes);
+        listing(&mut out, text, &notes, None);
         assert!(out.contains("float x = <mark>3.14</mark>;"), "{out}");
         assert!(out.contains("球 &lt;script&gt;"), "{out}");
         assert_eq!(out.matches("too few &lt;digits&gt;").count(), 1, "{out}");
         assert!(!out.contains("not here"));
+    }
+
+    #[test]
+    fn an_excerpt_has_the_lines_near_a_note() {
+        let text: String = (1..=30).map(|k| format!("line{k}\n")).collect();
+        let mut notes = Notes::new();
+        note(&mut notes, "f", "f:10:1", "line", "here");
+        let mut out = String::new();
+        listing(&mut out, &text, &notes, Some(2));
+        let has = |k: usize| out.contains(&format!("line{k}</div>")) || out.contains(&format!("</mark>{k}</div>"));
+        assert!((1..=30).all(|k| has(k) == (8..=12).contains(&k)), "{out}");
     }
 
     #[test]
@@ -118,7 +137,7 @@ mod tests {
         note(&mut notes, "f", "f:1:9", "x", "gone");
         note(&mut notes, "f", "f:7:1", "x", "gone too");
         let mut out = String::new();
-        listing(&mut out, "ab\n", &notes);
+        listing(&mut out, "ab\n", &notes, None);
         assert!(!out.contains("<mark>") && out.contains("gone"), "{out}");
     }
 }

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use super::charts::{Chart, power};
-use super::escape::{Escaped, count, number};
+use super::escape::{Escaped, Told, count, number};
 use super::finding::{copied, finding};
 use super::source::{Notes, listing, note, places};
 use super::{Page, anchor, fails, suite_anchor, way};
 use crate::diagnostic::Lang;
-use crate::suite::run::{Entry, Errors, Gallery, Outcome, Report, RunError, Scene, State};
+use crate::suite::run::{Entry, Errors, FindingKind, Gallery, Outcome, Report, RunError, Scene, State};
 use crate::verdict::{Promise, Reason};
 
 /// The part of the page about a suite.
@@ -39,6 +39,10 @@ pub(super) fn suite(text: &mut String, page: &Page<'_>, name: &str, numbers: &[u
         Escaped(shader),
         Escaped(against)
     );
+    let marks = subject.map_or_else(Notes::new, |subject| notes(subject.shader.name(), &entries));
+    if let (Some(subject), false) = (subject, marks.is_empty()) {
+        listing(text, subject.shader.text(), &marks, Some(3));
+    }
     let ran: Vec<(usize, &Entry)> = entries.iter().copied().filter(|(_, entry)| entry.on.is_some()).collect();
     tabs(text, &ran);
     let scenes = ran.iter().filter_map(|(n, _)| page.galleries.get(*n)?.as_ref()?.scene.as_ref());
@@ -49,7 +53,15 @@ pub(super) fn suite(text: &mut String, page: &Page<'_>, name: &str, numbers: &[u
         let gallery = page.galleries.get(*number).and_then(Option::as_ref);
         panel(text, entry, *number, gallery);
     }
-    source(text, subject.map(|subject| (subject.shader.name(), subject.shader.text())), &entries);
+    if let Some(subject) = subject {
+        let _ = write!(
+            text,
+            "<details class=\"plain\"><summary>Source of <code>{}</code></summary>",
+            Escaped(subject.shader.name())
+        );
+        listing(text, subject.shader.text(), &marks, None);
+        text.push_str("</details>\n");
+    }
     text.push_str("</div></details>\n");
 }
 
@@ -117,8 +129,15 @@ fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Galle
     match &entry.outcome {
         Outcome::Ran(report) => {
             facts(text, report);
+            let deviates = report.findings.iter().any(|f| f.kind == FindingKind::Deviation);
             for (k, one) in report.findings.iter().enumerate() {
+                // Relations that break follow from outputs that deviate.
+                let follows = deviates && one.kind == FindingKind::Relation;
+                if follows {
+                    let _ = write!(text, "<details class=\"plain\"><summary>{}</summary>", Told(&one.message));
+                }
                 finding(text, one, report.lane, &format!("{anchor}-f{k}"));
+                text.push_str(if follows { "</details>\n" } else { "" });
             }
             if let Some(gallery) = gallery {
                 charts(text, entry, &gallery.errors);
@@ -148,7 +167,7 @@ fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Galle
 }
 
 fn plain(text: &mut String, title: &str, message: &str) {
-    let _ = write!(text, "<section class=\"finding\"><h4>{title}</h4><p>{}</p></section>\n", Escaped(message));
+    let _ = write!(text, "<section class=\"finding\"><h4>{title}</h4><p>{}</p></section>\n", Told(message));
 }
 
 fn facts(text: &mut String, report: &Report) {
@@ -323,9 +342,8 @@ fn details(text: &mut String, report: &Report) {
     }
 }
 
-/// The shader, with what is wrong marked.
-fn source(text: &mut String, shader: Option<(&str, &str)>, entries: &[(usize, &Entry)]) {
-    let Some((file, content)) = shader else { return };
+/// What is wrong at which places of the shader.
+fn notes(file: &str, entries: &[(usize, &Entry)]) -> Notes {
     let mut notes = Notes::new();
     for (_, entry) in entries {
         match &entry.outcome {
@@ -344,8 +362,5 @@ fn source(text: &mut String, shader: Option<(&str, &str)>, entries: &[(usize, &E
             Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => {}
         }
     }
-    let open = if notes.is_empty() { "" } else { " open" };
-    let _ = write!(text, "<details class=\"plain\"{open}><summary>Source of <code>{}</code></summary>", Escaped(file));
-    listing(text, content, &notes);
-    text.push_str("</details>\n");
+    notes
 }
