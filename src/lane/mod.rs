@@ -3,6 +3,7 @@
 
 mod actual;
 pub mod embedded;
+pub mod native;
 pub mod vulkan;
 
 use serde::{Deserialize, Serialize};
@@ -256,6 +257,7 @@ pub fn registry() -> &'static [Candidate] {
     static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = vulkan::candidates();
+        all.extend(native::candidates());
         all.push(Candidate {
             name: "embedded",
             about: "interpreter in strict binary32, without any driver",

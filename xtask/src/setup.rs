@@ -6,15 +6,47 @@ use std::io::{self, Write};
 use crate::host::{Host, on_path};
 use crate::vulkan::{self, Found};
 
-/// Debian's and Ubuntu's packages of lavapipe and of the Vulkan loader.
-const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
+/// Something that a lane needs.
+struct Need {
+    /// Debian's and Ubuntu's packages of it.
+    packages: &'static [&'static str],
+    /// The command of other distributions, by their package manager.
+    elsewhere: [(&'static str, &'static str); 3],
+    /// What it is, for a system without any of these package managers.
+    what: &'static str,
+    /// The lane.
+    lane: &'static str,
+    /// What is said when it was installed.
+    ready: &'static str,
+    /// Whether it is there.
+    there: fn(&dyn Host) -> bool,
+}
 
-/// The command of other distributions, by their package manager.
-const ELSEWHERE: [(&str, &str); 3] = [
-    ("dnf", "sudo dnf install mesa-vulkan-drivers vulkan-loader"),
-    ("pacman", "sudo pacman -S vulkan-swrast vulkan-icd-loader"),
-    ("apk", "sudo apk add mesa-vulkan-swrast vulkan-loader"),
-];
+const DRIVER: Need = Need {
+    packages: &["mesa-vulkan-drivers", "libvulkan1"],
+    elsewhere: [
+        ("dnf", "sudo dnf install mesa-vulkan-drivers vulkan-loader"),
+        ("pacman", "sudo pacman -S vulkan-swrast vulkan-icd-loader"),
+        ("apk", "sudo apk add mesa-vulkan-swrast vulkan-loader"),
+    ],
+    what: "Mesa's lavapipe and the Vulkan loader",
+    lane: "vulkan",
+    ready: "Vulkan is ready",
+    there: |host| vulkan::find(host).complete(),
+};
+
+const TRANSLATOR: Need = Need {
+    packages: &["glslang-tools"],
+    elsewhere: [
+        ("dnf", "sudo dnf install glslang"),
+        ("pacman", "sudo pacman -S glslang"),
+        ("apk", "sudo apk add glslang"),
+    ],
+    what: "glslang",
+    lane: "vulkan-glslang",
+    ready: "glslangValidator is ready",
+    there: |host| on_path(host, "glslangValidator").is_some(),
+};
 
 /// How apt-get can be run as the administrator.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -31,7 +63,6 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
     if !cfg!(target_os = "linux") || found.complete() {
         return Ok(());
     }
-    let missing = missing(&found);
     if let (Some(name), true) = (found.pinned_by, found.driver.is_none()) {
         // Installing would not help: the variable hides whatever is installed.
         return writeln!(
@@ -39,6 +70,18 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
             "xtask: {name} names no usable Vulkan driver, so no shader can run on the lane `vulkan`: unset it or point it to a manifest"
         );
     }
+    provide(host, messages, &DRIVER, missing(&found))
+}
+
+/// The same for the translator that the lane `vulkan-glslang` runs.
+pub fn prepare_translator(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    if !cfg!(target_os = "linux") || (TRANSLATOR.there)(host) {
+        return Ok(());
+    }
+    provide(host, messages, &TRANSLATOR, "glslangValidator")
+}
+
+fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: &str) -> io::Result<()> {
     let apt = on_path(host, "apt-get").is_some();
     let rights = if apt { rights(host) } else { Rights::None };
     let forbidden = host.var("SHADERCHECK_NO_INSTALL").is_some_and(|value| value != "0");
@@ -47,10 +90,10 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
         Rights::None if apt => Some("installing needs a password".to_owned()),
         Rights::None => None,
         Rights::Root | Rights::Sudo => {
-            writeln!(messages, "xtask: {missing} is missing: installing {} with apt-get", PACKAGES.join(" and "))?;
-            match install(host, rights) {
-                Ok(()) if vulkan::find(host).complete() => {
-                    return writeln!(messages, "xtask: installed; Vulkan is ready");
+            writeln!(messages, "xtask: {missing} is missing: installing {} with apt-get", need.packages.join(" and "))?;
+            match install(host, rights, need.packages) {
+                Ok(()) if (need.there)(host) => {
+                    return writeln!(messages, "xtask: installed; {}", need.ready);
                 }
                 Ok(()) => Some("apt-get reported success and it is still not found".to_owned()),
                 Err(failure) => Some(failure),
@@ -60,8 +103,9 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
     let because = failure.map(|failure| format!(" ({failure})")).unwrap_or_default();
     writeln!(
         messages,
-        "xtask: {missing} is missing{because}, so no shader can run on the lane `vulkan`: {}",
-        advice(host, apt, rights)
+        "xtask: {missing} is missing{because}, so no shader can run on the lane `{}`: {}",
+        need.lane,
+        advice(host, apt, rights, need)
     )
 }
 
@@ -73,17 +117,17 @@ fn missing(found: &Found) -> &'static str {
     }
 }
 
-fn advice(host: &dyn Host, apt: bool, rights: Rights) -> String {
+fn advice(host: &dyn Host, apt: bool, rights: Rights, need: &Need) -> String {
     if apt {
         let sudo = if rights == Rights::Root { "" } else { "sudo " };
         return format!(
             "run `{sudo}apt-get update && {sudo}apt-get install -y --no-install-recommends {}`",
-            PACKAGES.join(" ")
+            need.packages.join(" ")
         );
     }
-    let known = ELSEWHERE.iter().find(|(manager, _)| on_path(host, manager).is_some());
+    let known = need.elsewhere.iter().find(|(manager, _)| on_path(host, manager).is_some());
     known.map_or_else(
-        || "install Mesa's lavapipe and the Vulkan loader with this system's package manager".to_owned(),
+        || format!("install {} with this system's package manager", need.what),
         |(_, command)| format!("run `{command}`"),
     )
 }
@@ -100,11 +144,11 @@ fn rights(host: &mut dyn Host) -> Rights {
 }
 
 /// Updates the lists and installs; an error says which step failed and apt-get's own reason.
-fn install(host: &mut dyn Host, rights: Rights) -> Result<(), String> {
+fn install(host: &mut dyn Host, rights: Rights, packages: &[&str]) -> Result<(), String> {
     // A desktop's own updates may hold the lock: wait for it and do not fail at once.
     let apt = ["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-o", "DPkg::Lock::Timeout=120"];
     let sudo: &[&str] = if rights == Rights::Sudo { &["sudo", "-n"] } else { &[] };
-    let install = [&["install", "-y", "--no-install-recommends"][..], &PACKAGES].concat();
+    let install = [&["install", "-y", "--no-install-recommends"][..], packages].concat();
     for step in [&["update"][..], &install] {
         let name = step[0];
         let outcome = host.run(&[sudo, &apt, step].concat()).ok_or_else(|| format!("cannot start apt-get {name}"))?;
@@ -252,6 +296,27 @@ mod tests {
             .file("/usr/lib/libvulkan.so.1", "");
         assert_eq!(prepared(&mut host), "");
         assert!(host.log.is_empty());
+    }
+
+    #[test]
+    fn a_missing_translator_is_installed_alone_and_one_that_is_there_is_left_alone() {
+        let prepared = |host: &mut Fake| {
+            let mut messages = Vec::new();
+            prepare_translator(host, &mut messages).unwrap();
+            String::from_utf8(messages).unwrap()
+        };
+        let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
+        let mut host = debian().program("id -u", true, "0\n").program(start, true, "");
+        host.appear.push((start, "/usr/bin/glslangValidator", ""));
+        assert!(prepared(&mut host).ends_with("with apt-get\nxtask: installed; glslangValidator is ready\n"));
+        assert!(host.log.last().unwrap().ends_with("install -y --no-install-recommends glslang-tools"));
+        assert_eq!(prepared(&mut debian().file("/usr/bin/glslangValidator", "")), "");
+        let mut host = debian().var("SHADERCHECK_NO_INSTALL", "1");
+        let text = prepared(&mut host);
+        assert!(
+            text.contains("glslangValidator is missing") && text.contains("the lane `vulkan-glslang`: run `"),
+            "{text}"
+        );
     }
 
     #[test]
