@@ -40,7 +40,7 @@ impl Keep for Forget {
 }
 
 /// Makes these blocks, but for those that are kept, and hands them to a writer. Some are made side by side, and
-/// while they are written the next ones are made, so that twice [`ABREAST`] are in memory at most, however many
+/// while they are written the next ones are made, so that twice `ABREAST` are in memory at most, however many
 /// there are. `progress` is told the number of samples done. Gives the digest.
 ///
 /// # Errors

@@ -386,3 +386,42 @@ fn parts_together_are_the_whole_and_faults_of_theirs_are_told() {
     damaged[middle] ^= 1;
     assert!(told(&[&first, &damaged, &last]).starts_with("SHA-256 is "));
 }
+
+#[test]
+fn json_is_read_block_by_block_and_as_somebody_else_writes_it() {
+    let prepared = prepared("bone_weight");
+    let generator = Generator::new(&prepared, None, 66_000, 7).unwrap();
+    assert_eq!(generator.blocks(), 2);
+    let memory = Memory::default();
+    written(&generator, Format::Json, &memory).unwrap();
+    let bytes = memory.take();
+    let known = dataset(&bytes, Format::Json).unwrap();
+    assert_eq!(known.document.rows, 66_000);
+    // Without blanks and line ends, with another member, and with the members in another order.
+    let value: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+    let (provenance, blocks) = (value["provenance"].to_string(), value["blocks"].to_string());
+    for text in [
+        format!("{{\"provenance\":{provenance},\"blocks\":{blocks}}}"),
+        format!("\n {{ \"provenance\" : {provenance} , \"blocks\" : {blocks} , \"note\" : \"mine\" }}"),
+        format!("{{\"blocks\":{blocks},\"provenance\":{provenance}}}"),
+    ] {
+        let other = dataset(text.as_bytes(), Format::Json).unwrap();
+        assert!(other.arrays == known.arrays && other.document == known.document);
+    }
+    // Whatever is cut off is told, up to the last bracket.
+    for end in [bytes.len() - 2, bytes.len() - 3, bytes.len() - 40, bytes.len() / 2] {
+        let error = dataset(&bytes[..end], Format::Json).unwrap_err().to_string();
+        assert!(error.contains("cut off"), "{end}: {error}");
+    }
+    let first = serde_json::json!([value["blocks"][0]]).to_string();
+    let short = format!("{{\"provenance\":{provenance},\"blocks\":{first}}}");
+    let error = dataset(short.as_bytes(), Format::Json).unwrap_err().to_string();
+    assert!(error.starts_with("it has fewer blocks than its provenance says"), "{error}");
+    let again = format!(
+        "{{\"provenance\":{provenance},\"blocks\":[{},{}]}}",
+        &blocks[1..blocks.len() - 1],
+        &first[1..first.len() - 1]
+    );
+    let error = dataset(again.as_bytes(), Format::Json).unwrap_err().to_string();
+    assert!(error.starts_with("it has more than the 66000 rows"), "{error}");
+}

@@ -69,3 +69,25 @@ fn tasks_and_their_merge_give_the_run() {
     assert_eq!(merged.out, whole.out);
     assert_eq!(fs::read_to_string(folder.path().join("report.txt")).unwrap(), whole.out);
 }
+
+#[test]
+fn tasks_write_parts_of_reference_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("data");
+    let args = ["generate", "bone_weight", "--samples", "70000", "--profile", "none"];
+    for task in ["0", "1"] {
+        let mut command = script("shards.sh");
+        command.arg(&dir).arg("refdata").args(args).env("SLURM_ARRAY_TASK_ID", task).env_remove("CI_NODE_INDEX");
+        command.envs([("SLURM_ARRAY_TASK_MIN", "0"), ("SLURM_ARRAY_TASK_MAX", "1"), ("SLURM_ARRAY_TASK_COUNT", "2")]);
+        Ran::from(command.output().unwrap()).expect(0);
+    }
+    let merged = Ran::from(script("merge.sh").arg(&dir).output().unwrap()).expect(0);
+    let whole = folder.path().join("whole.npz");
+    let whole = run(&format!("refdata {} -o {}", args.join(" "), whole.display())).expect(0);
+    let (_, digest) = whole.out.trim().rsplit_once(' ').unwrap();
+    assert!(
+        merged.out.starts_with(&format!("bone_weight  70000 samples in 2 parts  sha256 {digest}\n")),
+        "{}",
+        merged.out
+    );
+}

@@ -20,8 +20,8 @@ pub trait Sequence {
     fn next(&mut self) -> Result<Option<Block>, ReadError>;
 }
 
-/// A reference file, of which one block is in memory at a time. Files in JSON are read as a whole, and so are
-/// archives that somebody compressed.
+/// A reference file, of which one block is in memory at a time. Archives that somebody compressed are read as a
+/// whole.
 pub struct Blocks {
     document: Document,
     numbers: Numbers,
@@ -36,6 +36,8 @@ pub(super) enum Numbers {
     Arrays(Vec<Shared>),
     /// Columns of words.
     Columns(Box<dyn Windows>),
+    /// Blocks one after the other.
+    Values(json::Values),
     /// In memory.
     Whole(Vec<Vec<u8>>),
 }
@@ -50,10 +52,7 @@ impl Blocks {
             Source::Npz => npz::opened(from)?,
             Source::Parquet => parquet::opened(from)?,
             Source::Csv => csv::opened(from)?,
-            Source::Json => {
-                let Dataset { document, arrays } = json::dataset(&mut from.at(0))?;
-                (document, Numbers::Whole(arrays))
-            }
+            Source::Json => json::opened(from)?,
             Source::Raw => return Err(ReadError::Schema("raw numbers are no reference file".into())),
         };
         document.check_blocks().map_err(ReadError::Damaged)?;
@@ -73,6 +72,21 @@ impl Blocks {
                 let table = windows.next(rows as usize)?;
                 let part = Document { first: document.first + *done, rows, ..document.clone() };
                 Ok(Dataset::of_table(part, &table)?.arrays)
+            }
+            Numbers::Values(values) => {
+                let cut = || ReadError::Damaged("it has fewer blocks than its provenance says: it is cut off".into());
+                let arrays = values.next(document)?.ok_or_else(cut)?;
+                match document.arrays.iter().zip(&arrays).find(|(array, bytes)| bytes.len() as u64 != wanted(array)) {
+                    None => Ok(arrays),
+                    Some((array, bytes)) => Err(ReadError::Damaged(format!(
+                        "`{}` has {} bytes in the block of sample {}, and its provenance says {}: the file is cut off or \
+                         damaged",
+                        array.name,
+                        bytes.len(),
+                        document.first + *done,
+                        wanted(array)
+                    ))),
+                }
             }
             Numbers::Whole(all) => {
                 let arrays = document.arrays.iter().zip(all);
@@ -98,6 +112,7 @@ impl Blocks {
             // Their sizes were compared when the file was opened.
             Numbers::Arrays(_) => false,
             Numbers::Columns(windows) => windows.next(1)?.rows() > 0,
+            Numbers::Values(values) => values.next(&self.document)?.is_some(),
             Numbers::Whole(all) => {
                 let rows = self.document.rows;
                 let wanted = |array: &Array| self.document.array_rows(array, rows) * array.stride() as u64;
