@@ -41,7 +41,13 @@ pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> 
     };
     let all: Vec<Found> = lane::registry().iter().map(one).collect();
     match args.format {
-        Format::Text => out.write_all(table(&all).as_bytes())?,
+        Format::Text => {
+            out.write_all(table(&all).as_bytes())?;
+            let executor = |found: &Found| found.what.as_ref().ok().map(|(lane, _)| lane.executor.clone());
+            if !all.iter().filter_map(executor).any(|executor| executor == lane::vulkan::SWIFTSHADER) {
+                out.write_all(wrapped(lane::vulkan::MORE, "help:", 6).as_bytes())?;
+            }
+        }
         Format::Json => writeln!(out, "{:#}", json!({ "lanes": all.iter().map(value).collect::<Vec<_>>() }))?,
     }
     Ok(ExitStatus::Clean)

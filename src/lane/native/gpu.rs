@@ -48,7 +48,10 @@ impl Gpu {
             vk::ApplicationInfo::default().application_name(c"shadercheck").api_version(vk::API_VERSION_1_1);
         let create = vk::InstanceCreateInfo::default().application_info(&application);
         // SAFETY: the structure and what it points to live until the call returns.
-        let instance = unsafe { entry.create_instance(&create, None) }.map_err(failed("Vulkan cannot be started"))?;
+        let instance = unsafe { entry.create_instance(&create, None) }.map_err(|error| match error {
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => "no Vulkan driver was found".to_owned(),
+            error => failed("Vulkan cannot be started")(error),
+        })?;
         match Self::on(&instance) {
             Ok(opened) => Ok(Rc::new(opened.with(entry, instance))),
             Err(why) => {

@@ -18,6 +18,13 @@ use gpu::Gpu;
 pub(super) const REMEDY: &str =
     "install one, for example `apt-get install mesa-vulkan-drivers libvulkan1` on Debian or Ubuntu";
 
+/// How there come to be more lanes of Vulkan devices.
+pub const MORE: &str = "every driver that the Vulkan loader finds is a lane; SwiftShader, for one, comes with Debian's \
+     package chromium-common and is found with VK_ADD_DRIVER_FILES=/usr/lib/chromium/vk_swiftshader_icd.json";
+
+/// Executor of SwiftShader's lane.
+pub const SWIFTSHADER: &str = "subzero";
+
 /// Name of the lane of the first device.
 const FIRST: &str = "vulkan";
 
@@ -94,7 +101,7 @@ pub(super) fn executor(device: &str) -> String {
     let name = device.to_lowercase();
     match () {
         () if name.contains("llvmpipe") => "gallivm".to_owned(),
-        () if name.contains("swiftshader") => "subzero".to_owned(),
+        () if name.contains("swiftshader") => SWIFTSHADER.to_owned(),
         () => device.to_owned(),
     }
 }
