@@ -3,7 +3,9 @@
 
 mod actual;
 pub mod embedded;
+pub mod opengl;
 pub mod vulkan;
+pub mod worker;
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -161,7 +163,7 @@ pub struct Unavailable {
 }
 
 /// Why a lane gave no outputs.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LaneError {
     /// The device's API reported an error.
     #[error("the device reported an error: {0}")]
@@ -193,6 +195,26 @@ pub enum LaneError {
         /// The word that proves the writing.
         expected: u32,
     },
+    /// The process in which the lane runs crashed, hung or gave no sense; it is started again for what comes after.
+    #[error("the process of the driver {how}{}", at(.invocation, *.count, .inputs))]
+    Lost {
+        /// How, in words that continue "the process of the driver".
+        how: String,
+        /// Index of the invocation that does it, where one does it by itself.
+        invocation: Option<usize>,
+        /// Number of invocations of the batch.
+        count: usize,
+        /// Inputs of the invocation, as `--case` takes them.
+        inputs: String,
+    },
+}
+
+fn at(invocation: &Option<usize>, count: usize, inputs: &str) -> String {
+    match invocation {
+        Some(at) if inputs.is_empty() => format!(", at invocation {at} of {count}"),
+        Some(at) => format!(", at invocation {at} of {count}, with {inputs}"),
+        None => String::new(),
+    }
 }
 
 /// A device that runs kernels.
@@ -256,6 +278,7 @@ pub fn registry() -> &'static [Candidate] {
     static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = vulkan::candidates();
+        all.extend(opengl::candidates());
         all.push(Candidate {
             name: "embedded",
             about: "interpreter in strict binary32, without any driver",

@@ -1,9 +1,10 @@
-//! Makes a machine able to run shaders: installs lavapipe where it is missing and where that needs
+//! Makes a machine able to run shaders: installs Mesa's drivers where they are missing and where that needs
 //! no password, and says in one sentence what is missing where it cannot.
 
 use std::io::{self, Write};
 
 use crate::host::{Host, on_path};
+use crate::opengl;
 use crate::vulkan::{self, Found};
 
 /// Debian's and Ubuntu's packages of lavapipe and of the Vulkan loader.
@@ -24,9 +25,51 @@ enum Rights {
     None,
 }
 
-/// Installs a Vulkan driver when there is none and it is permitted. Whatever happens, the run goes
-/// on: the gate itself reports a lane that is absent.
+/// Installs drivers of Vulkan and of OpenGL where there are none and it is permitted. Whatever happens, the run
+/// goes on: the gate itself reports a lane that is absent.
 pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    prepare_vulkan(host, messages)?;
+    prepare_opengl(host, messages)
+}
+
+fn prepare_opengl(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    if !cfg!(target_os = "linux") || opengl::is_there(host) {
+        return Ok(());
+    }
+    let apt = on_path(host, "apt-get").is_some();
+    let rights = if apt { rights(host) } else { Rights::None };
+    let forbidden = host.var("SHADERCHECK_NO_INSTALL").is_some_and(|value| value != "0");
+    let failure = match rights {
+        _ if forbidden => Some("SHADERCHECK_NO_INSTALL forbids to install it".to_owned()),
+        Rights::None if apt => Some("installing needs a password".to_owned()),
+        Rights::None => None,
+        Rights::Root | Rights::Sudo => {
+            writeln!(messages, "xtask: Mesa's OpenGL is missing: installing {}", opengl::PACKAGES.join(" "))?;
+            match install(host, rights, &opengl::PACKAGES) {
+                Ok(()) if opengl::is_there(host) => {
+                    return writeln!(messages, "xtask: installed; OpenGL is ready");
+                }
+                Ok(()) => Some("apt-get reported success and it is still not found".to_owned()),
+                Err(failure) => Some(failure),
+            }
+        }
+    };
+    let because = failure.map(|failure| format!(" ({failure})")).unwrap_or_default();
+    let what = match apt {
+        true => command(rights, &opengl::PACKAGES),
+        false => "install Mesa's EGL and its DRI drivers with this system's package manager".to_owned(),
+    };
+    writeln!(messages, "xtask: Mesa's OpenGL is missing{because}, so no shader can run on the lanes `opengl…`: {what}")
+}
+
+/// The command that installs packages.
+fn command(rights: Rights, packages: &[&str]) -> String {
+    let sudo = if rights == Rights::Root { "" } else { "sudo " };
+    let packages = packages.join(" ");
+    format!("run `{sudo}apt-get update && {sudo}apt-get install -y --no-install-recommends {packages}`")
+}
+
+fn prepare_vulkan(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
     let found = vulkan::find(host);
     if !cfg!(target_os = "linux") || found.complete() {
         return Ok(());
@@ -48,7 +91,7 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
         Rights::None => None,
         Rights::Root | Rights::Sudo => {
             writeln!(messages, "xtask: {missing} is missing: installing {} with apt-get", PACKAGES.join(" and "))?;
-            match install(host, rights) {
+            match install(host, rights, &PACKAGES) {
                 Ok(()) if vulkan::find(host).complete() => {
                     return writeln!(messages, "xtask: installed; Vulkan is ready");
                 }
@@ -75,11 +118,7 @@ fn missing(found: &Found) -> &'static str {
 
 fn advice(host: &dyn Host, apt: bool, rights: Rights) -> String {
     if apt {
-        let sudo = if rights == Rights::Root { "" } else { "sudo " };
-        return format!(
-            "run `{sudo}apt-get update && {sudo}apt-get install -y --no-install-recommends {}`",
-            PACKAGES.join(" ")
-        );
+        return command(rights, &PACKAGES);
     }
     let known = ELSEWHERE.iter().find(|(manager, _)| on_path(host, manager).is_some());
     known.map_or_else(
@@ -100,11 +139,11 @@ fn rights(host: &mut dyn Host) -> Rights {
 }
 
 /// Updates the lists and installs; an error says which step failed and apt-get's own reason.
-fn install(host: &mut dyn Host, rights: Rights) -> Result<(), String> {
+fn install(host: &mut dyn Host, rights: Rights, packages: &[&str]) -> Result<(), String> {
     // A desktop's own updates may hold the lock: wait for it and do not fail at once.
     let apt = ["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-o", "DPkg::Lock::Timeout=120"];
     let sudo: &[&str] = if rights == Rights::Sudo { &["sudo", "-n"] } else { &[] };
-    let install = [&["install", "-y", "--no-install-recommends"][..], &PACKAGES].concat();
+    let install = [&["install", "-y", "--no-install-recommends"][..], packages].concat();
     for step in [&["update"][..], &install] {
         let name = step[0];
         let outcome = host.run(&[sudo, &apt, step].concat()).ok_or_else(|| format!("cannot start apt-get {name}"))?;
@@ -162,8 +201,35 @@ mod tests {
 
     fn prepared(host: &mut Fake) -> String {
         let mut messages = Vec::new();
-        prepare(host, &mut messages).unwrap();
+        prepare_vulkan(host, &mut messages).unwrap();
         String::from_utf8(messages).unwrap()
+    }
+
+    fn prepared_opengl(host: &mut Fake) -> String {
+        let mut messages = Vec::new();
+        prepare_opengl(host, &mut messages).unwrap();
+        String::from_utf8(messages).unwrap()
+    }
+
+    const OPENGL: [&str; 3] = ["/usr/lib/libEGL.so.1", "/usr/lib/libEGL_mesa.so.0", "/usr/lib/dri/swrast_dri.so"];
+
+    #[test]
+    fn opengl_is_installed_where_it_is_missing() {
+        let mut host = debian().program("id -u", true, "0\n");
+        let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
+        OPENGL.iter().for_each(|path| host.appear.push((start, path, "")));
+        let text = prepared_opengl(&mut host.program(start, true, ""));
+        assert!(text.ends_with("installed; OpenGL is ready\n"), "{text}");
+        let mut there = OPENGL.iter().fold(debian(), |host, path| host.file(path, ""));
+        assert_eq!(prepared_opengl(&mut there), "");
+    }
+
+    #[test]
+    fn a_user_without_rights_is_told_how_opengl_is_installed() {
+        let mut host = debian().program("id -u", true, "1000\n").program("sudo -n true", false, "");
+        let text = prepared_opengl(&mut host);
+        let command = "run `sudo apt-get update && sudo apt-get install -y --no-install-recommends libegl1 libegl-mesa0 libgl1-mesa-dri`\n";
+        assert!(text.contains("(installing needs a password)") && text.ends_with(command), "{text}");
     }
 
     const COMMAND: &str = "apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1`\n";

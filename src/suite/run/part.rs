@@ -26,6 +26,8 @@ pub struct Part {
     pub stage: Stage,
     counted: Counted,
     unsupported: u64,
+    #[serde(default)]
+    unsupported_because: Option<String>,
     replayed: u64,
     /// What is looked at once for a run, by its first part.
     relations: Vec<(String, u64)>,
@@ -162,6 +164,7 @@ impl Part {
             stage,
             counted: Counted::default(),
             unsupported,
+            unsupported_because: None,
             replayed: 0,
             relations: Vec::new(),
             coverage: None,
@@ -172,6 +175,11 @@ impl Part {
             textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
             failing: Vec::new(),
         }
+    }
+
+    /// Says why samples are not supported.
+    pub(super) fn because(self, why: String) -> Self {
+        Self { unsupported_because: Some(why), ..self }
     }
 
     /// What a run has found once it is through: `report` holds what is looked at once.
@@ -204,7 +212,8 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, terms, failing, .. } = other;
+        let Self { shown, terms, failing, unsupported_because, .. } = other;
+        self.unsupported_because = self.unsupported_because.take().or(unsupported_because);
         self.counted.join(counted);
         self.unsupported += unsupported;
         self.replayed += replayed;
@@ -250,6 +259,7 @@ impl Part {
             apart: None,
             verdicts,
             unsupported: self.unsupported,
+            unsupported_because: self.unsupported_because,
             replayed: self.replayed,
             doubts,
             textures: self.textures,
