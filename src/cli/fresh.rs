@@ -19,6 +19,14 @@ impl Fresh {
     /// What the system says.
     pub fn new(path: &Path) -> io::Result<Self> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Self::within(folder, path)
+    }
+
+    /// Begins a file in another folder of the same disk.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn within(folder: &Path, path: &Path) -> io::Result<Self> {
         // Not a temporary file of the system's kind: those are readable by their owner alone.
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let beside = folder.join(format!(".{name}.{}.new", std::process::id()));

@@ -102,10 +102,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         shard.is_none() || (args.case.is_none() && !args.write_suite),
         "--shard does a part of the functions; --case and --write-suite are for a run without it"
     );
-    let mut stated = Vec::new();
-    for text in &args.domain {
-        stated.extend(fuzz::option(text).map_err(|why| anyhow::anyhow!("--domain `{text}`: {why}"))?);
-    }
+    let stated = stated(&args.domain)?;
     let sources =
         args.files.iter().map(|path| includes::read(path, &args.include)).collect::<anyhow::Result<Vec<_>>>()?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
@@ -117,7 +114,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if let Some(shard) = shard {
         let mut files = Vec::new();
         for source in &sources {
-            let (errors, subjects) = subjects(args, source, &mut known)?;
+            let (errors, subjects) = subjects(&args.function, source, &mut known)?;
             for error in &errors {
                 err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
             }
@@ -128,7 +125,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
             );
             files.push((source, subjects));
         }
-        all_known(args, &known)?;
+        all_known(&args.function, &known)?;
         return shared::run(args, shard, &files, &lanes, &mut inputs, summary, out, err);
     }
     let mut progress = Progress::new(args.format == Format::Text);
@@ -139,7 +136,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     }
     progress.finish();
     if summary.totals().broken == 0 {
-        all_known(args, &known)?;
+        all_known(&args.function, &known)?;
     }
     inputs.all_used()?;
     match args.format {
@@ -172,8 +169,8 @@ fn status_of(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatu
 }
 
 /// Every function that is asked for has to be there.
-fn all_known(args: &FuzzArgs, known: &[String]) -> anyhow::Result<()> {
-    let unknown = args.function.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
+pub(super) fn all_known(functions: &[String], known: &[String]) -> anyhow::Result<()> {
+    let unknown = functions.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
     let Some(name) = unknown else { return Ok(()) };
     let hint = nearest(name, known.iter().map(String::as_str));
     let hint =
@@ -209,7 +206,7 @@ fn one_file(
         progress.suspend(|| writeln!(printed.out, "{}", source.name))?;
     }
     let subjects;
-    (report.errors, subjects) = self::subjects(args, source, known)?;
+    (report.errors, subjects) = self::subjects(&args.function, source, known)?;
     for subject in &subjects {
         let domain = inputs.domain(subject)?;
         let function = one_function(args, source, subject, &domain, lanes, progress)?;
@@ -221,9 +218,18 @@ fn one_file(
     Ok(report)
 }
 
+/// The domains of the command line.
+pub(super) fn stated(options: &[String]) -> anyhow::Result<Vec<Stated>> {
+    let mut stated = Vec::new();
+    for text in options {
+        stated.extend(fuzz::option(text).map_err(|why| anyhow::anyhow!("--domain `{text}`: {why}"))?);
+    }
+    Ok(stated)
+}
+
 /// What is wrong with a file, or else the functions of it that are to be run.
-fn subjects(
-    args: &FuzzArgs,
+pub(super) fn subjects(
+    functions: &[String],
     source: &Source,
     known: &mut Vec<String>,
 ) -> anyhow::Result<(Vec<Diagnostic>, Vec<Subject>)> {
@@ -233,7 +239,7 @@ fn subjects(
     if !errors.is_empty() {
         return Ok((errors, Vec::new()));
     }
-    let wanted = |name: &str| args.function.is_empty() || args.function.iter().any(|f| f == name);
+    let wanted = |name: &str| functions.is_empty() || functions.iter().any(|f| f == name);
     let subjects = fuzz::subjects(&parsed.shader, &wanted)
         .map_err(|bad| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why))?;
     for (_, info) in parsed.shader.functions().filter(|(_, f)| f.definition.is_some()) {
@@ -278,19 +284,19 @@ fn command(args: &FuzzArgs, source: &Source) -> String {
 }
 
 /// Domains of the command line, with those that no function has an input for.
-struct Inputs<'a> {
+pub(super) struct Inputs<'a> {
     stated: &'a [Stated],
     used: Vec<bool>,
     names: Vec<String>,
 }
 
 impl<'a> Inputs<'a> {
-    fn new(stated: &'a [Stated]) -> Self {
+    pub(super) fn new(stated: &'a [Stated]) -> Self {
         Self { stated, used: vec![false; stated.len()], names: Vec::new() }
     }
 
     /// The domain of a function: what the command line states goes before what comments do.
-    fn domain(&mut self, subject: &Subject) -> anyhow::Result<Domain> {
+    pub(super) fn domain(&mut self, subject: &Subject) -> anyhow::Result<Domain> {
         let Ok(ready) = &subject.ready else { return Ok(Domain::default()) };
         let (invocation, case) = (ready.kernel.invocation.fields(), ready.kernel.case.fields());
         let name = base(&subject.label);
@@ -320,7 +326,7 @@ impl<'a> Inputs<'a> {
         Ok(Domain::new(name, invocation, case, &all))
     }
 
-    fn all_used(&self) -> anyhow::Result<()> {
+    pub(super) fn all_used(&self) -> anyhow::Result<()> {
         let Some(k) = self.used.iter().position(|used| !used) else { return Ok(()) };
         let input = &self.stated[k].input;
         let hint = nearest(input, self.names.iter().map(String::as_str))

@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::check::Format;
 use super::shard::write_atomically;
 use super::status::ExitStatus;
-use super::{calibrate, check, fuzz, mutate};
+use super::{calibrate, check, fuzz, mutate, refdata};
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
 
 /// Arguments of `shadercheck merge`.
@@ -25,7 +25,11 @@ once, and all have to be of one run: the same command, version, seed and paramet
 are those of the run without shards.
 
 With --out what was joined is also written to a file, which may be joined again: 10000 results can be joined in \
-groups. Shards may then be missing.")]
+groups. Shards may then be missing.
+
+Of reference data (`refdata generate --shard`) the parts are listed with the SHA-256 of the whole, which is that of the \
+run without shards: a folder of Parquet files is one data set for its readers. --out FILE writes the file of the run \
+without shards, in the format that its ending tells (npz, parquet, csv, json, h); a folder gets one file for each suite.")]
 pub struct MergeArgs {
     /// Folders and files with results; the folder `shards` without one
     #[arg(value_name = "DIR|FILE")]
@@ -69,8 +73,20 @@ type Read = (PathBuf, Sealed<Value>);
 /// When a file cannot be read or is damaged, a shard is missing or there twice, or the shards are not of one run.
 pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let paths = if args.paths.is_empty() { vec![PathBuf::from("shards")] } else { args.paths.clone() };
+    let data = refdata::join::parts(&paths)?;
+    let results: Vec<PathBuf> = files(&paths)?.into_iter().filter(|file| !data.contains(file)).collect();
+    if let (Some(data), Some(result)) = (data.first(), results.first()) {
+        anyhow::bail!(
+            "`{}` is a part of reference data, and `{}` is none; merge them one after the other",
+            data.display(),
+            result.display()
+        );
+    }
+    if !data.is_empty() {
+        return refdata::join::run(args, data, out);
+    }
     let mut all: Vec<Read> = Vec::new();
-    for file in files(&paths)? {
+    for file in results {
         let name = file.display();
         let text = fs::read_to_string(&file).with_context(|| format!("cannot read `{name}`"))?;
         let sealed: Sealed<Value> = shard::open(&text).with_context(|| format!("`{name}`"))?;
@@ -82,7 +98,10 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     }
     let Some((first, rest)) = all.split_first() else {
         let folders: Vec<String> = paths.iter().map(|p| format!("`{}`", p.display())).collect();
-        anyhow::bail!("{} holds no results of shards (shard-*.json)", folders.join(", "));
+        anyhow::bail!(
+            "{} holds no results of shards (shard-*.json), and no parts of reference data",
+            folders.join(", ")
+        );
     };
     let identity = first.1.identity.clone();
     for (file, sealed) in rest {

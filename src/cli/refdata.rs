@@ -1,7 +1,11 @@
 //! `shadercheck refdata`: reference data out, anyone's results in.
 
+mod files;
 mod generate;
+mod item;
+pub mod join;
 mod verify;
+mod work;
 
 use std::io::Write;
 
@@ -21,7 +25,7 @@ pub struct RefdataArgs {
 /// What is done with reference data.
 #[derive(Subcommand, Clone, Debug)]
 pub enum RefdataCommand {
-    /// Write inputs, expected outputs and bounds of suites
+    /// Write inputs, expected outputs and bounds of suites, or of shaders without one
     Generate(generate::GenerateArgs),
     /// Compare outputs with a reference file; needs neither the shader nor a device
     Verify(verify::VerifyArgs),

@@ -20,11 +20,13 @@ pub(super) fn vec4<R: Real>(words: &impl Words<R>, at: usize) -> Vec4<R> {
 /// The matrix that begins at this word, times a column.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn matrix_times<R: Real>(words: &impl Words<R>, at: usize, p: &Vec4<R>) -> Vec4<R> {
-    let row = |r: usize| {
-        let term = |c: usize| words.word(at + 4 * c + r) * p[c];
-        ((term(0) + term(1)) + term(2)) + term(3)
-    };
-    [row(0), row(1), row(2), row(3)]
+    // Not as a closure: one that is not inlined is compiled without the vectors of the caller.
+    let mut out = *p;
+    for (r, out) in out.iter_mut().enumerate() {
+        let at = at + r;
+        *out = R::dot([words.word(at), words.word(at + 4), words.word(at + 8), words.word(at + 12)], *p);
+    }
+    out
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -44,17 +46,21 @@ pub(super) fn scale<R: Real>(a: &Vec4<R>, s: R) -> Vec4<R> {
 
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn dot<R: Real>(a: &Vec4<R>, b: &Vec4<R>) -> R {
-    ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3]
+    R::dot(*a, *b)
 }
 
 /// |a|²|b|² − (a·b)², as the sum of the squares of all 2×2 determinants: nothing cancels but within one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn gram<R: Real>(a: &Vec4<R>, b: &Vec4<R>) -> R {
-    let square = |i: usize, j: usize| {
-        let minor = a[i] * b[j] - a[j] * b[i];
-        minor * minor
-    };
-    ((square(0, 1) + square(0, 2)) + (square(0, 3) + square(1, 2))) + (square(1, 3) + square(2, 3))
+    let (first, second) = (square(a, b, 0, 1) + square(a, b, 0, 2), square(a, b, 0, 3) + square(a, b, 1, 2));
+    (first + second) + (square(a, b, 1, 3) + square(a, b, 2, 3))
+}
+
+/// The square of one of the determinants.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn square<R: Real>(a: &Vec4<R>, b: &Vec4<R>, i: usize, j: usize) -> R {
+    let minor = R::minor(a[i], b[j], a[j], b[i]);
+    minor * minor
 }
 
 /// Where all components are 0.

@@ -23,7 +23,8 @@ mod wrapper;
 
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Stated};
 pub use finding::{Finding, FunctionReport, InputValue, Kind, LaneReport, Severity};
+pub use generate::batch;
 pub use hint::{FORMS, option};
-pub use run::{Request, run};
+pub use run::{Request, run, stream_key};
 pub use scan::{LIMIT, Trouble};
 pub use subject::{BadHint, Ready, Subject, subjects};

@@ -99,7 +99,7 @@ pub fn run(
         .iter()
         .map(|(lane, rulings)| OnLane::new((*lane, rulings), ready, (&reference, &oracle), capacity))
         .collect();
-    let key = crate::property::mix(request.seed, text_key(&subject.label));
+    let key = stream_key(request.seed, &subject.label);
     let mut groups: HashMap<Key, Group> = HashMap::new();
     let mut first = 0;
     while first < samples {
@@ -132,6 +132,11 @@ pub fn run(
     tell(ready, domain, groups, request, &reproduce, &mut report);
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
+}
+
+/// The key of the inputs of a function, which [`batch`](super::batch) takes.
+pub fn stream_key(seed: u64, label: &str) -> u64 {
+    crate::property::mix(seed, text_key(label))
 }
 
 fn text_key(text: &str) -> u64 {

@@ -281,6 +281,15 @@ impl OutputPrimitive {
             Self::TriangleStrip => "triangle_strip",
         }
     }
+
+    /// Vertices of one of the primitives into which a strip is cut.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Points => 1,
+            Self::LineStrip => 2,
+            Self::TriangleStrip => 3,
+        }
+    }
 }
 
 impl fmt::Display for OutputPrimitive {

@@ -3,6 +3,7 @@
 
 mod actual;
 pub mod embedded;
+pub mod native;
 pub mod opengl;
 pub mod vulkan;
 pub mod worker;
@@ -233,6 +234,11 @@ pub trait Lane {
     /// # Errors
     /// [`LaneError`] when the device refuses the kernel.
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError>;
+
+    /// True for a lane without compute that runs functions in its vertex stage.
+    fn calls_functions(&self) -> bool {
+        false
+    }
 }
 
 /// A kernel on a device.
@@ -279,6 +285,7 @@ pub fn registry() -> &'static [Candidate] {
     ALL.get_or_init(|| {
         let mut all = vulkan::candidates();
         all.extend(opengl::candidates());
+        all.extend(native::candidates());
         all.push(Candidate {
             name: "embedded",
             about: "interpreter in strict binary32, without any driver",

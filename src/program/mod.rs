@@ -24,10 +24,11 @@ use thiserror::Error;
 
 use crate::diagnostic::Diagnostic;
 use crate::glsl::Shader;
-use crate::lower::{Lowered, Role, Target};
+use crate::lower::{Lowered, Target};
 use crate::text::SourceFile;
 use crate::value::Field;
 
+pub use crate::lower::{Primitives, Role};
 pub use build::DISCARD;
 pub use capture::{
     Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,

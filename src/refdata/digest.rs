@@ -33,6 +33,11 @@ impl Digest {
     }
 }
 
+/// A key that tells runs apart, by the document that their writers begin with.
+pub fn run_key(document: &str) -> [u8; 32] {
+    Sha256::digest(document).into()
+}
+
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");

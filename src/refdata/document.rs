@@ -8,7 +8,7 @@ use super::flags::Flag;
 /// Name of the schema.
 pub const SCHEMA: &str = "shadercheck-refdata";
 /// Its version. The number before the point changes when a reader of before cannot read what is written now.
-pub const SCHEMA_VERSION: &str = "1.0";
+pub const SCHEMA_VERSION: &str = "1.1";
 
 /// Provenance of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ pub struct SuiteSource {
     pub title: String,
     /// File name of the shader.
     pub shader: String,
-    /// `vertex`, `geometry` or `function`.
+    /// `vertex`, `geometry`, `fragment`, `compute` or `function`.
     pub stage: String,
     /// Macros of this variant.
     pub defines: Vec<(String, String)>,
@@ -79,8 +79,11 @@ pub struct SuiteSource {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExpectedSource {
     /// `formula`: real numbers, rounded once, so that they are within 1 ULP of binary64; `meaning`: the
-    /// shader's own operations in binary64.
+    /// shader's own operations in binary64; `reference`: those of another shader; `recorded`: recorded values.
     pub by: String,
+    /// How exact they are, in words; empty in files of schema 1.0.
+    #[serde(default)]
+    pub accuracy: String,
     /// Name of the formula.
     pub formula: Option<String>,
     /// The formula in words, with the numbers of its equations.
@@ -171,6 +174,55 @@ impl Document {
         serde_json::from_str(text).map_err(|error| format!("its provenance cannot be read: {error}"))
     }
 
+    /// The same without a digest: what a writer begins with.
+    #[must_use]
+    pub fn without_digest(&self) -> Self {
+        Self { sha256: NO_DIGEST.into(), ..self.clone() }
+    }
+
+    /// Whether another document is of the same run.
+    ///
+    /// # Errors
+    /// The first thing that differs, in words.
+    pub fn same_run(&self, other: &Self) -> Result<(), String> {
+        let profile =
+            |d: &Self| d.profile.as_ref().map_or_else(|| "none".to_owned(), |p| format!("{} {}", p.name, p.revision));
+        let pairs = [
+            ("the suite", &self.suite.name, &other.suite.name),
+            ("the version of the tool", &self.tool.version, &other.tool.version),
+            ("the version of the schema", &self.schema_version, &other.schema_version),
+            ("the seed", &self.seed, &other.seed),
+            ("the profile", &profile(self), &profile(other)),
+            ("--samples", &self.samples.to_string(), &other.samples.to_string()),
+            ("SHA-256 of the suite file", &self.suite.suite_sha256, &other.suite.suite_sha256),
+            ("SHA-256 of the shader", &self.suite.shader_sha256, &other.suite.shader_sha256),
+        ];
+        for (what, one, two) in pairs {
+            if one != two {
+                return Err(format!("{what} is `{one}` in one and `{two}` in the other"));
+            }
+        }
+        let rest = |d: &Self| Self { first: 0, rows: 0, sha256: String::new(), ..d.clone() };
+        if rest(self) == rest(other) { Ok(()) } else { Err("their provenance differs".to_owned()) }
+    }
+
+    /// Whether blocks are whole cases, as readers rely on.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub(super) fn check_blocks(&self) -> Result<(), String> {
+        let Self { first, block_rows, per_case, .. } = self;
+        let whole = *block_rows > 0 && *per_case > 0 && block_rows.is_multiple_of(*per_case);
+        if whole && first.is_multiple_of(*block_rows) {
+            return Ok(());
+        }
+        // The part behind the last block is empty, and begins where the data set ends.
+        if whole && self.rows == 0 && *first == self.samples {
+            return Ok(());
+        }
+        Err("its provenance states blocks that are no whole cases".to_owned())
+    }
+
     /// Bytes of one array for a number of samples that begin with a case.
     pub fn array_rows(&self, array: &Array, rows: u64) -> u64 {
         match array.per {
@@ -199,7 +251,7 @@ mod tests {
         );
         assert!(
             read(r#"{"schema": "shadercheck-refdata", "schema_version": "2.0"}"#)
-                .starts_with("its schema has version 2.0, and this program reads 1.0;")
+                .starts_with("its schema has version 2.0, and this program reads 1.1;")
         );
         // A later version with the same number before the point is read as far as it is known.
         assert!(

@@ -24,14 +24,17 @@ mod number;
 mod produce;
 pub mod read;
 pub mod scene;
+mod subject;
 #[cfg(test)]
 mod tests;
 pub mod verify;
+mod worker;
 pub mod write;
 
 pub use array::{Array, Kind, Per, Role};
-pub use digest::Digest;
+pub use digest::{Digest, run_key};
 pub use document::{Document, SCHEMA, SCHEMA_VERSION, schema};
 pub use flags::{Flag, Flags};
 pub use generate::{Block, Generator, Unfit};
-pub use produce::produce;
+pub use produce::{CopyError, Forget, Keep, copy, produce};
+pub use subject::{Bare, Origin, Subject};

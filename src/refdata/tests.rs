@@ -3,7 +3,7 @@
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::sync::{Arc, Mutex};
 
-use super::read::{Dataset, ReadError, Source};
+use super::read::{Blocks, Chain, Dataset, ReadError, Sequence, Shared, Source};
 use super::write::{Format, Spill, Store};
 use super::*;
 use crate::bound::profile;
@@ -67,7 +67,7 @@ fn written(generator: &Generator<'_>, format: Format, memory: &Memory) -> io::Re
     let blocks = 0..generator.blocks();
     let store: Box<dyn Store> = Box::new(memory.clone());
     let mut sink = format.sink(&generator.document(&blocks), store, &spill)?;
-    produce(generator, blocks, &mut *sink, &mut |_| {})
+    produce(generator, blocks, &mut *sink, &Forget, &mut |_| {})
 }
 
 pub(super) fn file(suite: &str, profile: Option<&str>, format: Format, samples: u64) -> Vec<u8> {
@@ -90,7 +90,7 @@ pub(super) fn source(format: Format) -> Option<Source> {
 }
 
 pub(super) fn dataset(bytes: &[u8], format: Format) -> Result<Dataset, ReadError> {
-    Dataset::read(source(format).unwrap(), &mut Cursor::new(bytes.to_vec()))
+    Dataset::read(source(format).unwrap(), &Shared::new(Box::new(Cursor::new(bytes.to_vec()))).unwrap())
 }
 
 /// Inputs of one sample, as the arrays of a block have them.
@@ -326,9 +326,9 @@ fn what_was_changed_or_cut_off_is_not_read() {
 #[test]
 fn another_version_of_the_schema_is_refused_by_name() {
     let json = String::from_utf8(file("sphere", Some("binary32"), Format::Json, 10)).unwrap();
-    let later = json.replace("\"schema_version\":\"1.0\"", "\"schema_version\":\"2.0\"");
+    let later = json.replace("\"schema_version\":\"1.1\"", "\"schema_version\":\"2.0\"");
     let error = dataset(later.as_bytes(), Format::Json).unwrap_err().to_string();
-    assert!(error.starts_with("its schema has version 2.0, and this program reads 1.0"), "{error}");
+    assert!(error.starts_with("its schema has version 2.0, and this program reads 1.1"), "{error}");
     let error = dataset(b"{\"provenance\": {}}", Format::Json).unwrap_err().to_string();
     assert!(error.starts_with("its provenance is no document of schema"), "{error}");
 }
@@ -341,22 +341,48 @@ fn parts_together_are_the_whole_and_faults_of_theirs_are_told() {
     let part = |blocks: std::ops::Range<u64>| {
         let memory = Memory::default();
         let mut sink = Format::Npz.sink(&generator.document(&blocks), Box::new(memory.clone()), &spill).unwrap();
-        produce(&generator, blocks, &mut *sink, &mut |_| {}).unwrap();
+        produce(&generator, blocks, &mut *sink, &Forget, &mut |_| {}).unwrap();
         drop(sink);
-        dataset(&memory.take(), Format::Npz).unwrap()
+        memory.take()
+    };
+    let open = |bytes: &[u8]| Shared::new(Box::new(Cursor::new(bytes.to_vec()))).unwrap();
+    let blocks = |bytes: &[u8]| Blocks::open(Source::Npz, &open(bytes));
+    let joined = |parts: &[&[u8]]| -> Result<Vec<u8>, ReadError> {
+        let name = |(k, bytes): (usize, &&[u8])| (format!("p{k}"), blocks(bytes).unwrap().document().clone());
+        let documents: Vec<_> = parts.iter().enumerate().map(name).collect();
+        let mut chain = Chain::new(&documents, Box::new(|part| blocks(parts[part])))?;
+        let memory = Memory::default();
+        let begin = chain.document().without_digest();
+        let mut sink = Format::Npz.sink(&begin, Box::new(memory.clone()), &spill).unwrap();
+        match copy(&mut chain, Some(&mut *sink), &mut |_| {}) {
+            Ok(_) => {}
+            Err(CopyError::Read(error)) => return Err(error),
+            Err(CopyError::Write(error)) => panic!("{error}"),
+        }
+        drop(sink);
+        Ok(memory.take())
     };
     let whole = part(0..4);
     let (first, second, none, last) = (part(0..1), part(1..3), part(3..3), part(3..4));
-    let joined = Dataset::join(vec![last.clone(), first.clone(), none, second.clone()]).unwrap();
-    assert_eq!(joined.arrays, whole.arrays);
-    assert_eq!(joined.document.rows, 200_000);
-    let told = |parts: &[&Dataset]| Dataset::join(parts.iter().map(|&p| p.clone()).collect()).unwrap_err().to_string();
+    assert!(joined(&[&last, &first, &none, &second]).unwrap() == whole, "joined in another order");
+    assert!(joined(&[&part(2..4), &part(0..2)]).unwrap() == whole, "of other parts");
+    let told = |parts: &[&[u8]]| joined(parts).unwrap_err().to_string();
     assert_eq!(told(&[]), "it holds no reference file");
-    assert_eq!(told(&[&second, &last]), "samples 0 to 65535 are missing");
-    assert_eq!(told(&[&first, &last]), "samples 65536 to 196607 are missing");
-    assert_eq!(told(&[&first, &second]), "samples 196608 to 199999 are missing");
-    assert_eq!(told(&[&first, &second, &second, &last]), "sample 65536 is in two parts");
-    let mut other = second;
-    other.document.seed = "8".into();
-    assert!(told(&[&first, &other, &last]).contains("is of another run"));
+    assert!(told(&[&second, &last]).starts_with("samples 0 to 65535 are missing"));
+    assert!(told(&[&first, &last]).starts_with("samples 65536 to 196607 are missing"));
+    assert!(told(&[&first, &second]).starts_with("samples 196608 to 199999 are missing"));
+    let twice = told(&[&first, &second, &second, &last]);
+    assert_eq!(twice, "sample 65536 is there twice: in `p1` and in `p2`");
+    let generator = Generator::new(&prepared, profile::by_name("binary32"), 200_000, 8).unwrap();
+    let memory = Memory::default();
+    let mut sink = Format::Npz.sink(&generator.document(&(1..3)), Box::new(memory.clone()), &spill).unwrap();
+    produce(&generator, 1..3, &mut *sink, &Forget, &mut |_| {}).unwrap();
+    drop(sink);
+    let other = told(&[&first, &memory.take(), &last]);
+    assert_eq!(other, "`p0` and `p1` are of different runs: the seed is `7` in one and `8` in the other");
+    // A part whose numbers are not those that were written is found when it is read.
+    let mut damaged = second.clone();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    assert!(told(&[&first, &damaged, &last]).starts_with("SHA-256 is "));
 }

@@ -55,7 +55,7 @@ fn case(text: &mut String, Worst { element, flags, inputs }: &Worst) {
         "`{}` of sample {} is {:?} (0x{:08x}), expected {:?} ± {:.1e}",
         element.component, element.sample, element.actual, element.bits, element.expected, element.bound
     );
-    let _ = writeln!(text, "  off by     {:.3e}: {:.3} of its bound", element.error(), element.ratio());
+    let _ = writeln!(text, "  off by     {:.3e}: {} of its bound", element.error(), times(element.ratio()));
     for (name, kind, words) in inputs {
         // A long list says less than its beginning.
         let shown: Vec<String> = words.iter().take(16).map(|&word| number(word, *kind)).collect();
@@ -73,6 +73,11 @@ fn number(word: u32, kind: Kind) -> String {
         Kind::I4 => word.cast_signed().to_string(),
         Kind::F8 | Kind::U4 | Kind::U2 => word.to_string(),
     }
+}
+
+/// A factor in few digits.
+fn times(x: f64) -> String {
+    if x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") }
 }
 
 /// The report for programs.

@@ -3,6 +3,7 @@
 
 use super::judge::{Doubt, Reason};
 use super::oracle::Oracle;
+use super::reference::{Evaluator, Expected, Reference};
 use crate::bound::profile::Profile;
 use crate::bound::tape::{Model, Tape};
 use crate::interp::{Binary64, LANES, Machine, Number, OutputColumn};
@@ -78,6 +79,66 @@ impl<'a> Limiter<'a> {
                     }
                 }
             }
+        }
+    }
+}
+
+/// How far binary64 may be off where it gives what a program means.
+pub struct Roundoff<'a> {
+    machine: Machine<'a, Tape<'a>>,
+}
+
+impl<'a> Roundoff<'a> {
+    /// For a program.
+    pub fn new(oracle: &'a Oracle) -> Self {
+        Self { machine: oracle.ideal_tape() }
+    }
+
+    /// Bounds on the error of the outputs of the invocations from `first` on: by vertex, then by word, then by
+    /// lane. Infinite where nothing bounds it, and where a comparison could go either way.
+    pub fn look(&mut self, batch: &Batch, first: usize, slack: &mut Vec<f64>) {
+        let machine = &mut self.machine;
+        machine.run(batch, first);
+        slack.clear();
+        for vertex in 0..machine.room() {
+            for word in 0..machine.width() {
+                let column = match machine.output(vertex, word) {
+                    OutputColumn::Real(&column) => Some(column),
+                    OutputColumn::Word(_) => None,
+                };
+                let tape = machine.domain();
+                let bounds = column.map(|column| *tape.bounds(column, &mut |_| false).bound);
+                slack.extend((0..LANES).map(|lane| match (tape.fork(lane), &bounds) {
+                    (Some(_), _) => f64::INFINITY,
+                    (None, Some(bounds)) if bounds[lane].is_nan() => f64::INFINITY,
+                    (None, Some(bounds)) => bounds[lane],
+                    (None, None) => 0.0,
+                }));
+            }
+        }
+    }
+}
+
+/// Gives what a reference expects, with how far the expectation itself may be off.
+pub struct Wanted<'a> {
+    evaluator: Evaluator<'a>,
+    expected: Expected,
+}
+
+impl<'a> Wanted<'a> {
+    /// For a reference.
+    pub fn new(reference: &'a Reference) -> Self {
+        Self { evaluator: Evaluator::bounded(reference), expected: Expected::default() }
+    }
+
+    /// Calls `each` with the place of each of these invocations, at most [`LANES`] of them, its expected words
+    /// (empty where nothing is expected), and how far each of them may be off.
+    pub fn look(&mut self, batch: &Batch, first: usize, count: usize, each: &mut dyn FnMut(usize, &[f64], &[f64])) {
+        let invocations: Vec<usize> = (first..first + count).collect();
+        self.evaluator.turn_to(batch, &invocations);
+        for (lane, &invocation) in invocations.iter().enumerate() {
+            self.evaluator.expected(batch, invocation, lane, &mut self.expected);
+            each(lane, &self.expected.words, &self.expected.slack);
         }
     }
 }

@@ -19,7 +19,7 @@ mod used;
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
 pub use expectations::{Movement, movement, shader_deviation};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
-pub use limits::{Limiter, Limits, Meant};
+pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
 pub use reference::{Expected, Given, GivenRule, Recorded, RecordedRow, Reference, ReferenceError};

@@ -269,9 +269,9 @@ fn results_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn hooks_and_the_action_call_options_that_exist() {
+fn hooks_call_options_that_exist() {
     let help = run_in(root(), "lint --help").expect(0).out;
-    for name in [".pre-commit-hooks.yaml", "action.yml"] {
+    for name in [".pre-commit-hooks.yaml"] {
         let text = fs::read_to_string(root().join(name)).unwrap();
         let options: Vec<&str> = text
             .split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'))

@@ -7,6 +7,7 @@ mod binary;
 mod blame;
 mod calibrate;
 mod check_cli;
+mod ci;
 mod constructs;
 mod fuzz;
 mod geometry;

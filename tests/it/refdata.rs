@@ -1,5 +1,8 @@
 //! `shadercheck refdata` as others use it: files, faults in them, and the readers in `examples`.
 
+mod bare;
+mod parts;
+
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -97,7 +100,7 @@ fn bad_arguments_are_told() {
     assert!(told("sphre -o a.npz").contains("did you mean `sphere`?"));
     assert!(told("sphere --profile vulkan-1.5 -o a.npz").contains("did you mean `vulkan-1.4`?"));
     assert!(told("sphere -o a.csv").contains("does not end in `.npz`"));
-    assert!(told("sphere cylinder -o a.npz").contains("2 suites do not go into the one file"));
+    assert!(told("sphere cylinder -o a.npz").contains("2 data sets do not go into the one file"));
     assert!(told("bone_weight --format glb -o a.glb").contains("`bone_weight` is no geometry"));
     assert_eq!(names(at), Vec::<String>::new(), "nothing is written");
 }

@@ -1,4 +1,4 @@
-//! Makes a machine able to run shaders: installs Mesa's drivers where they are missing and where that needs
+//! Makes a machine able to run shaders: installs lavapipe where it is missing and where that needs
 //! no password, and says in one sentence what is missing where it cannot.
 
 use std::io::{self, Write};
@@ -7,15 +7,60 @@ use crate::host::{Host, on_path};
 use crate::opengl;
 use crate::vulkan::{self, Found};
 
-/// Debian's and Ubuntu's packages of lavapipe and of the Vulkan loader.
-const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
+/// Something that a lane needs.
+struct Need {
+    /// Debian's and Ubuntu's packages of it.
+    packages: &'static [&'static str],
+    /// The command of other distributions, by their package manager.
+    elsewhere: [(&'static str, &'static str); 3],
+    /// What it is, for a system without any of these package managers.
+    what: &'static str,
+    /// The lane.
+    lane: &'static str,
+    /// What is said when it was installed.
+    ready: &'static str,
+    /// Whether it is there.
+    there: fn(&dyn Host) -> bool,
+}
 
-/// The command of other distributions, by their package manager.
-const ELSEWHERE: [(&str, &str); 3] = [
-    ("dnf", "sudo dnf install mesa-vulkan-drivers vulkan-loader"),
-    ("pacman", "sudo pacman -S vulkan-swrast vulkan-icd-loader"),
-    ("apk", "sudo apk add mesa-vulkan-swrast vulkan-loader"),
-];
+const DRIVER: Need = Need {
+    packages: &["mesa-vulkan-drivers", "libvulkan1"],
+    elsewhere: [
+        ("dnf", "sudo dnf install mesa-vulkan-drivers vulkan-loader"),
+        ("pacman", "sudo pacman -S vulkan-swrast vulkan-icd-loader"),
+        ("apk", "sudo apk add mesa-vulkan-swrast vulkan-loader"),
+    ],
+    what: "Mesa's lavapipe and the Vulkan loader",
+    lane: "vulkan",
+    ready: "Vulkan is ready",
+    there: |host| vulkan::find(host).complete(),
+};
+
+const TRANSLATOR: Need = Need {
+    packages: &["glslang-tools"],
+    elsewhere: [
+        ("dnf", "sudo dnf install glslang"),
+        ("pacman", "sudo pacman -S glslang"),
+        ("apk", "sudo apk add glslang"),
+    ],
+    what: "glslang",
+    lane: "vulkan-glslang",
+    ready: "glslangValidator is ready",
+    there: |host| on_path(host, "glslangValidator").is_some(),
+};
+
+const OPENGL: Need = Need {
+    packages: &opengl::PACKAGES,
+    elsewhere: [
+        ("dnf", "sudo dnf install mesa-libEGL mesa-dri-drivers"),
+        ("pacman", "sudo pacman -S mesa libglvnd"),
+        ("apk", "sudo apk add mesa-egl mesa-dri-gallium"),
+    ],
+    what: "Mesa's EGL and its DRI drivers",
+    lane: "opengl",
+    ready: "OpenGL is ready",
+    there: opengl::is_there,
+};
 
 /// How apt-get can be run as the administrator.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -25,56 +70,13 @@ enum Rights {
     None,
 }
 
-/// Installs drivers of Vulkan and of OpenGL where there are none and it is permitted. Whatever happens, the run
-/// goes on: the gate itself reports a lane that is absent.
+/// Installs a Vulkan driver when there is none and it is permitted. Whatever happens, the run goes
+/// on: the gate itself reports a lane that is absent.
 pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
-    prepare_vulkan(host, messages)?;
-    prepare_opengl(host, messages)
-}
-
-fn prepare_opengl(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
-    if !cfg!(target_os = "linux") || opengl::is_there(host) {
-        return Ok(());
-    }
-    let apt = on_path(host, "apt-get").is_some();
-    let rights = if apt { rights(host) } else { Rights::None };
-    let forbidden = host.var("SHADERCHECK_NO_INSTALL").is_some_and(|value| value != "0");
-    let failure = match rights {
-        _ if forbidden => Some("SHADERCHECK_NO_INSTALL forbids to install it".to_owned()),
-        Rights::None if apt => Some("installing needs a password".to_owned()),
-        Rights::None => None,
-        Rights::Root | Rights::Sudo => {
-            writeln!(messages, "xtask: Mesa's OpenGL is missing: installing {}", opengl::PACKAGES.join(" "))?;
-            match install(host, rights, &opengl::PACKAGES) {
-                Ok(()) if opengl::is_there(host) => {
-                    return writeln!(messages, "xtask: installed; OpenGL is ready");
-                }
-                Ok(()) => Some("apt-get reported success and it is still not found".to_owned()),
-                Err(failure) => Some(failure),
-            }
-        }
-    };
-    let because = failure.map(|failure| format!(" ({failure})")).unwrap_or_default();
-    let what = match apt {
-        true => command(rights, &opengl::PACKAGES),
-        false => "install Mesa's EGL and its DRI drivers with this system's package manager".to_owned(),
-    };
-    writeln!(messages, "xtask: Mesa's OpenGL is missing{because}, so no shader can run on the lanes `opengl…`: {what}")
-}
-
-/// The command that installs packages.
-fn command(rights: Rights, packages: &[&str]) -> String {
-    let sudo = if rights == Rights::Root { "" } else { "sudo " };
-    let packages = packages.join(" ");
-    format!("run `{sudo}apt-get update && {sudo}apt-get install -y --no-install-recommends {packages}`")
-}
-
-fn prepare_vulkan(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
     let found = vulkan::find(host);
     if !cfg!(target_os = "linux") || found.complete() {
         return Ok(());
     }
-    let missing = missing(&found);
     if let (Some(name), true) = (found.pinned_by, found.driver.is_none()) {
         // Installing would not help: the variable hides whatever is installed.
         return writeln!(
@@ -82,6 +84,26 @@ fn prepare_vulkan(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<(
             "xtask: {name} names no usable Vulkan driver, so no shader can run on the lane `vulkan`: unset it or point it to a manifest"
         );
     }
+    provide(host, messages, &DRIVER, missing(&found))
+}
+
+/// The same for the translator that the lane `vulkan-glslang` runs.
+pub fn prepare_translator(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    if !cfg!(target_os = "linux") || (TRANSLATOR.there)(host) {
+        return Ok(());
+    }
+    provide(host, messages, &TRANSLATOR, "glslangValidator")
+}
+
+/// The same for the drivers of the lanes `opengl`, `opengl-softpipe` and `opengl-zink`.
+pub fn prepare_opengl(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    if !cfg!(target_os = "linux") || opengl::is_there(host) {
+        return Ok(());
+    }
+    provide(host, messages, &OPENGL, "Mesa's OpenGL")
+}
+
+fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: &str) -> io::Result<()> {
     let apt = on_path(host, "apt-get").is_some();
     let rights = if apt { rights(host) } else { Rights::None };
     let forbidden = host.var("SHADERCHECK_NO_INSTALL").is_some_and(|value| value != "0");
@@ -90,10 +112,10 @@ fn prepare_vulkan(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<(
         Rights::None if apt => Some("installing needs a password".to_owned()),
         Rights::None => None,
         Rights::Root | Rights::Sudo => {
-            writeln!(messages, "xtask: {missing} is missing: installing {} with apt-get", PACKAGES.join(" and "))?;
-            match install(host, rights, &PACKAGES) {
-                Ok(()) if vulkan::find(host).complete() => {
-                    return writeln!(messages, "xtask: installed; Vulkan is ready");
+            writeln!(messages, "xtask: {missing} is missing: installing {} with apt-get", need.packages.join(" and "))?;
+            match install(host, rights, need.packages) {
+                Ok(()) if (need.there)(host) => {
+                    return writeln!(messages, "xtask: installed; {}", need.ready);
                 }
                 Ok(()) => Some("apt-get reported success and it is still not found".to_owned()),
                 Err(failure) => Some(failure),
@@ -103,8 +125,9 @@ fn prepare_vulkan(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<(
     let because = failure.map(|failure| format!(" ({failure})")).unwrap_or_default();
     writeln!(
         messages,
-        "xtask: {missing} is missing{because}, so no shader can run on the lane `vulkan`: {}",
-        advice(host, apt, rights)
+        "xtask: {missing} is missing{because}, so no shader can run on the lane `{}`: {}",
+        need.lane,
+        advice(host, apt, rights, need)
     )
 }
 
@@ -116,13 +139,17 @@ fn missing(found: &Found) -> &'static str {
     }
 }
 
-fn advice(host: &dyn Host, apt: bool, rights: Rights) -> String {
+fn advice(host: &dyn Host, apt: bool, rights: Rights, need: &Need) -> String {
     if apt {
-        return command(rights, &PACKAGES);
+        let sudo = if rights == Rights::Root { "" } else { "sudo " };
+        return format!(
+            "run `{sudo}apt-get update && {sudo}apt-get install -y --no-install-recommends {}`",
+            need.packages.join(" ")
+        );
     }
-    let known = ELSEWHERE.iter().find(|(manager, _)| on_path(host, manager).is_some());
+    let known = need.elsewhere.iter().find(|(manager, _)| on_path(host, manager).is_some());
     known.map_or_else(
-        || "install Mesa's lavapipe and the Vulkan loader with this system's package manager".to_owned(),
+        || format!("install {} with this system's package manager", need.what),
         |(_, command)| format!("run `{command}`"),
     )
 }
@@ -201,35 +228,26 @@ mod tests {
 
     fn prepared(host: &mut Fake) -> String {
         let mut messages = Vec::new();
-        prepare_vulkan(host, &mut messages).unwrap();
+        prepare(host, &mut messages).unwrap();
         String::from_utf8(messages).unwrap()
     }
-
-    fn prepared_opengl(host: &mut Fake) -> String {
-        let mut messages = Vec::new();
-        prepare_opengl(host, &mut messages).unwrap();
-        String::from_utf8(messages).unwrap()
-    }
-
-    const OPENGL: [&str; 3] = ["/usr/lib/libEGL.so.1", "/usr/lib/libEGL_mesa.so.0", "/usr/lib/dri/swrast_dri.so"];
 
     #[test]
     fn opengl_is_installed_where_it_is_missing() {
-        let mut host = debian().program("id -u", true, "0\n");
         let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
-        OPENGL.iter().for_each(|path| host.appear.push((start, path, "")));
-        let text = prepared_opengl(&mut host.program(start, true, ""));
+        let mut host = debian().program("id -u", true, "0\n");
+        let parts = ["/usr/lib/libEGL.so.1", "/usr/lib/libEGL_mesa.so.0", "/usr/lib/dri/swrast_dri.so"];
+        parts.iter().for_each(|path| host.appear.push((start, path, "")));
+        let prepared = |host: &mut Fake| {
+            let mut messages = Vec::new();
+            prepare_opengl(host, &mut messages).unwrap();
+            String::from_utf8(messages).unwrap()
+        };
+        let text = prepared(&mut host.program(start, true, ""));
         assert!(text.ends_with("installed; OpenGL is ready\n"), "{text}");
-        let mut there = OPENGL.iter().fold(debian(), |host, path| host.file(path, ""));
-        assert_eq!(prepared_opengl(&mut there), "");
-    }
-
-    #[test]
-    fn a_user_without_rights_is_told_how_opengl_is_installed() {
+        assert_eq!(prepared(&mut parts.iter().fold(debian(), |host, path| host.file(path, ""))), "");
         let mut host = debian().program("id -u", true, "1000\n").program("sudo -n true", false, "");
-        let text = prepared_opengl(&mut host);
-        let command = "run `sudo apt-get update && sudo apt-get install -y --no-install-recommends libegl1 libegl-mesa0 libgl1-mesa-dri`\n";
-        assert!(text.contains("(installing needs a password)") && text.ends_with(command), "{text}");
+        assert!(prepared(&mut host).ends_with("--no-install-recommends libegl1 libegl-mesa0 libgl1-mesa-dri`\n"));
     }
 
     const COMMAND: &str = "apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1`\n";
@@ -318,6 +336,27 @@ mod tests {
             .file("/usr/lib/libvulkan.so.1", "");
         assert_eq!(prepared(&mut host), "");
         assert!(host.log.is_empty());
+    }
+
+    #[test]
+    fn a_missing_translator_is_installed_alone_and_one_that_is_there_is_left_alone() {
+        let prepared = |host: &mut Fake| {
+            let mut messages = Vec::new();
+            prepare_translator(host, &mut messages).unwrap();
+            String::from_utf8(messages).unwrap()
+        };
+        let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
+        let mut host = debian().program("id -u", true, "0\n").program(start, true, "");
+        host.appear.push((start, "/usr/bin/glslangValidator", ""));
+        assert!(prepared(&mut host).ends_with("with apt-get\nxtask: installed; glslangValidator is ready\n"));
+        assert!(host.log.last().unwrap().ends_with("install -y --no-install-recommends glslang-tools"));
+        assert_eq!(prepared(&mut debian().file("/usr/bin/glslangValidator", "")), "");
+        let mut host = debian().var("SHADERCHECK_NO_INSTALL", "1");
+        let text = prepared(&mut host);
+        assert!(
+            text.contains("glslangValidator is missing") && text.contains("the lane `vulkan-glslang`: run `"),
+            "{text}"
+        );
     }
 
     #[test]

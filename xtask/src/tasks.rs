@@ -19,12 +19,16 @@ const GATE: [&str; 6] = ["run", "--package", "shadercheck", "--bin", "shaderchec
 /// Sets the machine up and runs `shadercheck check`.
 pub fn check(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
+    setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     status(cargo(GATE).arg("check").args(arguments))
 }
 
 /// Sets the machine up and runs all tests. The runner's own summary closes the output.
 pub fn test(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
+    setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     setup::report_validators(&ThisMachine, messages)?;
     setup::report_readers(&mut ThisMachine, messages)?;
     let nextest = cargo(["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
@@ -80,6 +84,8 @@ fn unreferenced(workspace: &Path, messages: &mut dyn Write) -> Result<u8> {
 /// Prints how fast the gate is, the functions on columns, the linter, and reference data.
 pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
+    setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     if let Some((_, rest)) = arguments.split_first().filter(|(first, _)| *first == "--against-script") {
         return against::run(rest, messages);
     }
@@ -120,6 +126,8 @@ pub fn survey(arguments: &[OsString]) -> Result<u8> {
 /// Prints how many of piglit's tests of built-in functions agree.
 pub fn piglit(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
+    setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     let run = ["bench", "--quiet", "--profile", "dev", "--package", "shadercheck", "--bench", "piglit", "--"];
     status(cargo(run).args(arguments))
 }

@@ -10,13 +10,18 @@ pub(super) const KEYS: [&str; 7] = ["lane", "driver", "date", "samples", "fma", 
 /// are equal, and the first two numbers behind `Mesa` are. What stands in parentheses is no part of
 /// it: llvmpipe tells there the version of LLVM and the width of its vectors, and its functions are
 /// made by Mesa from additions and multiplications, which are the same in any width. The third number
-/// of Mesa's version counts corrections. A description without a version of Mesa has no identity: of
-/// other drivers it is not known which number says that the operations have changed.
+/// of Mesa's version counts corrections.
+///
+/// SwiftShader gives every build the version 5.0, and its own functions have been the same for years; what stands in
+/// parentheses is the compiler behind them, which counts.
+///
+/// Any other description has no identity: of other drivers it is not known which number says that the operations have
+/// changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Name of the device.
     pub device: String,
-    /// First two numbers of Mesa's version.
+    /// First two numbers of the driver's version.
     pub version: (u32, u32),
     /// The whole version, as the driver writes it; two identities with other ones may be equal in
     /// everything that counts, see [`Identity::is_same`].
@@ -24,8 +29,12 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// The identity in a description of device and driver; `None` where it names no version of Mesa.
+    /// The identity in a description of device and driver; `None` where it names none.
     pub fn of(driver: &str) -> Option<Self> {
+        if let Some(compiler) = driver.strip_prefix("SwiftShader Device (").and_then(|rest| rest.split_once(')')) {
+            let device = format!("swiftshader-{}", compiler.0.to_lowercase());
+            return Some(Self { device, version: (5, 0), full_version: "5.0".to_owned() });
+        }
         // A device may be called after Mesa too: the version is what has numbers behind it.
         let mut versions = driver.match_indices("Mesa ").filter_map(|(at, word)| version(&driver[at + word.len()..]));
         let (version, full_version) = versions.next()?;
@@ -81,6 +90,15 @@ mod tests {
         assert!(same(LLVMPIPE, LLVMPIPE));
         assert!(same(LLVMPIPE, "llvmpipe (LLVM 15.0.6, 128 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)"));
         assert!(same(LLVMPIPE, "llvmpipe (LLVM 14.0.0, 512 bits), llvmpipe, Mesa 22.3.1 (LLVM 14.0.0)"));
+    }
+
+    #[test]
+    fn swiftshader_is_known_by_its_compiler() {
+        let subzero = "SwiftShader Device (Subzero), SwiftShader driver";
+        assert_eq!(Identity::of(subzero).unwrap().profile_name(), "swiftshader-subzero-5.0");
+        assert!(same(subzero, "SwiftShader Device (Subzero)"));
+        assert!(!same(subzero, "SwiftShader Device (LLVM 10.0.0), SwiftShader driver"));
+        assert!(!same(subzero, LLVMPIPE));
     }
 
     #[test]

@@ -90,7 +90,21 @@ fn from_file(path: &Path) -> anyhow::Result<Vec<Selected>> {
 /// The suites beside a shader that are about it.
 fn of_shader(path: &Path) -> anyhow::Result<Vec<Selected>> {
     let name = path.display().to_string();
-    anyhow::ensure!(path.exists(), "cannot read `{name}`: there is no such file");
+    let selected = beside(path)?;
+    anyhow::ensure!(
+        !selected.is_empty(),
+        "`{name}` is no suite file, and no suite beside it is about it; to run a shader under a suite, write \
+         `check SUITE --shader {name}`; `shadercheck init` writes a first suite"
+    );
+    Ok(selected)
+}
+
+/// The suites beside a shader that are about it, which may be none.
+///
+/// # Errors
+/// When there is no such file, or the folder cannot be searched.
+pub fn beside(path: &Path) -> anyhow::Result<Vec<Selected>> {
+    anyhow::ensure!(path.exists(), "cannot read `{}`: there is no such file", path.display());
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut selected = Vec::new();
     for file in suite::search(folder)? {
@@ -101,11 +115,6 @@ fn of_shader(path: &Path) -> anyhow::Result<Vec<Selected>> {
             selected.extend(from_file(&file)?);
         }
     }
-    anyhow::ensure!(
-        !selected.is_empty(),
-        "`{name}` is no suite file, and no suite beside it is about it; to run a shader under a suite, write \
-         `check SUITE --shader {name}`; `shadercheck init` writes a first suite"
-    );
     Ok(selected)
 }
 

@@ -7,27 +7,35 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::files;
+use super::item::{self, Item};
+use super::work::Work;
+use crate::bound::profile::Profile;
 use crate::cli::check::profile;
-use crate::cli::check::select::{self, Selected};
 use crate::cli::fresh::Fresh;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
+use crate::refdata::read::Sequence;
 use crate::refdata::write::{Format, Spill, Store};
-use crate::refdata::{Generator, produce, scene};
+use crate::refdata::{Forget, Generator, Subject, copy, produce, scene};
 use crate::shard::Shard;
-use crate::suite::Expect;
-use crate::suite::run::{DEFAULT_SEED, prepare};
+use crate::suite::run::DEFAULT_SEED;
 
 /// Arguments of `shadercheck refdata generate`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-Expected outputs are real numbers, computed with some 100 bits and rounded once to binary64 (suites with a \
-formula that comes with shadercheck), or what the shader means in binary64 (all others). The same arguments \
-give the same bytes on every machine.
+Expected outputs are real numbers, computed with some 100 bits and rounded once to binary64 (suites with a formula \
+that comes with shadercheck); what another shader means in binary64, or recorded values (suites that say so); or what \
+the shader itself means in binary64 (all others). The provenance tells which, and how exact that is. The same \
+arguments give the same bytes on every machine.
+
+A shader stands for the suites beside it that are about it. Where there are none, each of its functions, or its \
+stage, is a data set of its own, with the inputs that `fuzz` gives it: from the domains that comments or --domain \
+state, or else of ordinary sizes.
 
 `docs/refdata.md` tells what is in the files.")]
 pub struct GenerateArgs {
-    /// Shipped suites by name, suite files (*.suite.toml), shaders with a suite beside them, and folders
+    /// Shipped suites by name, suite files (*.suite.toml), shaders, and folders
     #[arg(value_name = "SUITE|FILE", required = true)]
     pub suites: Vec<String>,
     /// Format of the files
@@ -36,7 +44,7 @@ pub struct GenerateArgs {
     /// A file, or a folder for files that are called as their suites are
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: PathBuf,
-    /// Samples of each suite; what the suite says without it
+    /// Samples of each suite; what the suite says without it, or 65536 for a shader without one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: Option<u64>,
     /// Seed of the inputs: the same seed gives the same inputs everywhere
@@ -45,8 +53,18 @@ pub struct GenerateArgs {
     /// What bounds are derived from: a shipped profile by name, a file that `calibrate` wrote, or `none`
     #[arg(long, value_name = "NAME|FILE", default_value = "vulkan-1.4")]
     pub profile: String,
+    /// Of shaders without a suite, only functions of this name; with the types of the parameters, one of several
+    #[arg(long, value_name = "NAME")]
+    pub function: Vec<String>,
+    /// Values that an input of a shader without a suite takes, as for `fuzz`: `x=[0,1]`, `n=normalised`
+    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
+    pub domain: Vec<String>,
+    /// Folders that are searched for files that a shader without a suite includes
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
     /// Write one part of the samples, I of N, counted from 0, to a file of its own in the folder; `auto`
-    /// takes I and N from the environment, as for `check`
+    /// takes I and N from the environment, as for `check`. A part that was stopped goes on when it is run
+    /// again; `shadercheck merge` joins the parts
     #[arg(long, value_name = "I/N|auto")]
     pub shard: Option<String>,
 }
@@ -60,7 +78,7 @@ pub enum FormatArg {
     Npz,
     /// Columns of Apache Parquet
     Parquet,
-    /// A header for C and C++
+    /// A header for C and C++; not with --shard
     C,
     /// A table
     Csv,
@@ -103,63 +121,165 @@ const VERTICES: u64 = 2048;
 /// When a suite, a profile or the shader is wrong, or a file cannot be written; nothing is left under its
 /// name then.
 pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let selected = select::select(&args.suites)?;
-    let profile = profile::named(&args.profile)?;
     let sharing = ShardArgs { shard: args.shard.clone(), ..ShardArgs::default() };
     let shard = sharing.shard()?;
     anyhow::ensure!(
         shard.is_none() || args.format != FormatArg::Glb,
         "--shard shares out samples, and a scene has none; leave it out"
     );
-    let paths = paths(&args.output, &selected, args.format, shard)?;
-    for (selected, path) in selected.iter().zip(paths) {
-        let failed = || format!("cannot write `{}`", path.display());
+    anyhow::ensure!(
+        shard.is_none() || args.format != FormatArg::C,
+        "--shard writes parts that are read again, and nothing reads a header; take npz, and \
+         `shadercheck merge DIR --out FILE.h` writes the header"
+    );
+    let profile = profile::named(&args.profile)?;
+    let items = item::items(args, err)?;
+    let names: Vec<&str> = items.iter().map(Item::name).collect();
+    let paths = paths(&args.output, &names, args.format, shard)?;
+    for (item, path) in items.iter().zip(paths) {
         let Some(format) = args.format.format() else {
-            let name = match &selected.suite.expect {
-                Expect::Formula(name) => name.as_str(),
-                Expect::Reference(_) | Expect::Recorded(_) | Expect::Nothing => selected.suite.name.as_str(),
-            };
-            let bytes = scene::scene(name, args.samples.unwrap_or(VERTICES))?;
-            write(&path, |mut store| store.write_all(&bytes)).with_context(failed)?;
+            let bytes = scene::scene(item.formula(), args.samples.unwrap_or(VERTICES))?;
+            let written = write(&path, |mut store| store.write_all(&bytes));
+            written.with_context(|| format!("cannot write `{}`", path.display()))?;
             writeln!(out, "{}  glTF 2.0, {} bytes", path.display(), bytes.len())?;
             continue;
         };
-        let samples = args.samples.unwrap_or(selected.suite.samples);
-        let prepared = prepare(&selected.suite, &selected.shader)?;
-        let generator = Generator::new(&prepared, profile.as_deref(), samples, args.seed)?;
-        let blocks = shard.unwrap_or(Shard::WHOLE).range(generator.blocks());
-        let bar = bar(&selected.suite.name, generator.rows_of(&blocks));
-        let digest = write(&path, |store| {
-            let sink = format.sink(&generator.document(&blocks), store, &spill);
-            produce(&generator, blocks.clone(), &mut *sink?, &mut |done| bar.set_position(done))
-        });
-        bar.finish_and_clear();
-        let digest = digest.with_context(failed)?;
-        writeln!(out, "{}  {} samples  sha256 {digest}", path.display(), generator.rows_of(&blocks))?;
+        match item {
+            Item::Suite(selected) => {
+                let prepared = crate::suite::run::prepare(&selected.suite, &selected.shader)?;
+                let samples = args.samples.unwrap_or_else(|| match prepared.suite.expect {
+                    crate::suite::Expect::Recorded(_) => prepared.rows.len() as u64,
+                    _ => prepared.suite.samples,
+                });
+                let job = Job { args, profile: profile.as_deref(), format, path: &path, shard };
+                job.run(Subject::from(&prepared), samples, out, err)?;
+            }
+            Item::Bare(bare) => {
+                let job = Job { args, profile: profile.as_deref(), format, path: &path, shard };
+                job.run(Subject::from(&**bare), args.samples.unwrap_or(item::SAMPLES), out, err)?;
+            }
+        }
         err.flush()?;
     }
     Ok(ExitStatus::Clean)
 }
 
+/// One file that is to be written.
+struct Job<'a> {
+    args: &'a GenerateArgs,
+    profile: Option<&'a Profile>,
+    format: Format,
+    path: &'a Path,
+    shard: Option<Shard>,
+}
+
+impl Job<'_> {
+    fn run(&self, subject: Subject<'_>, samples: u64, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<()> {
+        let path = self.path.display();
+        let failed = || format!("cannot write `{path}`");
+        let generator = Generator::new(subject, self.profile, samples, self.args.seed)?;
+        let blocks = self.shard.unwrap_or(Shard::WHOLE).range(generator.blocks());
+        let document = generator.document(&blocks);
+        let rows = generator.rows_of(&blocks);
+        let name = subject.name();
+        if self.shard.is_some()
+            && let Some(digest) = self.finished(&document, err)?
+        {
+            writeln!(out, "{path}  {rows} samples  sha256 {digest}  (was done before)")?;
+            return Ok(());
+        }
+        let bar = bar(name, rows);
+        let format = self.format;
+        let digest = match self.shard {
+            None => write(self.path, |store| {
+                let mut sink = format.sink(&document, store, &spill)?;
+                produce(&generator, blocks.clone(), &mut *sink, &Forget, &mut |done| bar.set_position(done))
+            }),
+            Some(shard) => {
+                let work = Work::open(self.path, &document.line(), &generator).with_context(failed)?;
+                let done = work.done(blocks.clone());
+                if done > 0 {
+                    writeln!(
+                        err,
+                        "note: shard {shard} of `{name}` goes on: {done} of its {} blocks are there",
+                        blocks.end - blocks.start
+                    )?;
+                }
+                let fresh = Fresh::within(work.folder(), self.path).with_context(failed)?;
+                let store: Box<dyn Store> = Box::new(fresh.file().with_context(failed)?);
+                let digest = format.sink(&document, store, &spill).and_then(|mut sink| {
+                    produce(&generator, blocks.clone(), &mut *sink, &work, &mut |done| bar.set_position(done))
+                });
+                digest.and_then(|digest| fresh.keep().and_then(|()| work.remove()).map(|()| digest))
+            }
+        };
+        bar.finish_and_clear();
+        let digest = digest.with_context(failed)?;
+        writeln!(out, "{path}  {rows} samples  sha256 {digest}")?;
+        if generator.apart() > 0 {
+            let what = if matches!(subject, Subject::Suite(_)) {
+                format!("; `shadercheck check {name}` tells where")
+            } else {
+                String::new()
+            };
+            writeln!(
+                err,
+                "warning: `{name}`: for {} of {rows} samples the shader gives something else than is expected, by more \
+                 than its bound{what}",
+                generator.apart()
+            )?;
+        }
+        Ok(())
+    }
+
+    /// The digest of the part, if it is there as a whole. One that is damaged is made again.
+    fn finished(&self, document: &crate::refdata::Document, err: &mut dyn Write) -> anyhow::Result<Option<String>> {
+        let path = self.path.display();
+        if !self.path.exists() {
+            return Ok(None);
+        }
+        let read = files::blocks(self.path).and_then(|mut blocks| {
+            let known = blocks.document().clone();
+            if known.same_run(document).is_ok() {
+                copy(&mut blocks, None, &mut |_| {})?;
+            }
+            Ok(known)
+        });
+        let known = match read {
+            Ok(known) => known,
+            Err(error) => {
+                writeln!(err, "note: `{path}` is not used, and made again: {error:#}")?;
+                return Ok(None);
+            }
+        };
+        if let Err(what) = known.same_run(document) {
+            anyhow::bail!(
+                "`{path}` is of another run, this run being the one and the file the other: {what}; remove it, or give \
+                 another --output"
+            );
+        }
+        anyhow::ensure!(
+            (known.first, known.rows) == (document.first, document.rows),
+            "`{path}` is of another shard; remove it, or give another --output"
+        );
+        Ok(Some(known.sha256))
+    }
+}
+
 /// Writes a file that appears when it is whole.
-fn write<T>(path: &Path, fill: impl FnOnce(Box<dyn Store>) -> io::Result<T>) -> io::Result<T> {
+pub(super) fn write<T>(path: &Path, fill: impl FnOnce(Box<dyn Store>) -> io::Result<T>) -> io::Result<T> {
     let fresh = Fresh::new(path)?;
     let done = fill(Box::new(fresh.file()?))?;
     fresh.keep()?;
     Ok(done)
 }
 
-fn spill() -> io::Result<Box<dyn Spill>> {
+pub(super) fn spill() -> io::Result<Box<dyn Spill>> {
     Ok(Box::new(tempfile::tempfile()?))
 }
 
 /// The file of each suite.
-fn paths(
-    output: &Path,
-    selected: &[Selected],
-    format: FormatArg,
-    shard: Option<Shard>,
-) -> anyhow::Result<Vec<PathBuf>> {
+fn paths(output: &Path, names: &[&str], format: FormatArg, shard: Option<Shard>) -> anyhow::Result<Vec<PathBuf>> {
     let (format, endings) = format.endings();
     let is_file = !output.is_dir() && output.extension().is_some();
     if is_file {
@@ -169,10 +289,11 @@ fn paths(
             output.display()
         );
         anyhow::ensure!(
-            selected.len() == 1,
-            "{} suites do not go into the one file `{}`; name a folder",
-            selected.len(),
-            output.display()
+            names.len() == 1,
+            "{} data sets do not go into the one file `{}`; name a folder ({})",
+            names.len(),
+            output.display(),
+            names.join(", ")
         );
         let ending = output.extension().unwrap_or_default().to_string_lossy();
         anyhow::ensure!(
@@ -184,14 +305,12 @@ fn paths(
         return Ok(vec![output.to_owned()]);
     }
     std::fs::create_dir_all(output).with_context(|| format!("cannot make the folder `{}`", output.display()))?;
-    let plain = |c: char| if c.is_alphanumeric() || "-_=,.".contains(c) { c } else { '_' };
-    let name = |s: &Selected| s.suite.name.chars().map(plain).collect::<String>();
     // The parts of a suite lie in a folder of their own, which is a data set as a whole.
-    let file = |s: &Selected| match shard {
-        None => PathBuf::from(format!("{}.{}", name(s), endings[0])),
-        Some(shard) => Path::new(&name(s)).join(format!("{}.{}", shard.stem(), endings[0])),
+    let file = |name: &&str| match shard {
+        None => PathBuf::from(format!("{}.{}", plain(name), endings[0])),
+        Some(shard) => Path::new(&plain(name)).join(format!("{}.{}", shard.stem(), endings[0])),
     };
-    let paths: Vec<PathBuf> = selected.iter().map(|s| output.join(file(s))).collect();
+    let paths: Vec<PathBuf> = names.iter().map(|name| output.join(file(name))).collect();
     for (k, path) in paths.iter().enumerate() {
         anyhow::ensure!(!paths[..k].contains(path), "two suites would be written to `{}`", path.display());
         if let Some(folder) = path.parent() {
@@ -202,8 +321,14 @@ fn paths(
     Ok(paths)
 }
 
+/// A name as a file may have it.
+pub(super) fn plain(name: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_=,.".contains(c) { c } else { '_' };
+    name.chars().map(plain).collect()
+}
+
 /// A bar on standard error; hidden when it is no terminal.
-fn bar(suite: &str, samples: u64) -> ProgressBar {
+pub(super) fn bar(suite: &str, samples: u64) -> ProgressBar {
     let shown = io::stderr().is_terminal();
     let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(samples), target);

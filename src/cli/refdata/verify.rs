@@ -1,18 +1,18 @@
 //! `shadercheck refdata verify`.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 
+use super::files;
 use crate::cli::check::Format;
 use crate::cli::fresh::Fresh;
 use crate::cli::status::ExitStatus;
 use crate::refdata::Role;
-use crate::refdata::read::{self, Dataset, Source};
-use crate::refdata::verify::{self, Element, Rule};
+use crate::refdata::read::{self, Dataset, Sequence, Source};
+use crate::refdata::verify::{self, Element, Report, Rule, StreamError};
 use crate::report;
 
 /// Arguments of `shadercheck refdata verify`.
@@ -73,86 +73,90 @@ pub enum ByteOrderArg {
     Big,
 }
 
-fn source(path: &Path) -> anyhow::Result<Source> {
-    let name = path.display().to_string();
-    Source::of_name(&name)
-        .with_context(|| format!("the ending of `{name}` tells no format; there are npz, parquet, csv, json and raw"))
-}
-
-/// The files of a folder that are reference files by their ending, in the order of their names.
-fn parts(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let failed = || format!("cannot read the folder `{}`", folder.display());
-    let mut paths: Vec<PathBuf> = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(failed)? {
-        let path = entry.with_context(failed)?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // What is being written has a name that begins with a point.
-        let is_part = !name.starts_with('.') && Source::of_name(&name).is_some_and(|source| source != Source::Raw);
-        if is_part && path.is_file() {
-            paths.push(path);
-        }
-    }
-    paths.sort();
-    Ok(paths)
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// When a file cannot be read or does not fit the other, or output fails.
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let open = |path: &Path| File::open(path).with_context(|| format!("cannot read `{}`", path.display()));
-    let read = |path: &Path| -> anyhow::Result<Dataset> {
-        Dataset::read(source(path)?, &mut open(path)?).with_context(|| format!("`{}`", path.display()))
-    };
-    let reference = if args.reference.is_dir() {
-        let parts: Vec<Dataset> = parts(&args.reference)?.iter().map(|path| read(path)).collect::<Result<_, _>>()?;
-        Dataset::join(parts).with_context(|| format!("`{}`", args.reference.display()))?
-    } else {
-        read(&args.reference)?
-    };
     let format = match args.actual_format {
         Some(SourceArg::Npz) => Source::Npz,
         Some(SourceArg::Parquet) => Source::Parquet,
         Some(SourceArg::Csv) => Source::Csv,
         Some(SourceArg::Json) => Source::Json,
         Some(SourceArg::Raw) => Source::Raw,
-        None => source(&args.actual)?,
+        None => files::source(&args.actual)?,
     };
     let order = match args.byte_order {
         ByteOrderArg::Little => read::ByteOrder::Little,
         ByteOrderArg::Big => read::ByteOrder::Big,
     };
-    let expected = reference.document.arrays.iter().filter(|array| array.role == Role::Expected);
+    let folder = args.reference.is_dir();
+    let parts = if folder { files::parts(&args.reference)? } else { vec![args.reference.clone()] };
+    let documents = files::documents(&parts)?;
+    let of_reference = || format!("`{}`", args.reference.display());
+    let of_actual = || format!("`{}`", args.actual.display());
+    let of_both = || format!("`{}` against `{}`", args.actual.display(), args.reference.display());
+    let sequence = || -> anyhow::Result<Box<dyn Sequence + '_>> {
+        Ok(match folder {
+            true => Box::new(files::chain(&parts, &documents).with_context(of_reference)?),
+            false => Box::new(files::blocks(&args.reference)?),
+        })
+    };
+    let first = sequence()?;
+    let expected = first.document().arrays.iter().filter(|array| array.role == Role::Expected);
     let width = expected.map(|array| array.words()).sum();
-    let actual = read::outputs(format, &mut open(&args.actual)?, order, width)
-        .with_context(|| format!("`{}`", args.actual.display()))?;
+    let actual = files::open(&args.actual)?;
     let rule = Rule { exact: args.exact };
-    let verify = |each: &mut dyn FnMut(&Element)| {
-        verify::verify(&reference, &actual, rule, each)
-            .with_context(|| format!("`{}` against `{}`", args.actual.display(), args.reference.display()))
+    let streamed = |each: &mut dyn FnMut(&Element)| -> anyhow::Result<Option<Report>> {
+        let mut windows = read::windows(format, &actual, order, width).with_context(of_actual)?;
+        verify::stream(&mut *sequence()?, &mut *windows, rule, each).map_err(|error| match error {
+            StreamError::Reference(error) => anyhow::Error::new(error).context(of_reference()),
+            StreamError::Actual(error) => anyhow::Error::new(error).context(of_actual()),
+            StreamError::Verify(error) => anyhow::Error::new(error).context(of_both()),
+        })
+    };
+    // Rows in another order are looked for in memory.
+    let whole = |each: &mut dyn FnMut(&Element)| -> anyhow::Result<Report> {
+        let reference = Dataset::of(&mut *sequence()?).with_context(of_reference)?;
+        let actual = read::outputs(format, &actual, order, width).with_context(of_actual)?;
+        verify::verify(&reference, &actual, rule, each).with_context(of_both)
     };
     let report = match &args.verdicts {
-        None => verify(&mut |_| {})?,
-        Some(path) => {
-            let failed = || format!("cannot write `{}`", path.display());
-            let fresh = Fresh::new(path).with_context(failed)?;
-            let mut to = BufWriter::new(fresh.file().with_context(failed)?);
-            let mut written = writeln!(to, "sample,component,expected,nearest_bits,actual,error,bound,verdict");
-            let report = verify(&mut |element| {
-                if written.is_ok() {
-                    written = line(&mut to, element);
-                }
-            })?;
-            written.and_then(|()| to.flush()).and_then(|()| fresh.keep()).with_context(failed)?;
-            report
-        }
+        None => match streamed(&mut |_| {})? {
+            Some(report) => report,
+            None => whole(&mut |_| {})?,
+        },
+        Some(path) => match written(path, &streamed)? {
+            Some(report) => report,
+            None => written(path, &|each| whole(each).map(Some))?.context("the comparison gave no report")?,
+        },
     };
     match args.format {
         Format::Text => out.write_all(report::refdata::text(&report).as_bytes())?,
         Format::Json => out.write_all(report::refdata::json(&report).as_bytes())?,
     }
     Ok(if report.findings.is_empty() { ExitStatus::Clean } else { ExitStatus::Findings })
+}
+
+/// What compares, and shows every element.
+type Compare<'c> = &'c dyn Fn(&mut dyn FnMut(&Element)) -> anyhow::Result<Option<Report>>;
+
+/// Compares, and writes the verdict on every element to a table, which is kept where there is a report.
+fn written(path: &Path, compare: Compare<'_>) -> anyhow::Result<Option<Report>> {
+    let failed = || format!("cannot write `{}`", path.display());
+    let fresh = Fresh::new(path).with_context(failed)?;
+    let mut to = BufWriter::new(fresh.file().with_context(failed)?);
+    let mut written = writeln!(to, "sample,component,expected,nearest_bits,actual,error,bound,verdict");
+    let report = compare(&mut |element| {
+        if written.is_ok() {
+            written = line(&mut to, element);
+        }
+    })?;
+    written.and_then(|()| to.flush()).with_context(failed)?;
+    if report.is_some() {
+        fresh.keep().with_context(failed)?;
+    }
+    Ok(report)
 }
 
 fn line(to: &mut dyn Write, element: &Element) -> io::Result<()> {

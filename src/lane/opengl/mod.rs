@@ -81,6 +81,10 @@ impl Lane for OpenGl {
         &self.description
     }
 
+    fn calls_functions(&self) -> bool {
+        true
+    }
+
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         let job = ask::job(kernel)?;
         // A driver may leave a loop that has no end, and go on with what it has.

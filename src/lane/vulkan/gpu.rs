@@ -13,17 +13,24 @@ pub(super) struct Gpu {
     pub queue: wgpu::Queue,
 }
 
+/// The devices that the Vulkan loader shows, in the order of [`super::order`].
+pub(super) fn adapters() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    // Debug layers and markers cost time and print; what is validated is validated by wgpu itself.
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    let found = wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::VULKAN);
+    let mut found = pollster::block_on(found);
+    found.sort_by_key(|adapter| {
+        let info = adapter.get_info();
+        super::order(info.device_type == wgpu::DeviceType::Cpu, &info.name)
+    });
+    found
+}
+
 impl Gpu {
-    /// Opens the first adapter; the error says what is missing.
-    pub fn open() -> Result<Self, String> {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-        descriptor.backends = wgpu::Backends::VULKAN;
-        // Debug layers and markers cost time and print; what is validated is validated by wgpu itself.
-        descriptor.flags = wgpu::InstanceFlags::empty();
-        let instance = wgpu::Instance::new(descriptor);
-        let options = wgpu::RequestAdapterOptions::default();
-        let adapter = pollster::block_on(instance.request_adapter(&options))
-            .map_err(|_| "no Vulkan driver was found".to_owned())?;
+    /// Opens a device; the error says what is missing.
+    pub fn open(adapter: &wgpu::Adapter) -> Result<Self, String> {
         let wanted = wgpu::Features::VERTEX_WRITABLE_STORAGE;
         let description = wgpu::DeviceDescriptor {
             label: Some("shadercheck"),
@@ -44,14 +51,9 @@ impl Gpu {
         parts.join(", ")
     }
 
-    /// What executes shaders: Mesa's drivers for processors share one compiler, whatever API they are reached through.
-    pub fn executor(&self) -> String {
-        let name = self.info.name.to_lowercase();
-        match () {
-            () if name.contains("llvmpipe") => "gallivm".to_owned(),
-            () if name.contains("swiftshader") => "subzero".to_owned(),
-            () => self.info.name.clone(),
-        }
+    /// Name of the device.
+    pub fn name(&self) -> &str {
+        &self.info.name
     }
 
     /// Stages in which this device can write storage.

@@ -1,4 +1,4 @@
-//! The `vulkan` lane: any Vulkan driver through wgpu, in the compute and in the vertex stage.
+//! The `vulkan` lanes: every device that the Vulkan loader shows, through wgpu, in the compute and in the vertex stage.
 
 mod compute;
 mod gpu;
@@ -9,33 +9,112 @@ mod vertex;
 #[cfg(test)]
 mod tests;
 
-use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable};
+use super::{Api, Candidate, Description, Lane, LaneError, LaneName, Runner, Stage, Unavailable, interned};
 use crate::program::{Form, Kernel, contain};
 
 use gpu::Gpu;
 
 /// What to do when no driver is found.
-const REMEDY: &str = "install one, for example `apt-get install mesa-vulkan-drivers libvulkan1` on Debian or Ubuntu";
+pub(super) const REMEDY: &str =
+    "install one, for example `apt-get install mesa-vulkan-drivers libvulkan1` on Debian or Ubuntu";
 
-/// The lanes of Vulkan drivers.
+/// Name of the lane of the first device.
+const FIRST: &str = "vulkan";
+
+/// The lanes of Vulkan devices: `vulkan` for the first that the loader shows, and `vulkan-` with the name of the device
+/// for each further one.
 pub fn candidates() -> Vec<Candidate> {
-    let about = "any Vulkan driver, through wgpu";
-    vec![Candidate { name: "vulkan", about, open: Box::new(open), stand_in: false }]
+    // A broken driver may bring wgpu to panic: that is a missing lane, not the end of the run.
+    let adapters = contain(gpu::adapters).map_err(|panic| format!("the Vulkan driver fails: {panic}"));
+    let mut all = match adapters {
+        Ok(adapters) => candidates_of(adapters),
+        Err(why) => vec![absent(why)],
+    };
+    if all.is_empty() {
+        all.push(absent("no Vulkan driver was found".to_owned()));
+    }
+    all
 }
 
-/// Opens the first Vulkan adapter that the loader shows.
+fn candidates_of(adapters: Vec<wgpu::Adapter>) -> Vec<Candidate> {
+    let mut names: Vec<String> = Vec::new();
+    let mut all = Vec::new();
+    for adapter in adapters {
+        let name = unique(&names, &adapter.get_info().name);
+        let about =
+            if all.is_empty() { "the first Vulkan device, through wgpu" } else { "a Vulkan device, through wgpu" };
+        let known = interned(&name);
+        names.push(name);
+        all.push(Candidate {
+            name: known,
+            about,
+            open: Box::new(move || open_adapter(known, &adapter)),
+            stand_in: false,
+        });
+    }
+    all
+}
+
+/// The lane of a driver that is not there.
+fn absent(why: String) -> Candidate {
+    let missing = Unavailable { why, remedy: REMEDY.to_owned() };
+    let about = "any Vulkan device, through wgpu";
+    Candidate { name: FIRST, about, open: Box::new(move || Err(missing.clone())), stand_in: false }
+}
+
+/// A name for the lane of a device that no other lane has.
+fn unique(names: &[String], device: &str) -> String {
+    if names.is_empty() {
+        return FIRST.to_owned();
+    }
+    let slug = format!("{FIRST}-{}", slug(device));
+    let numbered = (2..).map(|k| format!("{slug}-{k}"));
+    std::iter::once(slug.clone()).chain(numbered).find(|name| !names.contains(name)).unwrap_or(slug)
+}
+
+/// The name of a device in small letters, digits and hyphens, without what stands in parentheses.
+fn slug(device: &str) -> String {
+    let short = device.split(['(', ',']).next().unwrap_or(device).to_lowercase();
+    let letters: String = short.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { ' ' }).collect();
+    let words: Vec<&str> = letters.split_whitespace().filter(|word| *word != "device").collect();
+    // A name of a lane has at most 64 letters.
+    let slug: String = words.join("-").chars().take(40).collect();
+    if slug.is_empty() { "unnamed".to_owned() } else { slug }
+}
+
+/// Where a device stands among others: real ones come first, and among drivers for the processor Mesa's. The loader's
+/// own order turns round when a driver is added.
+pub(super) fn order(processor: bool, device: &str) -> (bool, bool) {
+    (processor, processor && !device.to_lowercase().contains("llvmpipe"))
+}
+
+/// What executes shaders on a device: Mesa's drivers for processors share one compiler, whatever API they are reached
+/// through.
+pub(super) fn executor(device: &str) -> String {
+    let name = device.to_lowercase();
+    match () {
+        () if name.contains("llvmpipe") => "gallivm".to_owned(),
+        () if name.contains("swiftshader") => "subzero".to_owned(),
+        () => device.to_owned(),
+    }
+}
+
+/// Opens the first Vulkan device that the loader shows.
 ///
 /// # Errors
 /// [`Unavailable`] with the command that installs a software driver.
 pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
+    candidates().first().map_or_else(|| (absent(String::new()).open)(), |first| (first.open)())
+}
+
+fn open_adapter(name: LaneName, adapter: &wgpu::Adapter) -> Result<Box<dyn Lane>, Unavailable> {
     let missing = |why: String| Unavailable { why, remedy: REMEDY.to_owned() };
-    // A broken driver may bring wgpu to panic: that is a missing lane, not the end of the run.
-    let gpu = contain(Gpu::open).map_err(|panic| missing(format!("the Vulkan driver fails: {panic}")))?;
+    let gpu = contain(|| Gpu::open(adapter)).map_err(|panic| missing(format!("the Vulkan driver fails: {panic}")))?;
     let gpu = gpu.map_err(missing)?;
     let description = Description {
-        name: "vulkan",
+        name,
         driver: gpu.driver(),
-        executor: gpu.executor(),
+        executor: executor(gpu.name()),
         front_end: "naga".to_owned(),
         api: Api::Vulkan,
         stages: gpu.stages(),
@@ -65,5 +144,43 @@ impl Lane for Vulkan {
                 Ok(Box::new(vertex::VertexRunner::new(&self.gpu, kernel, attributes, blocks, capacity)?))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod names {
+    use super::{executor, order, unique};
+
+    #[test]
+    fn every_device_has_a_name_of_its_own() {
+        let mut names = Vec::new();
+        for (device, expected) in [
+            ("llvmpipe (LLVM 15.0.6, 256 bits)", "vulkan"),
+            ("SwiftShader Device (Subzero)", "vulkan-swiftshader"),
+            ("NVIDIA GeForce RTX 4090", "vulkan-nvidia-geforce-rtx-4090"),
+            ("llvmpipe (LLVM 19.1.7, 256 bits)", "vulkan-llvmpipe"),
+            ("llvmpipe (LLVM 19.1.7, 256 bits)", "vulkan-llvmpipe-2"),
+            ("Intel(R) Graphics", "vulkan-intel"),
+            ("\u{30c7}\u{30d0}\u{30a4}\u{30b9}", "vulkan-unnamed"),
+        ] {
+            let name = unique(&names, device);
+            assert_eq!(name, expected);
+            names.push(name);
+        }
+    }
+
+    #[test]
+    fn a_driver_that_is_added_takes_no_name_from_another_one() {
+        let mut devices =
+            [(true, "SwiftShader Device (Subzero)"), (true, "llvmpipe (LLVM 15.0.6)"), (false, "NVIDIA H100")];
+        devices.sort_by_key(|&(processor, device)| order(processor, device));
+        assert_eq!(devices.map(|(_, device)| &device[..4]), ["NVID", "llvm", "Swif"]);
+    }
+
+    #[test]
+    fn executors_are_known_by_their_compiler() {
+        assert_eq!(executor("llvmpipe (LLVM 15.0.6, 256 bits)"), "gallivm");
+        assert_eq!(executor("SwiftShader Device (Subzero)"), "subzero");
+        assert_eq!(executor("NVIDIA H100"), "NVIDIA H100");
     }
 }

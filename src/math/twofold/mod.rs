@@ -32,6 +32,16 @@ pub trait Real:
     /// The root.
     fn sqrt(self) -> Self;
 
+    /// The sum of four products.
+    fn dot(a: [Self; 4], b: [Self; 4]) -> Self {
+        ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3]
+    }
+
+    /// a·b − c·d.
+    fn minor(a: Self, b: Self, c: Self, d: Self) -> Self {
+        a * b - c * d
+    }
+
     /// (sin πx, cos πx) for a binary32 number x, or twice one.
     fn sin_cos_pi(self) -> (Self, Self);
 
@@ -91,14 +101,9 @@ impl Twofold {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn make(f: impl Fn(usize) -> Pair) -> Self {
-        let mut out = Self { high: [0.0; WIDTH], low: [0.0; WIDTH] };
-        for k in 0..WIDTH {
-            let pair = f(k);
-            out.high[k] = pair.high;
-            out.low[k] = pair.low;
-        }
-        out
+    fn set(&mut self, k: usize, pair: Pair) {
+        self.high[k] = pair.high;
+        self.low[k] = pair.low;
     }
 }
 
@@ -124,7 +129,12 @@ macro_rules! operator {
 
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: Self) -> Self {
-                Self::make(|k| self.get(k).$method(other.get(k)))
+                // Loops and no closures: these are inlined for certain, and become vectors of the caller's width.
+                let mut out = self;
+                for k in 0..WIDTH {
+                    out.set(k, self.get(k).$method(other.get(k)));
+                }
+                out
             }
         }
     };
@@ -140,7 +150,11 @@ impl Neg for Twofold {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn neg(self) -> Self {
-        Self::make(|k| self.get(k).neg())
+        let mut out = self;
+        for k in 0..WIDTH {
+            out.set(k, self.get(k).neg());
+        }
+        out
     }
 }
 
@@ -153,8 +167,34 @@ impl Real for Twofold {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn dot(a: [Self; 4], b: [Self; 4]) -> Self {
+        let mut out = a[0];
+        for k in 0..WIDTH {
+            let [a, b] = [&a, &b].map(
+                #[inline(always)]
+                |v| [v[0].get(k), v[1].get(k), v[2].get(k), v[3].get(k)],
+            );
+            out.set(k, Pair::dot(a, b));
+        }
+        out
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn minor(a: Self, b: Self, c: Self, d: Self) -> Self {
+        let mut out = a;
+        for k in 0..WIDTH {
+            out.set(k, Pair::minor(a.get(k), b.get(k), c.get(k), d.get(k)));
+        }
+        out
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt(self) -> Self {
-        Self::make(|k| self.get(k).sqrt())
+        let mut out = self;
+        for k in 0..WIDTH {
+            out.set(k, self.get(k).sqrt());
+        }
+        out
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -172,7 +212,11 @@ impl Real for Twofold {
     }
 
     fn pow(self, exponent: Self) -> Self {
-        Self::make(|k| self.get(k).pow(exponent.get(k)))
+        let mut out = self;
+        for k in 0..WIDTH {
+            out.set(k, self.get(k).pow(exponent.get(k)));
+        }
+        out
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -210,7 +254,12 @@ impl Real for Twofold {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
-        Self::make(|k| if mask[k] { a.get(k) } else { b.get(k) })
+        let mut out = b;
+        for k in 0..WIDTH {
+            out.high[k] = if mask[k] { a.high[k] } else { b.high[k] };
+            out.low[k] = if mask[k] { a.low[k] } else { b.low[k] };
+        }
+        out
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -5,45 +5,76 @@ use std::io::{BufRead, BufReader, SeekFrom};
 
 use csv::ReaderBuilder;
 
-use super::{Column, Dataset, Load, Numbers, ReadError, Table};
-use crate::refdata::array::{Kind, Role};
+use super::shared::Shared;
+use super::windows::Windows;
+use super::{Column, Load, Numbers, ReadError, Table, blocks};
+use crate::refdata::array::Kind;
 use crate::refdata::document::Document;
 use crate::refdata::flags::{Flag, Flags};
 
-/// The table and the comment before it.
-pub(super) fn table(from: &mut dyn Load) -> Result<(Table, Option<String>), ReadError> {
+/// The comment in the first line.
+fn comment(from: &mut dyn Load) -> Result<Option<String>, ReadError> {
     from.seek(SeekFrom::Start(0))?;
     let mut first = String::new();
     BufReader::new(&mut *from).read_line(&mut first).map_err(|e| ReadError::Damaged(format!("it is no text: {e}")))?;
-    let comment = first.strip_prefix('#').map(|text| text.trim().to_owned());
-    // What binary32 columns hold is told by the document; without one, numbers are read as binary32.
-    let document = comment.as_deref().and_then(|text| Document::read(text).ok());
-    let double = |name: &str| {
-        document.as_ref().is_some_and(|d| {
-            let owner = d.arrays.iter().find(|a| (0..a.words()).any(|word| a.column(word) == name));
-            owner.is_some_and(|array| array.dtype == Kind::F8)
-        })
-    };
-    from.seek(SeekFrom::Start(0))?;
-    let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(BufReader::new(from));
-    let headers = reader.headers().map_err(told)?.clone();
-    let mut columns: Vec<(String, Vec<String>, bool)> =
-        headers.iter().map(|name| (name.to_owned(), Vec::new(), double(name))).collect();
-    for record in reader.records() {
-        let record = record.map_err(told)?;
-        for (column, text) in columns.iter_mut().zip(record.iter()) {
-            column.1.push(text.to_owned());
-        }
-    }
-    let mut table = Table::default();
-    for (name, texts, double) in columns {
-        let numbers = numbers(&name, &texts, double)?;
-        table.columns.push(Column { name, width: 1, numbers });
-    }
-    Ok((table, comment))
+    Ok(first.strip_prefix('#').map(|text| text.trim().to_owned()))
 }
 
-fn numbers(name: &str, texts: &[String], double: bool) -> Result<Numbers, ReadError> {
+/// Lines, some at a time.
+pub(super) struct Lines {
+    lines: csv::StringRecordsIntoIter<BufReader<Shared>>,
+    /// Names of columns, and whether they hold binary64.
+    columns: Vec<(String, bool)>,
+    row: usize,
+}
+
+impl Lines {
+    pub fn open(from: &Shared) -> Result<Self, ReadError> {
+        Self::commented(from).map(|(lines, _)| lines)
+    }
+
+    /// With the comment before them.
+    fn commented(from: &Shared) -> Result<(Self, Option<String>), ReadError> {
+        let comment = comment(&mut from.at(0))?;
+        // What binary32 columns hold is told by the document; without one, numbers are read as binary32.
+        let document = comment.as_deref().and_then(|text| Document::read(text).ok());
+        let double = |name: &str| {
+            document.as_ref().is_some_and(|d| {
+                let owner = d.arrays.iter().find(|a| (0..a.words()).any(|word| a.column(word) == name));
+                owner.is_some_and(|array| array.dtype == Kind::F8)
+            })
+        };
+        let mut builder = ReaderBuilder::new();
+        let reader = builder.comment(Some(b'#')).trim(csv::Trim::All);
+        let mut reader = reader.from_reader(BufReader::with_capacity(1 << 20, from.at(0)));
+        let headers = reader.headers().map_err(told)?;
+        let columns = headers.iter().map(|name| (name.to_owned(), double(name))).collect();
+        Ok((Self { lines: reader.into_records(), columns, row: 0 }, comment))
+    }
+}
+
+impl Windows for Lines {
+    fn next(&mut self, rows: usize) -> Result<Table, ReadError> {
+        let mut texts: Vec<Vec<String>> = vec![Vec::new(); self.columns.len()];
+        let mut read = 0;
+        while read < rows {
+            let Some(record) = self.lines.next() else { break };
+            for (column, text) in texts.iter_mut().zip(record.map_err(told)?.iter()) {
+                column.push(text.to_owned());
+            }
+            read += 1;
+        }
+        let mut table = Table::default();
+        for ((name, double), texts) in self.columns.iter().zip(texts) {
+            let numbers = numbers(name, &texts, *double, self.row)?;
+            table.columns.push(Column { name: name.clone(), width: 1, numbers });
+        }
+        self.row += read;
+        Ok(table)
+    }
+}
+
+fn numbers(name: &str, texts: &[String], double: bool, first: usize) -> Result<Numbers, ReadError> {
     if name == "flags" {
         let bits = |text: &String| {
             let bit = |name: &str| Flag::ALL.into_iter().find(|flag| flag.name() == name);
@@ -55,8 +86,9 @@ fn numbers(name: &str, texts: &[String], double: bool) -> Result<Numbers, ReadEr
         };
         return texts.iter().map(bits).collect::<Result<_, ReadError>>().map(Numbers::Whole);
     }
-    let wrong =
-        |row: usize| ReadError::Damaged(format!("`{}` in column `{name}`, row {} is no number", texts[row], row + 1));
+    let wrong = |row: usize| {
+        ReadError::Damaged(format!("`{}` in column `{name}`, row {} is no number", texts[row], first + row + 1))
+    };
     if let Ok(list) = texts.iter().map(|text| text.parse::<i64>()).collect::<Result<Vec<_>, _>>() {
         return Ok(Numbers::Whole(list));
     }
@@ -80,12 +112,12 @@ fn told(error: csv::Error) -> ReadError {
     }
 }
 
-pub(super) fn dataset(from: &mut dyn Load) -> Result<Dataset, ReadError> {
-    let (table, comment) = table(from)?;
-    let Some(comment) = comment else {
+pub(super) fn opened(from: &Shared) -> Result<(Document, blocks::Numbers), ReadError> {
+    // Of a file that is no reference the names of columns are of no interest.
+    let Some(first) = comment(&mut from.at(0))? else {
         return Err(ReadError::Schema("it does not begin with `# ` and the provenance of a reference file".into()));
     };
-    let document = Document::read(&comment).map_err(ReadError::Schema)?;
-    debug_assert!(document.arrays.iter().any(|array| array.role == Role::Flags), "flags are always written");
-    Dataset::of_table(document, &table)
+    let document = Document::read(&first).map_err(ReadError::Schema)?;
+    let (lines, _) = Lines::commented(from)?;
+    Ok((document, blocks::Numbers::Columns(Box::new(lines))))
 }

@@ -1,22 +1,27 @@
 //! Readers: a reference file whole, and anyone's outputs as named columns of numbers.
 
+mod blocks;
 mod csv;
 mod json;
 mod npz;
 mod parquet;
 mod raw;
+mod shared;
 mod table;
+mod windows;
 
 use std::io::{Read, Seek};
 
 use thiserror::Error;
 
 use super::array::{Array, Per};
-use super::digest::Digest;
 use super::document::Document;
 
+pub use blocks::{Blocks, Chain, Open, Sequence};
 pub use raw::ByteOrder;
+pub use shared::Shared;
 pub use table::{Column, Numbers, Table};
+pub use windows::{Windows, windows};
 
 /// What files are read from.
 pub trait Load: Read + Seek + Send + Sync {}
@@ -93,20 +98,12 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Reads a reference file and checks its digest.
+    /// Reads a reference file as a whole and checks its digest.
     ///
     /// # Errors
     /// [`ReadError`] with what is wrong.
-    pub fn read(source: Source, from: &mut dyn Load) -> Result<Self, ReadError> {
-        let dataset = match source {
-            Source::Npz => npz::dataset(from)?,
-            Source::Parquet => parquet::dataset(from)?,
-            Source::Csv => csv::dataset(from)?,
-            Source::Json => json::dataset(from)?,
-            Source::Raw => return Err(ReadError::Schema("raw numbers are no reference file".into())),
-        };
-        dataset.check()?;
-        Ok(dataset)
+    pub fn read(source: Source, from: &Shared) -> Result<Self, ReadError> {
+        Self::of(&mut Blocks::open(source, from)?)
     }
 
     /// The array with this name.
@@ -115,86 +112,17 @@ impl Dataset {
         Some((&self.document.arrays[at], &self.arrays[at]))
     }
 
-    /// Joins the parts of a data set, in whatever order.
+    /// All blocks together.
     ///
     /// # Errors
-    /// [`ReadError::Parts`] when a part is missing, doubled, or of another run.
-    pub fn join(mut parts: Vec<Self>) -> Result<Self, ReadError> {
-        let wrong = |what: String| Err(ReadError::Parts(what));
-        parts.sort_by_key(|part| part.document.first);
-        let mut parts = parts.into_iter();
-        let Some(mut whole) = parts.next() else { return wrong("it holds no reference file".into()) };
-        let common = |document: &Document| Document { first: 0, rows: 0, sha256: String::new(), ..document.clone() };
-        let (all, mut end) = (common(&whole.document), whole.document.first + whole.document.rows);
-        if whole.document.first > 0 {
-            return wrong(format!("samples 0 to {} are missing", whole.document.first - 1));
+    /// [`ReadError`] with what is wrong.
+    pub fn of(blocks: &mut dyn Sequence) -> Result<Self, ReadError> {
+        let document = blocks.document().clone();
+        let mut arrays = vec![Vec::new(); document.arrays.len()];
+        while let Some(block) = blocks.next()? {
+            arrays.iter_mut().zip(&block.arrays).for_each(|(all, part): (&mut Vec<u8>, _)| all.extend(part));
         }
-        for part in parts {
-            let Document { first, rows, .. } = part.document;
-            if common(&part.document) != all {
-                return wrong(format!(
-                    "the part that begins with sample {first} is of another run: suite, seed, profile, number of \
-                     samples or version differ"
-                ));
-            }
-            if first < end && rows > 0 {
-                return wrong(format!("sample {first} is in two parts"));
-            }
-            if first > end {
-                return wrong(format!("samples {end} to {} are missing", first - 1));
-            }
-            for (bytes, more) in whole.arrays.iter_mut().zip(part.arrays) {
-                bytes.extend(more);
-            }
-            end = end.max(first + rows);
-        }
-        if end < all.samples {
-            return wrong(format!("samples {end} to {} are missing", all.samples - 1));
-        }
-        whole.document.rows = end;
-        // Each part has been checked by its own digest.
-        whole.document.sha256.clear();
-        Ok(whole)
-    }
-
-    fn check(&self) -> Result<(), ReadError> {
-        let Document { arrays, rows, first, block_rows, per_case, sha256, .. } = &self.document;
-        let damaged = |what: String| Err(ReadError::Damaged(what));
-        if *block_rows == 0
-            || *per_case == 0
-            || !block_rows.is_multiple_of(*per_case)
-            || !first.is_multiple_of(*block_rows)
-        {
-            return damaged("its provenance states blocks that are no whole cases".into());
-        }
-        for (array, bytes) in arrays.iter().zip(&self.arrays) {
-            let wanted = self.document.array_rows(array, *rows) * array.stride() as u64;
-            if bytes.len() as u64 != wanted {
-                return damaged(format!(
-                    "the array `{}` has {} bytes, and its provenance says {wanted}: the file is cut off or damaged",
-                    array.name,
-                    bytes.len()
-                ));
-            }
-        }
-        let mut digest = Digest::default();
-        let mut at = 0;
-        while at < *rows {
-            let end = (at + block_rows).min(*rows);
-            let part = |(array, bytes): (&Array, &Vec<u8>)| -> Vec<u8> {
-                let span = match array.per {
-                    Per::Sample => at..end,
-                    Per::Case => at / per_case..end.div_ceil(*per_case),
-                };
-                let stride = array.stride() as u64;
-                bytes[(span.start * stride) as usize..(span.end * stride) as usize].to_vec()
-            };
-            let parts: Vec<Vec<u8>> = arrays.iter().zip(&self.arrays).map(part).collect();
-            digest.add(&Digest::of_block(&parts));
-            at = end;
-        }
-        let found = digest.hex();
-        if found == *sha256 { Ok(()) } else { Err(ReadError::Digest { found, stated: sha256.clone(), block: None }) }
+        Ok(Self { document, arrays })
     }
 
     /// Joins columns of words to arrays. The columns of uniforms have a value for every sample, of which
@@ -231,17 +159,11 @@ impl Dataset {
     }
 }
 
-/// Reads outputs of whatever made them. `width` is the number of words of one sample, which raw numbers
-/// do not tell.
+/// Reads outputs of whatever made them, as a whole. `width` is the number of words of one sample, which raw
+/// numbers do not tell.
 ///
 /// # Errors
 /// [`ReadError`] with what is wrong.
-pub fn outputs(source: Source, from: &mut dyn Load, order: ByteOrder, width: usize) -> Result<Table, ReadError> {
-    match source {
-        Source::Npz => npz::table(from),
-        Source::Parquet => parquet::table(from).map(|(table, _)| table),
-        Source::Csv => csv::table(from).map(|(table, _)| table),
-        Source::Json => json::table(from),
-        Source::Raw => raw::table(from, order, width),
-    }
+pub fn outputs(source: Source, from: &Shared, order: ByteOrder, width: usize) -> Result<Table, ReadError> {
+    windows(source, from, order, width)?.next(usize::MAX)
 }

@@ -1,5 +1,7 @@
 //! Named columns of numbers.
 
+use std::ops::Range;
+
 use crate::refdata::array::Kind;
 
 /// The numbers of a column, each in the type that the file has.
@@ -20,6 +22,16 @@ impl Numbers {
             Self::F4(list) => list.len(),
             Self::F8(list) => list.len(),
             Self::Whole(list) => list.len(),
+        }
+    }
+
+    /// Some of them; none where there are none.
+    pub(super) fn slice(&self, range: Range<usize>) -> Self {
+        let range = range.start.min(self.len())..range.end.min(self.len());
+        match self {
+            Self::F4(list) => Self::F4(list[range].to_vec()),
+            Self::F8(list) => Self::F8(list[range].to_vec()),
+            Self::Whole(list) => Self::Whole(list[range].to_vec()),
         }
     }
 
@@ -94,6 +106,31 @@ pub struct Table {
 }
 
 impl Table {
+    /// Some rows; fewer where there are fewer.
+    pub fn window(&self, rows: Range<usize>) -> Self {
+        let cut = |column: &Column| Column {
+            name: column.name.clone(),
+            width: column.width,
+            numbers: column
+                .numbers
+                .slice(rows.start.saturating_mul(column.width)..rows.end.saturating_mul(column.width)),
+        };
+        Self { columns: self.columns.iter().map(cut).collect() }
+    }
+
+    /// Adds the rows of a table with the same columns.
+    pub(super) fn append(&mut self, more: Self) {
+        for (column, more) in self.columns.iter_mut().zip(more.columns) {
+            match (&mut column.numbers, more.numbers) {
+                (Numbers::F4(list), Numbers::F4(more)) => list.extend(more),
+                (Numbers::F8(list), Numbers::F8(more)) => list.extend(more),
+                (Numbers::Whole(list), Numbers::Whole(more)) => list.extend(more),
+                // The type of a column is that of all of its groups.
+                (Numbers::F4(_) | Numbers::F8(_) | Numbers::Whole(_), _) => {}
+            }
+        }
+    }
+
     /// The column of this name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)

@@ -3,17 +3,22 @@
 
 mod order;
 mod outputs;
+mod stream;
 #[cfg(test)]
 mod tests;
+
+use std::ops::Range;
 
 use thiserror::Error;
 
 use super::array::{Array, Kind, Role};
+use super::document::Document;
 use super::flags::Flags;
 use super::read::{Dataset, Table};
 
 use order::Order;
 use outputs::Outputs;
+pub use stream::{StreamError, stream};
 
 /// How outputs are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -252,7 +257,7 @@ impl Report {
 /// Worst cases that are kept.
 const KEPT: usize = 5;
 
-/// Compares outputs with a reference. `each` sees every element.
+/// Compares outputs with a reference, both in memory. `each` sees every element, block by block.
 ///
 /// # Errors
 /// [`VerifyError`] when there is nothing to compare.
@@ -263,68 +268,111 @@ pub fn verify(
     each: &mut dyn FnMut(&Element),
 ) -> Result<Report, VerifyError> {
     let document = &reference.document;
-    if document.rows == 0 {
-        return Err(VerifyError::NoSamples);
-    }
-    let bounded = document.arrays.iter().any(|array| array.role == Role::Bound);
-    if !bounded && !rule.exact {
-        return Err(VerifyError::NoBounds);
-    }
+    let mut judge = Judge::new(document, rule)?;
     let outputs = Outputs::find(document, actual)?;
     let order = Order::find(reference, actual, outputs.rows)?;
-    let mut report = Report {
-        suite: document.suite.name.clone(),
-        profile: document.profile.as_ref().map(|p| p.name.clone()),
-        samples: document.rows,
-        rows: outputs.rows as u64,
-        matched: order.by,
-        outputs: Vec::new(),
-        findings: outputs.missing.iter().cloned().map(Finding::MissingOutput).collect(),
-        worst: Vec::new(),
-    };
-    report.findings.extend(order.findings);
-    let flags = reference.array("flags").map(|(_, bytes)| bytes);
-    let mut swapped = (0_u64, 0_u64);
-    for output in &outputs.found {
-        let side = Side::new(reference, output.expected);
-        let words = output.expected.words();
-        let mut counts = Counts::default();
-        for (sample, row) in order.rows.iter().enumerate() {
-            let Some(row) = *row else { continue };
-            for word in 0..words {
-                let mut element = side.element(sample, word, document.first);
-                output.read(actual, row, word, &side, &mut element);
-                element.verdict = judge(&element, &side, rule);
-                counts.add(element.verdict);
-                if side.kind == Kind::F4 && element.bound.is_finite() && element.expected != 0.0 {
-                    let other = f64::from(f32::from_bits(element.bits.swap_bytes()));
-                    let near = (other - element.expected).abs() <= element.bound;
-                    swapped = (swapped.0 + u64::from(near), swapped.1 + u64::from(element.verdict == Verdict::Agree));
-                }
-                each(&element);
-                if element.verdict != Verdict::Undetermined {
-                    keep(&mut report.worst, element, || {
-                        let bits = flags.map_or(0, |f| u16::from_le_bytes([f[2 * sample], f[2 * sample + 1]]));
-                        (Flags(bits), inputs(reference, sample))
-                    });
+    let (samples, step) = (order.rows.len(), document.block_rows.max(1) as usize);
+    for begin in (0..samples).step_by(step) {
+        let span = begin..(begin + step).min(samples);
+        judge.look((reference, actual), &outputs, span, &order.rows, each);
+    }
+    Ok(judge.report(order.by, outputs.rows as u64, order.findings))
+}
+
+/// A comparison under way.
+struct Judge {
+    rule: Rule,
+    report: Report,
+    missing: Vec<Finding>,
+    /// Elements that agree with their bytes swapped, and of these that agree as they are.
+    swapped: (u64, u64),
+}
+
+impl Judge {
+    fn new(document: &Document, rule: Rule) -> Result<Self, VerifyError> {
+        if document.rows == 0 {
+            return Err(VerifyError::NoSamples);
+        }
+        let bounded = document.arrays.iter().any(|array| array.role == Role::Bound);
+        if !bounded && !rule.exact {
+            return Err(VerifyError::NoBounds);
+        }
+        let report = Report {
+            suite: document.suite.name.clone(),
+            profile: document.profile.as_ref().map(|p| p.name.clone()),
+            samples: document.rows,
+            rows: 0,
+            matched: "place",
+            outputs: Vec::new(),
+            findings: Vec::new(),
+            worst: Vec::new(),
+        };
+        Ok(Self { rule, report, missing: Vec::new(), swapped: (0, 0) })
+    }
+
+    /// Looks at these samples, whose rows are known.
+    fn look(
+        &mut self,
+        (reference, actual): (&Dataset, &Table),
+        outputs: &Outputs<'_>,
+        samples: Range<usize>,
+        rows: &[Option<usize>],
+        each: &mut dyn FnMut(&Element),
+    ) {
+        let Self { rule, report, missing, swapped } = self;
+        if report.outputs.is_empty() {
+            let name = |output: &outputs::Output<'_>| (output.expected.variable.clone(), Counts::default());
+            report.outputs = outputs.found.iter().map(name).collect();
+            *missing = outputs.missing.iter().cloned().map(Finding::MissingOutput).collect();
+        }
+        let first = reference.document.first;
+        let flags = reference.array("flags").map(|(_, bytes)| bytes);
+        for (output, (_, counts)) in outputs.found.iter().zip(&mut report.outputs) {
+            let side = Side::new(reference, output.expected);
+            for sample in samples.clone() {
+                let Some(row) = rows[sample] else { continue };
+                for word in 0..output.expected.words() {
+                    let mut element = side.element(sample, word, first);
+                    output.read(actual, row, word, &side, &mut element);
+                    element.verdict = judge(&element, &side, *rule);
+                    counts.add(element.verdict);
+                    if side.kind == Kind::F4 && element.bound.is_finite() && element.expected != 0.0 {
+                        let other = f64::from(f32::from_bits(element.bits.swap_bytes()));
+                        let near = (other - element.expected).abs() <= element.bound;
+                        swapped.0 += u64::from(near);
+                        swapped.1 += u64::from(element.verdict == Verdict::Agree);
+                    }
+                    each(&element);
+                    if element.verdict != Verdict::Undetermined {
+                        keep(&mut report.worst, element, || {
+                            let bits = flags.map_or(0, |f| u16::from_le_bytes([f[2 * sample], f[2 * sample + 1]]));
+                            (Flags(bits), inputs(reference, sample))
+                        });
+                    }
                 }
             }
         }
-        report.outputs.push((output.expected.variable.clone(), counts));
     }
-    let total = report.total();
-    let mut findings = Vec::new();
-    findings.extend((total.deviated > 0).then_some(Finding::Deviate(total.deviated)));
-    findings.extend((total.not_finite > 0).then_some(Finding::NotFinite(total.not_finite)));
-    findings.extend((swapped.0 > 2 * swapped.1 && swapped.0 > 0).then_some(Finding::ByteOrder));
-    let judged = total.agreed + total.deviated + total.not_finite;
-    findings.extend((judged == 0).then_some(Finding::NothingJudged));
-    findings.append(&mut report.findings);
-    report.findings = findings;
-    if total.deviated + total.not_finite > 0 {
-        report.worst.retain(|worst| worst.element.verdict != Verdict::Agree);
+
+    /// What came out, with what is wrong with the rows.
+    fn report(self, matched: &'static str, rows: u64, of_rows: Vec<Finding>) -> Report {
+        let Self { report, missing, swapped, .. } = self;
+        let mut report = Report { matched, rows, ..report };
+        let total = report.total();
+        let mut findings = Vec::new();
+        findings.extend((total.deviated > 0).then_some(Finding::Deviate(total.deviated)));
+        findings.extend((total.not_finite > 0).then_some(Finding::NotFinite(total.not_finite)));
+        findings.extend((swapped.0 > 2 * swapped.1 && swapped.0 > 0).then_some(Finding::ByteOrder));
+        let judged = total.agreed + total.deviated + total.not_finite;
+        findings.extend((judged == 0).then_some(Finding::NothingJudged));
+        findings.extend(missing);
+        findings.extend(of_rows);
+        report.findings = findings;
+        if total.deviated + total.not_finite > 0 {
+            report.worst.retain(|worst| worst.element.verdict != Verdict::Agree);
+        }
+        report
     }
-    Ok(report)
 }
 
 fn judge(element: &Element, side: &Side<'_>, rule: Rule) -> Verdict {

@@ -3,9 +3,13 @@
 use std::io::Cursor;
 
 use super::*;
-use crate::refdata::read::{ByteOrder, Column, Numbers, Source, outputs};
+use crate::refdata::read::{ByteOrder, Column, Numbers, Shared, Source, outputs};
 use crate::refdata::tests::{dataset, file};
 use crate::refdata::write::Format;
+
+fn memory(bytes: &[u8]) -> Shared {
+    Shared::new(Box::new(Cursor::new(bytes.to_vec()))).unwrap()
+}
 
 fn reference(profile: Option<&str>, samples: u64) -> Dataset {
     dataset(&file("sphere", profile, Format::Npz, samples), Format::Npz).unwrap()
@@ -126,11 +130,11 @@ fn what_is_no_number_is_found() {
 fn bytes_in_the_other_order_are_told() {
     let reference = reference(Some("binary32"), 200);
     let bytes: Vec<u8> = perfect(&reference).iter().flat_map(|bits| bits.to_be_bytes()).collect();
-    let read = |order| outputs(Source::Raw, &mut Cursor::new(bytes.clone()), order, 4).unwrap();
+    let read = |order| outputs(Source::Raw, &memory(&bytes), order, 4).unwrap();
     let report = run(&reference, &read(ByteOrder::Little));
     assert!(report.findings.contains(&Finding::ByteOrder), "{:?}", report.findings);
     assert_eq!(run(&reference, &read(ByteOrder::Big)).findings, []);
-    let odd = outputs(Source::Raw, &mut Cursor::new(bytes[..30].to_vec()), ByteOrder::Big, 4).unwrap_err();
+    let odd = outputs(Source::Raw, &memory(&bytes[..30]), ByteOrder::Big, 4).err().unwrap();
     assert!(odd.to_string().starts_with("it has 30 bytes, which is no multiple of 16"), "{odd}");
 }
 
@@ -171,4 +175,74 @@ fn a_run_that_judges_nothing_has_not_passed() {
     reference.arrays[at] = f32::INFINITY.to_le_bytes().repeat(40);
     let good = table("gl_Position", perfect(&reference));
     assert_eq!(run(&reference, &good).findings, [Finding::NothingJudged]);
+}
+
+/// A table, some rows at a time.
+struct Rows(Table, usize);
+
+impl crate::refdata::read::Windows for Rows {
+    fn next(&mut self, rows: usize) -> Result<Table, crate::refdata::read::ReadError> {
+        let begin = self.1;
+        self.1 += rows;
+        Ok(self.0.window(begin..self.1))
+    }
+}
+
+#[test]
+fn block_by_block_comes_out_what_comes_out_as_a_whole() {
+    use crate::refdata::read::Blocks;
+    // Blocks of 65536 samples: two and a part of one.
+    let bytes = file("bone_weight", Some("binary32"), Format::Npz, 140_000);
+    let reference = dataset(&bytes, Format::Npz).unwrap();
+    let good: Vec<u32> = reference
+        .array("nearest.return")
+        .unwrap()
+        .1
+        .chunks_exact(4)
+        .map(|b| u32::from_le_bytes(b.try_into().unwrap()))
+        .collect();
+    let column = |bits: Vec<u32>| Column { name: "return".into(), width: 1, numbers: Numbers::F4(bits) };
+    let plain = |bits: Vec<u32>| Table { columns: vec![column(bits)] };
+    let index = |list: Vec<i64>| Column { name: "index".into(), width: 1, numbers: Numbers::Whole(list) };
+    let indexed = |bits: Vec<u32>, list: Vec<i64>| Table { columns: vec![index(list), column(bits)] };
+    let all: Vec<i64> = (0..140_000).collect();
+    let mut flipped = good.clone();
+    flipped[70_000] ^= 1 << 22;
+    flipped[139_999] = f32::NAN.to_bits();
+    let swapped: Vec<u32> = good.iter().map(|bits| bits.swap_bytes()).collect();
+    let cases = [
+        ("right", plain(good.clone()), true),
+        ("two faults", plain(flipped.clone()), true),
+        ("rows missing in the middle of a block", plain(good[..100_000].to_vec()), true),
+        ("rows missing from the end of a block", plain(good[..65_536].to_vec()), true),
+        ("rows that are extra", plain([&good[..], &good[..70_000]].concat()), true),
+        ("the other order of bytes", plain(swapped), true),
+        ("an index", indexed(flipped, all.clone()), true),
+        ("an index with a gap", indexed(good[1..].to_vec(), all[1..].to_vec()), false),
+        (
+            "an index backwards",
+            indexed(good.iter().rev().copied().collect(), all.iter().rev().copied().collect()),
+            false,
+        ),
+        ("an index that goes on", indexed([&good[..], &good[..1]].concat(), (0..140_001).collect()), false),
+    ];
+    for (name, table, streams) in cases {
+        let mut elements = Vec::new();
+        let whole = verify(&reference, &table, Rule::default(), &mut |e| elements.push(e.clone())).unwrap();
+        let mut blocks = Blocks::open(Source::Npz, &memory(&bytes)).unwrap();
+        let mut seen = Vec::new();
+        let report = stream(&mut blocks, &mut Rows(table, 0), Rule::default(), &mut |e| seen.push(e.clone())).unwrap();
+        assert_eq!(report.is_some(), streams, "{name}");
+        if let Some(report) = report {
+            assert_eq!(format!("{report:?}"), format!("{whole:?}"), "{name}");
+            assert!(format!("{seen:?}") == format!("{elements:?}"), "{name}: other elements");
+        }
+    }
+    // A reference that is damaged gives no report, however far the comparison came.
+    let mut damaged = bytes;
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    let mut blocks = Blocks::open(Source::Npz, &memory(&damaged)).unwrap();
+    let error = stream(&mut blocks, &mut Rows(plain(good), 0), Rule::default(), &mut |_| {}).unwrap_err();
+    assert!(error.to_string().starts_with("SHA-256 is "), "{error}");
 }

@@ -193,3 +193,108 @@ impl Sink for Npz<'_> {
         self.to.flush()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::io::{Read, Seek};
+    use std::process::Command;
+
+    use npyz::NpyFile;
+    use zip::ZipArchive;
+
+    use super::*;
+    use crate::refdata::array::{Array, Kind, Per, Role};
+    use crate::refdata::tests::{dataset, file};
+    use crate::refdata::write::Format;
+
+    /// A document with these arrays, each of a name and bytes of a row.
+    fn document(rows: u64, arrays: impl Iterator<Item = (String, usize)>) -> Document {
+        let known = dataset(&file("bone_weight", None, Format::Npz, 1), Format::Npz).unwrap().document;
+        let array = |(name, words): (String, usize)| Array {
+            name,
+            role: Role::Nearest,
+            variable: String::new(),
+            ty: String::new(),
+            dtype: Kind::F4,
+            per: Per::Sample,
+            shape: vec![words],
+            components: Vec::new(),
+        };
+        Document { rows, samples: rows, arrays: arrays.map(array).collect(), ..known }
+    }
+
+    /// What Python makes of a file; none where it is not there.
+    fn python(path: &std::path::Path, program: &str) -> Option<String> {
+        let output = Command::new("python3").arg("-c").arg(program).arg(path).output().ok()?;
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Some(String::from_utf8(output.stdout).unwrap())
+    }
+
+    /// An archive of 6 GiB, of which holes are not written: its first array is larger than 4 GiB, and the others
+    /// begin behind that.
+    #[test]
+    fn an_archive_beyond_4_gib_is_read_by_others() {
+        const ROWS: u64 = 3;
+        const WORDS: u64 = 1 << 29;
+        let document = document(ROWS, [("large".to_owned(), WORDS as usize), ("small".to_owned(), 2)].into_iter());
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let mut writer = Npz::new(&document, Box::new(file.reopen().unwrap())).unwrap();
+        let small: Vec<u8> = (1..=6_u8).flat_map(|n| f32::from(n).to_le_bytes()).collect();
+        writer.append(1, &small).unwrap();
+        writer.finish(&document).unwrap();
+        assert!(file.as_file().metadata().unwrap().len() > 6 << 30);
+
+        let mut archive = ZipArchive::new(File::open(file.path()).unwrap()).unwrap();
+        let large = archive.by_name("large.npy").unwrap();
+        assert_eq!(large.size(), 4 * ROWS * WORDS + 128);
+        drop(large);
+        let mut bytes = Vec::new();
+        let mut member = archive.by_name("small.npy").unwrap();
+        assert!(member.data_start().unwrap() > u64::from(u32::MAX));
+        // The check sum is compared at the end.
+        member.read_to_end(&mut bytes).unwrap();
+        assert_eq!(NpyFile::new(&bytes[..]).unwrap().into_vec::<f32>().unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+
+        let program = "import sys, zipfile\nz = zipfile.ZipFile(sys.argv[1])\n\
+                       print([(i.filename, i.file_size) for i in z.infolist()][:2], len(z.read('small.npy')))\n\
+                       print(z.open('large.npy').read(6))";
+        match python(file.path(), program) {
+            None => eprintln!("NOT RUN: an archive beyond 4 GiB in Python, which is not there"),
+            Some(told) => assert_eq!(
+                told,
+                format!(
+                    "[('large.npy', {}), ('small.npy', {})] {}\nb'\\x93NUMPY'\n",
+                    4 * ROWS * WORDS + 128,
+                    bytes.len(),
+                    bytes.len()
+                )
+            ),
+        }
+    }
+
+    #[test]
+    fn more_than_65535_arrays_are_read_by_others() {
+        const COUNT: usize = 70_000;
+        let document = document(1, (0..COUNT).map(|k| (format!("a{k}"), 1)));
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let mut store = std::io::BufWriter::new(file.reopen().unwrap());
+        store.seek(SeekFrom::Start(0)).unwrap();
+        let mut writer = Npz::new(&document, Box::new(store)).unwrap();
+        for k in 0..COUNT {
+            writer.append(k, &(k as f32).to_le_bytes()).unwrap();
+        }
+        writer.finish(&document).unwrap();
+        drop(writer);
+        let mut archive = ZipArchive::new(File::open(file.path()).unwrap()).unwrap();
+        assert_eq!(archive.len(), COUNT + 1);
+        let mut bytes = Vec::new();
+        archive.by_name("a69999.npy").unwrap().read_to_end(&mut bytes).unwrap();
+        assert_eq!(NpyFile::new(&bytes[..]).unwrap().into_vec::<f32>().unwrap(), [69_999.0]);
+        let program = "import sys, zipfile\nz = zipfile.ZipFile(sys.argv[1])\nprint(len(z.namelist()), z.testzip())";
+        match python(file.path(), program) {
+            None => eprintln!("NOT RUN: an archive of 70001 members in Python, which is not there"),
+            Some(told) => assert_eq!(told, "70001 None\n"),
+        }
+    }
+}

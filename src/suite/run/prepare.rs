@@ -127,10 +127,10 @@ impl Prepared {
     }
 
     /// The stages of a lane in which this runs. A function has no stage: it runs as compute, or in the vertex stage of
-    /// a lane without that.
+    /// a lane that offers that instead.
     pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
         let all = &lane.description().stages;
-        let spare = self.suite.stage == Stage::Function && all.contains(&LaneStage::Compute);
+        let spare = self.suite.stage == Stage::Function && !lane.calls_functions();
         let runs = |stage: &LaneStage| self.kernel(*stage).is_some() && !(spare && *stage == LaneStage::Vertex);
         all.iter().copied().filter(runs).collect()
     }

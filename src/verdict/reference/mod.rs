@@ -173,6 +173,11 @@ impl Reference {
         &self.fields
     }
 
+    /// The outputs that something is expected of, in the order of what is expected.
+    pub fn judged(&self) -> &[Field] {
+        &self.fields[..self.outputs.len()]
+    }
+
     /// True for what emits vertices.
     pub(super) fn emits(&self) -> bool {
         match &self.source {

@@ -6,5 +6,6 @@ mod lanes;
 mod shaders;
 mod suites;
 mod survey;
+mod translators;
 
 pub(crate) use lanes::{prepared, raw};

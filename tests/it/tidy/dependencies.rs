@@ -67,7 +67,10 @@ const MODULES: &[(&str, &[&str])] = &[
     ),
     (
         "refdata",
-        &["suite", "verdict", "bound", "property", "lane", "interp", "program", "formula", "exact", "math", "value"],
+        &[
+            "fuzz", "suite", "verdict", "bound", "property", "lane", "interp", "program", "formula", "exact", "math",
+            "value",
+        ],
     ),
     (
         "report",

@@ -1,0 +1,323 @@
+//! What one thread computes of a block: expected values, bounds and flags of up to [`LANES`] samples at a time.
+
+use std::sync::atomic::Ordering;
+
+use super::flags::{Flag, Flags};
+use super::generate::{Generator, Route, Source};
+use super::number::upward;
+use crate::bound::profile::grid::MIN_NORMAL;
+use crate::exact::Words;
+use crate::formula::Param;
+use crate::interp::LANES;
+use crate::lane::Stage;
+use crate::math::twofold::{Twofold, WIDTH};
+use crate::math::wide;
+use crate::property::encode;
+use crate::value::{Batch, Record, Scalar};
+use crate::verdict::{Limiter, Limits, Meant, Reason, Roundoff, Wanted};
+
+/// A bound of this part of the size of an output makes it ill-conditioned.
+const USELESS: f64 = 1.0 / 1024.0;
+/// Shader and formula may be this part of an output apart: both are computed in binary64 or better.
+const LAST_BITS: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Where a chunk of samples is written to.
+pub(super) struct Part<'b> {
+    pub expected: &'b mut [f64],
+    pub nearest: &'b mut [u32],
+    pub bound: &'b mut [f32],
+    pub flags: &'b mut [Flags],
+}
+
+/// What one thread computes with.
+pub(super) struct Worker<'g, 'a> {
+    generator: &'g Generator<'a>,
+    limiter: Option<Limiter<'g>>,
+    limits: Limits,
+    meant: Option<(Meant<'g>, Option<Roundoff<'g>>)>,
+    wanted: Option<Wanted<'g>>,
+    values: Vec<f64>,
+    /// How far what is expected may be off: by sample, then by word; empty where it is exact.
+    slack: Vec<f64>,
+    out: Vec<Twofold>,
+}
+
+impl<'g, 'a> Worker<'g, 'a> {
+    pub fn new(generator: &'g Generator<'a>) -> Self {
+        let oracle = generator.subject.oracle();
+        let bounded = generator.profile.is_some();
+        Self {
+            limiter: generator.profile.map(|profile| Limiter::new(oracle, profile, Stage::Compute)),
+            limits: Limits::default(),
+            meant: matches!(generator.source, Source::Meaning)
+                .then(|| (Meant::new(oracle), bounded.then(|| Roundoff::new(oracle)))),
+            wanted: matches!(generator.source, Source::Reference).then(|| Wanted::new(generator.subject.reference())),
+            values: Vec::new(),
+            slack: Vec::new(),
+            out: vec![Twofold::of([0.0; WIDTH]); generator.outputs.words_of_sample()],
+            generator,
+        }
+    }
+
+    pub fn fill(&mut self, batch: &Batch, first: usize, mut part: Part<'_>) {
+        let rows = part.flags.len();
+        match &self.generator.source {
+            Source::Formula { exact, routes } => {
+                let width = self.out.len();
+                for at in (0..rows).step_by(WIDTH) {
+                    let inputs = Inputs::new(batch, routes, first + at);
+                    let out = &mut self.out;
+                    let lanes = WIDTH.min(rows - at);
+                    let mut nearest = [0; WIDTH];
+                    let exact = *exact;
+                    let marks = wide(
+                        #[inline(always)]
+                        || exact.evaluate(&inputs, out),
+                    );
+                    for (word, column) in out.iter().enumerate() {
+                        column.rounded_32(&mut nearest);
+                        for lane in 0..lanes {
+                            let to = (at + lane) * width + word;
+                            let value = column.rounded()[lane];
+                            part.expected[to] = if value.is_nan() { f64::NAN } else { value };
+                            part.nearest[to] = if value.is_nan() { f32::NAN.to_bits() } else { nearest[lane] };
+                        }
+                    }
+                    for lane in 0..lanes {
+                        let flags = &mut part.flags[at + lane];
+                        if marks.segment_end[lane] {
+                            flags.set(Flag::SegmentEnd);
+                        }
+                        if marks.degenerate[lane] {
+                            flags.set(Flag::Degenerate);
+                        }
+                    }
+                }
+            }
+            Source::Reference => self.reference(batch, first, &mut part),
+            Source::Meaning => self.meaning(batch, first, &mut part),
+        }
+        self.inputs(batch, first, part.flags);
+        self.outputs(&part.expected[..], part.flags);
+        self.bounds(batch, first, &mut part);
+    }
+
+    fn reference(&mut self, batch: &Batch, first: usize, part: &mut Part<'_>) {
+        let Self { generator, wanted, slack, .. } = self;
+        let Some(wanted) = wanted else { return };
+        let outputs = &generator.outputs;
+        let width = outputs.words.len();
+        slack.clear();
+        let rows = part.flags.len();
+        wanted.look(batch, first, rows, &mut |row, words, off| {
+            for (k, &word) in outputs.words.iter().enumerate() {
+                let value = words.get(k).copied().unwrap_or(f64::NAN);
+                put(part, row * width + k, value, outputs.scalars[word]);
+                slack.push(off.get(k).copied().unwrap_or(0.0));
+            }
+        });
+    }
+
+    fn meaning(&mut self, batch: &Batch, first: usize, part: &mut Part<'_>) {
+        let Self { generator, meant, values, slack, .. } = self;
+        let outputs = &generator.outputs;
+        let Some((meant, roundoff)) = meant else { return };
+        meant.look(batch, first, &outputs.scalars, values);
+        let width = outputs.words.len();
+        for row in 0..part.flags.len() {
+            for (k, &word) in outputs.words.iter().enumerate() {
+                put(part, row * width + k, values[word * LANES + row], outputs.scalars[word]);
+            }
+        }
+        let Some(roundoff) = roundoff else { return };
+        roundoff.look(batch, first, values);
+        slack.clear();
+        for row in 0..part.flags.len() {
+            slack.extend(outputs.words.iter().map(|&word| values[word * LANES + row]));
+        }
+    }
+
+    /// Flags that follow from the inputs.
+    fn inputs(&self, batch: &Batch, first: usize, flags: &mut [Flags]) {
+        let [own, shared] = &self.generator.real;
+        let mut of_case = (usize::MAX, Flags::default());
+        for (k, flags) in flags.iter_mut().enumerate() {
+            let invocation = first + k;
+            let case = invocation / batch.per_case;
+            if of_case.0 != case {
+                of_case = (case, Flags::default());
+                let words = batch.case(case);
+                shared.iter().for_each(|&word| of_case.1.input(words[word]));
+            }
+            flags.0 |= of_case.1.0;
+            let words = batch.invocation(invocation);
+            own.iter().for_each(|&word| flags.input(words[word]));
+        }
+    }
+
+    /// Flags that follow from what is expected.
+    fn outputs(&self, expected: &[f64], flags: &mut [Flags]) {
+        let outputs = &self.generator.outputs;
+        let stride = outputs.words_of_sample();
+        for (values, flags) in expected.chunks_exact(stride).zip(flags) {
+            for vertex in values.chunks_exact(outputs.words.len()) {
+                for (field, range) in &outputs.fields {
+                    let values = &vertex[range.clone()];
+                    let scale = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                    if values.iter().any(|x| x.is_nan()) {
+                        flags.set(Flag::NoValue);
+                    }
+                    if field.shape.scalar != Scalar::F32 {
+                        continue;
+                    }
+                    if scale == f64::INFINITY {
+                        flags.set(Flag::Infinite);
+                    } else if scale > f64::from(f32::MAX) {
+                        flags.set(Flag::Overflow);
+                    } else if scale > 0.0 && scale < MIN_NORMAL {
+                        flags.set(Flag::Underflow);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bounds, and the flags that follow from them.
+    fn bounds(&mut self, batch: &Batch, first: usize, part: &mut Part<'_>) {
+        let outputs = &self.generator.outputs;
+        let Some(limiter) = &mut self.limiter else { return };
+        let by_formula = matches!(self.generator.source, Source::Formula { .. });
+        let mut apart_rows = 0;
+        limiter.look(batch, first, &mut self.limits);
+        let Limits { values, bounds, reasons, .. } = &self.limits;
+        let stride = outputs.words_of_sample();
+        for (row, flags) in part.flags.iter_mut().enumerate() {
+            if let Some(reason) = reasons[row] {
+                flags.set(match reason {
+                    Reason::Domain => Flag::NoValue,
+                    Reason::NoPromise => Flag::NoPromise,
+                    Reason::IllConditioned => Flag::IllConditioned,
+                    Reason::Branch | Reason::TexelEdge => Flag::Branch,
+                    Reason::Underflow => Flag::Underflow,
+                    Reason::Overflow => Flag::Overflow,
+                });
+            }
+            let vector = largest_input(batch, first + row);
+            let mut is_apart = false;
+            for vertex in 0..outputs.vertices {
+                for (field, range) in &outputs.fields {
+                    let at = row * stride + vertex * outputs.words.len();
+                    let expected = &part.expected[at..][range.clone()];
+                    let scale = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(vector);
+                    for (k, &expected) in range.clone().zip(expected) {
+                        let from = (vertex * outputs.width + outputs.words[k]) * LANES + row;
+                        let apart = (values[from] - expected).abs();
+                        let slack = self.slack.get(at + k).copied().unwrap_or(0.0);
+                        let bound = bounds[from] + slack;
+                        // What the tape starts from is not what is expected to the last bit, and where it is
+                        // something else the shader is wrong: a bound does not make up for that.
+                        let near = apart <= bound + LAST_BITS * scale;
+                        is_apart |= apart.is_finite() && !near;
+                        let real = field.shape.scalar == Scalar::F32;
+                        let bound = if real && by_formula && near { bound + apart } else { bound };
+                        let bound = if expected.is_finite() { upward(bound) } else { f32::INFINITY };
+                        part.bound[at + k] = bound;
+                        if bound.is_finite() && f64::from(bound) > USELESS * scale.max(MIN_NORMAL) {
+                            flags.set(Flag::IllConditioned);
+                        }
+                    }
+                }
+            }
+            apart_rows += u64::from(is_apart);
+        }
+        self.generator.apart.fetch_add(apart_rows, Ordering::Relaxed);
+    }
+}
+
+/// Writes a word of what is expected, with the nearest number of its own type.
+fn put(part: &mut Part<'_>, at: usize, value: f64, scalar: Scalar) {
+    let real = scalar == Scalar::F32;
+    part.expected[at] = if value.is_nan() { f64::NAN } else { value };
+    part.nearest[at] = if value.is_nan() && real { f32::NAN.to_bits() } else { encode(value, scalar) };
+}
+
+/// The largest component of the vectors among the inputs, which outputs are measured against.
+fn largest_input(batch: &Batch, invocation: usize) -> f64 {
+    let sides =
+        [(&batch.invocation_record, batch.invocation(invocation)), (&batch.case_record, batch.case_of(invocation))];
+    let mut most = 0.0_f64;
+    for (record, words) in sides {
+        for (k, field) in record.fields().iter().enumerate() {
+            if field.shape.scalar == Scalar::F32 && field.shape.columns == 1 && field.shape.rows > 1 {
+                let part = &words[record.range(k)];
+                most = part.iter().fold(most, |most, &w| most.max(f64::from(f32::from_bits(w)).abs()));
+            }
+        }
+    }
+    most
+}
+
+/// The inputs of a formula for samples side by side.
+struct Inputs<'b> {
+    batch: &'b Batch,
+    routes: &'b [Route],
+    first: usize,
+    /// The last sample of the batch.
+    last: usize,
+    /// The case of all these samples, where it is one.
+    case: Option<usize>,
+}
+
+impl<'b> Inputs<'b> {
+    fn new(batch: &'b Batch, routes: &'b [Route], first: usize) -> Self {
+        let one = first.is_multiple_of(batch.per_case) && batch.per_case.is_multiple_of(WIDTH);
+        let last = batch.invocation_count().saturating_sub(1);
+        Self { batch, routes, first, last, case: one.then(|| first / batch.per_case) }
+    }
+}
+
+impl Words<Twofold> for Inputs<'_> {
+    #[inline(always)]
+    fn word(&self, index: usize) -> Twofold {
+        let Route { from_case, word, scalar } = self.routes[index];
+        let Batch { per_case, .. } = *self.batch;
+        let (words, stride) = if from_case {
+            (&self.batch.cases, self.batch.case_record.words())
+        } else {
+            (&self.batch.invocations, self.batch.invocation_record.words())
+        };
+        let mut out = [0.0; WIDTH];
+        if let (true, Some(case)) = (from_case, self.case) {
+            out = [number(words[case * stride + word], scalar); WIDTH];
+            return Twofold::of(out);
+        }
+        for (lane, out) in out.iter_mut().enumerate() {
+            // Beyond the end of a block the last sample is computed again.
+            let row = (self.first + lane).min(self.last);
+            let row = if from_case { row / per_case } else { row };
+            *out = number(words[row * stride + word], scalar);
+        }
+        Twofold::of(out)
+    }
+}
+
+#[inline(always)]
+fn number(word: u32, scalar: Scalar) -> f64 {
+    match scalar {
+        Scalar::F32 => f64::from(f32::from_bits(word)),
+        Scalar::I32 => f64::from(word.cast_signed()),
+        Scalar::U32 | Scalar::Bool => f64::from(word),
+    }
+}
+
+/// Where the words of an input of a formula come from.
+pub(super) fn routes(param: &Param, sides: [&Record; 2]) -> Vec<Route> {
+    for (side, record) in sides.into_iter().enumerate() {
+        if let Some(index) = record.index_of(param.name) {
+            let scalar = record.fields()[index].shape.scalar;
+            return record.range(index).map(|word| Route { from_case: side == 1, word, scalar }).collect();
+        }
+    }
+    // The formula was bound to these records, so each of its inputs is in one.
+    Vec::new()
+}

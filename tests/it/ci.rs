@@ -1,0 +1,192 @@
+//! The action, workflows and the script in `deploy/`, without a service: every key is one that GitHub or GitLab has at
+//! this place, what refers to something refers to what is there, and the steps are run by a stand-in for a runner.
+#![cfg(unix)]
+
+mod keys;
+mod runner;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use tempfile::TempDir;
+
+use crate::binary::{Ran, root, say};
+use runner::{Event, Runner};
+
+const ACTION: &str = "deploy/github/action.yml";
+const WORKFLOW: &str = "deploy/github/workflow.yml";
+const GITLAB: &str = "deploy/gitlab/.gitlab-ci.yml";
+
+fn text(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap()
+}
+
+/// A folder with a shader and its suite: right, or with a fault for `lint` and one for `check`.
+fn project(right: bool) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let body = if right { "x / (1.0 + x)" } else { "x / (1.0 + x) * float(1 / 3)" };
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("tone.glsl", &format!("float tone(float x) {{ return {body}; }}\n"));
+    write("wanted.glsl", "float tone(float x) { return x / (1.0 + x); }\n");
+    write(
+        "tone.suite.toml",
+        "suite = \"tone\"\nshader = \"tone.glsl\"\nstage = \"function\"\nentry = \"tone\"\nsamples = 256\n\
+         reference = { file = \"wanted.glsl\", function = \"tone\" }\n\n\
+         [[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [0.5, 4.0]\n",
+    );
+    folder
+}
+
+#[test]
+fn the_action_and_the_workflows_have_keys_that_are_known() {
+    assert_eq!(keys::faults(&text(ACTION), &text(WORKFLOW), &text(GITLAB)), Vec::<String>::new());
+}
+
+#[test]
+fn planted_faults_in_keys_are_reported() {
+    let told = |which: usize, from: &str, to: &str, part: &str| {
+        let mut texts = [ACTION, WORKFLOW, GITLAB].map(text);
+        assert!(texts[which].contains(from), "{from}");
+        texts[which] = texts[which].replacen(from, to, 1);
+        let faults = keys::faults(&texts[0], &texts[1], &texts[2]);
+        assert!(faults.iter().any(|fault| fault.contains(part)), "`{to}`: {faults:?}");
+    };
+    told(0, "using: composite", "using: docker", "unknown variant `docker`");
+    told(0, "    default: \".\"", "    defualt: \".\"", "unknown field `defualt`");
+    told(0, "      shell: bash\n", "", "has `run` and no shell");
+    told(0, "${{ inputs.lanes }}", "${{ inputs.lane }}", "there is no input `lane`");
+    told(0, "steps.run.outputs.status", "steps.runs.outputs.status", "there is no step `runs`");
+    told(0, "      id: cache\n", "      id: build\n", "two steps are called `build`");
+    told(0, "sarif_file:", "sarif-file:", "upload-sarif has no input `sarif-file`");
+    told(0, "actions/cache@v4", "actions/cache", "has no version");
+    told(1, "          paths: shaders", "          path: shaders", "the action has no input `path`");
+    told(1, "runs-on", "run-on", "unknown field `run-on`");
+    told(1, "needs: long", "needs: lang", "there is no job `lang`");
+    told(1, "security-events: write", "security-events: true", "unknown variant `true`");
+    told(1, "--shard auto", "--shared auto", "the program does not take");
+    told(2, "when: always", "when: allways", "unknown variant `allways`");
+    told(2, "      junit: shadercheck-reports", "      junit: reports", "is not below the folder of reports");
+    told(2, "deploy/plain/ci.sh", "deploy/plain/run.sh", "is not in this repository");
+}
+
+/// Runs all steps of the action, and gives the status of the last that failed.
+fn act(folder: &Path, inputs: &[(&str, &str)]) -> Runner {
+    let mut runner = Runner::new(&text(ACTION), folder, inputs);
+    runner.set("program", env!("CARGO_BIN_EXE_shadercheck"));
+    runner.set("drivers", "false");
+    runner.set("lanes", "embedded");
+    runner.run();
+    runner
+}
+
+#[test]
+fn the_action_passes_a_project_that_is_right() {
+    let folder = project(true);
+    let runner = act(folder.path(), &[]);
+    assert_eq!(runner.status, 0, "{}", runner.log);
+    assert_eq!(runner.output("run", "status"), "0");
+    let summary = runner.summary();
+    assert!(summary.contains("No findings.") && summary.contains("tone"), "{summary}");
+    assert!(!runner.log.contains("::error"), "{}", runner.log);
+    let junit = fs::read_to_string(folder.path().join("shadercheck-reports/junit.xml")).unwrap();
+    assert!(junit.contains("tone") && junit.contains("failures=\"0\""), "{junit}");
+    // Nothing is built or sent that nobody asked for; the reports are uploaded.
+    let used: Vec<&str> = runner.events.iter().map(|Event { uses, .. }| uses.as_str()).collect();
+    assert_eq!(used, ["actions/upload-artifact@v4"]);
+}
+
+#[test]
+fn the_action_fails_a_project_that_is_wrong_and_tells_where() {
+    let folder = project(false);
+    let runner = act(folder.path(), &[("upload-sarif", "true")]);
+    assert_eq!(runner.status, 1, "{}", runner.log);
+    assert_eq!(runner.output("run", "status"), "1");
+    let of_shader = |line: &&str| line.starts_with("::") && line.contains("tone.glsl");
+    assert!(runner.log.lines().any(|line| of_shader(&line) && line.contains("T005")), "lint: {}", runner.log);
+    assert!(runner.log.lines().any(|line| of_shader(&line) && !line.contains("T005")), "check: {}", runner.log);
+    let summary = runner.summary();
+    assert!(summary.contains("T005") && summary.contains("```"), "{summary}");
+    // Reports are uploaded although there are findings, and are what they should be.
+    let used: Vec<&str> = runner.events.iter().map(|Event { uses, .. }| uses.as_str()).collect();
+    let sarif = "github/codeql-action/upload-sarif@v3";
+    assert_eq!(used, [sarif, sarif, "actions/upload-artifact@v4"]);
+    for event in &runner.events[..2] {
+        let file = folder.path().join(&event.with["sarif_file"]);
+        let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
+        let results = json["runs"][0]["results"].as_array().unwrap();
+        assert!(!results.is_empty(), "{}", file.display());
+    }
+    let reports = folder.path().join(&runner.events[2].with["path"]);
+    let junit = fs::read_to_string(reports.join("junit.xml")).unwrap();
+    assert!(junit.contains("<failure"), "{junit}");
+}
+
+#[test]
+fn the_action_does_what_its_inputs_say() {
+    // Lint alone: the fault of the formula does not show, and no reports of check are written.
+    let folder = project(false);
+    let runner = act(folder.path(), &[("run", "lint"), ("lint-args", "--ignore T005"), ("upload-reports", "")]);
+    assert_eq!(runner.status, 0, "{}", runner.log);
+    assert!(runner.events.is_empty() && !folder.path().join("shadercheck-reports/junit.xml").exists());
+    // A folder of its own, options with blanks, and a lane that has to be there and is not.
+    let folder = project(true);
+    let runner = act(folder.path(), &[("run", "check"), ("args", "--samples 64 --seed 3"), ("reports", "out/here")]);
+    assert_eq!(runner.status, 0, "{}", runner.log);
+    let json = fs::read_to_string(folder.path().join("out/here/report.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["seed"].to_string().trim_matches('"'), "3");
+    assert_eq!(runner.output("run", "reports"), "out/here");
+    let runner = act(folder.path(), &[("run", "check"), ("require-lanes", "quantum")]);
+    assert_eq!(runner.status, 2, "{}", runner.log);
+    let runner = act(folder.path(), &[("paths", "nowhere")]);
+    assert_eq!(runner.status, 2, "{}", runner.log);
+    // Without a program it is built, and what was built is kept.
+    let runner = {
+        let mut runner = Runner::new(&text(ACTION), folder.path(), &[("program", ""), ("drivers", "true")]);
+        runner.only_conditions();
+        runner
+    };
+    let wanted = ["Install a Vulkan driver", "Name the build", "Keep the build", "Build shadercheck", "Lint and check"];
+    assert_eq!(runner.would_run()[..5], wanted);
+}
+
+/// Runs the script.
+fn script(folder: &Path, args: &[&str], variables: &[(&str, &str)]) -> Ran {
+    let mut command = Command::new(root().join("deploy/plain/ci.sh"));
+    for name in ["GITHUB_STEP_SUMMARY", "SUMMARY", "RUN", "ARGS", "LINT_ARGS", "REQUIRE", "FORMAT", "REPORTS"] {
+        command.env_remove(name);
+    }
+    command.env("SHADERCHECK", env!("CARGO_BIN_EXE_shadercheck")).env("LANES", "embedded");
+    command.args(args).envs(variables.iter().copied()).current_dir(folder).output().unwrap().into()
+}
+
+#[test]
+fn the_script_alone_gives_status_and_reports() {
+    let right = project(true);
+    let ran = script(right.path(), &[], &[("SUMMARY", "page.md")]).expect(0);
+    assert!(ran.out.contains("tone"), "{}", ran.out);
+    assert!(right.path().join("shadercheck-reports/lint.sarif").exists());
+    assert!(fs::read_to_string(right.path().join("page.md")).unwrap().contains("shadercheck lint"));
+    let wrong = project(false);
+    script(wrong.path(), &["tone.glsl"], &[("RUN", "lint")]).expect(1);
+    script(wrong.path(), &["tone.suite.toml"], &[("RUN", "check")]).expect(1);
+    // A finding of lint does not hide that check could not be run.
+    script(wrong.path(), &[], &[("REQUIRE", "quantum")]).expect(2);
+    for (name, value) in [("FORMAT", "xml"), ("RUN", "lint chekc"), ("SHADERCHECK", "/nowhere/shadercheck")] {
+        let ran = script(wrong.path(), &[], &[(name, value)]).expect(2);
+        assert!(ran.err.contains(value.split(' ').next_back().unwrap()), "{}", ran.err);
+    }
+}
+
+#[test]
+fn the_script_is_one_for_every_shell() {
+    for shell in ["sh", "bash"] {
+        let output = Command::new(shell).arg("-n").arg(root().join("deploy/plain/ci.sh")).output().unwrap();
+        assert!(output.status.success(), "{shell}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let Ok(output) = Command::new("shellcheck").arg(root().join("deploy/plain/ci.sh")).output() else {
+        return say("NOT RUN: deploy/plain/ci.sh by shellcheck, which is not installed");
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+}
