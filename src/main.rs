@@ -3,10 +3,18 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use shadercheck::cli::{Cli, run};
+use shadercheck::cli::{Cli, Command, run, worker};
+use shadercheck::lane;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if let Ok(this) = std::env::current_exe() {
+        lane::worker::set_program(worker::program(this));
+    }
+    #[cfg(unix)]
+    if let Command::Worker(_) = cli.command {
+        end_with_the_parent();
+    }
     #[cfg(unix)]
     if cli.command.opens_devices() {
         quiet_loader();
@@ -28,4 +36,19 @@ fn quiet_loader() {
     // Only returns when it fails; then the line is printed, and nothing else changes.
     let _ =
         std::process::Command::new(this).args(std::env::args_os().skip(1)).env(VARIABLE, std::env::temp_dir()).exec();
+}
+
+/// A shader that does not end would keep this process busy after the one that sent it has gone.
+#[cfg(unix)]
+fn end_with_the_parent() {
+    use std::os::unix::process::parent_id;
+    let parent = parent_id();
+    std::thread::spawn(move || {
+        loop {
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            if parent_id() != parent {
+                std::process::exit(2);
+            }
+        }
+    });
 }

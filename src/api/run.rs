@@ -114,10 +114,7 @@ pub(super) fn on_lanes(
     let rulings: Vec<Rulings> = lanes.iter().map(|lane| request(lane.as_ref()).rulings).collect();
     for lane in lanes {
         let request = request(lane.as_ref());
-        for &stage in &lane.description().stages {
-            if prepared.kernel(stage).is_none() {
-                continue;
-            }
+        for stage in prepared.stages(lane.as_ref()) {
             let outcome = match run(prepared, lane.as_ref(), stage, &request, &mut |_| {}) {
                 Ok(report) => Run::Ran(Box::new(report)),
                 Err(error) => Run::LaneFailed(error.to_string()),

@@ -62,8 +62,18 @@ pub struct CalibrateArgs {
 /// When there is no such lane or operation, the device fails, or a file cannot be read or written.
 pub fn run(args: &CalibrateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let shard = args.sharing.shard()?;
-    let ops = operations(&args.builtin)?;
+    let mut ops = operations(&args.builtin)?;
     let lane = open(args.lane.as_deref(), err)?;
+    if args.builtin.is_empty() {
+        let mut left_out = Vec::new();
+        for op in std::mem::take(&mut ops) {
+            if calibrate::runs(lane.as_ref(), op)? { &mut ops } else { &mut left_out }.push(op);
+        }
+        if !left_out.is_empty() {
+            let names: Vec<&str> = left_out.iter().map(|op| op.name()).collect();
+            writeln!(err, "note: not measured, because this driver does not run them alone: {}", names.join(", "))?;
+        }
+    }
     if let Some(shard) = shard {
         anyhow::ensure!(!args.resume, "--shard goes on by itself from its checkpoint; leave out --resume");
         return shared::run(args, shard, &ops, lane.as_ref(), out, err);

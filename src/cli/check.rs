@@ -19,7 +19,7 @@ use crate::bound::profile::Rulings;
 use crate::cli::fresh;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Lane, Stage};
+use crate::lane::{self, Lane, LaneError, Stage};
 use crate::program::Source;
 use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
@@ -392,7 +392,14 @@ fn one_suite(
                 }
                 Err(error) => {
                     let way = source.map_or_else(String::new, |source| format!("{}: ", source.phrase()));
-                    Outcome::LaneFailed(format!("{way}{error}"))
+                    let again = match &error {
+                        LaneError::Lost { inputs, .. } if !inputs.is_empty() => format!(
+                            "\n  reproduce  shadercheck check {} --lane {name} --stage {stage} --case '{inputs}'",
+                            request.arguments
+                        ),
+                        _ => String::new(),
+                    };
+                    Outcome::LaneFailed(format!("{way}{error}{again}"))
                 }
             };
             add(entry(Some((name, stage)), outcome), progress)?;
@@ -425,10 +432,8 @@ fn shader_of(args: &CheckArgs, selected: &Selected) -> anyhow::Result<SourceFile
 
 /// The stages of a lane on which a suite runs.
 fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> {
-    // Functions run as compute alone; there is no stage to speak of.
-    let applies = |stage: &Stage| prepared.kernel(*stage).is_some();
     let asked = |stage: &Stage| args.stage.is_none_or(|s| s.admits(*stage));
-    lane.description().stages.iter().copied().filter(applies).filter(asked).collect()
+    prepared.stages(lane).into_iter().filter(asked).collect()
 }
 
 /// Writes the run in every format for programs, each file in one step.

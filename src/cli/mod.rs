@@ -17,6 +17,7 @@ pub mod refdata;
 pub mod shard;
 pub mod status;
 pub mod translate;
+pub mod worker;
 
 use std::io::{IsTerminal, Write};
 
@@ -84,6 +85,9 @@ pub enum Command {
     Lanes(lanes::LanesArgs),
     /// Measure how far a device's operations are off, beside what is promised
     Calibrate(calibrate::CalibrateArgs),
+    /// Run jobs of a lane that another process sends
+    #[command(hide = true)]
+    Worker(worker::WorkerArgs),
 }
 
 impl Command {
@@ -112,6 +116,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Merge(args) => merge::run(args, &mut out, &mut err, color),
         Command::Lanes(args) => lanes::run(args, &mut out),
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
+        Command::Worker(args) => worker::run(args, &mut out),
     };
     let result = result.and_then(|status| Ok(out.flush().map(|()| status)?));
     match result {

@@ -4,7 +4,9 @@
 mod actual;
 pub mod embedded;
 pub mod native;
+pub mod opengl;
 pub mod vulkan;
+pub mod worker;
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -162,7 +164,7 @@ pub struct Unavailable {
 }
 
 /// Why a lane gave no outputs.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LaneError {
     /// The device's API reported an error.
     #[error("the device reported an error: {0}")]
@@ -194,6 +196,26 @@ pub enum LaneError {
         /// The word that proves the writing.
         expected: u32,
     },
+    /// The process in which the lane runs crashed, hung or gave no sense; it is started again for what comes after.
+    #[error("the process of the driver {how}{}", at(.invocation, *.count, .inputs))]
+    Lost {
+        /// How, in words that continue "the process of the driver".
+        how: String,
+        /// Index of the invocation that does it, where one does it by itself.
+        invocation: Option<usize>,
+        /// Number of invocations of the batch.
+        count: usize,
+        /// Inputs of the invocation, as `--case` takes them.
+        inputs: String,
+    },
+}
+
+fn at(invocation: &Option<usize>, count: usize, inputs: &str) -> String {
+    match invocation {
+        Some(at) if inputs.is_empty() => format!(", at invocation {at} of {count}"),
+        Some(at) => format!(", at invocation {at} of {count}, with {inputs}"),
+        None => String::new(),
+    }
 }
 
 /// A device that runs kernels.
@@ -212,6 +234,11 @@ pub trait Lane {
     /// # Errors
     /// [`LaneError`] when the device refuses the kernel.
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError>;
+
+    /// True for a lane without compute that runs functions in its vertex stage.
+    fn calls_functions(&self) -> bool {
+        false
+    }
 }
 
 /// A kernel on a device.
@@ -257,6 +284,7 @@ pub fn registry() -> &'static [Candidate] {
     static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = vulkan::candidates();
+        all.extend(opengl::candidates());
         all.extend(native::candidates());
         all.push(Candidate {
             name: "embedded",

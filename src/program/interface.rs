@@ -67,6 +67,7 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
         unfed: Vec::new(),
         memory: Vec::new(),
         lowered,
+        texts: Vec::new(),
     })
 }
 

@@ -25,6 +25,7 @@ use thiserror::Error;
 use crate::diagnostic::Diagnostic;
 use crate::glsl::Shader;
 use crate::lower::{Lowered, Target};
+use crate::text::SourceFile;
 use crate::value::Field;
 
 pub use crate::lower::{Primitives, Role};
@@ -162,6 +163,9 @@ pub struct Program {
     pub(crate) memory: Vec<memory::Memory>,
     /// The lowered text and the way back.
     pub lowered: Lowered,
+    /// The author's own texts in GLSL, for a lane whose driver reads GLSL itself: several where several are linked into
+    /// the stage; none for a program that comes from elsewhere.
+    pub texts: Vec<SourceFile>,
 }
 
 impl Program {

@@ -56,14 +56,14 @@ impl Program {
         let target = target(&parsed.shader)?;
         let by_edits = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
         // What edits in place do not make readable to naga is built from the syntax tree.
-        by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target)).map_err(
-            |error| match error {
-                ProgramError::Source(found) => {
-                    ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect())
-                }
-                other => other,
-            },
-        )
+        let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target));
+        match built {
+            Ok(program) => Ok(Self { texts: vec![file.clone()], ..program }),
+            Err(ProgramError::Source(found)) => {
+                Err(ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()))
+            }
+            Err(other) => Err(other),
+        }
     }
 
     /// The same with several texts that are linked into one stage.
@@ -77,6 +77,7 @@ impl Program {
         target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
     ) -> Result<Self, ProgramError> {
         let joined = link::link(files, stage, defines).map_err(ProgramError::Source)?;
-        Self::from_source_with(&joined, stage, defines, target)
+        let program = Self::from_source_with(&joined, stage, defines, target)?;
+        Ok(Self { texts: files.to_vec(), ..program })
     }
 }

@@ -112,6 +112,7 @@ impl Program {
             unfed: Vec::new(),
             memory: Vec::new(),
             lowered,
+            texts: Vec::new(),
         })
     }
 }

@@ -22,7 +22,7 @@ pub enum Scalar {
 /// Shape of a value: a scalar, vector or matrix, or an array of one of them.
 ///
 /// Words are laid out without padding: arrays element by element, matrices column by column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Shape {
     /// Type of one component.
     pub scalar: Scalar,

@@ -4,6 +4,7 @@ mod against;
 mod cargo;
 mod features;
 mod host;
+mod opengl;
 mod setup;
 #[cfg(unix)]
 mod slurm;

@@ -4,6 +4,7 @@
 use std::io::{self, Write};
 
 use crate::host::{Host, on_path};
+use crate::opengl;
 use crate::vulkan::{self, Found};
 
 /// Something that a lane needs.
@@ -48,6 +49,19 @@ const TRANSLATOR: Need = Need {
     there: |host| on_path(host, "glslangValidator").is_some(),
 };
 
+const OPENGL: Need = Need {
+    packages: &opengl::PACKAGES,
+    elsewhere: [
+        ("dnf", "sudo dnf install mesa-libEGL mesa-dri-drivers"),
+        ("pacman", "sudo pacman -S mesa libglvnd"),
+        ("apk", "sudo apk add mesa-egl mesa-dri-gallium"),
+    ],
+    what: "Mesa's EGL and its DRI drivers",
+    lane: "opengl",
+    ready: "OpenGL is ready",
+    there: opengl::is_there,
+};
+
 /// How apt-get can be run as the administrator.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rights {
@@ -79,6 +93,14 @@ pub fn prepare_translator(host: &mut dyn Host, messages: &mut dyn Write) -> io::
         return Ok(());
     }
     provide(host, messages, &TRANSLATOR, "glslangValidator")
+}
+
+/// The same for the drivers of the lanes `opengl`, `opengl-softpipe` and `opengl-zink`.
+pub fn prepare_opengl(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    if !cfg!(target_os = "linux") || opengl::is_there(host) {
+        return Ok(());
+    }
+    provide(host, messages, &OPENGL, "Mesa's OpenGL")
 }
 
 fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: &str) -> io::Result<()> {
@@ -208,6 +230,24 @@ mod tests {
         let mut messages = Vec::new();
         prepare(host, &mut messages).unwrap();
         String::from_utf8(messages).unwrap()
+    }
+
+    #[test]
+    fn opengl_is_installed_where_it_is_missing() {
+        let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
+        let mut host = debian().program("id -u", true, "0\n");
+        let parts = ["/usr/lib/libEGL.so.1", "/usr/lib/libEGL_mesa.so.0", "/usr/lib/dri/swrast_dri.so"];
+        parts.iter().for_each(|path| host.appear.push((start, path, "")));
+        let prepared = |host: &mut Fake| {
+            let mut messages = Vec::new();
+            prepare_opengl(host, &mut messages).unwrap();
+            String::from_utf8(messages).unwrap()
+        };
+        let text = prepared(&mut host.program(start, true, ""));
+        assert!(text.ends_with("installed; OpenGL is ready\n"), "{text}");
+        assert_eq!(prepared(&mut parts.iter().fold(debian(), |host, path| host.file(path, ""))), "");
+        let mut host = debian().program("id -u", true, "1000\n").program("sudo -n true", false, "");
+        assert!(prepared(&mut host).ends_with("--no-install-recommends libegl1 libegl-mesa0 libgl1-mesa-dri`\n"));
     }
 
     const COMMAND: &str = "apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1`\n";

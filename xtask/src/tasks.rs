@@ -20,6 +20,7 @@ const GATE: [&str; 6] = ["run", "--package", "shadercheck", "--bin", "shaderchec
 pub fn check(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     status(cargo(GATE).arg("check").args(arguments))
 }
 
@@ -27,6 +28,7 @@ pub fn check(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
 pub fn test(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     setup::report_validators(&ThisMachine, messages)?;
     setup::report_readers(&mut ThisMachine, messages)?;
     let nextest = cargo(["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
@@ -83,6 +85,7 @@ fn unreferenced(workspace: &Path, messages: &mut dyn Write) -> Result<u8> {
 pub fn bench(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     if let Some((_, rest)) = arguments.split_first().filter(|(first, _)| *first == "--against-script") {
         return against::run(rest, messages);
     }
@@ -124,6 +127,7 @@ pub fn survey(arguments: &[OsString]) -> Result<u8> {
 pub fn piglit(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     setup::prepare(&mut ThisMachine, messages)?;
     setup::prepare_translator(&mut ThisMachine, messages)?;
+    setup::prepare_opengl(&mut ThisMachine, messages)?;
     let run = ["bench", "--quiet", "--profile", "dev", "--package", "shadercheck", "--bench", "piglit", "--"];
     status(cargo(run).args(arguments))
 }

@@ -87,7 +87,8 @@ fn has_device(host: &dyn Host) -> bool {
 }
 
 /// The folders of the dynamic linker: `LD_LIBRARY_PATH`, its configuration, and the usual ones.
-fn library_folders(host: &dyn Host) -> Vec<PathBuf> {
+/// Folders in which the dynamic linker looks.
+pub fn library_folders(host: &dyn Host) -> Vec<PathBuf> {
     let mut folders = paths(host, "LD_LIBRARY_PATH", "");
     let mut configurations = vec![PathBuf::from("/etc/ld.so.conf")];
     configurations.extend(host.list(Path::new("/etc/ld.so.conf.d")));

@@ -113,8 +113,9 @@ fn vertex(op: Op) -> Result<Kernel, ProgramError> {
     let attribute = |(k, name): (usize, &&str)| format!("layout(location = {k}) in float {name};\n");
     let attributes: String = ["x", "y", "z"][..arity].iter().enumerate().map(attribute).collect();
     let text = format!(
-        "#version 450\n{attributes}layout(location = 0) out float result;\n\
-         void main() {{ result = {expression}; gl_Position = vec4(0.0); }}\n"
+        "#version {}\n{attributes}out float result;\n\
+         void main() {{ result = {expression}; gl_Position = vec4(0.0); }}\n",
+        version(op)
     );
     let file = SourceFile::new(format!("calibrate-{}.vert", op.name()), text);
     program(&file, Stage::Vertex, &Target::Stage)?.vertex_kernel(&vec![1; arity])
@@ -134,13 +135,18 @@ pub fn sweep(op: Op) -> Result<Kernel, ProgramError> {
     function(op, &format!("{at}void f(uint first, out vec4 a, out vec4 b, out vec4 c, out vec4 d) {{\n{body}}}\n"))
 }
 
+/// The oldest version of GLSL that has the operation and everything around it: not every driver has the newest.
+fn version(op: Op) -> u32 {
+    if op == Op::Fma { 400 } else { 330 }
+}
+
 fn unsupported(op: Op) -> ProgramError {
     ProgramError::Unsupported { what: format!("`{}` as a single operation of GLSL", op.name()) }
 }
 
 fn function(op: Op, body: &str) -> Result<Kernel, ProgramError> {
     let name = format!("calibrate-{}.glsl", op.name());
-    let file = SourceFile::new(name, format!("#version 450\n{body}"));
+    let file = SourceFile::new(name, format!("#version {}\n{body}", version(op)));
     program(&file, Stage::Library, &Target::Function("f".to_owned()))?.compute_kernel()
 }
 

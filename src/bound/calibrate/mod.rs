@@ -132,6 +132,18 @@ pub fn measurable() -> impl Iterator<Item = Op> {
     Op::ALL.into_iter().filter(|op| expression(*op).is_some())
 }
 
+/// True when a lane runs an operation alone: not every driver has every version of GLSL.
+///
+/// # Errors
+/// [`CalibrateError`] when the lane fails for another reason.
+pub fn runs(lane: &dyn Lane, op: Op) -> Result<bool, CalibrateError> {
+    match lane.prepare(&kernel::pointwise(op)?, 1) {
+        Ok(_) => Ok(true),
+        Err(LaneError::Unsupported(_)) => Ok(false),
+        Err(error) => Err(error.into()),
+    }
+}
+
 /// What was measured so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {

@@ -13,16 +13,16 @@ use super::CalibrateError;
 use super::kernel::program;
 
 /// One shader for both stages. The operands come in as attributes, so that no compiler knows them.
-const TEXT: &str = "#version 450
+const TEXT: &str = "#version 400
 layout(location = 0) in vec4 tiny;
 layout(location = 1) in vec4 product;
 layout(location = 2) in vec4 sums;
 layout(location = 3) in vec4 order;
-layout(location = 0) out vec4 results;
-layout(location = 1) out vec4 arguments;
-layout(location = 2) out vec4 fused;
-layout(location = 3) out vec4 rounded;
-layout(location = 4) out vec4 ordered;
+out vec4 results;
+out vec4 arguments;
+out vec4 fused;
+out vec4 rounded;
+out vec4 ordered;
 void main() {
     float least = tiny.x, half_ = tiny.y, subnormal = tiny.z, big = tiny.w;
     results = vec4(least * half_, least - (least + least * half_), (least / big) * 1.0, least * least);
@@ -72,7 +72,19 @@ impl Behaviour {
 /// # Errors
 /// [`CalibrateError`] when the lane cannot run it.
 pub fn probe(lane: &dyn Lane, stage: Stage) -> Result<Behaviour, CalibrateError> {
-    let file = SourceFile::new("calibrate-probe.vert", TEXT);
+    match probe_text(lane, stage, TEXT) {
+        // A device without `fma` has one or two roundings where a shader writes a product and a sum.
+        Err(CalibrateError::Lane(LaneError::Unsupported(_))) => {
+            let text = TEXT.replace("#version 400", "#version 330");
+            let text = text.replace("fma(product.x, product.y, product.z)", "product.x * product.y + product.z");
+            probe_text(lane, stage, &text)
+        }
+        other => other,
+    }
+}
+
+fn probe_text(lane: &dyn Lane, stage: Stage, text: &str) -> Result<Behaviour, CalibrateError> {
+    let file = SourceFile::new("calibrate-probe.vert", text);
     let program = program(&file, glsl::Stage::Vertex, &Target::Stage)?;
     let kernel = kernel_of(&program, stage)?;
     let mut batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, 1);

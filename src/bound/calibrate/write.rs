@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::probe::Behaviour;
 use super::{Standing, State, Tally, Worst, promises};
 use crate::bound::profile::{self, BINS, Definition, Flush, Identity, Op, bounds_of_bin, device_name};
-use crate::lane::Description;
+use crate::lane::{Description, Stage};
 
 /// Factor on errors that were measured by samples; a sweep of all arguments needs none.
 ///
@@ -81,7 +81,8 @@ impl Document<'_> {
         line("\n# A row of `binades`: sign, first and last exponent (-127: zero and subnormal numbers),".to_owned());
         line("# samples, largest error in ULP, largest absolute error, samples by size of error in ULP:".to_owned());
         line("# to 0.5, 1, 2, 4, 8, 16, 64, 256, 1024, 4096, 65536, and above. The operations were".to_owned());
-        line("# measured in the compute stage.".to_owned());
+        let has = self.lane.stages.contains(&Stage::Compute);
+        line(format!("# measured in the {} stage.", if has { "compute" } else { "vertex" }));
         for (op, tally) in measurements {
             let definition = self.definitions.iter().find(|(of, _)| *of == op).map(|(_, definition)| *definition);
             operation(&mut line, op, tally, request.sweeps(op), definition);

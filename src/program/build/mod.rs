@@ -216,6 +216,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         unfed,
         memory,
         lowered,
+        texts: Vec::new(),
     };
     Ok((program, differs))
 }

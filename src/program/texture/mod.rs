@@ -9,11 +9,12 @@ use std::fmt;
 use std::sync::Arc;
 
 use naga::{GlobalVariable, Handle, ImageClass, ImageDimension, ScalarKind};
+use serde::{Deserialize, Serialize};
 
 pub use image::{Image, Picture};
 
 /// How many coordinates a texture has, and what they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Dimension {
     /// One coordinate.
     D1,
@@ -26,7 +27,7 @@ pub enum Dimension {
 }
 
 /// What a texel holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Texel {
     /// Four binary32 numbers.
     Float,
@@ -39,7 +40,7 @@ pub enum Texel {
 }
 
 /// What kind of texture a sampler takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct TextureKind {
     /// Its coordinates.
     pub dimension: Dimension,

@@ -25,7 +25,8 @@ fn junit(summary: &Summary) -> Result<String, String> {
         let status = match (errors.first(), &entry.outcome) {
             (None, Outcome::Ran(report)) if report.judged() == 0 && report.unsupported > 0 => {
                 let mut skipped = TestCaseStatus::skipped();
-                skipped.set_message(format!("{} samples are not supported on this lane", report.unsupported));
+                let why = report.unsupported_because.as_deref().map_or_else(String::new, |why| format!(": {why}"));
+                skipped.set_message(format!("{} samples are not supported on this lane{why}", report.unsupported));
                 skipped
             }
             (None, Outcome::Ran(report)) if !report.known.is_empty() => expected(&report.known[0].expectation),

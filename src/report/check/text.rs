@@ -42,7 +42,8 @@ pub fn line(entry: &Entry, color: bool) -> String {
     };
     let (good, text) = match &entry.outcome {
         Outcome::Ran(report) if report.judged() == 0 && report.unsupported > 0 => {
-            (true, format!("{} samples not supported on this lane", report.unsupported))
+            let why = report.unsupported_because.as_deref().map_or_else(String::new, |why| format!(": {why}"));
+            (true, format!("{} samples not supported on this lane{why}", report.unsupported))
         }
         Outcome::Ran(report) => {
             let verdicts = &report.verdicts;

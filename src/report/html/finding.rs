@@ -31,12 +31,13 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
 pub(super) fn how_many(finding: &Finding) -> Option<String> {
     let unit = match finding.kind {
         FindingKind::Coverage => ["segment", "segments"],
-        FindingKind::Floor | FindingKind::Vacuous | FindingKind::VacuousBound => return None,
+        FindingKind::Floor | FindingKind::Vacuous | FindingKind::VacuousBound | FindingKind::UnexpectedPass => return None,
         FindingKind::Deviation
         | FindingKind::Relation
         | FindingKind::Translation
         | FindingKind::Quality
-        | FindingKind::Range => ["sample", "samples"],
+        | FindingKind::Range
+        | FindingKind::Flaky => ["sample", "samples"],
     };
     let unit = unit[usize::from(finding.count != 1)];
     (finding.count > 0).then(|| format!("{} {unit}", count(finding.count)))

@@ -23,7 +23,7 @@ use std::ops::ControlFlow;
 
 use crate::bound::profile::Rulings;
 use crate::lane::{Lane, LaneError, Stage};
-use crate::program::Source;
+use crate::program::{Kernel, Source};
 use crate::property::Sample;
 use crate::shard::Shard;
 use crate::suite::Suite;
@@ -100,6 +100,8 @@ pub struct Report {
     pub verdicts: BatchVerdict,
     /// Samples that this lane cannot run.
     pub unsupported: u64,
+    /// Why, where that is known.
+    pub unsupported_because: Option<String>,
     /// Saved samples that were run before the generated ones.
     pub replayed: u64,
     /// Undetermined samples by reason and place, the most frequent first.
@@ -208,20 +210,34 @@ fn part_of(
     lane: &dyn Lane,
     (stage, source): (Stage, Option<Source>),
     request: &Request,
-    mut share: Share<'_>,
+    share: Share<'_>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Option<Part>, LaneError> {
     let name = lane.description().name;
     let once = share.shard.is_first();
     let makes_samples = prepared.plan.makes_samples();
     let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
-    let unsupported = || Ok(Some(Part::new(prepared, name, stage, if once { wanted } else { 0 })));
-    let Some(kernel) = prepared.kernel(stage) else { return unsupported() };
-    let mut trial = match trial::Trial::new(prepared, lane, kernel, &request.rulings) {
-        Ok(trial) => trial,
-        Err(LaneError::Unsupported(_)) => return unsupported(),
-        Err(error) => return Err(error),
-    };
+    let unsupported = || Part::new(prepared, name, stage, if once { wanted } else { 0 });
+    let Some(kernel) = prepared.kernel(stage) else { return Ok(Some(unsupported())) };
+    match on_kernel(prepared, lane, (kernel, stage, source), (wanted, once), request, share, progress) {
+        // Some lanes see only what comes out whether they can run it.
+        Err(LaneError::Unsupported(why)) => Ok(Some(unsupported().because(why))),
+        other => other,
+    }
+}
+
+fn on_kernel(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (kernel, stage, source): (&Kernel, Stage, Option<Source>),
+    (wanted, once): (u64, bool),
+    request: &Request,
+    mut share: Share<'_>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Option<Part>, LaneError> {
+    let name = lane.description().name;
+    let makes_samples = prepared.plan.makes_samples();
+    let mut trial = trial::Trial::new(prepared, lane, kernel, &request.rulings)?.in_stage(stage);
     let mut report = Report { source, ..Report::empty(prepared, name, stage) };
     let mut counted = Counted::default();
     let given = request.replay.len() as u64;

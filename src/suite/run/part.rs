@@ -26,6 +26,8 @@ pub struct Part {
     pub stage: Stage,
     counted: Counted,
     unsupported: u64,
+    #[serde(default)]
+    unsupported_because: Option<String>,
     replayed: u64,
     /// What is looked at once for a run, by its first part.
     relations: Vec<(String, u64)>,
@@ -166,6 +168,7 @@ impl Part {
             stage,
             counted: Counted::default(),
             unsupported,
+            unsupported_because: None,
             replayed: 0,
             relations: Vec::new(),
             coverage: None,
@@ -177,6 +180,11 @@ impl Part {
             textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
             failing: Vec::new(),
         }
+    }
+
+    /// Says why samples are not supported.
+    pub(super) fn because(self, why: String) -> Self {
+        Self { unsupported_because: Some(why), ..self }
     }
 
     /// What a run has found once it is through: `report` holds what is looked at once.
@@ -210,7 +218,10 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, terms, failing, repeated, .. } = other;
+        let Self { shown, terms, failing, repeated, unsupported_because, .. } = other;
+        // The least of the reasons, so that the order of parts makes no difference.
+        let reasons = self.unsupported_because.take().into_iter().chain(unsupported_because);
+        self.unsupported_because = reasons.min();
         self.counted.join(counted);
         self.unsupported += unsupported;
         self.replayed += replayed;
@@ -262,6 +273,7 @@ impl Part {
             apart: None,
             verdicts,
             unsupported: self.unsupported,
+            unsupported_because: self.unsupported_because,
             replayed: self.replayed,
             doubts,
             textures: self.textures,

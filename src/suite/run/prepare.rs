@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::diagnostic::Diagnostic;
 use crate::glsl;
-use crate::lane::Stage as LaneStage;
+use crate::lane::{Lane, Stage as LaneStage};
 use crate::lower::Target;
 use crate::program::{Kernel, Program, ProgramError};
 use crate::property::relations::law::LawError;
@@ -120,9 +120,19 @@ impl Prepared {
     pub fn kernel(&self, stage: LaneStage) -> Option<&Kernel> {
         match stage {
             LaneStage::Compute => Some(&self.compute),
+            LaneStage::Vertex if self.suite.stage == Stage::Function => Some(&self.compute),
             LaneStage::Vertex => self.vertex.as_ref(),
             LaneStage::Geometry => self.geometry.as_ref(),
         }
+    }
+
+    /// The stages of a lane in which this runs. A function has no stage: it runs as compute, or in the vertex stage of
+    /// a lane that offers that instead.
+    pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
+        let all = &lane.description().stages;
+        let spare = self.suite.stage == Stage::Function && !lane.calls_functions();
+        let runs = |stage: &LaneStage| self.kernel(*stage).is_some() && !(spare && *stage == LaneStage::Vertex);
+        all.iter().copied().filter(runs).collect()
     }
 }
 

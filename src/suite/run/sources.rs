@@ -92,8 +92,8 @@ fn other(
     let wanted = all.min(most(prepared, source));
     let mut trial = match Trial::from_source(prepared, lane, source, &request.rulings, wanted as usize) {
         Ok(trial) => trial,
-        Err(LaneError::Unsupported(_)) => {
-            return Ok(Report { unsupported: wanted, ..report });
+        Err(LaneError::Unsupported(why)) => {
+            return Ok(Report { unsupported: wanted, unsupported_because: Some(why), ..report });
         }
         Err(error) => return Err(error),
     };

@@ -157,6 +157,11 @@ impl<'a> Trial<'a> {
         Ok(Self { prepared, rulings, stage, runner, source: Some(source) })
     }
 
+    /// The same in a stage that the kernel does not tell: functions run in any.
+    pub(super) fn in_stage(self, stage: Stage) -> Self {
+        Self { stage, ..self }
+    }
+
     /// What verdicts on the lane's outputs need.
     pub fn court(&self) -> Court<'a> {
         let Prepared { oracle, reference, .. } = self.prepared;
