@@ -31,14 +31,24 @@ struct MeasuredDevice {
     profile: LazyLock<Arc<Profile>>,
 }
 
-static MEASURED: [MeasuredDevice; 1] = [MeasuredDevice {
-    name: "llvmpipe-22.3.6",
-    driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)",
-    profile: LazyLock::new(|| {
-        let text = include_str!("../../../fixtures/profiles/llvmpipe-22.3.6.toml");
-        Arc::new(read("llvmpipe-22.3.6", text, &PROMISED))
-    }),
-}];
+static MEASURED: [MeasuredDevice; 2] = [
+    MeasuredDevice {
+        name: "llvmpipe-22.3.6",
+        driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)",
+        profile: LazyLock::new(|| {
+            let text = include_str!("../../../fixtures/profiles/llvmpipe-22.3.6.toml");
+            Arc::new(read("llvmpipe-22.3.6", text, &PROMISED))
+        }),
+    },
+    MeasuredDevice {
+        name: "swiftshader-subzero-5.0",
+        driver: "SwiftShader Device (Subzero), SwiftShader driver",
+        profile: LazyLock::new(|| {
+            let text = include_str!("../../../fixtures/profiles/swiftshader-subzero-5.0.toml");
+            Arc::new(read("swiftshader-subzero-5.0", text, &PROMISED))
+        }),
+    },
+];
 
 fn read(name: &str, text: &str, earlier: &[Profile]) -> Profile {
     let file = SourceFile::new(format!("{name}.toml"), text);
