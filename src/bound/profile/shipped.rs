@@ -31,7 +31,7 @@ struct MeasuredDevice {
     profile: LazyLock<Arc<Profile>>,
 }
 
-static MEASURED: [MeasuredDevice; 2] = [
+static MEASURED: [MeasuredDevice; 3] = [
     MeasuredDevice {
         name: "llvmpipe-22.3.6",
         driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)",
@@ -46,6 +46,14 @@ static MEASURED: [MeasuredDevice; 2] = [
         profile: LazyLock::new(|| {
             let text = include_str!("../../../fixtures/profiles/softpipe-22.3.6.toml");
             Arc::new(read("softpipe-22.3.6", text, &PROMISED))
+        }),
+    },
+    MeasuredDevice {
+        name: "swiftshader-subzero-5.0",
+        driver: "SwiftShader Device (Subzero), SwiftShader driver",
+        profile: LazyLock::new(|| {
+            let text = include_str!("../../../fixtures/profiles/swiftshader-subzero-5.0.toml");
+            Arc::new(read("swiftshader-subzero-5.0", text, &PROMISED))
         }),
     },
 ];

@@ -12,10 +12,6 @@ const MODE_OUTPUT_POINTS: u32 = 27;
 const MODE_OUTPUT_LINE_STRIP: u32 = 28;
 const MODE_OUTPUT_TRIANGLE_STRIP: u32 = 29;
 
-const LOOP_UNROLL: u32 = 1;
-/// Mesa unrolls loops as often as an array that they index has elements; LLVM then takes minutes for eight bones.
-const LOOP_DONT_UNROLL: u32 = 2;
-
 /// Bits of a mark that hold the number of the vertex; the others hold that of the strip.
 pub(super) const VERTEX_BITS: u32 = 16;
 
@@ -95,9 +91,6 @@ pub(super) fn insert(words: &[u32], reflection: &Reflection, capture: &Capture) 
                 }
                 declared = true;
                 pass.add(opcode, operands);
-            }
-            op::LOOP_MERGE if operands[2] & LOOP_UNROLL == 0 => {
-                pass.add(opcode, &[operands[0], operands[1], operands[2] | LOOP_DONT_UNROLL]);
             }
             op::EMIT_VERTEX | op::END_PRIMITIVE => {
                 pass.count(opcode == op::EMIT_VERTEX);

@@ -10,8 +10,9 @@ use ash::vk;
 
 use crate::lane::{LaneError, vulkan};
 
-/// How long a batch may take. Longer than this, the shader does not end.
-const PATIENCE: std::time::Duration = std::time::Duration::from_secs(60);
+/// How long a batch may take. Longer than this, the shader does not end. The first batch has the driver compile it,
+/// which took lavapipe more than a minute for an ordinary shader where twenty processes shared two cores.
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(240);
 
 /// A device with its queue.
 pub(super) struct Gpu {

@@ -32,7 +32,6 @@ pub(super) mod op {
     pub const BITWISE_OR: u32 = 197;
     pub const EMIT_VERTEX: u32 = 218;
     pub const END_PRIMITIVE: u32 = 219;
-    pub const LOOP_MERGE: u32 = 246;
 }
 
 /// Storage classes.
