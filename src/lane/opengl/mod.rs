@@ -114,6 +114,23 @@ impl GlRunner {
     }
 }
 
+impl GlRunner {
+    /// Softpipe runs four vertices at a time and fills up with zeros, which may be what does not end: where the
+    /// interpreter finds an invocation without end, that one is named.
+    fn named(&self, error: LaneError, batch: &Batch) -> LaneError {
+        let endless = || match ends(self.meaning(batch).ok().flatten().as_ref(), 0) {
+            Err(LaneError::Endless { invocation, .. }) => Some(invocation),
+            _ => None,
+        };
+        match error {
+            LaneError::Lost { how, invocation, count, inputs } => {
+                LaneError::Lost { how, invocation: endless().or(invocation), count, inputs }
+            }
+            other => other,
+        }
+    }
+}
+
 impl Runner for GlRunner {
     fn capacity(&self) -> usize {
         self.session.capacity()
@@ -135,7 +152,10 @@ impl Runner for GlRunner {
             sentinel: marks.sentinel,
             one_by_one: false,
         };
-        let captured = self.session.run(&inputs).map_err(|error| with_inputs(error, batch))?;
+        let captured = match self.session.run(&inputs) {
+            Ok(captured) => captured,
+            Err(error) => return Err(with_inputs(self.named(error, batch), batch)),
+        };
         if meaning.is_none() {
             meaning = self.meaning(batch)?;
             ends(meaning.as_ref(), count)?;

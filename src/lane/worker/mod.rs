@@ -6,6 +6,9 @@
 
 mod frame;
 
+#[cfg(test)]
+mod tests;
+
 use std::ffi::OsString;
 use std::fmt;
 use std::io::{BufReader, Read, Write};
