@@ -89,13 +89,13 @@ impl Table {
     pub fn row(&self, suite: &str, entries: &[Entry], color: bool) -> String {
         let style = Style::new(color);
         let mut row = fitted(suite, self.suite);
-        if let Some(refused) = entries.iter().find(|entry| entry.on.is_none()) {
-            if let Outcome::Refused(error) = &refused.outcome {
-                let room = (self.lanes.len() * (self.cell + 2)).saturating_sub(MARK + 3).max(30);
-                let error = error.to_string();
-                let error = fitted(error.lines().next().unwrap_or_default(), room);
-                return format!("{row}  {}FAIL{}  {}\n", style.bad, style.off, error.trim_end());
-            }
+        if let Some(refused) = entries.iter().find(|entry| entry.on.is_none())
+            && let Outcome::Refused(error) = &refused.outcome
+        {
+            let room = (self.lanes.len() * (self.cell + 2)).saturating_sub(MARK + 3).max(30);
+            let error = error.to_string();
+            let error = fitted(error.lines().next().unwrap_or_default(), room);
+            return format!("{row}  {}FAIL{}  {}\n", style.bad, style.off, error.trim_end());
         }
         for lane in &self.lanes {
             let of: Vec<&Entry> =
