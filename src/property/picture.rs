@@ -206,10 +206,11 @@ mod tests {
         assert_eq!(sample.get("st"), [0.5, 2.0]);
         assert_eq!(sample.get("mc")[..6], [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         assert!(!square.moves());
-        let row = Picture::of(&plan(&[("q", Shape::VEC4, "nodes"), ("s", Shape::FLOAT, "interval")], &[])).unwrap();
+        let row = Picture::of(&plan(&[("q", Shape::VEC4.array_of(4), "nodes"), ("s", Shape::FLOAT, "interval")], &[]))
+            .unwrap();
         assert!(matches!(&row.kind, Kind::Rows(axis) if axis.name == "s"));
-        let place = Picture::of(&plan(&[("p", Shape::VEC4, "nodes"), ("q", Shape::VEC3, "nodes")], &[])).unwrap();
-        assert!(matches!(&place.kind, Kind::Square([x, y]) if x.name == "q.x" && y.name == "q.y"));
+        let place = Picture::of(&plan(&[("q", Shape::VEC3.array_of(2), "nodes")], &[])).unwrap();
+        assert!(matches!(&place.kind, Kind::Square([x, y]) if x.name == "q[1].x" && y.name == "q[1].y"));
         assert!(Picture::of(&plan(&[("w", Shape::VEC2, "simplex")], &[])).is_none());
     }
 

@@ -100,6 +100,6 @@ mod tests {
     fn numbers_are_short() {
         assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(count(12), "12");
-        assert_eq!([0.0, 1.5, 0.0625, 1e-9, f64::INFINITY].map(number), ["0", "1.5", "0.063", "1.00e-9", "∞"]);
+        assert_eq!([0.0, 1.5, 0.25, 1e-9, f64::INFINITY].map(number), ["0", "1.5", "0.25", "1.00e-9", "∞"]);
     }
 }
