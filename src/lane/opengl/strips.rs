@@ -115,7 +115,7 @@ fn longest<'w>(output: Output, primitives: usize, vertex: &dyn Fn(usize) -> &'w 
             Output::Lines => count > first && same(count - 1, at),
             Output::Triangles if count >= first + 3 => {
                 let (last, before) = (count - 1, count - 2);
-                let (a, b) = if (count - first) % 2 == 0 { (before, last) } else { (last, before) };
+                let (a, b) = if (count - first).is_multiple_of(2) { (before, last) } else { (last, before) };
                 same(a, at) && same(b, at + 1)
             }
             Output::Triangles => false,

@@ -29,7 +29,7 @@ impl<T: fmt::Display> fmt::Display for Told<T> {
         let text = self.0.to_string();
         let parts: Vec<&str> = text.split('`').collect();
         // Backticks that have no partner stay what they are.
-        if parts.len() % 2 == 0 {
+        if parts.len().is_multiple_of(2) {
             return write!(f, "{}", Escaped(text));
         }
         for (k, part) in parts.into_iter().enumerate() {

@@ -31,7 +31,9 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
 pub(super) fn how_many(finding: &Finding) -> Option<String> {
     let unit = match finding.kind {
         FindingKind::Coverage => ["segment", "segments"],
-        FindingKind::Floor | FindingKind::Vacuous | FindingKind::VacuousBound | FindingKind::UnexpectedPass => return None,
+        FindingKind::Floor | FindingKind::Vacuous | FindingKind::VacuousBound | FindingKind::UnexpectedPass => {
+            return None;
+        }
         FindingKind::Deviation
         | FindingKind::Relation
         | FindingKind::Translation

@@ -119,7 +119,7 @@ fn suite_anchor(name: &str) -> String {
 }
 
 /// Suites in their order, each with the numbers of its entries.
-fn suites<'a>(summary: &'a Summary) -> Vec<(&'a str, Vec<usize>)> {
+fn suites(summary: &Summary) -> Vec<(&str, Vec<usize>)> {
     let mut all: Vec<(&str, Vec<usize>)> = Vec::new();
     for (number, entry) in summary.entries.iter().enumerate() {
         match all.iter_mut().find(|(name, _)| *name == entry.suite) {

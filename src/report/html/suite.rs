@@ -90,7 +90,7 @@ fn tabs(text: &mut String, ran: &[(usize, &Entry)]) {
 fn stage(text: &mut String, scene: &Scene) {
     text.push_str("<div class=\"stage\">\n");
     if let Some(output) = &scene.output {
-        let _ = write!(
+        let _ = writeln!(
             text,
             "<figure class=\"shape\"><h4>{0}: what came out, over what is expected</h4>\
              <canvas tabindex=\"0\" role=\"img\" aria-label=\"Picture of {0}. Arrow keys turn it, plus and minus change \
@@ -102,7 +102,7 @@ fn stage(text: &mut String, scene: &Scene) {
              <label hidden><input type=\"range\" name=\"frame\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Time\">\
              <span class=\"frame\"></span></label></div>\
              <figcaption>Drag to turn, arrow keys too; + and − zoom, 0 puts it back. Projections are left out.\
-             </figcaption></figure>\n",
+             </figcaption></figure>",
             Escaped(output)
         );
     }
@@ -125,7 +125,7 @@ fn stage(text: &mut String, scene: &Scene) {
 
 fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Gallery>) {
     let anchor = anchor(entry, number);
-    let _ = write!(text, "<div id=\"{anchor}\" class=\"panel\" role=\"tabpanel\">\n");
+    let _ = writeln!(text, "<div id=\"{anchor}\" class=\"panel\" role=\"tabpanel\">");
     match &entry.outcome {
         Outcome::Ran(report) => {
             facts(text, report);
@@ -167,7 +167,7 @@ fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Galle
 }
 
 fn plain(text: &mut String, title: &str, message: &str) {
-    let _ = write!(text, "<section class=\"finding\"><h4>{title}</h4><p>{}</p></section>\n", Told(message));
+    let _ = writeln!(text, "<section class=\"finding\"><h4>{title}</h4><p>{}</p></section>", Told(message));
 }
 
 fn facts(text: &mut String, report: &Report) {

@@ -95,7 +95,12 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
                 }
                 // What it cannot run it says nothing about.
                 Err(LaneError::Unsupported(_)) => {}
-                Err(LaneError::Api(_) | LaneError::Endless { .. } | LaneError::NotWritten { .. } | LaneError::Lost { .. }) => {
+                Err(
+                    LaneError::Api(_)
+                    | LaneError::Endless { .. }
+                    | LaneError::NotWritten { .. }
+                    | LaneError::Lost { .. },
+                ) => {
                     heard.iter_mut().for_each(|h| h.push(Witness::new(described, stage, Stand::Open, None)));
                 }
             }
