@@ -225,9 +225,13 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         progress.suspend(|| screen.suite(&suite.suite.name, &summary.entries[before..], out))?;
         pages.next(summary.entries.len());
         if summary.entries.len() == before {
-            // Only the vertex stage of a lane can be asked for in vain: every suite runs in compute.
             let name = &suite.suite.name;
-            writeln!(err, "note: suite `{name}` did not run: it is no vertex suite, and runs with --stage compute")?;
+            let why = match args.stage {
+                Some(StageArg::Vertex) => "it is no vertex suite, and runs with --stage compute",
+                Some(StageArg::Compute | StageArg::Geometry) => "no lane of this run has this stage for it",
+                None => "no lane of this run has a stage for it",
+            };
+            writeln!(err, "note: suite `{name}` did not run: {why}")?;
         }
     }
     progress.finish();
@@ -452,6 +456,8 @@ fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
 fn ways(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<(Stage, Option<Source>)> {
     let admitted = |stage: Stage| args.stage.is_none_or(|s| s.admits(stage));
     match &args.sources {
+        // Sources are ways into a compute stage; a lane without one takes its inputs in one way.
+        Some(_) if !lane.description().stages.contains(&Stage::Compute) => Vec::new(),
         Some(Sources(sources)) => {
             sources.iter().map(|&s| (stage_of(s), Some(s))).filter(|(stage, _)| admitted(*stage)).collect()
         }

@@ -81,7 +81,7 @@ fn a_report_that_breaks_the_schema_is_found() {
 
 #[test]
 fn a_run_that_passes_has_all_keys() {
-    let json = run("check sphere hermite --samples 300 --seed 7 --format json").expect(0).json();
+    let json = run("check sphere hermite --samples 300 --seed 7 --lane vulkan --format json").expect(0).json();
     has(&json, &RUN);
     assert_eq!((&json["status"], &json["seed"]), (&"pass".into(), &7.into()));
     for lane in json["lanes"].as_array().unwrap() {
@@ -174,7 +174,7 @@ fn nothing_but_json_is_on_standard_output() {
 
 #[test]
 fn translations_are_told_once_a_suite() {
-    let json = run("check sphere --samples 300 --format json").expect(0).json();
+    let json = run("check sphere --samples 300 --lane vulkan --format json").expect(0).json();
     let suites = json["suites"].as_array().unwrap();
     let told: Vec<_> = suites.iter().map(|s| s["translations"].as_array().unwrap()).collect();
     assert_eq!(told.iter().map(|t| t.len()).collect::<Vec<_>>(), [3, 0]);
@@ -182,7 +182,7 @@ fn translations_are_told_once_a_suite() {
         has(translation, &["language", "agreed", "deviated", "undetermined", "unsupported"]);
         assert_eq!((&translation["language"], &translation["agreed"]), (&language.into(), &304.into()));
     }
-    let text = run("check sphere hermite --samples 300").expect(0).out;
+    let text = run("check sphere hermite --samples 300 --lane vulkan").expect(0).out;
     let line = "note: translations agree with the shader: spirv, wgsl, glsl450 (608 samples, 2 suites)";
     assert_eq!(text.matches(line).count(), 1, "{text}");
 }

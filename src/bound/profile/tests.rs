@@ -18,7 +18,16 @@ fn read(text: &str) -> Result<Profile, ProfileError> {
 
 #[test]
 fn every_shipped_profile_has_an_entry_for_every_operation() {
-    let all = ["vulkan-1.4", "vulkan-cts", "wgsl", "glsl-4.60", "binary32", "llvmpipe-22.3.6", "softpipe-22.3.6"];
+    let all = [
+        "vulkan-1.4",
+        "vulkan-cts",
+        "wgsl",
+        "glsl-4.60",
+        "binary32",
+        "llvmpipe-22.3.6",
+        "softpipe-22.3.6",
+        "swiftshader-subzero-5.0",
+    ];
     assert_eq!(names().collect::<Vec<_>>(), all);
     for name in names() {
         let profile = profile(name);

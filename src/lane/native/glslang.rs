@@ -94,9 +94,12 @@ fn complaint(out: &[u8], err: &[u8]) -> String {
     let told = text.lines().find_map(|line| line.strip_prefix("ERROR: "));
     let told = told.or_else(|| text.lines().find(|line| !line.trim().is_empty() && *line != "stdin"));
     let told = told.unwrap_or("it says nothing");
-    // Its name of a text is a number.
-    match told.strip_prefix("0:").and_then(|rest| rest.split_once(": ")) {
-        Some((line, what)) if line.chars().all(|c| c.is_ascii_digit()) => format!("glslang, line {line}: {what}"),
+    // Its name of a text is a number, or what it is read from.
+    let place = ["0:", "stdin:"].iter().find_map(|name| told.strip_prefix(name));
+    match place.and_then(|rest| rest.split_once(": ")) {
+        Some((line, what)) if line.chars().all(|c| c.is_ascii_digit()) => {
+            format!("glslang, line {line}: {}", what.trim_end())
+        }
         _ => format!("glslang: {told}"),
     }
 }
@@ -109,7 +112,8 @@ mod tests {
     fn complaints_are_told_with_their_line() {
         let out =
             b"stdin\nERROR: 0:3: 'x' : undeclared identifier \nERROR: 1 compilation errors.  No code generated.\n";
-        assert_eq!(complaint(out, b""), "glslang, line 3: 'x' : undeclared identifier ");
+        assert_eq!(complaint(out, b""), "glslang, line 3: 'x' : undeclared identifier");
+        assert_eq!(complaint(b"ERROR: stdin:7: '' : bad \n", b""), "glslang, line 7: '' : bad");
         assert_eq!(complaint(b"stdin\n", b"Segmentation fault\n"), "glslang: Segmentation fault");
         assert_eq!(complaint(b"", b""), "glslang: it says nothing");
     }

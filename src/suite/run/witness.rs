@@ -128,10 +128,7 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
 fn stages(prepared: &Prepared, peer: Peer<'_>, source: Option<Source>) -> Vec<Stage> {
     match source {
         Some(source) => vec![super::stage_of(source)],
-        None => {
-            let stages = peer.lane.description().stages.iter().copied();
-            stages.filter(|&stage| prepared.kernel(stage).is_some()).collect()
-        }
+        None => prepared.stages(peer.lane),
     }
 }
 

@@ -303,8 +303,8 @@ mod planted {
     fn a_file_of_a_test_module_is_test_code_and_its_neighbour_is_not() {
         let files = [
             File::new("src/lane/vulkan/mod.rs", "mod gpu;\n#[cfg(test)]\nmod tests;\n"),
-            File::new("src/lane/vulkan/tests.rs", "use crate::lower::Lowered;"),
-            File::new("src/lane/vulkan/gpu.rs", "use crate::lower::Lowered;"),
+            File::new("src/lane/vulkan/tests.rs", "use crate::diagnostic::Diagnostic;"),
+            File::new("src/lane/vulkan/gpu.rs", "use crate::diagnostic::Diagnostic;"),
         ];
         let faults = wrong_edges(&files, MODULES);
         assert_eq!(messages(&faults).len(), 1, "{:?}", messages(&faults));
