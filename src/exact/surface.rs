@@ -7,10 +7,8 @@ use crate::math::twofold::Real;
 /// cancel against another ½.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn half<R: Real>(x: R) -> R {
-    let size = R::select(x.less(R::exact(0.0)), -x, x);
-    let off = size - R::exact(0.5);
-    let tiny = R::exact(1.0 / (1_u128 << 98) as f64);
-    let near = R::and(off.less(tiny), (-off).less(tiny));
+    let off = x.abs() - R::exact(0.5);
+    let near = off.abs().less(R::exact(1.0 / (1_u128 << 98) as f64));
     R::select(near, R::select(x.less(R::exact(0.0)), R::exact(-0.5), R::exact(0.5)), x)
 }
 

@@ -6,8 +6,8 @@ use crate::math::twofold::{Twofold, WIDTH};
 
 struct Single<'a>(&'a [f64]);
 
-impl Words<Twofold> for Single<'_> {
-    fn word(&self, index: usize) -> Twofold {
+impl<const SAFE: bool> Words<Twofold<SAFE>> for Single<'_> {
+    fn word(&self, index: usize) -> Twofold<SAFE> {
         Twofold::of([self.0[index]; WIDTH])
     }
 }
@@ -32,6 +32,10 @@ fn inputs(formula: &formula::Formula, state: &mut u64) -> Vec<f64> {
 }
 
 fn exact(formula: Exact, inputs: &[f64]) -> (Vec<f64>, Marks<Twofold>) {
+    computed::<true>(formula, inputs)
+}
+
+fn computed<const SAFE: bool>(formula: Exact, inputs: &[f64]) -> (Vec<f64>, Marks<Twofold<SAFE>>) {
     let mut out = vec![Twofold::of([0.0; WIDTH]); formula.outputs()];
     let marks = formula.evaluate(&Single(inputs), &mut out);
     (out.iter().map(|column| column.rounded()[WIDTH - 1]).collect(), marks)
@@ -102,7 +106,7 @@ fn places_without_a_value_are_nan_in_both() {
 fn ends_and_degenerate_segments_are_marked() {
     let of = |p: f64, to: f64| {
         let (out, marks) = exact(Exact::SegmentDistance, &[p, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, to, 0.0, 0.0, 1.0]);
-        (out[0], marks.segment_end[0], marks.degenerate[0])
+        (out[0], marks.segment_end[0] != 0, marks.degenerate[0] != 0)
     };
     assert_eq!(of(1.0, 4.0), (2.0, false, false));
     assert_eq!(of(-1.5, 4.0), (2.5, true, false));
@@ -115,4 +119,39 @@ fn a_point_on_a_line_has_distance_zero() {
     // The direction (1, 3, 7) has no length that is a binary number.
     let inputs = [0.5, 1.5, 3.5, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 3.0, 7.0, 1.0];
     assert_eq!(exact(Exact::SegmentDistance, &inputs).0, [0.0]);
+}
+
+/// Numbers from the ends of binary32, and others.
+fn wild(state: &mut u64) -> f64 {
+    let ends = [0.0, -0.0, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45, 1.0, -1.0, f32::EPSILON];
+    let (choice, x) = (random(state), random(state) as f32);
+    let scale = 2f32.powi((random(state) * 250.0) as i32 - 125);
+    f64::from(if choice < 0.3 { ends[(x * ends.len() as f32) as usize] } else { (2.0 * x - 1.0) * scale })
+}
+
+#[test]
+fn fast_arithmetic_gives_the_same_bits_for_finite_numbers() {
+    let mut state = 5;
+    for exact in Exact::ALL {
+        let formula = formula::by_name(exact.name()).expect("each is a formula of the list");
+        let mut finite = 0;
+        for round in 0..400 {
+            let mut words = inputs(formula, &mut state);
+            if round % 2 == 0 {
+                // Whole numbers count something, and have a range.
+                words.iter_mut().filter(|x| x.fract() != 0.0).for_each(|x| *x = wild(&mut state));
+            }
+            let (safe, marks) = computed::<true>(exact, &words);
+            let (fast, fast_marks) = computed::<false>(exact, &words);
+            let same_marks =
+                (marks.segment_end, marks.degenerate) == (fast_marks.segment_end, fast_marks.degenerate);
+            assert!(same_marks, "{}: {words:?}", exact.name());
+            if fast.iter().all(|x| x.is_finite()) {
+                finite += 1;
+                let bits = |words: &[f64]| words.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(&safe), bits(&fast), "{}: {words:?}", exact.name());
+            }
+        }
+        assert!(finite > 200, "{}: {finite}", exact.name());
+    }
 }

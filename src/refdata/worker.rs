@@ -6,7 +6,7 @@ use super::flags::{Flag, Flags};
 use super::generate::{Generator, Route, Source};
 use super::number::upward;
 use crate::bound::profile::grid::MIN_NORMAL;
-use crate::exact::Words;
+use crate::exact::{Exact, Words};
 use crate::formula::Param;
 use crate::interp::LANES;
 use crate::lane::Stage;
@@ -39,7 +39,74 @@ pub(super) struct Worker<'g, 'a> {
     values: Vec<f64>,
     /// How far what is expected may be off: by sample, then by word; empty where it is exact.
     slack: Vec<f64>,
-    out: Vec<Twofold>,
+    columns: Columns,
+}
+
+/// What a formula gives for samples side by side.
+struct Columns {
+    /// By word; the one NaN where there is no value.
+    values: Vec<[f64; WIDTH]>,
+    /// The nearest binary32.
+    nearest: Vec<[u32; WIDTH]>,
+    segment_end: [u64; WIDTH],
+    degenerate: [u64; WIDTH],
+    fast: Vec<Twofold<false>>,
+    safe: Vec<Twofold<true>>,
+}
+
+/// The columns of a formula in one of the two kinds of arithmetic.
+trait Room<const SAFE: bool> {
+    fn room(&mut self) -> &mut [Twofold<SAFE>];
+}
+
+impl Room<false> for Columns {
+    #[inline(always)]
+    fn room(&mut self) -> &mut [Twofold<false>] {
+        &mut self.fast
+    }
+}
+
+impl Room<true> for Columns {
+    #[inline(always)]
+    fn room(&mut self) -> &mut [Twofold<true>] {
+        &mut self.safe
+    }
+}
+
+impl Columns {
+    fn new(words: usize) -> Self {
+        Self {
+            values: vec![[0.0; WIDTH]; words],
+            nearest: vec![[0; WIDTH]; words],
+            segment_end: [0; WIDTH],
+            degenerate: [0; WIDTH],
+            fast: vec![Twofold::of([0.0; WIDTH]); words],
+            safe: vec![Twofold::of([0.0; WIDTH]); words],
+        }
+    }
+
+    /// Computes the formula. True when all values are finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn evaluate<const SAFE: bool>(&mut self, exact: Exact, inputs: &Inputs<'_>) -> bool
+    where
+        Self: Room<SAFE>,
+    {
+        let marks = exact.evaluate(inputs, self.room());
+        (self.segment_end, self.degenerate) = (marks.segment_end, marks.degenerate);
+        let mut finite = true;
+        for word in 0..self.values.len() {
+            let column = self.room()[word];
+            column.rounded_32(&mut self.nearest[word]);
+            for lane in 0..WIDTH {
+                let value = column.rounded()[lane];
+                finite &= value.abs() < f64::INFINITY;
+                self.values[word][lane] = if value.is_nan() { f64::NAN } else { value };
+                let nearest = self.nearest[word][lane];
+                self.nearest[word][lane] = if value.is_nan() { f32::NAN.to_bits() } else { nearest };
+            }
+        }
+        finite
+    }
 }
 
 impl<'g, 'a> Worker<'g, 'a> {
@@ -54,52 +121,53 @@ impl<'g, 'a> Worker<'g, 'a> {
             wanted: matches!(generator.source, Source::Reference).then(|| Wanted::new(generator.subject.reference())),
             values: Vec::new(),
             slack: Vec::new(),
-            out: vec![Twofold::of([0.0; WIDTH]); generator.outputs.words_of_sample()],
+            columns: Columns::new(generator.outputs.words_of_sample()),
             generator,
         }
     }
 
     pub fn fill(&mut self, batch: &Batch, first: usize, mut part: Part<'_>) {
-        let rows = part.flags.len();
+        self.inputs(batch, first, part.flags);
         match &self.generator.source {
-            Source::Formula { exact, routes } => {
-                let width = self.out.len();
-                for at in (0..rows).step_by(WIDTH) {
-                    let inputs = Inputs::new(batch, routes, first + at);
-                    let out = &mut self.out;
-                    let lanes = WIDTH.min(rows - at);
-                    let mut nearest = [0; WIDTH];
-                    let exact = *exact;
-                    let marks = wide(
-                        #[inline(always)]
-                        || exact.evaluate(&inputs, out),
-                    );
-                    for (word, column) in out.iter().enumerate() {
-                        column.rounded_32(&mut nearest);
-                        for lane in 0..lanes {
-                            let to = (at + lane) * width + word;
-                            let value = column.rounded()[lane];
-                            part.expected[to] = if value.is_nan() { f64::NAN } else { value };
-                            part.nearest[to] = if value.is_nan() { f32::NAN.to_bits() } else { nearest[lane] };
-                        }
-                    }
-                    for lane in 0..lanes {
-                        let flags = &mut part.flags[at + lane];
-                        if marks.segment_end[lane] {
-                            flags.set(Flag::SegmentEnd);
-                        }
-                        if marks.degenerate[lane] {
-                            flags.set(Flag::Degenerate);
-                        }
-                    }
-                }
-            }
+            Source::Formula { exact, routes } => self.formula((*exact, routes), batch, first, &mut part),
             Source::Reference => self.reference(batch, first, &mut part),
             Source::Meaning => self.meaning(batch, first, &mut part),
         }
-        self.inputs(batch, first, part.flags);
         self.outputs(&part.expected[..], part.flags);
         self.bounds(batch, first, &mut part);
+    }
+
+    fn formula(&mut self, (exact, routes): (Exact, &[Route]), batch: &Batch, first: usize, part: &mut Part<'_>) {
+        let columns = &mut self.columns;
+        let width = columns.values.len();
+        for at in (0..part.flags.len()).step_by(WIDTH) {
+            let inputs = Inputs::new(batch, routes, first + at);
+            let lanes = WIDTH.min(part.flags.len() - at);
+            let flags = &mut part.flags[at..][..lanes];
+            // Numbers that are finite are computed fast. Only where one is not has arithmetic to be careful.
+            let fast = flags.iter().all(|flags| !flags.has(Flag::InputNan) && !flags.has(Flag::InputInfinite))
+                && wide(
+                    #[inline(always)]
+                    || columns.evaluate::<false>(exact, &inputs),
+                );
+            if !fast {
+                columns.evaluate::<true>(exact, &inputs);
+            }
+            let to = at * width..(at + lanes) * width;
+            let rows = part.expected[to.clone()].chunks_exact_mut(width).zip(part.nearest[to].chunks_exact_mut(width));
+            for (lane, ((expected, nearest), flags)) in rows.zip(flags).enumerate() {
+                for (word, (expected, nearest)) in expected.iter_mut().zip(nearest).enumerate() {
+                    *expected = columns.values[word][lane];
+                    *nearest = columns.nearest[word][lane];
+                }
+                if columns.segment_end[lane] != 0 {
+                    flags.set(Flag::SegmentEnd);
+                }
+                if columns.degenerate[lane] != 0 {
+                    flags.set(Flag::Degenerate);
+                }
+            }
+        }
     }
 
     fn reference(&mut self, batch: &Batch, first: usize, part: &mut Part<'_>) {
@@ -276,9 +344,9 @@ impl<'b> Inputs<'b> {
     }
 }
 
-impl Words<Twofold> for Inputs<'_> {
+impl<const SAFE: bool> Words<Twofold<SAFE>> for Inputs<'_> {
     #[inline(always)]
-    fn word(&self, index: usize) -> Twofold {
+    fn word(&self, index: usize) -> Twofold<SAFE> {
         let Route { from_case, word, scalar } = self.routes[index];
         let Batch { per_case, .. } = *self.batch;
         let (words, stride) = if from_case {

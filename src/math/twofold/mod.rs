@@ -32,6 +32,9 @@ pub trait Real:
     /// The root.
     fn sqrt(self) -> Self;
 
+    /// The number without its sign.
+    fn abs(self) -> Self;
+
     /// The sum of four products.
     fn dot(a: [Self; 4], b: [Self; 4]) -> Self {
         ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3]
@@ -67,14 +70,15 @@ pub trait Real:
     fn largest(self) -> f64;
 }
 
-/// [`WIDTH`] numbers in two parts each.
+/// [`WIDTH`] numbers in two parts each. Where `SAFE`, infinities and what becomes too large are what they would be
+/// in binary64; elsewhere they may be NaN, and arithmetic takes half the time.
 #[derive(Clone, Copy, Debug)]
-pub struct Twofold {
+pub struct Twofold<const SAFE: bool = true> {
     high: [f64; WIDTH],
     low: [f64; WIDTH],
 }
 
-impl Twofold {
+impl<const SAFE: bool> Twofold<SAFE> {
     /// These numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of(numbers: [f64; WIDTH]) -> Self {
@@ -109,7 +113,7 @@ impl Twofold {
 
 /// e^x − 1.
 pub(super) fn exp_m1(x: f64) -> f64 {
-    if x.abs() < 700.0 { Pair::of(x).exp().sub(Pair::of(1.0)).high } else { super::EXP.value(x) - 1.0 }
+    if x.abs() < 700.0 { Pair::of(x).exp().sub::<true>(Pair::of(1.0)).high } else { super::EXP.value(x) - 1.0 }
 }
 
 /// The sum rounded to binary64 such that a second rounding to fewer bits is right: what is not exact has
@@ -122,9 +126,21 @@ fn odd(high: f64, low: f64) -> f64 {
     if low == 0.0 { high } else { f64::from_bits(moved) }
 }
 
+/// All bits where it holds.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn all_bits(holds: bool) -> u64 {
+    u64::from(holds).wrapping_neg()
+}
+
+/// `a` for all bits, and `b` for none.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn either(mask: u64, a: f64, b: f64) -> f64 {
+    f64::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
+}
+
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl $trait for Twofold {
+        impl<const SAFE: bool> $trait for Twofold<SAFE> {
             type Output = Self;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -132,7 +148,7 @@ macro_rules! operator {
                 // Loops and no closures: these are inlined for certain, and become vectors of the caller's width.
                 let mut out = self;
                 for k in 0..WIDTH {
-                    out.set(k, self.get(k).$method(other.get(k)));
+                    out.set(k, self.get(k).$method::<SAFE>(other.get(k)));
                 }
                 out
             }
@@ -145,7 +161,7 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl Neg for Twofold {
+impl<const SAFE: bool> Neg for Twofold<SAFE> {
     type Output = Self;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -158,8 +174,9 @@ impl Neg for Twofold {
     }
 }
 
-impl Real for Twofold {
-    type Mask = [bool; WIDTH];
+impl<const SAFE: bool> Real for Twofold<SAFE> {
+    // All bits or none, as wide as the numbers: what chooses between vectors.
+    type Mask = [u64; WIDTH];
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn exact(x: f64) -> Self {
@@ -174,7 +191,7 @@ impl Real for Twofold {
                 #[inline(always)]
                 |v| [v[0].get(k), v[1].get(k), v[2].get(k), v[3].get(k)],
             );
-            out.set(k, Pair::dot(a, b));
+            out.set(k, Pair::dot::<SAFE>(a, b));
         }
         out
     }
@@ -183,7 +200,7 @@ impl Real for Twofold {
     fn minor(a: Self, b: Self, c: Self, d: Self) -> Self {
         let mut out = a;
         for k in 0..WIDTH {
-            out.set(k, Pair::minor(a.get(k), b.get(k), c.get(k), d.get(k)));
+            out.set(k, Pair::minor::<SAFE>(a.get(k), b.get(k), c.get(k), d.get(k)));
         }
         out
     }
@@ -192,7 +209,18 @@ impl Real for Twofold {
     fn sqrt(self) -> Self {
         let mut out = self;
         for k in 0..WIDTH {
-            out.set(k, self.get(k).sqrt());
+            out.set(k, self.get(k).sqrt::<SAFE>());
+        }
+        out
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn abs(self) -> Self {
+        let mut out = self;
+        for k in 0..WIDTH {
+            let sign = self.high[k].to_bits() & (1 << 63);
+            out.high[k] = f64::from_bits(self.high[k].to_bits() ^ sign);
+            out.low[k] = f64::from_bits(self.low[k].to_bits() ^ sign);
         }
         out
     }
@@ -221,17 +249,22 @@ impl Real for Twofold {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, other: Self) -> Self::Mask {
-        let mut mask = [false; WIDTH];
+        let mut mask = [0; WIDTH];
         for k in 0..WIDTH {
             let (a, b) = (self.get(k), other.get(k));
-            mask[k] = a.high < b.high || (a.high == b.high && a.low < b.low);
+            // No && and no ||, which are branches.
+            mask[k] = all_bits((a.high < b.high) | ((a.high == b.high) & (a.low < b.low)));
         }
         mask
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_zero(self) -> Self::Mask {
-        self.high.map(|x| x == 0.0)
+        let mut mask = [0; WIDTH];
+        for k in 0..WIDTH {
+            mask[k] = all_bits(self.high[k] == 0.0);
+        }
+        mask
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -256,8 +289,8 @@ impl Real for Twofold {
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
         let mut out = b;
         for k in 0..WIDTH {
-            out.high[k] = if mask[k] { a.high[k] } else { b.high[k] };
-            out.low[k] = if mask[k] { a.low[k] } else { b.low[k] };
+            out.high[k] = either(mask[k], a.high[k], b.high[k]);
+            out.low[k] = either(mask[k], a.low[k], b.low[k]);
         }
         out
     }

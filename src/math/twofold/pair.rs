@@ -38,11 +38,11 @@ impl Pair {
 
     /// The sum of two parts of which the second is the smaller.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn settled(a: f64, b: f64) -> Self {
+    fn settled<const SAFE: bool>(a: f64, b: f64) -> Self {
         // Beyond the finite numbers the rest has no meaning, and must not turn an infinity into NaN.
-        let high = if a.is_finite() { a + b } else { a };
+        let high = if !SAFE || a.is_finite() { a + b } else { a };
         let low = b - (high - a);
-        Self { high, low: if high.is_finite() { low } else { 0.0 } }
+        Self { high, low: if !SAFE || high.is_finite() { low } else { 0.0 } }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -51,13 +51,16 @@ impl Pair {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn add(self, b: Self) -> Self {
+    pub fn add<const SAFE: bool>(self, b: Self) -> Self {
         let (high, rest) = two_sum(self.high, b.high);
         let (low, rest_low) = two_sum(self.low, b.low);
         let middle = rest + low;
         let first = high + middle;
         let left = (middle - (first - high)) + rest_low;
         let sum = first + left;
+        if !SAFE {
+            return Self { high: sum, low: left - (sum - first) };
+        }
         let finite = sum.is_finite();
         // Beyond the finite numbers the rest has no meaning, and must not turn an infinity into NaN.
         let beyond = if high.is_finite() { first } else { high };
@@ -68,7 +71,7 @@ impl Pair {
     /// Accurate sum and dot product, SIAM J. Sci. Comput. 26 (2005), algorithm 5.3, with the second parts added to
     /// what is carried. The error is some 2^-102 of the sum of the magnitudes, as for sums one by one.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn dot(a: [Self; 4], b: [Self; 4]) -> Self {
+    pub fn dot<const SAFE: bool>(a: [Self; 4], b: [Self; 4]) -> Self {
         let (mut sum, mut rest) = a[0].product(b[0]);
         for k in 1..4 {
             let (high, low) = a[k].product(b[k]);
@@ -76,16 +79,16 @@ impl Pair {
             sum = next;
             rest += carried + low;
         }
-        Self::whole(sum, rest)
+        Self::whole::<SAFE>(sum, rest)
     }
 
     /// a·b − c·d in the same way.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn minor(a: Self, b: Self, c: Self, d: Self) -> Self {
+    pub fn minor<const SAFE: bool>(a: Self, b: Self, c: Self, d: Self) -> Self {
         let (first, rest) = a.product(b);
         let (second, rest_second) = c.product(d);
         let (sum, carried) = two_sum(first, -second);
-        Self::whole(sum, carried + (rest - rest_second))
+        Self::whole::<SAFE>(sum, carried + (rest - rest_second))
     }
 
     /// The product in two parts, of which the second may be large beside the first after a sum.
@@ -97,31 +100,31 @@ impl Pair {
 
     /// The sum of two numbers, whichever is larger; `a` alone where that is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn whole(a: f64, b: f64) -> Self {
+    fn whole<const SAFE: bool>(a: f64, b: f64) -> Self {
         let (high, low) = two_sum(a, b);
+        if !SAFE {
+            return Self { high, low };
+        }
         let finite = high.is_finite();
         let beyond = if a.is_finite() { a + b } else { a };
         Self { high: if finite { high } else { beyond }, low: if finite { low } else { 0.0 } }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn sub(self, b: Self) -> Self {
-        self.add(b.neg())
+    pub fn sub<const SAFE: bool>(self, b: Self) -> Self {
+        self.add::<SAFE>(b.neg())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn mul(self, b: Self) -> Self {
+    pub fn mul<const SAFE: bool>(self, b: Self) -> Self {
         let (high, rest) = two_product(self.high, b.high);
-        Self::settled(high, self.high.mul_add(b.low, self.low.mul_add(b.high, rest)))
+        Self::settled::<SAFE>(high, self.high.mul_add(b.low, self.low.mul_add(b.high, rest)))
     }
 
     /// The product of finite numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn near(self, b: Self) -> Self {
-        let (high, rest) = two_product(self.high, b.high);
-        let low = self.high.mul_add(b.low, self.low.mul_add(b.high, rest));
-        let sum = high + low;
-        Self { high: sum, low: low - (sum - high) }
+        self.mul::<false>(b)
     }
 
     /// The sum of finite numbers of which the second is the smaller by far.
@@ -135,29 +138,30 @@ impl Pair {
 
     /// Times a number.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn times(self, b: f64) -> Self {
+    pub fn times<const SAFE: bool>(self, b: f64) -> Self {
         let (high, rest) = two_product(self.high, b);
-        Self::settled(high, self.low.mul_add(b, rest))
+        Self::settled::<SAFE>(high, self.low.mul_add(b, rest))
     }
 
+    /// The quotient: that of the first parts, and what it leaves of the dividend by the divisor. Two roundings of
+    /// the rest are left, some 2^-102 of the quotient.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn div(self, b: Self) -> Self {
+    pub fn div<const SAFE: bool>(self, b: Self) -> Self {
         let first = self.high / b.high;
-        let rest = self.sub(b.times(first));
-        let second = rest.high / b.high;
-        let rest = rest.sub(b.times(second));
-        let third = rest.high / b.high;
-        let sum = Self::settled(first, second).add(Self::of(third));
+        // Exact: what a quotient that was rounded to nearest leaves has no more bits than the dividend.
+        let rest = first.mul_add(-b.high, self.high);
+        let second = (rest + first.mul_add(-b.low, self.low)) / b.high;
+        let sum = Self::settled::<SAFE>(first, second);
         // What has no finite quotient has none to be made better.
-        if sum.high.is_finite() { sum } else { Self::of(first) }
+        if !SAFE || sum.high.is_finite() { sum } else { Self::of(first) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn sqrt(self) -> Self {
+    pub fn sqrt<const SAFE: bool>(self) -> Self {
         let root = self.high.sqrt();
         let (square, square_low) = two_product(root, root);
         let rest = ((self.high - square) - square_low) + self.low;
-        let better = Self::settled(root, rest / (2.0 * root));
+        let better = Self::settled::<SAFE>(root, rest / (2.0 * root));
         // One more step: the first leaves an error of 2^-104 and this one less than can be seen.
         let usable = root > 0.0 && root < f64::INFINITY;
         Self { high: if usable { better.high } else { root }, low: if usable { better.low } else { 0.0 } }
@@ -168,21 +172,23 @@ impl Pair {
     pub fn sin_cos_pi(x: f64) -> (Self, Self) {
         // From 2^30 on these numbers are even.
         const ALL_EVEN: f64 = 1_073_741_824.0;
+        /// Parts of half a turn of which the table has the sines.
+        const PARTS: f64 = 256.0;
         let finite = x.is_finite();
         let x = if x.abs() < ALL_EVEN { x } else { 0.0 };
         let (turns, _) = nearest(0.5 * x);
         let x = x - 2.0 * turns;
-        let (sixteenths, bits) = nearest(16.0 * x);
+        let (parts, bits) = nearest(PARTS * x);
         // Angle and square are finite and small, and in each sum the first number is the larger one: nothing of
         // what makes sums and products safe for all numbers is needed here.
-        let angle = PI.near(Self::of(x - 0.0625 * sixteenths));
+        let angle = PI.times::<false>(x - parts / PARTS);
         let square = angle.near(angle);
         let sine = angle.and(series(square, 3).near(square).near(angle));
         let cosine = Self::of(1.0).and(series(square, 2).near(square));
-        // Of the low bits of an integer in two's complement: -1 is 31.
-        let (of_sine, of_cosine) = (table(bits), table(bits.wrapping_add(8)));
-        let sin = of_sine.near(cosine).add(of_cosine.near(sine));
-        let cos = of_cosine.near(cosine).sub(of_sine.near(sine));
+        // Of the low bits of an integer in two's complement: -1 is 511.
+        let (of_sine, of_cosine) = (table(bits), table(bits.wrapping_add(PARTS as u64 / 2)));
+        let sin = of_sine.near(cosine).add::<false>(of_cosine.near(sine));
+        let cos = of_cosine.near(cosine).sub::<false>(of_sine.near(sine));
         let or_nan = |p: Self| if finite { p } else { Self::of(f64::NAN) };
         (or_nan(sin), or_nan(cos))
     }
@@ -193,17 +199,17 @@ impl Pair {
             return Self::of(EXP.value(self.high));
         }
         let (n, _) = nearest(self.high * std::f64::consts::LOG2_E);
-        let rest = self.sub(LN_2.times(n));
+        let rest = self.sub::<true>(LN_2.times::<true>(n));
         let small = Self { high: rest.high / 64.0, low: rest.low / 64.0 };
         // 1 + r + r²/2 + …; what is left out is below 2^-107.
         let mut sum = Self::of(0.0);
         for k in (1..=14).rev() {
             let coefficient = if k == 1 { Self::of(1.0) } else { factorial(k) };
-            sum = sum.mul(small).add(coefficient);
+            sum = sum.mul::<true>(small).add::<true>(coefficient);
         }
-        let mut power = sum.mul(small).add(Self::of(1.0));
+        let mut power = sum.mul::<true>(small).add::<true>(Self::of(1.0));
         for _ in 0..6 {
-            power = power.mul(power);
+            power = power.mul::<true>(power);
         }
         let two_to = |n: f64| f64::from_bits((n + (TO_INTEGER + 1023.0)).to_bits() << 52);
         let (half, _) = nearest(0.5 * n);
@@ -214,8 +220,8 @@ impl Pair {
     /// ln x for a finite x > 0: one step of Newton's method from binary64.
     pub fn ln(self) -> Self {
         let near = LN.value(self.high);
-        let rest = self.mul(Self::of(-near).exp()).sub(Self::of(1.0));
-        Self::of(near).add(rest).sub(rest.mul(rest).times(0.5))
+        let rest = self.mul::<true>(Self::of(-near).exp()).sub::<true>(Self::of(1.0));
+        Self::of(near).add::<true>(rest).sub::<true>(rest.mul::<true>(rest).times::<true>(0.5))
     }
 
     /// x^y; NaN for x < 0.
@@ -224,14 +230,14 @@ impl Pair {
         if !(self.high > 0.0 && finite) {
             return Self::of(crate::math::POW.value(self.high, exponent.high));
         }
-        self.ln().mul(exponent).exp()
+        self.ln().mul::<true>(exponent).exp()
     }
 }
 
-/// sin(kπ/16) for the five low bits of k.
+/// sin(kπ/256) for the nine low bits of k.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn table(bits: u64) -> Pair {
-    let at = (bits & 31) as usize;
+    let at = (bits & 511) as usize;
     SINES[at]
 }
 
@@ -241,15 +247,13 @@ fn factorial(n: usize) -> Pair {
     INVERSE_FACTORIALS[n]
 }
 
-/// -(1/n! - z/(n+2)! + …) of eight terms, z up to 0.0097: the later half in binary64 alone.
+/// -(1/n! - z/(n+2)! + …) of five terms, z up to 3.8e-5: from the third term on in binary64 alone, which leaves
+/// 2^-105 of the first.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn series(z: Pair, n: usize) -> Pair {
     let tail = |k: usize| factorial(n + 2 * k).high;
     let x = z.high;
-    let late = ((tail(8) * x - tail(7)) * x + tail(6)) * x - tail(5);
-    let mut sum = factorial(n + 8).and(Pair::of(late).near(z));
-    for k in (0..4).rev() {
-        sum = factorial(n + 2 * k).and(sum.near(z).neg());
-    }
-    sum.neg()
+    let late = (tail(4) * x - tail(3)) * x + tail(2);
+    let second = factorial(n + 2).and(Pair::of(-(late * x)));
+    factorial(n).and(second.near(z).neg()).neg()
 }

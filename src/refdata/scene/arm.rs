@@ -32,7 +32,7 @@ fn weights(point: [f32; 3], rule: Weights) -> [f32; 2] {
     let weight = |[from, to]: [f64; 2]| {
         let inputs = [p[0], p[1], p[2], 1.0, 0.0, from, 0.0, 1.0, 0.0, to, 0.0, 1.0];
         let distance = f64::from(evaluate(Exact::SegmentDistance, &inputs)[0]);
-        Twofold::exact(f64::from(evaluate(Exact::BoneWeight, &[distance, 16.0])[0]))
+        <Twofold>::exact(f64::from(evaluate(Exact::BoneWeight, &[distance, 16.0])[0]))
     };
     let [first, second] = BONES.map(weight);
     let share = (first / (first + second)).rounded()[0] as f32;
@@ -71,7 +71,7 @@ pub(super) fn arm(buffer: &mut Buffer, grid: Grid, name: &str, rule: Weights) ->
     let matrices = buffer.floats(&BONES.map(inverse), "MAT4", Use::Other);
     // The elbow bends by a right angle and back, and then to the other side.
     let turn = |quarters: f64| -> [f32; 4] {
-        let (sin, cos) = Twofold::exact(quarters * 0.25).sin_cos_pi();
+        let (sin, cos) = <Twofold>::exact(quarters * 0.25).sin_cos_pi();
         [0.0, 0.0, sin.rounded()[0] as f32, cos.rounded()[0] as f32]
     };
     let turns = buffer.floats(&[0.0, 1.0, 0.0, -1.0, 0.0].map(turn), "VEC4", Use::Other);
