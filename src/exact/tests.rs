@@ -143,8 +143,7 @@ fn fast_arithmetic_gives_the_same_bits_for_finite_numbers() {
             }
             let (safe, marks) = computed::<true>(exact, &words);
             let (fast, fast_marks) = computed::<false>(exact, &words);
-            let same_marks =
-                (marks.segment_end, marks.degenerate) == (fast_marks.segment_end, fast_marks.degenerate);
+            let same_marks = (marks.segment_end, marks.degenerate) == (fast_marks.segment_end, fast_marks.degenerate);
             assert!(same_marks, "{}: {words:?}", exact.name());
             if fast.iter().all(|x| x.is_finite()) {
                 finite += 1;

@@ -10,7 +10,7 @@ const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 ///
 /// `rand_xoshiro` has the same generator, and a test compares the two; but there seeding is a call
 /// across crates that is not inlined, and two of these for each sample cost more than all the rest.
-#[inline]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn finish(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -18,7 +18,7 @@ fn finish(mut z: u64) -> u64 {
 }
 
 /// A hash of two numbers. `mix(mix(seed, case), lane)` names the stream of one sample.
-#[inline]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn mix(key: u64, counter: u64) -> u64 {
     finish((key ^ counter.wrapping_mul(STRIDE)).wrapping_add(STEP))
 }
@@ -34,26 +34,32 @@ pub struct Stream(u64);
 
 impl Stream {
     /// The sequence of this seed. Equal seeds give equal sequences, on every machine.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
+    /// The seed of what is left of the sequence.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn seed(&self) -> u64 {
+        self.0
+    }
+
     /// 64 random bits.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(STEP);
         finish(self.0)
     }
 
     /// A number in `0..n`; 0 when `n` is 0. The bias is below 2^-32.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn below(&mut self, n: usize) -> usize {
         (((self.bits() >> 32) * n as u64) >> 32) as usize
     }
 
     /// True once in `n` draws on average.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }

@@ -110,17 +110,32 @@ impl Flags {
     /// Adds what is special about the bits of a binary32 input.
     #[inline]
     pub fn input(&mut self, bits: u32) {
-        let size = bits & 0x7fff_ffff;
-        if size.wrapping_sub(0x0080_0000) < 0x7f00_0000 || bits == 0 {
+        if !is_special(bits) {
             return;
         }
-        self.set(match size {
+        self.set(match bits & 0x7fff_ffff {
             0 => Flag::InputNegativeZero,
             1..=0x007f_ffff => Flag::InputSubnormal,
             0x7f80_0000 => Flag::InputInfinite,
             _ => Flag::InputNan,
         });
     }
+}
+
+/// True for the bits of NaN, infinities, subnormal numbers and -0.
+#[inline(always)]
+fn is_special(bits: u32) -> bool {
+    ((bits & 0x7fff_ffff).wrapping_sub(0x0080_0000) >= 0x7f00_0000) & (bits != 0)
+}
+
+/// True when some of these inputs have a flag: a loop without branches.
+#[inline(always)]
+pub fn any_special(words: &[u32]) -> bool {
+    let mut any = false;
+    for &bits in words {
+        any |= is_special(bits);
+    }
+    any
 }
 
 impl fmt::Display for Flags {
@@ -143,6 +158,12 @@ mod tests {
         };
         for plain in [0.0, 1.0, -2.0, f32::MAX, f32::MIN_POSITIVE, -f32::MIN_POSITIVE] {
             assert_eq!(of(plain), "", "{plain}");
+            assert!(!any_special(&[plain.to_bits(); 20]), "{plain}");
+        }
+        for special in [-0.0, 1e-40, f32::NEG_INFINITY, f32::NAN] {
+            let mut words = [0x3f80_0000; 20];
+            words[13] = f32::to_bits(special);
+            assert!(any_special(&words), "{special}");
         }
         assert_eq!(of(-0.0), "InputNegativeZero");
         assert_eq!((of(1e-40), of(-1e-45)), ("InputSubnormal".into(), "InputSubnormal".into()));

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::array::{Array, Per, Role};
+use super::bytes::{Bytes, Held, least_first};
 use super::digest::Digest;
 use super::document::{Document, ExpectedSource, NO_DIGEST, ProfileSource, SCHEMA, SCHEMA_VERSION, Tool, flag_bits};
 use super::flags::Flags;
@@ -59,7 +60,7 @@ pub struct Block {
     /// Samples of one case.
     pub per_case: usize,
     /// Bytes by array.
-    pub arrays: Vec<Vec<u8>>,
+    pub arrays: Vec<Bytes>,
     /// Their digest.
     pub digest: [u8; 32],
 }
@@ -77,7 +78,7 @@ pub struct Generator<'a> {
     arrays: Vec<Array>,
     pub(super) outputs: Outputs,
     /// Words of a sample and of a case that are real numbers.
-    pub(super) real: [Vec<usize>; 2],
+    pub(super) real: [Vec<Range<usize>>; 2],
     /// Samples for which the shader is farther from what is expected than any device may be.
     pub(super) apart: AtomicU64,
 }
@@ -185,8 +186,10 @@ impl<'a> Generator<'a> {
             source,
             arrays,
             outputs,
-            real: sides
-                .map(|record| (0..record.words()).filter(|&word| record.scalar_of(word) == Scalar::F32).collect()),
+            real: sides.map(|record| {
+                let real = |word: &usize| record.scalar_of(*word) == Scalar::F32;
+                joined((0..record.words()).filter(real))
+            }),
             apart: AtomicU64::new(0),
         })
     }
@@ -295,7 +298,7 @@ impl<'a> Generator<'a> {
         for array in &self.arrays {
             let count = if array.per == Per::Case { cases } else { rows };
             let (part, behind) = rest.split_at_checked(count * array.stride())?;
-            arrays.push(part.to_vec());
+            arrays.push(Bytes::from(part.to_vec()));
             rest = behind;
         }
         let first_case = number * self.block_cases;
@@ -332,22 +335,22 @@ impl<'a> Generator<'a> {
                     worker.fill(&batch, chunk * LANES, Part { expected, nearest, bound, flags });
                 },
             );
-        let arrays = self.bytes(&batch, rows, (&expected, &nearest, &bound, &flags));
+        let arrays = self.bytes(batch, rows, Made { expected, nearest, bound, flags });
         let digest = Digest::of_block(&arrays);
         Block { first, rows, first_case, cases, per_case: self.per_case, arrays, digest }
     }
 
     /// The arrays as bytes.
-    fn bytes(
-        &self,
-        batch: &Batch,
-        rows: usize,
-        (expected, nearest, bound, flags): (&[f64], &[u32], &[f32], &[Flags]),
-    ) -> Vec<Vec<u8>> {
-        let sides = [&*batch.invocation_record, &*batch.case_record];
+    fn bytes(&self, batch: Batch, rows: usize, made: Made) -> Vec<Bytes> {
+        let sides = [batch.invocation_record.clone(), batch.case_record.clone()];
         let stride = self.outputs.words_of_sample();
+        let Made { mut expected, mut nearest, mut bound, flags } = made;
+        let mut flags: Vec<u16> = flags.into_iter().map(|flags| flags.0).collect();
+        let (cases, Batch { mut invocations, cases: mut of_cases, .. }) = (batch.case_count(), batch);
+        invocations.truncate(rows * sides[0].words());
+        of_cases.truncate(cases * sides[1].words());
         self.arrays
-            .par_iter()
+            .iter()
             .map(|array| {
                 let output = || self.outputs.fields.iter().find(|(field, _)| field.name == array.variable);
                 let range = output().map_or(0..0, |(_, range)| range.clone());
@@ -357,39 +360,56 @@ impl<'a> Generator<'a> {
                 let at: Vec<Range<usize>> = (0..vertices).map(at).collect();
                 match array.role {
                     Role::Input => {
-                        let (words, record, count) = match array.per {
-                            Per::Sample => (&batch.invocations, sides[0], rows),
-                            Per::Case => (&batch.cases, sides[1], batch.case_count()),
+                        let (words, record) = match array.per {
+                            Per::Sample => (&mut invocations, &sides[0]),
+                            Per::Case => (&mut of_cases, &sides[1]),
                         };
                         let range = record.index_of(&array.variable).map_or(0..0, |index| record.range(index));
-                        gather(&words[..count * record.words()], record.words(), &[range])
+                        gather(words, record.words(), &[range])
                     }
-                    Role::Expected => gather(expected, stride, &at),
-                    Role::Nearest => gather(nearest, stride, &at),
-                    Role::Bound => gather(bound, stride, &at),
-                    Role::Flags => flags.iter().flat_map(|flags| flags.0.to_le_bytes()).collect(),
+                    Role::Expected => gather(&mut expected, stride, &at),
+                    Role::Nearest => gather(&mut nearest, stride, &at),
+                    Role::Bound => gather(&mut bound, stride, &at),
+                    Role::Flags => Bytes::of(std::mem::take(&mut flags)),
                 }
             })
             .collect()
     }
 }
 
-/// The bytes of these places of each row, the least significant first.
-fn gather<X: bytemuck::Pod>(values: &[X], stride: usize, ranges: &[Range<usize>]) -> Vec<u8> {
-    let words: usize = ranges.iter().map(ExactSizeIterator::len).sum();
-    let mut out = if words == stride {
-        bytemuck::cast_slice(values).to_vec()
-    } else {
-        let mut out = Vec::with_capacity(values.len() / stride.max(1) * words * size_of::<X>());
-        for row in values.chunks_exact(stride.max(1)) {
-            for range in ranges {
-                out.extend_from_slice(bytemuck::cast_slice(&row[range.clone()]));
-            }
+/// Neighbouring words as ranges.
+fn joined(words: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for word in words {
+        match runs.last_mut() {
+            Some(run) if run.end == word => run.end += 1,
+            Some(_) | None => runs.push(word..word + 1),
         }
-        out
-    };
-    if cfg!(target_endian = "big") {
-        out.chunks_exact_mut(size_of::<X>()).for_each(<[u8]>::reverse);
     }
-    out
+    runs
+}
+
+/// What is computed of a block.
+struct Made {
+    expected: Vec<f64>,
+    nearest: Vec<u32>,
+    bound: Vec<f32>,
+    flags: Vec<Flags>,
+}
+
+/// The bytes of these places of each row. Where they are the whole row, no other array has a part of it, and the
+/// numbers are taken as they are.
+fn gather<X: Held>(values: &mut Vec<X>, stride: usize, ranges: &[Range<usize>]) -> Bytes {
+    let words: usize = ranges.iter().map(ExactSizeIterator::len).sum();
+    if words == stride {
+        return Bytes::of(std::mem::take(values));
+    }
+    let mut out = Vec::with_capacity(values.len() / stride.max(1) * words * size_of::<X>());
+    for row in values.chunks_exact(stride.max(1)) {
+        for range in ranges {
+            out.extend_from_slice(bytemuck::cast_slice(&row[range.clone()]));
+        }
+    }
+    least_first::<X>(&mut out);
+    Bytes::Plain(out)
 }

@@ -15,6 +15,7 @@
 //! Nothing here opens a file: writers and readers are handed what they write to and read from.
 
 mod array;
+mod bytes;
 mod digest;
 mod document;
 mod flags;
@@ -32,6 +33,7 @@ mod worker;
 pub mod write;
 
 pub use array::{Array, Kind, Per, Role};
+pub use bytes::Bytes;
 pub use digest::{Digest, run_key};
 pub use document::{Document, SCHEMA, SCHEMA_VERSION, schema};
 pub use flags::{Flag, Flags};

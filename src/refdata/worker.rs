@@ -1,9 +1,10 @@
 //! What one thread computes of a block: expected values, bounds and flags of up to [`LANES`] samples at a time.
 
+use std::ops::Range;
 use std::sync::atomic::Ordering;
 
-use super::flags::{Flag, Flags};
-use super::generate::{Generator, Route, Source};
+use super::flags::{Flag, Flags, any_special};
+use super::generate::{Generator, Outputs, Route, Source};
 use super::number::upward;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::exact::{Exact, Words};
@@ -48,8 +49,8 @@ struct Columns {
     values: Vec<[f64; WIDTH]>,
     /// The nearest binary32.
     nearest: Vec<[u32; WIDTH]>,
-    segment_end: [u64; WIDTH],
-    degenerate: [u64; WIDTH],
+    /// Flags that follow from the values, and the marks of the formula.
+    flags: [u64; WIDTH],
     fast: Vec<Twofold<false>>,
     safe: Vec<Twofold<true>>,
 }
@@ -78,8 +79,7 @@ impl Columns {
         Self {
             values: vec![[0.0; WIDTH]; words],
             nearest: vec![[0; WIDTH]; words],
-            segment_end: [0; WIDTH],
-            degenerate: [0; WIDTH],
+            flags: [0; WIDTH],
             fast: vec![Twofold::of([0.0; WIDTH]); words],
             safe: vec![Twofold::of([0.0; WIDTH]); words],
         }
@@ -87,12 +87,15 @@ impl Columns {
 
     /// Computes the formula. True when all values are finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn evaluate<const SAFE: bool>(&mut self, exact: Exact, inputs: &Inputs<'_>) -> bool
+    fn evaluate<const SAFE: bool>(&mut self, exact: Exact, inputs: &Inputs<'_>, outputs: &Outputs) -> bool
     where
         Self: Room<SAFE>,
     {
         let marks = exact.evaluate(inputs, self.room());
-        (self.segment_end, self.degenerate) = (marks.segment_end, marks.degenerate);
+        for lane in 0..WIDTH {
+            self.flags[lane] = (marks.segment_end[lane] & Flag::SegmentEnd as u64)
+                | (marks.degenerate[lane] & Flag::Degenerate as u64);
+        }
         let mut finite = true;
         for word in 0..self.values.len() {
             let column = self.room()[word];
@@ -103,6 +106,22 @@ impl Columns {
                 self.values[word][lane] = if value.is_nan() { f64::NAN } else { value };
                 let nearest = self.nearest[word][lane];
                 self.nearest[word][lane] = if value.is_nan() { f32::NAN.to_bits() } else { nearest };
+            }
+        }
+        for vertex in 0..outputs.vertices {
+            let first = vertex * outputs.words.len();
+            for (field, range) in &outputs.fields {
+                let real = field.shape.scalar == Scalar::F32;
+                let words = &self.values[first + range.start..first + range.end];
+                let (mut size, mut none) = ([0.0; WIDTH], [false; WIDTH]);
+                for column in words {
+                    for lane in 0..WIDTH {
+                        grow((&mut size[lane], &mut none[lane]), column[lane]);
+                    }
+                }
+                for lane in 0..WIDTH {
+                    self.flags[lane] |= flags_of((size[lane], none[lane]), real);
+                }
             }
         }
         finite
@@ -130,15 +149,21 @@ impl<'g, 'a> Worker<'g, 'a> {
         self.inputs(batch, first, part.flags);
         match &self.generator.source {
             Source::Formula { exact, routes } => self.formula((*exact, routes), batch, first, &mut part),
-            Source::Reference => self.reference(batch, first, &mut part),
-            Source::Meaning => self.meaning(batch, first, &mut part),
+            Source::Reference => {
+                self.reference(batch, first, &mut part);
+                self.outputs(part.expected, part.flags);
+            }
+            Source::Meaning => {
+                self.meaning(batch, first, &mut part);
+                self.outputs(part.expected, part.flags);
+            }
         }
-        self.outputs(&part.expected[..], part.flags);
         self.bounds(batch, first, &mut part);
     }
 
     fn formula(&mut self, (exact, routes): (Exact, &[Route]), batch: &Batch, first: usize, part: &mut Part<'_>) {
-        let columns = &mut self.columns;
+        let Self { columns, generator, .. } = self;
+        let outputs = &generator.outputs;
         let width = columns.values.len();
         for at in (0..part.flags.len()).step_by(WIDTH) {
             let inputs = Inputs::new(batch, routes, first + at);
@@ -148,10 +173,10 @@ impl<'g, 'a> Worker<'g, 'a> {
             let fast = flags.iter().all(|flags| !flags.has(Flag::InputNan) && !flags.has(Flag::InputInfinite))
                 && wide(
                     #[inline(always)]
-                    || columns.evaluate::<false>(exact, &inputs),
+                    || columns.evaluate::<false>(exact, &inputs, outputs),
                 );
             if !fast {
-                columns.evaluate::<true>(exact, &inputs);
+                columns.evaluate::<true>(exact, &inputs, outputs);
             }
             let to = at * width..(at + lanes) * width;
             let rows = part.expected[to.clone()].chunks_exact_mut(width).zip(part.nearest[to].chunks_exact_mut(width));
@@ -160,12 +185,7 @@ impl<'g, 'a> Worker<'g, 'a> {
                     *expected = columns.values[word][lane];
                     *nearest = columns.nearest[word][lane];
                 }
-                if columns.segment_end[lane] != 0 {
-                    flags.set(Flag::SegmentEnd);
-                }
-                if columns.degenerate[lane] != 0 {
-                    flags.set(Flag::Degenerate);
-                }
+                flags.0 |= columns.flags[lane] as u16;
             }
         }
     }
@@ -209,42 +229,44 @@ impl<'g, 'a> Worker<'g, 'a> {
     fn inputs(&self, batch: &Batch, first: usize, flags: &mut [Flags]) {
         let [own, shared] = &self.generator.real;
         let mut of_case = (usize::MAX, Flags::default());
-        for (k, flags) in flags.iter_mut().enumerate() {
-            let invocation = first + k;
-            let case = invocation / batch.per_case;
-            if of_case.0 != case {
-                of_case = (case, Flags::default());
-                let words = batch.case(case);
-                shared.iter().for_each(|&word| of_case.1.input(words[word]));
+        let stride = batch.invocation_record.words();
+        for (part, flags) in flags.chunks_mut(WIDTH).enumerate() {
+            let first = first + part * WIDTH;
+            // Most have none: that is found out for many at once.
+            let special = match own.as_slice() {
+                [run] if run.len() == stride => {
+                    let words = &batch.invocations[first * stride..(first + flags.len()) * stride];
+                    wide(
+                        #[inline(always)]
+                        || any_special(words),
+                    )
+                }
+                _ => true,
+            };
+            for (k, flags) in flags.iter_mut().enumerate() {
+                let invocation = first + k;
+                let case = invocation / batch.per_case;
+                if of_case.0 != case {
+                    of_case = (case, special_inputs(batch.case(case), shared));
+                }
+                flags.0 |= of_case.1.0;
+                if special {
+                    flags.0 |= special_inputs(batch.invocation(invocation), own).0;
+                }
             }
-            flags.0 |= of_case.1.0;
-            let words = batch.invocation(invocation);
-            own.iter().for_each(|&word| flags.input(words[word]));
         }
     }
 
-    /// Flags that follow from what is expected.
+    /// Flags that follow from what is expected; those of a formula are in its columns.
     fn outputs(&self, expected: &[f64], flags: &mut [Flags]) {
         let outputs = &self.generator.outputs;
-        let stride = outputs.words_of_sample();
-        for (values, flags) in expected.chunks_exact(stride).zip(flags) {
+        for (values, flags) in expected.chunks_exact(outputs.words_of_sample()).zip(flags) {
             for vertex in values.chunks_exact(outputs.words.len()) {
                 for (field, range) in &outputs.fields {
-                    let values = &vertex[range.clone()];
-                    let scale = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-                    if values.iter().any(|x| x.is_nan()) {
-                        flags.set(Flag::NoValue);
-                    }
-                    if field.shape.scalar != Scalar::F32 {
-                        continue;
-                    }
-                    if scale == f64::INFINITY {
-                        flags.set(Flag::Infinite);
-                    } else if scale > f64::from(f32::MAX) {
-                        flags.set(Flag::Overflow);
-                    } else if scale > 0.0 && scale < MIN_NORMAL {
-                        flags.set(Flag::Underflow);
-                    }
+                    let real = field.shape.scalar == Scalar::F32;
+                    let (mut size, mut none) = (0.0, false);
+                    vertex[range.clone()].iter().for_each(|&x| grow((&mut size, &mut none), x));
+                    flags.0 |= flags_of((size, none), real) as u16;
                 }
             }
         }
@@ -300,6 +322,41 @@ impl<'g, 'a> Worker<'g, 'a> {
         }
         self.generator.apart.fetch_add(apart_rows, Ordering::Relaxed);
     }
+}
+
+/// The largest size of some numbers, and whether one is missing, with one more of them.
+#[inline(always)]
+fn grow((size, none): (&mut f64, &mut bool), x: f64) {
+    // NaN is not greater.
+    *size = if x.abs() > *size { x.abs() } else { *size };
+    *none |= x.is_nan();
+}
+
+/// The bits of the flags of an output of this size, without branches.
+#[inline(always)]
+fn flags_of((size, none): (f64, bool), real: bool) -> u64 {
+    let flag = |flag: Flag, holds: bool| flag as u64 & u64::from(holds).wrapping_neg();
+    let infinite = size == f64::INFINITY;
+    let of_size = flag(Flag::Infinite, infinite)
+        | flag(Flag::Overflow, (size > f64::from(f32::MAX)) & !infinite)
+        | flag(Flag::Underflow, (size > 0.0) & (size < MIN_NORMAL));
+    flag(Flag::NoValue, none) | (of_size & u64::from(real).wrapping_neg())
+}
+
+/// The flags of the words of an input that are numbers.
+fn special_inputs(words: &[u32], runs: &[Range<usize>]) -> Flags {
+    let mut flags = Flags::default();
+    for run in runs {
+        let words = &words[run.clone()];
+        let special = wide(
+            #[inline(always)]
+            || any_special(words),
+        );
+        if special {
+            words.iter().for_each(|&bits| flags.input(bits));
+        }
+    }
+    flags
 }
 
 /// Writes a word of what is expected, with the nearest number of its own type.

@@ -260,7 +260,10 @@ fn infinities_stay_what_they_are() {
     let infinite = Pair::of(f64::INFINITY);
     assert_eq!(infinite.add::<true>(Pair::of(1.0)).high, f64::INFINITY);
     assert_eq!(infinite.mul::<true>(Pair::of(-2.0)).high, f64::NEG_INFINITY);
-    assert_eq!((Pair::of(1.0).div::<true>(infinite).high, Pair::of(1.0).div::<true>(Pair::of(0.0)).high), (0.0, f64::INFINITY));
+    assert_eq!(
+        (Pair::of(1.0).div::<true>(infinite).high, Pair::of(1.0).div::<true>(Pair::of(0.0)).high),
+        (0.0, f64::INFINITY)
+    );
     assert_eq!((infinite.sqrt::<true>().high, Pair::of(0.0).sqrt::<true>().high), (f64::INFINITY, 0.0));
     assert!(infinite.sub::<true>(infinite).high.is_nan() && Pair::of(0.0).div::<true>(Pair::of(0.0)).high.is_nan());
     assert_eq!(Pair::of(2.0).pow(Pair::of(-2000.0)).high, 0.0);

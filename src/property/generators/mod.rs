@@ -205,38 +205,43 @@ pub trait Generator: Send + Sync {
 
     /// Fills many rows: [`Generator::fill`] for each, without a virtual call for each.
     fn fill_rows(&self, group: &Group, rows: Rows<'_>) {
-        let Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case } = rows;
-        let (mut case, mut lane) = (first_case, first_lane);
-        let mut case_seed = mix(key, case);
-        let is_exact = |case| mix(exact_key, case).is_multiple_of(EXACT);
-        let mut exact = is_exact(case);
-        let direct = match spans {
-            [only] => Some(only.clone()),
-            _ => None,
-        };
-        let mut scratch = vec![0; group.words()];
-        for row in words.chunks_exact_mut(stride) {
-            let place = Place { case_seed, lane, exact };
-            let mut stream = Stream::new(mix(case_seed, lane as u64));
-            if let Some(span) = &direct {
-                let out = &mut row[span.clone()];
-                self.fill(group, place, &mut stream, out);
-                group.fetch(out);
-            } else {
-                self.fill(group, place, &mut stream, &mut scratch);
-                group.fetch(&mut scratch);
-                let mut at = 0;
-                for span in spans {
-                    row[span.clone()].copy_from_slice(&scratch[at..at + span.len()]);
-                    at += span.len();
-                }
+        each_row(self, group, rows);
+    }
+}
+
+/// Fills rows one by one.
+fn each_row<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>) {
+    let Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case } = rows;
+    let (mut case, mut lane) = (first_case, first_lane);
+    let mut case_seed = mix(key, case);
+    let is_exact = |case| mix(exact_key, case).is_multiple_of(EXACT);
+    let mut exact = is_exact(case);
+    let direct = match spans {
+        [only] => Some(only.clone()),
+        _ => None,
+    };
+    let mut scratch = vec![0; group.words()];
+    for row in words.chunks_exact_mut(stride) {
+        let place = Place { case_seed, lane, exact };
+        let mut stream = Stream::new(mix(case_seed, lane as u64));
+        if let Some(span) = &direct {
+            let out = &mut row[span.clone()];
+            generator.fill(group, place, &mut stream, out);
+            group.fetch(out);
+        } else {
+            generator.fill(group, place, &mut stream, &mut scratch);
+            group.fetch(&mut scratch);
+            let mut at = 0;
+            for span in spans {
+                row[span.clone()].copy_from_slice(&scratch[at..at + span.len()]);
+                at += span.len();
             }
-            lane += 1;
-            if lane == per_case {
-                (lane, case) = (0, case.wrapping_add(1));
-                case_seed = mix(key, case);
-                exact = is_exact(case);
-            }
+        }
+        lane += 1;
+        if lane == per_case {
+            (lane, case) = (0, case.wrapping_add(1));
+            case_seed = mix(key, case);
+            exact = is_exact(case);
         }
     }
 }

@@ -26,7 +26,7 @@ const SMALLEST: i32 = -20;
 const KINDS: u64 = FIXED as u64 + 3;
 
 /// `yes` or `no`, without a branch.
-#[inline]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn select(condition: bool, yes: f32, no: f32) -> f32 {
     let mask = 0u32.wrapping_sub(u32::from(condition));
     f32::from_bits((yes.to_bits() & mask) | (no.to_bits() & !mask))
@@ -62,7 +62,7 @@ impl Range {
     }
 
     /// True when the value lies inside, the ends included. False for NaN.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn contains(&self, value: f32) -> bool {
         self.lo <= value && value <= self.hi
     }
@@ -75,7 +75,7 @@ impl Range {
 
     /// A value spread over the range: three times of four evenly, else with an evenly spread
     /// exponent, so that small magnitudes come too.
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn ordinary(&self, bits: u64) -> f32 {
         // Through i64: processors convert signed integers in one instruction.
         let steps = (bits >> 32) as i64 as f64;
@@ -86,7 +86,7 @@ impl Range {
         select((bits & 3 == 0) & self.contains(scaled), scaled, even)
     }
 
-    #[inline]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn log_uniform(&self, bits: u64) -> f32 {
         let (low, top) = self.exponents;
         let exponent = low + (((bits & 0xffff) * (top - low + 1) as u64) >> 16) as i32;

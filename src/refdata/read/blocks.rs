@@ -4,6 +4,7 @@ use super::shared::Shared;
 use super::windows::Windows;
 use super::{Dataset, ReadError, Source, Table, csv, json, npz, parquet};
 use crate::refdata::array::{Array, Per};
+use crate::refdata::bytes::Bytes;
 use crate::refdata::digest::Digest;
 use crate::refdata::document::Document;
 use crate::refdata::generate::Block;
@@ -151,7 +152,7 @@ impl Sequence for Blocks {
             first_case: (first + self.done) / per_case,
             cases: rows.div_ceil(per_case) as usize,
             per_case: per_case as usize,
-            arrays,
+            arrays: arrays.into_iter().map(Bytes::from).collect(),
             digest,
         };
         self.done += rows;

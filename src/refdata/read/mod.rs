@@ -15,6 +15,7 @@ use std::io::{Read, Seek};
 use thiserror::Error;
 
 use super::array::{Array, Per};
+use super::bytes::Bytes;
 use super::document::Document;
 
 pub use blocks::{Blocks, Chain, Open, Sequence};
@@ -120,7 +121,10 @@ impl Dataset {
         let document = blocks.document().clone();
         let mut arrays = vec![Vec::new(); document.arrays.len()];
         while let Some(block) = blocks.next()? {
-            arrays.iter_mut().zip(&block.arrays).for_each(|(all, part): (&mut Vec<u8>, _)| all.extend(part));
+            arrays
+                .iter_mut()
+                .zip(&block.arrays)
+                .for_each(|(all, part): (&mut Vec<u8>, &Bytes)| all.extend_from_slice(part));
         }
         Ok(Self { document, arrays })
     }

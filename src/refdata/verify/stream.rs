@@ -5,6 +5,7 @@ use thiserror::Error;
 use super::order::Order;
 use super::outputs::Outputs;
 use super::{Element, Finding, Judge, Report, Rule, VerifyError};
+use crate::refdata::bytes::Bytes;
 use crate::refdata::document::Document;
 use crate::refdata::read::{Dataset, ReadError, Sequence, Windows};
 
@@ -43,7 +44,7 @@ pub fn stream(
     while let Some(block) = blocks.next().map_err(StreamError::Reference)? {
         let window = actual.next(block.rows).map_err(StreamError::Actual)?;
         let part = Document { first: block.first, rows: block.rows as u64, ..document.clone() };
-        let part = Dataset { document: part, arrays: block.arrays };
+        let part = Dataset { document: part, arrays: block.arrays.into_iter().map(Bytes::into_vec).collect() };
         let Ok(outputs) = Outputs::find(&part.document, &window) else { return Ok(None) };
         let Ok(order) = Order::find(&part, &window, outputs.rows) else { return Ok(None) };
         let in_place = |(k, row): (usize, &Option<usize>)| *row == (k < outputs.rows).then_some(k);

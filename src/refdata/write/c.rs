@@ -6,6 +6,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 use super::text::{Text, Word};
 use super::{Sink, Spill, Store};
 use crate::refdata::array::{Array, Kind, Per, Role};
+use crate::refdata::bytes::Bytes;
 use crate::refdata::document::Document;
 use crate::refdata::generate::Block;
 use crate::value::F32Bits;
@@ -104,7 +105,7 @@ fn braced(words: &[String], shape: &[usize]) -> String {
     }
 }
 
-fn row(arrays: &[(&Array, &Vec<u8>)], at: usize, extra: Option<u64>) -> String {
+fn row(arrays: &[(&Array, &Bytes)], at: usize, extra: Option<u64>) -> String {
     let mut members: Vec<String> = extra.iter().map(u64::to_string).collect();
     for (array, bytes) in arrays {
         let words: Vec<String> = Word::row(array, bytes, at).map(literal).collect();
@@ -141,7 +142,7 @@ impl<'s> Header<'s> {
 
 impl Sink for Header<'_> {
     fn block(&mut self, block: &Block) -> io::Result<()> {
-        let of = |per: Per| -> Vec<(&Array, &Vec<u8>)> {
+        let of = |per: Per| -> Vec<(&Array, &Bytes)> {
             self.arrays.iter().zip(&block.arrays).filter(|(array, _)| array.per == per).collect()
         };
         let (samples, cases) = (of(Per::Sample), of(Per::Case));

@@ -23,7 +23,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("program", &["lower", "glsl", "text", "diagnostic", "value"]),
     ("interp", &["program", "math", "text", "value"]),
     ("lane", &["interp", "program", "lower", "glsl", "text", "value"]),
-    ("property", &["text", "value"]),
+    ("property", &["math", "text", "value"]),
     ("bound", &["property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "math", "value"]),
     ("verdict", &["bound", "property", "formula", "lane", "interp", "program", "text", "diagnostic", "value"]),
     (
