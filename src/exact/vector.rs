@@ -24,7 +24,8 @@ pub(super) fn matrix_times<R: Real>(words: &impl Words<R>, at: usize, p: &Vec4<R
     let mut out = *p;
     for (r, out) in out.iter_mut().enumerate() {
         let at = at + r;
-        *out = R::dot([words.word(at), words.word(at + 4), words.word(at + 8), words.word(at + 12)], *p);
+        // Words are numbers of binary64: at most binary32 and integers.
+        *out = R::dot_of_words([words.word(at), words.word(at + 4), words.word(at + 8), words.word(at + 12)], *p);
     }
     out
 }

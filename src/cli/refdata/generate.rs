@@ -207,7 +207,8 @@ impl Job<'_> {
                         blocks.end - blocks.start
                     )?;
                 }
-                let fresh = Fresh::within(work.folder(), self.path).with_context(failed)?;
+                let mut fresh = Fresh::within(work.folder(), self.path).with_context(failed)?;
+                fresh.sync_early().with_context(failed)?;
                 let store: Box<dyn Store> = Box::new(fresh.file().with_context(failed)?);
                 let digest = format.sink(&document, store, &spill).and_then(|mut sink| {
                     produce(&generator, blocks.clone(), &mut *sink, &work, &mut |done| bar.set_position(done))
@@ -270,7 +271,8 @@ impl Job<'_> {
 
 /// Writes a file that appears when it is whole.
 pub(super) fn write<T>(path: &Path, fill: impl FnOnce(Box<dyn Store>) -> io::Result<T>) -> io::Result<T> {
-    let fresh = Fresh::new(path)?;
+    let mut fresh = Fresh::new(path)?;
+    fresh.sync_early()?;
     let done = fill(Box::new(fresh.file()?))?;
     fresh.keep()?;
     Ok(done)

@@ -40,6 +40,11 @@ pub trait Real:
         ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3]
     }
 
+    /// The sum of four products of numbers of binary64 and others.
+    fn dot_of_words(a: [Self; 4], b: [Self; 4]) -> Self {
+        Self::dot(a, b)
+    }
+
     /// a·b − c·d.
     fn minor(a: Self, b: Self, c: Self, d: Self) -> Self {
         a * b - c * d
@@ -192,6 +197,16 @@ impl<const SAFE: bool> Real for Twofold<SAFE> {
                 |v| [v[0].get(k), v[1].get(k), v[2].get(k), v[3].get(k)],
             );
             out.set(k, Pair::dot::<SAFE>(a, b));
+        }
+        out
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn dot_of_words(a: [Self; 4], b: [Self; 4]) -> Self {
+        let mut out = b[0];
+        for k in 0..WIDTH {
+            let words = [a[0].high[k], a[1].high[k], a[2].high[k], a[3].high[k]];
+            out.set(k, Pair::dot_of_numbers::<SAFE>(words, [b[0].get(k), b[1].get(k), b[2].get(k), b[3].get(k)]));
         }
         out
     }

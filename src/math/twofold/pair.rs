@@ -72,9 +72,21 @@ impl Pair {
     /// what is carried. The error is some 2^-102 of the sum of the magnitudes, as for sums one by one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn dot<const SAFE: bool>(a: [Self; 4], b: [Self; 4]) -> Self {
-        let (mut sum, mut rest) = a[0].product(b[0]);
+        Self::sum_of::<SAFE>([a[0].product(b[0]), a[1].product(b[1]), a[2].product(b[2]), a[3].product(b[3])])
+    }
+
+    /// The same for numbers that have no second part.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn dot_of_numbers<const SAFE: bool>(a: [f64; 4], b: [Self; 4]) -> Self {
+        Self::sum_of::<SAFE>([b[0].part(a[0]), b[1].part(a[1]), b[2].part(a[2]), b[3].part(a[3])])
+    }
+
+    /// The sum of products in two parts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sum_of<const SAFE: bool>(products: [(f64, f64); 4]) -> Self {
+        let (mut sum, mut rest) = products[0];
         for k in 1..4 {
-            let (high, low) = a[k].product(b[k]);
+            let (high, low) = products[k];
             let (next, carried) = two_sum(sum, high);
             sum = next;
             rest += carried + low;
@@ -96,6 +108,13 @@ impl Pair {
     fn product(self, b: Self) -> (f64, f64) {
         let (high, rest) = two_product(self.high, b.high);
         (high, self.high.mul_add(b.low, self.low.mul_add(b.high, rest)))
+    }
+
+    /// The product with a number in two parts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn part(self, a: f64) -> (f64, f64) {
+        let (high, rest) = two_product(self.high, a);
+        (high, self.low.mul_add(a, rest))
     }
 
     /// The sum of two numbers, whichever is larger; `a` alone where that is not finite.
