@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::batch::{NEAR, Suspect, same_shape};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
+use super::open::{cut, fork, underflow};
 use super::oracle::Court;
 use super::reference::{Evaluator, Expected, Output};
 use crate::bound::profile::grid::MIN_NORMAL;
@@ -449,25 +450,6 @@ fn open_words(
             (lane, outcome, error)
         })
         .collect()
-}
-
-/// Why nothing is known of a lane that was given up in a very long loop.
-fn cut(tape: &Tape<'_>, lane: usize) -> Option<Doubt> {
-    let site = tape.given_up(lane)?;
-    Some(Doubt { reason: Reason::LongLoop, cause: Some(tape.decision(site)) })
-}
-
-fn fork(tape: &Tape<'_>, lane: usize) -> Doubt {
-    let cause = tape.fork(lane).map(|site| tape.decision(site));
-    let reason = if tape.is_texel_edge(lane) { Reason::TexelEdge } else { Reason::Branch };
-    Doubt { reason, cause }
-}
-
-/// The operation that has the largest part in the doubt about a small value.
-fn underflow(machine: &mut Machine<'_, Tape<'_>>, vertex: usize, word: usize, lane: usize) -> Doubt {
-    let OutputColumn::Real(&column) = machine.output(vertex, word) else { return Doubt::of(Reason::Underflow) };
-    let share = machine.domain().shares(column, lane, 1).into_iter().next();
-    Doubt { reason: Reason::Underflow, cause: share.map(Into::into) }
 }
 
 type Found = (usize, Result<(Option<f64>, f64), Doubt>);
