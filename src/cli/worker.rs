@@ -7,22 +7,39 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
-use crate::lane::{opengl, worker};
+use crate::lane::remote::planted::Fault;
+use crate::lane::{opengl, remote, worker};
 
-/// Arguments of `shadercheck worker`: none.
-#[derive(Args, Clone, Debug, Default)]
-pub struct WorkerArgs {}
+/// Arguments of `shadercheck worker`.
+#[derive(Args, Clone, Debug)]
+pub struct WorkerArgs {
+    /// Which lanes are served
+    side: String,
+    /// What the engine does wrong on purpose: garbage, lost-device, crash or hang
+    #[arg(long)]
+    plant: Option<Fault>,
+}
 
-/// The program that is started for such a lane: this one.
+/// The program that is started for such a lane: this one, or the one that `SHADERCHECK_WORKER` names, which then starts
+/// `shadercheck worker` with what it gets.
 pub fn program(executable: PathBuf) -> worker::Program {
-    worker::Program { path: executable, arguments: vec!["worker".into()] }
+    match std::env::var_os("SHADERCHECK_WORKER") {
+        Some(other) => worker::Program { path: other.into(), arguments: Vec::new() },
+        None => worker::Program { path: executable, arguments: vec!["worker".into()] },
+    }
 }
 
 /// Runs the command: jobs come from standard input, and answers go to `out`.
 ///
 /// # Errors
 /// When what comes is no job, or nobody reads the answers.
-pub fn run(_args: &WorkerArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    opengl::serve(&mut std::io::stdin().lock(), out).context("the process that sends jobs is gone")?;
+pub fn run(args: &WorkerArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let mut from = std::io::stdin().lock();
+    let served = match args.side.as_str() {
+        opengl::SIDE => opengl::serve(&mut from, out),
+        remote::SIDE => remote::serve(&mut from, out, args.plant),
+        other => anyhow::bail!("`{other}` is no kind of lanes"),
+    };
+    served.context("the process that sends jobs is gone")?;
     Ok(ExitStatus::Clean)
 }

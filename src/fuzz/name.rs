@@ -121,6 +121,9 @@ fn one(
         _ => {}
     }
     let (vertex, word) = look.place;
+    if tape.domain().given_up(lane).is_some() {
+        return long(named, narrow, wide, batch, (lane, invocation), trouble);
+    }
     let OutputColumn::Real(&column) = tape.output(vertex, word) else { return None };
     if let OutputColumn::Real(found) = narrow.output(vertex, word) {
         named.strict = found.values()[lane];
@@ -151,6 +154,33 @@ fn one(
         _ if value.abs() > f64::from(f32::MAX) => Kind::Overflow,
         _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => Kind::Underflow,
         _ if forked => return None,
+        Trouble::Lost => Kind::Lost,
+        _ => Kind::IllConditioned,
+    };
+    Some(named)
+}
+
+/// Trouble of a sample with a loop too long to be followed: without the operation that brings it about.
+fn long(
+    mut named: Named,
+    narrow: &Machine<'_, Binary32>,
+    wide: &mut Machine<'_, Binary64>,
+    batch: &Batch,
+    (lane, invocation): (usize, usize),
+    trouble: Trouble,
+) -> Option<Named> {
+    let (vertex, word) = named.place;
+    wide.run_some(batch, &[invocation]);
+    if let OutputColumn::Real(found) = wide.output(vertex, word) {
+        named.meaning = found.values()[0];
+    }
+    if let OutputColumn::Real(found) = narrow.output(vertex, word) {
+        named.strict = found.values()[lane];
+    }
+    named.kind = match trouble {
+        Trouble::NoValue => Kind::NoValue,
+        Trouble::Infinite => Kind::Infinite,
+        Trouble::TooLarge => Kind::TooLarge,
         Trouble::Lost => Kind::Lost,
         _ => Kind::IllConditioned,
     };

@@ -387,7 +387,23 @@ pub struct Executable {
     pub(super) draft: Arc<Draft>,
 }
 
+fn loops(block: &[Inst]) -> bool {
+    block.iter().any(|inst| match inst {
+        Inst::Loop { .. } => true,
+        Inst::If { accept, reject, .. } => loops(accept) || loops(reject),
+        Inst::Switch { cases, .. } => cases.iter().any(|case| loops(&case.body)),
+        Inst::Call { body } => loops(body),
+        // The rest holds no instructions.
+        _ => false,
+    })
+}
+
 impl Executable {
+    /// True when it has a loop.
+    pub fn has_loops(&self) -> bool {
+        loops(&self.body)
+    }
+
     /// Where an operation stands.
     pub fn place(&self, site: Site) -> Place {
         self.sites[site.index()]

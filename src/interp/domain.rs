@@ -321,6 +321,14 @@ pub trait Domain {
     fn doubt(&mut self, site: Site, lanes: &Mask) {
         let _ = (site, lanes);
     }
+    /// True when it has no room for another round of a loop: the lanes that go on are given up then.
+    fn is_full(&self) -> bool {
+        false
+    }
+    /// Notes that these lanes are given up in a loop: nothing is known of what comes of them.
+    fn give_up(&mut self, site: Site, lanes: &Mask) {
+        let _ = (site, lanes);
+    }
     /// Copies a column.
     fn copy(&mut self, from: &Self::Column, to: &mut Self::Column);
     /// Copies the lanes of `mask` and leaves the others.

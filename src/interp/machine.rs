@@ -39,7 +39,7 @@ pub struct Machine<'e, D: Domain> {
     emitted: Words,
     ended: Words,
     active: Mask,
-    /// Lanes that were discarded or ran out of fuel.
+    /// Lanes that were discarded, ran out of fuel or were given up.
     stopped: Mask,
     breakable: Vec<Breakable>,
     fuel: Words,
@@ -432,6 +432,11 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.report(Kind::Fuel, site, dry);
                 self.stopped = self.stopped.or(dry);
                 self.active = self.active.minus(dry);
+            }
+            if self.domain.is_full() {
+                self.domain.give_up(site, &self.active);
+                self.stopped = self.stopped.or(self.active);
+                self.active = Mask::NONE;
             }
             for (lane, fuel) in self.fuel.iter_mut().enumerate() {
                 *fuel -= u32::from(self.active.has(lane));

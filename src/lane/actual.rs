@@ -3,11 +3,13 @@
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 
+use serde::{Deserialize, Serialize};
+
 use super::LaneError;
 use crate::program::OutputLayout;
 
 /// Random words of one dispatch, by which its writing is told from anything else.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Marks {
     /// The first word of the record of invocation `i` must be `canary ^ i`.
     pub canary: u32,
@@ -70,6 +72,17 @@ impl Actual {
             }
         }
         Ok(Self { layout: layout.clone(), words, count, marks })
+    }
+
+    /// The words and the marks, to be accepted again in another process.
+    pub(super) fn into_words(self) -> (Vec<u32>, Marks) {
+        (self.words, self.marks)
+    }
+
+    /// The same with other words, for an engine that errs on purpose; whoever accepts it next looks at each record.
+    pub(super) fn altered(mut self, word: impl Fn(u32) -> u32) -> Self {
+        self.words.iter_mut().for_each(|w| *w = word(*w));
+        self
     }
 
     /// Number of invocations.

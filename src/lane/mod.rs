@@ -5,6 +5,7 @@ mod actual;
 pub mod embedded;
 pub mod native;
 pub mod opengl;
+pub mod remote;
 pub mod vulkan;
 pub mod worker;
 

@@ -287,7 +287,7 @@ impl<'g, 'a> Worker<'g, 'a> {
                     Reason::Domain => Flag::NoValue,
                     Reason::NoPromise => Flag::NoPromise,
                     Reason::IllConditioned => Flag::IllConditioned,
-                    Reason::Branch | Reason::TexelEdge => Flag::Branch,
+                    Reason::Branch | Reason::TexelEdge | Reason::LongLoop => Flag::Branch,
                     Reason::Underflow => Flag::Underflow,
                     Reason::Overflow => Flag::Overflow,
                 });

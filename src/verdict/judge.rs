@@ -59,6 +59,8 @@ pub enum Reason {
     Branch,
     /// A coordinate lies so near to the edge of a texel that a device may take its neighbour.
     TexelEdge,
+    /// A loop has more rounds than errors are followed through.
+    LongLoop,
     /// The value lies below the normal range of binary32, where a device may flush it to zero.
     Underflow,
     /// The value, or one on the way to it, may be too large for binary32.
@@ -67,12 +69,13 @@ pub enum Reason {
 
 impl Reason {
     /// All of them, in the order of reports.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Domain,
         Self::NoPromise,
         Self::IllConditioned,
         Self::Branch,
         Self::TexelEdge,
+        Self::LongLoop,
         Self::Underflow,
         Self::Overflow,
     ];
@@ -85,6 +88,7 @@ impl Reason {
             Self::IllConditioned => "ill_conditioned",
             Self::Branch => "branch",
             Self::TexelEdge => "texel_edge",
+            Self::LongLoop => "long_loop",
             Self::Underflow => "underflow",
             Self::Overflow => "overflow",
         }
@@ -94,7 +98,9 @@ impl Reason {
     pub fn is_range(self) -> bool {
         match self {
             Self::Underflow | Self::Overflow => true,
-            Self::Domain | Self::NoPromise | Self::IllConditioned | Self::Branch | Self::TexelEdge => false,
+            Self::Domain | Self::NoPromise | Self::IllConditioned | Self::Branch | Self::TexelEdge | Self::LongLoop => {
+                false
+            }
         }
     }
 }
@@ -107,6 +113,7 @@ impl fmt::Display for Reason {
             Self::IllConditioned => "ill-conditioned",
             Self::Branch => "a comparison could go either way",
             Self::TexelEdge => "a coordinate at the edge of a texel",
+            Self::LongLoop => "a loop too long to be followed",
             Self::Underflow => "underflow",
             Self::Overflow => "overflow",
         })

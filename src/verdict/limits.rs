@@ -49,7 +49,7 @@ impl<'a> Limiter<'a> {
         limits.values.clear();
         limits.bounds.clear();
         limits.reasons.clear();
-        limits.reasons.extend((0..lanes).map(|lane| machine.domain().fork(lane).map(|_| Reason::Branch)));
+        limits.reasons.extend((0..lanes).map(|lane| open(machine.domain(), lane)));
         for vertex in 0..room {
             for word in 0..width {
                 let column = match machine.output(vertex, word) {
@@ -80,6 +80,15 @@ impl<'a> Limiter<'a> {
                 }
             }
         }
+    }
+}
+
+/// Why a lane has no bounds: it was given up in a very long loop, or a comparison could go either way.
+fn open(tape: &Tape<'_>, lane: usize) -> Option<Reason> {
+    match (tape.given_up(lane), tape.fork(lane)) {
+        (Some(_), _) => Some(Reason::LongLoop),
+        (None, Some(_)) => Some(Reason::Branch),
+        (None, None) => None,
     }
 }
 

@@ -9,6 +9,7 @@ mod judge;
 mod limits;
 mod literals;
 mod observe;
+mod open;
 mod oracle;
 mod reference;
 mod survey;

@@ -4,11 +4,12 @@ use std::collections::HashSet;
 
 use super::batch::{NEAR, Suspect, same_shape};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
+use super::open::{cut, fork, underflow};
 use super::oracle::Court;
 use super::reference::{Evaluator, Expected, Output};
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::tape::{Model, Tape};
-use crate::interp::{Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use crate::interp::{Binary64, Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
 use crate::lane::Actual;
 use crate::program::OutputLayout;
 use crate::value::{Batch, Scalar, ulp_at};
@@ -25,6 +26,8 @@ pub(super) const TWO_WAYS: f64 = 8.0;
 /// Judges samples with the tape. The machines are made when they are first needed.
 pub(super) struct Suspects<'a> {
     court: Court<'a>,
+    /// For a shader with loops: which invocations end. A tape of one that does not would take all memory.
+    ends: Option<Machine<'a, Binary64>>,
     ideal: Option<Machine<'a, Tape<'a>>>,
     tiers: Vec<Tier<'a>>,
     evaluator: Evaluator<'a>,
@@ -44,6 +47,7 @@ impl<'a> Suspects<'a> {
         let tier = |(promise, model)| Tier { promise, model, machine: None };
         Self {
             court: *court,
+            ends: None,
             ideal: None,
             tiers: court.tiers().into_iter().map(tier).collect(),
             evaluator: Evaluator::bounded(court.reference),
@@ -68,6 +72,7 @@ impl<'a> Suspects<'a> {
                 verdicts[k] = verdict;
             }
         }
+        self.rest();
         // A lane is judged by the shader as it is, where that is not what is wrong.
         let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
         let mut lanes: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].lane && !wrong(&verdicts[k])).collect();
@@ -88,6 +93,7 @@ impl<'a> Suspects<'a> {
                     }
                 }
             }
+            self.rest();
             // The conformance suite of a text, and another order, promise nothing beyond its domains.
             if tier == 0 {
                 let (unpromised, rest): (Vec<usize>, Vec<usize>) = open.iter().partition(|&&k| {
@@ -109,9 +115,50 @@ impl<'a> Suspects<'a> {
         suspects.iter().zip(verdicts).map(|(s, v)| (s.invocation, v.unwrap_or(agree.clone()))).collect()
     }
 
+    /// Gives back what very long loops took: one tape at a time has much.
+    fn rest(&mut self) {
+        if self.court.oracle.executable().has_loops() {
+            let tapes = self.tiers.iter_mut().filter_map(|tier| tier.machine.as_mut());
+            self.ideal.iter_mut().chain(tapes).for_each(|machine| machine.domain().rest());
+        }
+    }
+
     /// Whether the shader means what the formula says; `None` where it does.
     /// `actual` is only asked for the words that a report shows.
     pub(super) fn shader(
+        &mut self,
+        batch: &Batch,
+        layout: &OutputLayout,
+        actual: Option<&Actual>,
+        invocations: &[usize],
+    ) -> Vec<Option<Verdict>> {
+        let endless = self.endless(batch, invocations);
+        let end = Deviation { blame: Blame::Shader, what: What::Endless };
+        let Some(sound) = endless.iter().position(|endless| !endless) else {
+            return vec![Some(Verdict::Deviate(end)); endless.len()];
+        };
+        let stand_in = |(&invocation, &endless)| if endless { invocations[sound] } else { invocation };
+        let ending: Vec<usize> = invocations.iter().zip(&endless).map(stand_in).collect();
+        let mut verdicts = self.of_shader(batch, layout, actual, &ending);
+        for (verdict, _) in verdicts.iter_mut().zip(&endless).filter(|(_, endless)| **endless) {
+            *verdict = Some(Verdict::Deviate(end.clone()));
+        }
+        verdicts
+    }
+
+    /// For each invocation, whether a loop of the shader goes on without end; at most [`LANES`] of them.
+    fn endless(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<bool> {
+        let oracle = self.court.oracle;
+        if !oracle.executable().has_loops() {
+            return vec![false; invocations.len().min(LANES)];
+        }
+        let machine = self.ends.get_or_insert_with(|| oracle.ideal_or_meaning());
+        let lanes = machine.run_some(batch, invocations);
+        machine.flags()[..lanes].iter().map(|flags| flags.has(Kind::Fuel)).collect()
+    }
+
+    /// The same for invocations that end.
+    fn of_shader(
         &mut self,
         batch: &Batch,
         layout: &OutputLayout,
@@ -128,8 +175,12 @@ impl<'a> Suspects<'a> {
         evaluator.turn_to(batch, &invocations[..lanes]);
         for lane in 0..lanes {
             evaluator.expected(batch, invocations[lane], lane, &mut expected[lane]);
-            verdicts[lane] = shape_of_shader(machine, court, &expected[lane], lane).map(Verdict::Deviate);
+            verdicts[lane] = match cut(machine.domain(), lane) {
+                Some(doubt) => Some(Verdict::Undetermined(doubt)),
+                None => shape_of_shader(machine, court, &expected[lane], lane).map(Verdict::Deviate),
+            };
         }
+        let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
         for vertex in 0..machine.room() {
             for output in &reference.outputs {
                 let base = vertex * reference.vertex_words;
@@ -143,7 +194,8 @@ impl<'a> Suspects<'a> {
                     let target = |lane: usize| expected[lane].words.get(at).copied();
                     let slack = |lane: usize| expected[lane].slack(at);
                     let open: Vec<usize> = (0..lanes)
-                        .filter(|&lane| !matches!(verdicts[lane], Some(Verdict::Deviate(_))) && target(lane).is_some())
+                        .filter(|&lane| known[lane] && target(lane).is_some())
+                        .filter(|&lane| !matches!(verdicts[lane], Some(Verdict::Deviate(_))))
                         .collect();
                     let word = output.actual.start + k;
                     let found = word_of_shader(
@@ -215,7 +267,12 @@ impl<'a> Suspects<'a> {
             }
         }
         let decided: Vec<bool> = (0..lanes).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
+        let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
         for lane in 0..lanes {
+            if let Some(doubt) = cut(machine.domain(), lane) {
+                verdicts[lane] = Verdict::Undetermined(doubt);
+                continue;
+            }
             let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) else { continue };
             let tape = machine.domain();
             let open = !decided[lane] && tape.fork(lane).is_some();
@@ -233,7 +290,7 @@ impl<'a> Suspects<'a> {
                 }
                 for word in record.range(field) {
                     let open: Vec<usize> = (0..lanes)
-                        .filter(|&lane| !matches!(verdicts[lane], Verdict::Deviate(_)))
+                        .filter(|&lane| known[lane] && !matches!(verdicts[lane], Verdict::Deviate(_)))
                         .filter(|&lane| vertex < actual.stored(invocations[lane]))
                         .collect();
                     // Of two doubts on a sample the first is kept: no cause is looked for again.
@@ -393,19 +450,6 @@ fn open_words(
             (lane, outcome, error)
         })
         .collect()
-}
-
-fn fork(tape: &Tape<'_>, lane: usize) -> Doubt {
-    let cause = tape.fork(lane).map(|site| tape.decision(site));
-    let reason = if tape.is_texel_edge(lane) { Reason::TexelEdge } else { Reason::Branch };
-    Doubt { reason, cause }
-}
-
-/// The operation that has the largest part in the doubt about a small value.
-fn underflow(machine: &mut Machine<'_, Tape<'_>>, vertex: usize, word: usize, lane: usize) -> Doubt {
-    let OutputColumn::Real(&column) = machine.output(vertex, word) else { return Doubt::of(Reason::Underflow) };
-    let share = machine.domain().shares(column, lane, 1).into_iter().next();
-    Doubt { reason: Reason::Underflow, cause: share.map(Into::into) }
 }
 
 type Found = (usize, Result<(Option<f64>, f64), Doubt>);

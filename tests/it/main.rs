@@ -9,6 +9,7 @@ mod calibrate;
 mod check_cli;
 mod ci;
 mod constructs;
+mod containment;
 mod flaky;
 mod fuzz;
 mod geometry;

@@ -60,9 +60,17 @@ pub(super) struct Pool {
     used: usize,
 }
 
+/// Columns of a chunk, of all pools together, at which the tape is full: a quarter of a GiB. Each round of a loop adds some for
+/// each of its operations; shaders without very long loops have a few thousand.
+const MOST: usize = 1 << 17;
+
+/// Columns of a pool that are kept between chunks.
+const KEPT: usize = 1 << 12;
+
 impl Pool {
     pub(super) fn clear(&mut self) {
         self.used = 0;
+        self.columns.truncate(KEPT);
     }
 
     /// One more column; what it holds is left from before.
@@ -131,6 +139,13 @@ impl Arena {
         for pool in [value, radius, local, partials, size, roundings, peak, least] {
             pool.clear();
         }
+    }
+
+    /// True when a chunk has as many columns as it may have.
+    pub(super) fn is_full(&self) -> bool {
+        let Self { value, radius, local, partials, size, roundings, peak, least, .. } = self;
+        let pools = [value, radius, local, partials, size, roundings, peak, least];
+        pools.iter().map(|pool| pool.used).sum::<usize>() >= MOST
     }
 
     /// One more node. Its columns hold what is left from before.

@@ -59,6 +59,8 @@ pub struct Tape<'p> {
     forks: [Option<Site>; LANES],
     /// Lanes in which that decision is the one between two texels.
     edges: [bool; LANES],
+    /// Lanes that were given up in a loop, for the tape was full, with the place of the loop.
+    given_up: [Option<Site>; LANES],
     sweep: sweep::Scratch,
 }
 
@@ -71,6 +73,7 @@ impl<'p> Tape<'p> {
             arena: Arena::default(),
             forks: [None; LANES],
             edges: [false; LANES],
+            given_up: [None; LANES],
             sweep: sweep::Scratch::default(),
         }
     }
@@ -102,6 +105,18 @@ impl<'p> Tape<'p> {
     /// True when that decision is the one between two texels.
     pub fn is_texel_edge(&self, lane: usize) -> bool {
         self.edges[lane]
+    }
+
+    /// The loop in which this lane was given up: it has more rounds than there is room for on a tape. Nothing is known of
+    /// the values of such a lane, and every bound is infinite.
+    pub fn given_up(&self, lane: usize) -> Option<Site> {
+        self.given_up[lane]
+    }
+
+    /// Gives back the room that very long loops took.
+    pub fn rest(&mut self) {
+        self.arena.clear();
+        self.sweep.rest();
     }
 
     fn leaf(&mut self, value: impl FnOnce(&mut Lanes)) -> Id {
@@ -141,6 +156,7 @@ impl Domain for Tape<'_> {
         self.arena.clear();
         self.forks = [None; LANES];
         self.edges = [false; LANES];
+        self.given_up = [None; LANES];
         // Node 0 holds zeros: what a column holds that nobody wrote.
         self.leaf(|value| value.fill(0.0));
     }
@@ -277,6 +293,15 @@ impl Domain for Tape<'_> {
 
     fn doubt(&mut self, site: Site, lanes: &Mask) {
         self.note_fork(site, lanes.lanes());
+    }
+
+    fn is_full(&self) -> bool {
+        self.arena.is_full()
+    }
+
+    fn give_up(&mut self, site: Site, lanes: &Mask) {
+        self.note_fork(site, lanes.lanes());
+        lanes.lanes().for_each(|lane| self.given_up[lane] = Some(site));
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {

@@ -36,6 +36,13 @@ impl Scratch {
         self.free.extend(0..self.adjoints.len() as u32);
     }
 
+    /// Gives back what very many nodes took.
+    pub(super) fn rest(&mut self) {
+        self.slots = Vec::new();
+        self.adjoints.truncate(1 << 10);
+        self.free = Vec::new();
+    }
+
     fn take(&mut self, node: Id) -> Option<u32> {
         let slot = std::mem::replace(&mut self.slots[node as usize], NONE);
         (slot != NONE).then_some(slot)
@@ -110,6 +117,11 @@ impl Tape<'_> {
             sweep.free.push(slot);
             if id % STRIDE == 0 && enough(&bounds.bound) {
                 break;
+            }
+        }
+        for (bound, given_up) in bounds.bound.iter_mut().zip(&self.given_up) {
+            if given_up.is_some() {
+                *bound = f64::INFINITY;
             }
         }
         bounds

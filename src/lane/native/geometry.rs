@@ -9,16 +9,16 @@ use std::rc::Rc;
 
 use ash::vk;
 
+use super::Job;
 use super::capture::{self, Capture, VERTEX_BITS};
 use super::draw::{Attribute, Counts, Drawn, Draws, Pass, Setting};
-use super::glslang::{Kind, Translator};
 use super::gpu::Gpu;
 use super::interface;
 use super::spirv::Reflection;
 use super::strips::{Records, are_cut_from, joined};
 use super::vertex::{format, place};
 use crate::lane::{Actual, LaneError, Marks, Runner};
-use crate::program::{Kernel, OutputLayout, Primitives};
+use crate::program::{OutputLayout, Primitives};
 use crate::value::{Batch, Record, Scalar};
 
 /// Words of all captured vertices of a batch: 64 MiB.
@@ -96,6 +96,19 @@ impl Front {
     }
 }
 
+/// The text of the vertex stage in front of a geometry stage.
+///
+/// # Errors
+/// [`LaneError::Unsupported`] for inputs that cannot be handed on.
+pub(super) fn front(module: &[u32], record: &Record, primitives: Primitives) -> Result<String, LaneError> {
+    let reflection = Reflection::of(module);
+    if interface::reads_primitive_id(&reflection) {
+        let what = "`gl_PrimitiveIDIn`: each primitive is drawn by itself";
+        return Err(LaneError::Unsupported(what.to_owned()));
+    }
+    Front::new(&reflection, record, primitives.input_vertices() as usize).map(|front| front.text)
+}
+
 /// The list of the API whose primitives have so many vertices.
 fn topology(input: usize) -> vk::PrimitiveTopology {
     match input {
@@ -110,21 +123,16 @@ fn topology(input: usize) -> vk::PrimitiveTopology {
 impl GeometryRunner {
     pub fn new(
         gpu: &Rc<Gpu>,
-        translator: &Translator,
-        words: &[u32],
-        kernel: &Kernel,
+        vertex: &[u32],
+        job: &Job,
         primitives: Primitives,
         capacity: usize,
     ) -> Result<Self, LaneError> {
         let (input, corners) = (primitives.input_vertices() as usize, primitives.output.corners());
         let most = primitives.max_vertices.max(1) as usize;
-        let reflection = Reflection::of(words);
-        if interface::reads_primitive_id(&reflection) {
-            let what = "`gl_PrimitiveIDIn`: each primitive is drawn by itself";
-            return Err(LaneError::Unsupported(what.to_owned()));
-        }
-        let front = Front::new(&reflection, &kernel.invocation, input)?;
-        let outputs = interface::outputs(&reflection, &kernel.output.vertex)?;
+        let reflection = Reflection::of(&job.module);
+        let front = Front::new(&reflection, &job.invocation, input)?;
+        let outputs = interface::outputs(&reflection, &job.output.vertex)?;
         let (captured, filled): (Vec<_>, Vec<_>) = outputs.into_iter().unzip();
         let size: usize = filled.iter().map(Range::len).sum::<usize>() + 1;
         let limits = &gpu.limits;
@@ -139,9 +147,8 @@ impl GeometryRunner {
         let sentinel = Marks::random().sentinel;
         let mark = Some(interface::free_location(&reflection));
         let capture = Capture { outputs: captured, words: size as u32 - 1, sentinel, mark, points: true };
-        let vertex = translator.translate(Kind::Vertex, &front.text, &[])?;
         let room = (most * corners).max(1);
-        let blocks = interface::blocks(&reflection, &kernel.case)?;
+        let blocks = interface::blocks(&reflection, &job.case)?;
         let bytes: usize = blocks.iter().map(|block| block.bytes as usize + 256).sum();
         let fit = (CAPTURED / (room * size)).min(CAPTURED / front.fed.len().max(1)).min(4 * CAPTURED / bytes.max(1));
         let capacity = capacity.min(fit).clamp(1, MOST);
@@ -152,12 +159,12 @@ impl GeometryRunner {
         let mut draws = Draws::new(gpu, setting)?;
         let passes: &[bool] = if corners == 1 { &[true] } else { &[true, false] };
         for &points in passes {
-            let module = capture::insert(words, &reflection, &Capture { points, ..capture.clone() });
-            let modules = [(vk::ShaderStageFlags::VERTEX, &*vertex), (stage, &module[..])];
+            let module = capture::insert(&job.module, &reflection, &Capture { points, ..capture.clone() });
+            let modules = [(vk::ShaderStageFlags::VERTEX, vertex), (stage, &module[..])];
             let most = capacity * if points { most } else { room };
             draws.add(&Pass { modules: &modules, words: size, most, counted: capacity })?;
         }
-        Ok(Self { draws, layout: kernel.output.clone(), fed: front.fed, filled, input, corners, sentinel, capacity })
+        Ok(Self { draws, layout: job.output.clone(), fed: front.fed, filled, input, corners, sentinel, capacity })
     }
 }
 

@@ -18,9 +18,12 @@ mod vertex;
 mod tests;
 
 use std::rc::Rc;
+use std::sync::Arc;
 
-use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan};
-use crate::program::{Form, Kernel, Program, Role};
+use super::remote::{self, Engine, Front, Here, Work};
+use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
+use crate::program::{Attribute, Form, Kernel, OutputLayout, Primitives, Program, Role};
+use crate::value::Record;
 
 use glslang::{Kind, Translator};
 use gpu::Gpu;
@@ -37,26 +40,35 @@ pub fn candidates() -> Vec<Candidate> {
     vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false }]
 }
 
-/// Opens the first Vulkan device with transform feedback.
+/// Opens the first Vulkan device with transform feedback, in a process of its own where there is a program for that.
 ///
 /// # Errors
 /// [`Unavailable`] with the command that installs what is missing.
 pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
-    open_with(<[u32]>::to_vec)
+    match worker::program() {
+        None => open_with(<[u32]>::to_vec),
+        Some(program) => remote::open(program, NAME, Box::new(Glslang::find(<[u32]>::to_vec)?)),
+    }
 }
 
-/// The same with a translator that errs: `fault` gives what is run in place of each module of SPIR-V that the
-/// author's text became. For tests of what judges.
+/// The same in this process, with a translator that errs: `fault` gives what is run in place of each module of SPIR-V
+/// that the author's text became. For tests of what judges.
 ///
 /// # Errors
 /// As of [`open`].
 pub fn open_with(fault: fn(&[u32]) -> Vec<u32>) -> Result<Box<dyn Lane>, Unavailable> {
-    let missing = |remedy: &str| {
-        let remedy = remedy.to_owned();
-        move |why: String| Unavailable { why, remedy }
-    };
-    let translator = Translator::find().map_err(missing(REMEDY))?;
-    let gpu = Gpu::open().map_err(missing(vulkan::REMEDY))?;
+    let front = Glslang::find(fault)?;
+    Ok(Box::new(Here::new(engine()?, Box::new(front))))
+}
+
+/// Opens the device in this process.
+///
+/// # Errors
+/// As of [`open`].
+pub fn engine() -> Result<Box<dyn Engine>, Unavailable> {
+    let missing = |why: String| Unavailable { why, remedy: vulkan::REMEDY.to_owned() };
+    let gpu = Gpu::open().map_err(missing)?;
+    let translator = find()?;
     let mut stages = vec![Stage::Vertex];
     stages.extend(gpu.geometry.then_some(Stage::Geometry));
     let description = Description {
@@ -67,22 +79,79 @@ pub fn open_with(fault: fn(&[u32]) -> Vec<u32>) -> Result<Box<dyn Lane>, Unavail
         api: Api::Vulkan,
         stages,
     };
-    Ok(Box::new(Native { gpu, translator, description, fault }))
+    Ok(Box::new(Native { gpu, description }))
+}
+
+fn find() -> Result<Translator, Unavailable> {
+    Translator::find().map_err(|why| Unavailable { why, remedy: REMEDY.to_owned() })
+}
+
+/// What is run, and what it takes.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The stage.
+    pub stage: Kinds,
+    /// Its module of SPIR-V.
+    pub module: Arc<[u32]>,
+    /// What one invocation gets.
+    pub invocation: Arc<Record>,
+    /// What one case gets.
+    pub case: Arc<Record>,
+    /// What one invocation writes.
+    pub output: OutputLayout,
+}
+
+/// The stages.
+#[derive(Clone, Debug)]
+pub enum Kinds {
+    /// A vertex stage.
+    Vertex {
+        /// Its attributes, in the order of the invocation record.
+        attributes: Vec<Attribute>,
+    },
+    /// A geometry stage.
+    Geometry {
+        /// What it takes and gives.
+        primitives: Primitives,
+        /// The module of the vertex stage in front of it.
+        front: Arc<[u32]>,
+    },
 }
 
 struct Native {
     gpu: Rc<Gpu>,
-    translator: Translator,
     description: Description,
-    fault: fn(&[u32]) -> Vec<u32>,
 }
 
-impl Lane for Native {
+impl Engine for Native {
     fn description(&self) -> &Description {
         &self.description
     }
 
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+    fn prepare(&self, work: &Work, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let Work::Native(job) = work else { return Err(LaneError::Api("work of another lane".to_owned())) };
+        match &job.stage {
+            Kinds::Vertex { attributes } => {
+                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, attributes, capacity)?))
+            }
+            Kinds::Geometry { .. } if !self.gpu.geometry => {
+                Err(LaneError::Unsupported("geometry stages, which this device lacks".to_owned()))
+            }
+            Kinds::Geometry { primitives, front } => {
+                Ok(Box::new(geometry::GeometryRunner::new(&self.gpu, front, job, *primitives, capacity)?))
+            }
+        }
+    }
+}
+
+/// The translator.
+struct Glslang {
+    translator: Translator,
+    fault: fn(&[u32]) -> Vec<u32>,
+}
+
+impl Front for Glslang {
+    fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
         let program = &*kernel.program;
         let unsupported = |what: &str| Err(LaneError::Unsupported(what.to_owned()));
         if !is_the_text(program) {
@@ -91,27 +160,30 @@ impl Lane for Native {
         if !program.textures.is_empty() {
             return unsupported("textures");
         }
-        match (&kernel.form, &program.role) {
+        let (stage, module) = match (&kernel.form, &program.role) {
             (Form::Vertex { attributes, .. }, Role::Vertex) => {
-                let words = self.module(program, Kind::Vertex)?;
-                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, &words, kernel, attributes, capacity)?))
+                (Kinds::Vertex { attributes: attributes.clone() }, self.module(program, Kind::Vertex)?)
             }
             (Form::Geometry, Role::Geometry(primitives)) => {
-                if !self.gpu.geometry {
-                    return unsupported("geometry stages, which this device lacks");
-                }
-                let words = self.module(program, Kind::Geometry)?;
-                let (gpu, translator) = (&self.gpu, &self.translator);
-                Ok(Box::new(geometry::GeometryRunner::new(gpu, translator, &words, kernel, *primitives, capacity)?))
+                let module = self.module(program, Kind::Geometry)?;
+                let text = geometry::front(&module, &kernel.invocation, *primitives)?;
+                let front = self.translator.translate(Kind::Vertex, &text, &[])?.as_ref().into();
+                (Kinds::Geometry { primitives: *primitives, front }, module)
             }
-            (Form::Vertex { .. }, _) => unsupported("a program that is no vertex stage, as one"),
-            (Form::Geometry, _) => unsupported("a program that is no geometry stage, as one"),
-            (Form::Compute | Form::Uniforms | Form::Constants, _) => unsupported("compute stages"),
-        }
+            (Form::Vertex { .. }, _) => return unsupported("a program that is no vertex stage, as one"),
+            (Form::Geometry, _) => return unsupported("a program that is no geometry stage, as one"),
+            (Form::Compute | Form::Uniforms | Form::Constants, _) => return unsupported("compute stages"),
+        };
+        let (invocation, case, output) = (kernel.invocation.clone(), kernel.case.clone(), kernel.output.clone());
+        Ok(Work::Native(Job { stage, module: module.into(), invocation, case, output }))
     }
 }
 
-impl Native {
+impl Glslang {
+    fn find(fault: fn(&[u32]) -> Vec<u32>) -> Result<Self, Unavailable> {
+        Ok(Self { translator: find()?, fault })
+    }
+
     /// The program as glslang translates it.
     fn module(&self, program: &Program, kind: Kind) -> Result<Vec<u32>, LaneError> {
         let lowered = &program.lowered;

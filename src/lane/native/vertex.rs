@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use ash::vk;
 
+use super::Job;
 use super::capture::{self, Capture};
 use super::draw::{Attribute, Drawn, Draws, Pass, Setting};
 use super::gpu::Gpu;
@@ -12,7 +13,7 @@ use super::interface;
 use super::spirv::Reflection;
 use super::strips::Records;
 use crate::lane::{Actual, LaneError, Marks, Runner};
-use crate::program::{self, Kernel, OutputLayout};
+use crate::program::{self, OutputLayout};
 use crate::value::{Batch, Scalar};
 
 /// Words of all captured vertices of a batch: 64 MiB.
@@ -58,16 +59,15 @@ pub(super) fn format(scalar: Scalar, components: u8) -> vk::Format {
 impl VertexRunner {
     pub fn new(
         gpu: &Rc<Gpu>,
-        words: &[u32],
-        kernel: &Kernel,
+        job: &Job,
         attributes: &[program::Attribute],
         capacity: usize,
     ) -> Result<Self, LaneError> {
-        let reflection = Reflection::of(words);
+        let reflection = Reflection::of(&job.module);
         let (mut described, mut fed) = (Vec::new(), Vec::new());
         for (k, attribute) in attributes.iter().enumerate() {
             let Some(location) = interface::location(&reflection, &attribute.field)? else { continue };
-            let start = kernel.invocation.range(k).start;
+            let start = job.invocation.range(k).start;
             if attribute.components > attribute.field.shape.rows {
                 let (many, name, shape) = (attribute.components, &attribute.field.name, attribute.field.shape);
                 return Err(LaneError::Unsupported(format!(
@@ -81,7 +81,7 @@ impl VertexRunner {
         if described.len() != interface::located_inputs(&reflection) {
             return Err(LaneError::Unsupported("an input of the stage that is in no record".to_owned()));
         }
-        let outputs = interface::outputs(&reflection, &kernel.output.vertex)?;
+        let outputs = interface::outputs(&reflection, &job.output.vertex)?;
         let (captured, filled): (Vec<_>, Vec<_>) = outputs.into_iter().unzip();
         let size: usize = filled.iter().map(Range::len).sum();
         if size == 0 {
@@ -89,9 +89,9 @@ impl VertexRunner {
         }
         let sentinel = Marks::random().sentinel;
         let capture = Capture { outputs: captured, words: size as u32, sentinel, mark: None, points: false };
-        let module = capture::insert(words, &reflection, &capture);
+        let module = capture::insert(&job.module, &reflection, &capture);
         let capacity = capacity.min(CAPTURED / size.max(fed.len())).max(1);
-        let blocks = interface::blocks(&reflection, &kernel.case)?;
+        let blocks = interface::blocks(&reflection, &job.case)?;
         let bytes: usize = blocks.iter().map(|block| block.bytes as usize + 256).sum();
         let capacity = capacity.min((4 * CAPTURED / bytes.max(1)).max(1));
         let (stage, topology) = (vk::ShaderStageFlags::VERTEX, vk::PrimitiveTopology::POINT_LIST);
@@ -99,7 +99,7 @@ impl VertexRunner {
         let mut draws = Draws::new(gpu, setting)?;
         let pass = Pass { modules: &[(stage, &module)], words: size, most: capacity, counted: 1 };
         draws.add(&pass)?;
-        Ok(Self { draws, layout: kernel.output.clone(), fed, filled, sentinel, capacity })
+        Ok(Self { draws, layout: job.output.clone(), fed, filled, sentinel, capacity })
     }
 }
 

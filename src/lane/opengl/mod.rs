@@ -22,11 +22,12 @@ mod uniforms;
 #[cfg(test)]
 mod tests;
 
+use super::worker::with_inputs;
 use super::{Actual, Description, Lane, LaneError, Marks, Runner};
 use crate::interp::{self, Binary32, Executable, Kind as Came, Meaning};
 use crate::lower::Role;
 use crate::program::{Kernel, OutputLayout};
-use crate::value::{Batch, Record};
+use crate::value::Batch;
 
 use ask::unsupported;
 use job::{Captured, Inputs, Job, Kind};
@@ -34,6 +35,9 @@ use prepare::{Ready, Refusal};
 
 pub use open::candidates;
 pub use remote::serve;
+
+/// The argument of a process that serves these lanes.
+pub const SIDE: &str = "opengl";
 
 /// Where jobs run: in this process or in another one.
 trait Backend {
@@ -176,25 +180,6 @@ fn ends(meaning: Option<&Meaning<u32>>, count: usize) -> Result<(), LaneError> {
     match meaning.and_then(endless) {
         Some(invocation) => Err(LaneError::Endless { invocation, count, rounds: interp::FUEL }),
         None => Ok(()),
-    }
-}
-
-/// Adds the inputs of the invocation that an error names.
-fn with_inputs(error: LaneError, batch: &Batch) -> LaneError {
-    match error {
-        LaneError::Lost { how, invocation: Some(at), count, .. } if at < count => {
-            let mut parts = Vec::new();
-            let mut add = |record: &Record, words: &[u32]| {
-                for (k, field) in record.fields().iter().enumerate() {
-                    let words: Vec<String> = words[record.range(k)].iter().map(|w| format!("{w:08x}")).collect();
-                    parts.push(format!("{}={}", field.name, words.join(",")));
-                }
-            };
-            add(&batch.case_record, batch.case_of(at));
-            add(&batch.invocation_record, batch.invocation(at));
-            LaneError::Lost { how, invocation: Some(at), count, inputs: parts.join(" ") }
-        }
-        other => other,
     }
 }
 

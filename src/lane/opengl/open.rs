@@ -73,7 +73,7 @@ fn open(driver: &'static Driver) -> Result<Box<dyn Lane>, Unavailable> {
         let description = describe(driver, &context.renderer, &context.version)?;
         return Ok(Box::new(OpenGl { description, backend: Box::new(Here(context)), guarded: true }));
     };
-    let worker = Worker::new(program, driver.environment);
+    let worker = Worker::new(&program.with(super::SIDE), driver.environment);
     let remote = Remote::open(worker)?;
     let description = describe(driver, &remote.renderer, &remote.version)?;
     Ok(Box::new(OpenGl { description, backend: Box::new(remote), guarded: false }))

@@ -1,9 +1,10 @@
 //! One dispatch of the compute kernel for a batch.
 
+use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
 use super::texture::{self, Textures};
 use crate::lane::{Actual, LaneError, Runner};
-use crate::program::{ENTRY_POINT, Kernel, WORKGROUP, binding};
+use crate::program::{ENTRY_POINT, WORKGROUP, binding};
 use crate::value::Batch;
 
 pub(super) struct ComputeRunner {
@@ -18,19 +19,19 @@ pub(super) struct ComputeRunner {
 }
 
 impl ComputeRunner {
-    pub fn new(gpu: &Gpu, kernel: &Kernel, capacity: usize) -> Result<Self, LaneError> {
-        let words = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()) as u64;
+    pub fn new(gpu: &Gpu, job: &Job, capacity: usize) -> Result<Self, LaneError> {
+        let words = job.output.words().max(job.invocation.words()).max(job.case.words()) as u64;
         let groups = u64::from(gpu.device.limits().max_compute_workgroups_per_dimension) * u64::from(WORKGROUP);
         let capacity = (capacity as u64).min(gpu.storage_words() / words.max(1)).min(groups).max(1) as usize;
         gpu.checked(|| -> Result<Self, LaneError> {
-            let textures = Textures::new(gpu, kernel, wgpu::ShaderStages::COMPUTE)?;
+            let textures = Textures::new(gpu, job, wgpu::ShaderStages::COMPUTE)?;
             let (read, written) = (Some(true), Some(false));
             let mut bindings = vec![(binding::PARAMS, None), (binding::OUTPUTS, written)];
             // A kernel has no binding for a buffer that it never reads.
-            if kernel.invocation.words() > 0 {
+            if job.invocation.words() > 0 {
                 bindings.push((binding::INVOCATIONS, read));
             }
-            if kernel.case.words() > 0 {
+            if job.case.words() > 0 {
                 bindings.push((binding::CASES, read));
             }
             let bindings: Vec<_> = bindings
@@ -64,22 +65,22 @@ impl ComputeRunner {
             let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: None,
                 layout: Some(&layout),
-                module: &gpu.shader(kernel),
+                module: &gpu.shader(job),
                 entry_point: Some(ENTRY_POINT),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             });
             let input = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
             let size = |words: usize| 4 * (words * capacity) as u64;
-            let invocations = gpu.buffer(size(kernel.invocation.words()), input);
-            let cases = gpu.buffer(size(kernel.case.words()), input);
-            let outputs = Outputs::new(gpu, &kernel.output, capacity);
+            let invocations = gpu.buffer(size(job.invocation.words()), input);
+            let cases = gpu.buffer(size(job.case.words()), input);
+            let outputs = Outputs::new(gpu, &job.output, capacity);
             let entry = |at, buffer: &wgpu::Buffer| (at, buffer.clone());
             let mut bound = vec![entry(binding::PARAMS, &outputs.params), entry(binding::OUTPUTS, &outputs.storage)];
-            if kernel.invocation.words() > 0 {
+            if job.invocation.words() > 0 {
                 bound.push(entry(binding::INVOCATIONS, &invocations));
             }
-            if kernel.case.words() > 0 {
+            if job.case.words() > 0 {
                 bound.push(entry(binding::CASES, &cases));
             }
             let entries: Vec<_> = bound

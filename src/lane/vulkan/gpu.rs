@@ -1,14 +1,25 @@
 //! Device, buffers and error scopes.
 
 use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use crate::lane::{Actual, LaneError, Marks, Stage};
-use crate::program::{Kernel, OutputLayout};
+use crate::program::OutputLayout;
+
+use super::Job;
+
+/// How long a batch may take; what watches a lane from another process ends it sooner. The first batch may have the
+/// driver compile the shader.
+const PATIENCE: Duration = Duration::from_secs(240);
 
 /// A device with its queue. Cheap to clone.
 #[derive(Clone)]
 pub(super) struct Gpu {
     info: wgpu::AdapterInfo,
+    /// True once it works on something that does not end.
+    hung: Arc<AtomicBool>,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
 }
@@ -40,7 +51,7 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&description))
             .map_err(|e| format!("the Vulkan device cannot be opened: {e}"))?;
-        Ok(Self { info: adapter.get_info(), device, queue })
+        Ok(Self { info: adapter.get_info(), hung: Arc::default(), device, queue })
     }
 
     /// Device, driver and version in a line.
@@ -62,8 +73,19 @@ impl Gpu {
         if vertex { vec![Stage::Compute, Stage::Vertex] } else { vec![Stage::Compute] }
     }
 
+    /// Leaves a device alone that works on something that does not end. It is never freed: that would wait as well.
+    fn give_up(&self) -> LaneError {
+        if !self.hung.swap(true, Ordering::Relaxed) {
+            std::mem::forget(self.clone());
+        }
+        LaneError::Api(format!("the device did not finish within {} s", PATIENCE.as_secs()))
+    }
+
     /// Runs `work` and gives the API error that it caused, if any.
     pub fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, LaneError> {
+        if self.hung.load(Ordering::Relaxed) {
+            return Err(LaneError::Api("the device is still busy with a shader that does not end".to_owned()));
+        }
         let scopes = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let value = work();
@@ -75,10 +97,10 @@ impl Gpu {
         }
     }
 
-    pub fn shader(&self, kernel: &Kernel) -> wgpu::ShaderModule {
+    pub fn shader(&self, job: &Job) -> wgpu::ShaderModule {
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
-            source: wgpu::ShaderSource::Naga(Cow::Owned(kernel.module.clone())),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(job.module.clone())),
         })
     }
 
@@ -159,7 +181,12 @@ impl Outputs {
             let _ = send.send(result);
         });
         let api = |e: &dyn std::fmt::Display| LaneError::Api(e.to_string());
-        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| api(&e))?;
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        match self.gpu.device.poll(wait) {
+            Ok(_) => {}
+            Err(wgpu::PollError::Timeout) => return Err(self.gpu.give_up()),
+            Err(error) => return Err(api(&error)),
+        }
         receive.recv().map_err(|e| api(&e))?.map_err(|e| api(&e))?;
         let mut words = std::mem::take(&mut self.spare);
         {

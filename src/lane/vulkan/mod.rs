@@ -9,8 +9,12 @@ mod vertex;
 #[cfg(test)]
 mod tests;
 
-use super::{Api, Candidate, Description, Lane, LaneError, LaneName, Runner, Stage, Unavailable, interned};
-use crate::program::{Form, Kernel, contain};
+use std::sync::Arc;
+
+use super::remote::{self, Engine, Front, Here, Work};
+use super::{Api, Candidate, Description, Lane, LaneError, LaneName, Runner, Stage, Unavailable, interned, worker};
+use crate::program::{Form, Kernel, OutputLayout, Texture, contain};
+use crate::value::Record;
 
 use gpu::Gpu;
 
@@ -29,13 +33,14 @@ pub const SWIFTSHADER: &str = "subzero";
 const FIRST: &str = "vulkan";
 
 /// The lanes of Vulkan devices: `vulkan` for the first that the loader shows, and `vulkan-` with the name of the device
-/// for each further one.
+/// for each further one. Each runs in a process of its own where there is a program for that, and so does the search.
 pub fn candidates() -> Vec<Candidate> {
-    // A broken driver may bring wgpu to panic: that is a missing lane, not the end of the run.
-    let adapters = contain(gpu::adapters).map_err(|panic| format!("the Vulkan driver fails: {panic}"));
-    let mut all = match adapters {
-        Ok(adapters) => candidates_of(adapters),
-        Err(why) => vec![absent(why)],
+    let mut all = match worker::program() {
+        None => here(),
+        Some(program) => match remote::devices(program) {
+            Ok(away) => away,
+            Err(why) => vec![absent(why)],
+        },
     };
     if all.is_empty() {
         all.push(absent("no Vulkan driver was found".to_owned()));
@@ -43,23 +48,54 @@ pub fn candidates() -> Vec<Candidate> {
     all
 }
 
-fn candidates_of(adapters: Vec<wgpu::Adapter>) -> Vec<Candidate> {
+/// The lanes of devices in this process.
+fn here() -> Vec<Candidate> {
+    let candidate = |device: Device| Candidate {
+        name: device.name,
+        about: about(device.first),
+        open: Box::new(move || Ok(Box::new(Here::new((device.open)()?, Box::new(Naga))))),
+        stand_in: false,
+    };
+    match devices() {
+        Ok(devices) => devices.into_iter().map(candidate).collect(),
+        Err(why) => vec![absent(why)],
+    }
+}
+
+/// What a lane of a device is.
+pub(super) fn about(first: bool) -> &'static str {
+    if first { "the first Vulkan device, through wgpu" } else { "a Vulkan device, through wgpu" }
+}
+
+/// Opens an engine.
+type Open = Box<dyn Fn() -> Result<Box<dyn Engine>, Unavailable> + Send + Sync>;
+
+/// A device that is found in this process.
+pub struct Device {
+    /// Name of its lane.
+    pub name: LaneName,
+    /// True for the first.
+    pub first: bool,
+    /// Opens it.
+    pub open: Open,
+}
+
+/// The devices that the Vulkan loader shows in this process.
+///
+/// # Errors
+/// What is wrong with a driver that brings wgpu to panic: that is a missing lane, not the end of the run.
+pub fn devices() -> Result<Vec<Device>, String> {
+    let adapters = contain(gpu::adapters).map_err(|panic| format!("the Vulkan driver fails: {panic}"))?;
     let mut names: Vec<String> = Vec::new();
     let mut all = Vec::new();
     for adapter in adapters {
         let name = unique(&names, &adapter.get_info().name);
-        let about =
-            if all.is_empty() { "the first Vulkan device, through wgpu" } else { "a Vulkan device, through wgpu" };
         let known = interned(&name);
         names.push(name);
-        all.push(Candidate {
-            name: known,
-            about,
-            open: Box::new(move || open_adapter(known, &adapter)),
-            stand_in: false,
-        });
+        let open = Box::new(move || open_adapter(known, &adapter));
+        all.push(Device { name: known, first: all.is_empty(), open });
     }
-    all
+    Ok(all)
 }
 
 /// The lane of a driver that is not there.
@@ -114,7 +150,7 @@ pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
     candidates().first().map_or_else(|| (absent(String::new()).open)(), |first| (first.open)())
 }
 
-fn open_adapter(name: LaneName, adapter: &wgpu::Adapter) -> Result<Box<dyn Lane>, Unavailable> {
+fn open_adapter(name: LaneName, adapter: &wgpu::Adapter) -> Result<Box<dyn Engine>, Unavailable> {
     let missing = |why: String| Unavailable { why, remedy: REMEDY.to_owned() };
     let gpu = contain(|| Gpu::open(adapter)).map_err(|panic| missing(format!("the Vulkan driver fails: {panic}")))?;
     let gpu = gpu.map_err(missing)?;
@@ -134,23 +170,60 @@ struct Vulkan {
     description: Description,
 }
 
-impl Lane for Vulkan {
+impl Engine for Vulkan {
     fn description(&self) -> &Description {
         &self.description
     }
 
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
-        match &kernel.form {
-            Form::Uniforms => Ok(Box::new(uniforms::UniformsRunner::new(&self.gpu, kernel, capacity)?)),
-            Form::Compute | Form::Constants => Ok(Box::new(compute::ComputeRunner::new(&self.gpu, kernel, capacity)?)),
+    fn prepare(&self, work: &Work, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let Work::Wgpu(job) = work else { return Err(LaneError::Api("work of another lane".to_owned())) };
+        match &job.form {
+            Form::Uniforms => Ok(Box::new(uniforms::UniformsRunner::new(&self.gpu, job, capacity)?)),
+            Form::Compute | Form::Constants => Ok(Box::new(compute::ComputeRunner::new(&self.gpu, job, capacity)?)),
             Form::Vertex { .. } if !self.description.stages.contains(&Stage::Vertex) => {
                 Err(LaneError::Unsupported("this device cannot write storage buffers in the vertex stage".to_owned()))
             }
             Form::Geometry => Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned())),
             Form::Vertex { attributes, blocks } => {
-                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, kernel, attributes, blocks, capacity)?))
+                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, attributes, blocks, capacity)?))
             }
         }
+    }
+}
+
+/// A kernel without the program that it was made of: what a device has to know.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The module.
+    pub module: naga::Module,
+    /// How it runs.
+    pub form: Form,
+    /// What one invocation gets.
+    pub invocation: Arc<Record>,
+    /// What one case gets.
+    pub case: Arc<Record>,
+    /// What one invocation writes.
+    pub output: OutputLayout,
+    /// What samplers of the module are bound to.
+    pub textures: Vec<Texture>,
+}
+
+/// Gives modules of naga as they are.
+pub(super) struct Naga;
+
+impl Front for Naga {
+    fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
+        if matches!(kernel.form, Form::Geometry) {
+            return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
+        }
+        Ok(Work::Wgpu(Job {
+            module: kernel.module.clone(),
+            form: kernel.form.clone(),
+            invocation: kernel.invocation.clone(),
+            case: kernel.case.clone(),
+            output: kernel.output.clone(),
+            textures: kernel.program.textures.clone(),
+        }))
     }
 }
 

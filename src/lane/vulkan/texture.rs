@@ -1,8 +1,8 @@
 //! Textures with their samplers: nearest texel, clamped to the edge, one level.
 
+use super::Job;
 use super::gpu::{Gpu, as_bytes};
 use crate::lane::LaneError;
-use crate::program::Kernel;
 use crate::program::texture::{Dimension, Texel, Texture};
 
 /// The group of bindings of a kernel's textures, and its layout.
@@ -16,13 +16,13 @@ pub(super) const GROUP: u32 = 2;
 
 impl Textures {
     /// The textures of a kernel, for one stage; `None` for a kernel without any.
-    pub fn new(gpu: &Gpu, kernel: &Kernel, stage: wgpu::ShaderStages) -> Result<Option<Self>, LaneError> {
-        let textures = &kernel.program.textures;
+    pub fn new(gpu: &Gpu, job: &Job, stage: wgpu::ShaderStages) -> Result<Option<Self>, LaneError> {
+        let textures = &job.textures;
         if textures.is_empty() {
             return Ok(None);
         }
         let binding = |handle: naga::Handle<naga::GlobalVariable>| {
-            let binding = kernel.module.global_variables[handle].binding.filter(|b| b.group == GROUP);
+            let binding = job.module.global_variables[handle].binding.filter(|b| b.group == GROUP);
             binding.map(|b| b.binding).ok_or_else(|| LaneError::Api("a texture without a binding".to_owned()))
         };
         let mut layouts = Vec::new();

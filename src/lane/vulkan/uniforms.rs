@@ -1,8 +1,9 @@
 //! One dispatch for each invocation, whose inputs are in a uniform buffer.
 
+use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
 use crate::lane::{Actual, LaneError, Runner};
-use crate::program::{ENTRY_POINT, Kernel, binding};
+use crate::program::{ENTRY_POINT, binding};
 use crate::value::Batch;
 
 /// Most invocations of a batch: each is a dispatch.
@@ -21,15 +22,15 @@ pub(super) struct UniformsRunner {
 }
 
 impl UniformsRunner {
-    pub fn new(gpu: &Gpu, kernel: &Kernel, capacity: usize) -> Result<Self, LaneError> {
+    pub fn new(gpu: &Gpu, job: &Job, capacity: usize) -> Result<Self, LaneError> {
         let limits = gpu.device.limits();
-        let bytes = 4 * (1 + kernel.invocation.words() + kernel.case.words()).next_multiple_of(4) as u64;
+        let bytes = 4 * (1 + job.invocation.words() + job.case.words()).next_multiple_of(4) as u64;
         if bytes > limits.max_uniform_buffer_binding_size {
             let most = limits.max_uniform_buffer_binding_size;
             return Err(LaneError::Unsupported(format!("{bytes} bytes of inputs in a uniform buffer; {most} fit")));
         }
         let stride = bytes.next_multiple_of(u64::from(limits.min_uniform_buffer_offset_alignment));
-        let words = kernel.output.words() as u64;
+        let words = job.output.words() as u64;
         let fit = (gpu.storage_words() / words.max(1)).min(limits.max_buffer_size / stride).min(MOST);
         let capacity = (capacity as u64).min(fit).max(1) as usize;
         gpu.checked(|| {
@@ -56,14 +57,14 @@ impl UniformsRunner {
             let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: None,
                 layout: Some(&pipeline_layout),
-                module: &gpu.shader(kernel),
+                module: &gpu.shader(job),
                 entry_point: Some(ENTRY_POINT),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             });
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
             let blocks = gpu.buffer(stride * capacity as u64, usage);
-            let outputs = Outputs::new(gpu, &kernel.output, capacity);
+            let outputs = Outputs::new(gpu, &job.output, capacity);
             let block = wgpu::BufferBinding { buffer: &blocks, offset: 0, size: std::num::NonZeroU64::new(bytes) };
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,

@@ -1,9 +1,10 @@
 //! Draws of the vertex kernel: one draw a case, points that are clipped away.
 
+use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
 use super::texture::{self, Textures};
 use crate::lane::{Actual, LaneError, Runner};
-use crate::program::{Attribute, ENTRY_POINT, Kernel, UniformBlock, binding};
+use crate::program::{Attribute, ENTRY_POINT, UniformBlock, binding};
 use crate::value::{Batch, Scalar};
 
 /// Size of the target that nothing is drawn to.
@@ -38,7 +39,7 @@ struct Uniforms {
 impl VertexRunner {
     pub fn new(
         gpu: &Gpu,
-        kernel: &Kernel,
+        job: &Job,
         attributes: &[Attribute],
         blocks: &[UniformBlock],
         capacity: usize,
@@ -54,7 +55,7 @@ impl VertexRunner {
         let align = limits.min_uniform_buffer_offset_alignment;
         let stride = |block: &UniformBlock| block.bytes.next_multiple_of(align);
         let largest = blocks.iter().map(stride).max().unwrap_or(16);
-        let words = kernel.output.words().max(kernel.invocation.words()) as u64;
+        let words = job.output.words().max(job.invocation.words()) as u64;
         let fit = (gpu.storage_words() / words.max(1)).min(limits.max_buffer_size / u64::from(largest));
         let capacity = (capacity as u64).min(fit).max(1) as usize;
 
@@ -65,7 +66,7 @@ impl VertexRunner {
         let mut fed = Vec::new();
         let mut wgpu_attributes = Vec::new();
         for (k, attribute) in attributes.iter().enumerate() {
-            let start = kernel.invocation.range(k).start;
+            let start = job.invocation.range(k).start;
             let missing = attribute.components > attribute.field.shape.rows;
             if missing {
                 return Err(LaneError::Unsupported(format!(
@@ -85,7 +86,7 @@ impl VertexRunner {
             return Err(LaneError::Unsupported(format!("{} bytes of a vertex; {most} fit", 4 * fed.len())));
         }
         gpu.checked(|| -> Result<Self, LaneError> {
-            let textures = Textures::new(gpu, kernel, wgpu::ShaderStages::VERTEX)?;
+            let textures = Textures::new(gpu, job, wgpu::ShaderStages::VERTEX)?;
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
             let blocks: Vec<Uniforms> = blocks
                 .iter()
@@ -95,7 +96,7 @@ impl VertexRunner {
                     block: block.clone(),
                 })
                 .collect();
-            let outputs = Outputs::new(gpu, &kernel.output, capacity);
+            let outputs = Outputs::new(gpu, &job.output, capacity);
             let (harness_layout, uniform_layout) = layouts(gpu, &blocks);
             let mut groups = vec![Some(&harness_layout), Some(&uniform_layout)];
             groups.extend(textures.as_ref().map(|textures| Some(&textures.layout)));
@@ -109,7 +110,7 @@ impl VertexRunner {
                 step_mode: wgpu::VertexStepMode::Vertex,
                 attributes: &wgpu_attributes,
             };
-            let module = gpu.shader(kernel);
+            let module = gpu.shader(job);
             let pipeline = pipeline(gpu, &layout, &module, (!fed.is_empty()).then_some(buffer_layout));
             let harness = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
@@ -141,7 +142,7 @@ impl VertexRunner {
                 textures,
                 vertices: gpu.buffer(4 * (fed.len() * capacity) as u64, vertex_usage),
                 target: target(gpu),
-                record_words: kernel.invocation.words(),
+                record_words: job.invocation.words(),
                 gpu: gpu.clone(),
                 pipeline,
                 harness,

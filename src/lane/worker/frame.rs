@@ -3,6 +3,7 @@
 //! `SCW1`, the length of the message in bytes, the number of words, the CRC-32 of all of it but these sixteen bytes; the
 //! message; the words. Numbers are little-endian.
 
+use std::borrow::Cow;
 use std::io::{self, Read, Write};
 
 use serde::Serialize;
@@ -34,7 +35,7 @@ pub fn write_frame<M: Serialize>(to: &mut dyn Write, message: &M, words: &[&[u32
     };
     let mut crc = crc32fast::Hasher::new();
     crc.update(&text);
-    let swapped: Vec<Vec<u32>> = words.iter().map(|w| w.iter().map(|word| word.to_le()).collect()).collect();
+    let swapped: Vec<Cow<'_, [u32]>> = words.iter().map(|w| little(w)).collect();
     swapped.iter().for_each(|w| crc.update(bytemuck::cast_slice(w)));
     to.write_all(&MAGIC)?;
     for number in [length, count, crc.finalize()] {
@@ -42,6 +43,14 @@ pub fn write_frame<M: Serialize>(to: &mut dyn Write, message: &M, words: &[&[u32
     }
     to.write_all(&text)?;
     swapped.iter().try_for_each(|w| to.write_all(bytemuck::cast_slice(w)))
+}
+
+/// Words as they are written; most machines have them so.
+fn little(words: &[u32]) -> Cow<'_, [u32]> {
+    if cfg!(target_endian = "little") {
+        return words.into();
+    }
+    words.iter().map(|word| word.to_le()).collect::<Vec<_>>().into()
 }
 
 /// Reads a frame; `None` where the other side has ended between two.
@@ -81,7 +90,9 @@ pub fn read_frame<M: DeserializeOwned>(from: &mut dyn Read) -> io::Result<Option
     if crc.finalize() != sum {
         return Err(wrong("a message with a wrong check sum".to_owned()));
     }
-    words.iter_mut().for_each(|word| *word = u32::from_le(*word));
+    if cfg!(target_endian = "big") {
+        words.iter_mut().for_each(|word| *word = u32::from_le(*word));
+    }
     let message = serde_json::from_slice(&text).map_err(|error| wrong(format!("a message that is none: {error}")))?;
     Ok(Some(Frame { message, words }))
 }

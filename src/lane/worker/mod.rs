@@ -1,8 +1,8 @@
 //! Processes in which lanes run: started with an environment of their own, watched, and started again after a loss.
 //!
 //! A driver of OpenGL is chosen by the environment when a process starts; and a shader that does not end, or a driver
-//! that crashes, takes its process along. So each such lane has a process, and what happens to it is a result like any
-//! other.
+//! that crashes, takes its process along. So each lane of a driver has a process, and what happens to it is a result
+//! like any other.
 
 mod frame;
 
@@ -23,6 +23,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::LaneError;
+use crate::value::{Batch, Record};
 
 pub use frame::{Frame, read_frame, write_frame};
 
@@ -36,6 +37,16 @@ pub struct Program {
     pub path: PathBuf,
     /// Its arguments.
     pub arguments: Vec<OsString>,
+}
+
+impl Program {
+    /// The same with one more argument.
+    #[must_use]
+    pub fn with(&self, argument: &str) -> Self {
+        let mut this = self.clone();
+        this.arguments.push(argument.into());
+        this
+    }
 }
 
 static PROGRAM: OnceLock<Program> = OnceLock::new();
@@ -73,6 +84,25 @@ impl Loss {
     pub fn error(&self, invocation: Option<usize>, count: usize, when: &str) -> LaneError {
         let how = if when.is_empty() { self.how.clone() } else { format!("{} {when}", self.how) };
         LaneError::Lost { how, invocation, count, inputs: String::new() }
+    }
+}
+
+/// Adds the inputs of the invocation that an error names.
+pub fn with_inputs(error: LaneError, batch: &Batch) -> LaneError {
+    match error {
+        LaneError::Lost { how, invocation: Some(at), count, .. } if at < count => {
+            let mut parts = Vec::new();
+            let mut add = |record: &Record, words: &[u32]| {
+                for (k, field) in record.fields().iter().enumerate() {
+                    let words: Vec<String> = words[record.range(k)].iter().map(|w| format!("{w:08x}")).collect();
+                    parts.push(format!("{}={}", field.name, words.join(",")));
+                }
+            };
+            add(&batch.case_record, batch.case_of(at));
+            add(&batch.invocation_record, batch.invocation(at));
+            LaneError::Lost { how, invocation: Some(at), count, inputs: parts.join(" ") }
+        }
+        other => other,
     }
 }
 
@@ -127,8 +157,26 @@ impl Worker {
     /// # Errors
     /// [`Loss`] when there is none, or none that can be read; the process is ended then.
     pub fn receive<M: DeserializeOwned>(&mut self, limit: Duration) -> Result<(M, Vec<u32>), Loss> {
+        self.receive_with(limit, &mut || Duration::ZERO)
+    }
+
+    /// The same; once the time is over, `more` says how much longer to wait.
+    ///
+    /// # Errors
+    /// As of [`Worker::receive`].
+    pub fn receive_with<M: DeserializeOwned>(
+        &mut self,
+        mut limit: Duration,
+        more: &mut dyn FnMut() -> Duration,
+    ) -> Result<(M, Vec<u32>), Loss> {
         let Some(running) = &mut self.running else { return Err(Loss::new("does not run")) };
-        let frame = match running.from.recv_timeout(limit) {
+        let mut received = running.from.recv_timeout(limit);
+        if matches!(received, Err(RecvTimeoutError::Timeout)) {
+            let longer = more();
+            limit += longer;
+            received = running.from.recv_timeout(longer);
+        }
+        let frame = match received {
             Ok(Ok(Some(frame))) => frame,
             Ok(Ok(None)) => return Err(self.lost(None, "it closed its output")),
             Ok(Err(error)) if error.kind() == std::io::ErrorKind::UnexpectedEof => {

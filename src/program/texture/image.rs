@@ -53,6 +53,12 @@ fn word(texel: Texel, number: f64) -> u32 {
 }
 
 impl Image {
+    /// Texels as words, four a texel; `None` for another number of words than that.
+    pub fn of_words(about: String, size: [u32; 3], words: Arc<[u32]>) -> Option<Self> {
+        let texels = size.iter().try_fold(4_usize, |count, &n| count.checked_mul(n as usize));
+        (texels == Some(words.len())).then_some(Self { about, size, words })
+    }
+
     /// Texels that all differ, other ones for each name: a wrong coordinate shows. Every number is one of
     /// binary32.
     pub fn procedural(name: &str, kind: TextureKind) -> Self {

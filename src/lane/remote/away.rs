@@ -1,0 +1,326 @@
+//! The side that asks: a lane whose engine is in another process.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use super::message::{Answer, Ask, Pieces};
+use super::wire::{Wire, Writer};
+use super::{Front, SIDE, Work};
+use crate::interp::{self, Binary32, Kind};
+use crate::lane::vulkan::{self, Naga};
+use crate::lane::worker::{Loss, Program as Executable, Worker, with_inputs};
+use crate::lane::{Actual, Candidate, Description, Lane, LaneError, Runner, Unavailable, interned};
+use crate::program::{Form, Kernel, OutputLayout, Program};
+use crate::value::Batch;
+
+/// Longest time for a process to start and to find its devices.
+const OPENING: Duration = Duration::from_secs(60);
+/// Longest time to make work ready.
+const PREPARING: Duration = Duration::from_secs(240);
+/// After so long it is asked whether the shader ends at all for every invocation.
+const PROMPT: Duration = Duration::from_secs(10);
+/// Longest time for the first batch of invocations that all end: it has the driver compile the shader, which took
+/// lavapipe more than a minute where twenty processes shared two cores.
+const FIRST: Duration = Duration::from_secs(150);
+/// Longest time for a later one, and for every one after a batch that never came back.
+const BATCH: Duration = Duration::from_secs(40);
+/// Longest time for a piece of a batch.
+const PIECE: Duration = Duration::from_secs(20);
+/// Invocations of the pieces in which the one that does not come back is looked for first.
+const COARSE: usize = 256;
+
+/// The way to a process.
+struct Line {
+    worker: Worker,
+    /// Number of the next work and of the next run.
+    next: u64,
+    /// True once a batch did not come back in its time.
+    slow: bool,
+}
+
+impl Line {
+    fn new(program: &Executable) -> Self {
+        Self { worker: Worker::new(&program.with(SIDE), &[]), next: 0, slow: false }
+    }
+
+    fn number(&mut self) -> u64 {
+        self.next += 1;
+        self.next
+    }
+
+    fn ask(&mut self, ask: &Ask, words: &[&[u32]], limit: Duration) -> Result<Answer, Loss> {
+        self.worker.send(ask, words)?;
+        Ok(self.worker.receive(limit)?.0)
+    }
+
+    /// An answer that is not one to what was asked.
+    fn nonsense(&mut self, answer: &Answer) -> Loss {
+        self.worker.stop();
+        let text = format!("{answer:?}");
+        Loss::new(format!("gave an answer to something else: {}", text.chars().take(80).collect::<String>()))
+    }
+
+    fn open(&mut self, lane: &str) -> Result<Description, Unavailable> {
+        let lost = |loss: &Loss| missing(format!("its process {loss}"));
+        match self.ask(&Ask::Open { lane: lane.to_owned() }, &[], OPENING).map_err(|loss| lost(&loss))? {
+            Answer::Opened { description } => Ok(description),
+            Answer::Missing { missing } => Err(missing),
+            other => Err(lost(&self.nonsense(&other))),
+        }
+    }
+}
+
+fn missing(why: String) -> Unavailable {
+    Unavailable { why, remedy: vulkan::REMEDY.to_owned() }
+}
+
+/// The lanes of the devices that the Vulkan loader shows to a process of this program.
+///
+/// # Errors
+/// Why there are none, without a full stop.
+pub fn devices(program: &'static Executable) -> Result<Vec<Candidate>, String> {
+    let mut line = Line::new(program);
+    let lost = |loss: &Loss| format!("the process that looks for Vulkan drivers {loss}");
+    let names = match line.ask(&Ask::Devices, &[], OPENING).map_err(|loss| lost(&loss))? {
+        Answer::Devices { names } => names,
+        Answer::NoDevices { why } => return Err(why),
+        other => return Err(lost(&line.nonsense(&other))),
+    };
+    // The process is there: the first lane that is opened takes it.
+    let spare = Arc::new(Mutex::new(Some(line)));
+    let candidate = |(at, name): (usize, String)| {
+        let (name, spare) = (interned(&name), spare.clone());
+        let open = move || {
+            let line = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
+            open_on(line.unwrap_or_else(|| Line::new(program)), name, Box::new(Naga))
+        };
+        Candidate { name, about: vulkan::about(at == 0), open: Box::new(open), stand_in: false }
+    };
+    Ok(names.into_iter().enumerate().map(candidate).collect())
+}
+
+/// Opens a lane in a process of this program.
+///
+/// # Errors
+/// [`Unavailable`] when the process does not start, or has no such lane.
+pub fn open(program: &Executable, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
+    open_on(Line::new(program), lane, front)
+}
+
+fn open_on(mut line: Line, lane: &str, front: Box<dyn Front>) -> Result<Box<dyn Lane>, Unavailable> {
+    let description = line.open(lane)?;
+    Ok(Box::new(Away { line: Rc::new(RefCell::new(line)), front, description }))
+}
+
+/// A lane whose engine is in another process.
+struct Away {
+    line: Rc<RefCell<Line>>,
+    front: Box<dyn Front>,
+    description: Description,
+}
+
+impl Lane for Away {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let mut writer = Writer::default();
+        match self.front.work(kernel)? {
+            Work::Wgpu(job) => (0_u32.put(&mut writer), job.put(&mut writer)),
+            Work::Native(job) => (1_u32.put(&mut writer), job.put(&mut writer)),
+        };
+        let refused = |what| LaneError::Unsupported(format!("`{what}` of naga, in a process of its own"));
+        let words = writer.finish().map_err(refused)?;
+        let id = self.line.borrow_mut().number();
+        let mut session = Session {
+            line: self.line.clone(),
+            lane: self.description.name.to_owned(),
+            words,
+            id,
+            wanted: capacity.max(1),
+            capacity: 0,
+            start: None,
+            layout: kernel.output.clone(),
+            program: kernel.program.clone(),
+            loops: kernel.has_loops(),
+            fixed: matches!(kernel.form, Form::Constants),
+            warm: false,
+        };
+        session.prepare()?;
+        Ok(Box::new(session))
+    }
+}
+
+/// Work that is ready in the other process.
+struct Session {
+    line: Rc<RefCell<Line>>,
+    lane: String,
+    words: Vec<u32>,
+    id: u64,
+    wanted: usize,
+    capacity: usize,
+    /// The start of the process at which it was made ready: a process that was started again knows nothing of it.
+    start: Option<u64>,
+    layout: OutputLayout,
+    program: Arc<Program>,
+    loops: bool,
+    /// True for work that is for one batch.
+    fixed: bool,
+    /// True once a batch came back.
+    warm: bool,
+}
+
+/// What came of a run in place of outputs.
+enum Failure {
+    /// The process answered.
+    Told(LaneError),
+    /// The process is gone, and had begun with the piece from here on.
+    Lost(Loss, Option<usize>),
+}
+
+impl Session {
+    fn prepare(&mut self) -> Result<(), LaneError> {
+        let mut line = self.line.borrow_mut();
+        if self.start.is_some() && self.start == line.worker.start() {
+            return Ok(());
+        }
+        let lost = |loss: Loss| loss.error(None, 0, "while the shader was made ready");
+        if line.worker.start().is_none() {
+            // It was lost before.
+            line.open(&self.lane).map_err(|missing| LaneError::Api(missing.to_string()))?;
+        }
+        let ask = Ask::Prepare { id: self.id, capacity: self.wanted };
+        match line.ask(&ask, &[&self.words], PREPARING).map_err(lost)? {
+            Answer::Ready { id, capacity } if id == self.id => {
+                self.capacity = capacity.max(1);
+                self.start = line.worker.start();
+                Ok(())
+            }
+            Answer::Refused { id, error } if id == self.id => {
+                renew(&mut line, &error);
+                Err(error)
+            }
+            other => {
+                let loss = line.nonsense(&other);
+                Err(lost(loss))
+            }
+        }
+    }
+
+    fn once(
+        &mut self,
+        batch: &Batch,
+        pieces: Option<Pieces>,
+        limit: Duration,
+        more: &mut dyn FnMut() -> Duration,
+    ) -> Result<Actual, Failure> {
+        self.prepare().map_err(Failure::Told)?;
+        let mut line = self.line.borrow_mut();
+        let run = line.number();
+        let (id, per_case, invocations) = (self.id, batch.per_case, batch.invocations.len());
+        let ask = Ask::Run { id, run, per_case, invocations, pieces: pieces.clone() };
+        let sent = line.worker.send(&ask, &[&batch.invocations, &batch.cases]);
+        sent.map_err(|loss| Failure::Lost(loss, None))?;
+        let mut at = None;
+        loop {
+            let received = line.worker.receive_with(limit, more);
+            match received.map_err(|loss| Failure::Lost(loss, at))? {
+                (Answer::At { run: of, invocation }, _) if of == run => at = Some(invocation),
+                (Answer::Done { run: of, marks }, words) if of == run => {
+                    let count = if pieces.is_some() { 0 } else { batch.invocation_count() };
+                    return Actual::accept(&self.layout, words, count, marks).map_err(Failure::Told);
+                }
+                (Answer::Failed { run: of, error }, _) if of == run => {
+                    renew(&mut line, &error);
+                    return Err(Failure::Told(error));
+                }
+                (other, _) => {
+                    let loss = line.nonsense(&other);
+                    return Err(Failure::Lost(loss, at));
+                }
+            }
+        }
+    }
+
+    /// Looks for the invocation that takes the process along, in pieces.
+    fn narrowed(&mut self, first: &Loss, batch: &Batch, count: usize) -> LaneError {
+        let apart = || first.error(None, count, "and did not when parts of the batch were run by themselves");
+        if self.fixed {
+            return first.error(None, count, "");
+        }
+        let mut of = 0..count;
+        let mut last = None;
+        for size in [COARSE, 1] {
+            let pieces = Pieces { of: of.clone(), size };
+            match self.once(batch, Some(pieces), PIECE, &mut || Duration::ZERO) {
+                Err(Failure::Lost(loss, Some(at))) => {
+                    of = at..(at + size).min(count);
+                    last = Some(loss);
+                }
+                Err(Failure::Lost(loss, None)) => return loss.error(None, count, ""),
+                Err(Failure::Told(error)) if last.is_none() => return error,
+                Ok(_) | Err(Failure::Told(_)) => return apart(),
+            }
+        }
+        last.map_or_else(apart, |loss| loss.error(Some(of.start), count, ""))
+    }
+}
+
+/// A device that is lost stays so: the process is ended, and the next one opens it anew.
+fn renew(line: &mut Line, error: &LaneError) {
+    if matches!(error, LaneError::Api(what) if what.contains("lost") || what.contains("panic")) {
+        line.worker.stop();
+    }
+}
+
+/// The first invocation that does not end, as the interpreter finds it.
+fn endless(program: &Program, batch: &Batch) -> Option<usize> {
+    let meaning = interp::compile(program).ok()?.run::<Binary32>(batch, interp::FUEL).ok()?;
+    (0..meaning.count()).find(|&i| meaning.flags(i).has(Kind::Fuel))
+}
+
+impl Runner for Session {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let count = self.count_of(batch, "invocations")?;
+        let (program, loops) = (self.program.clone(), self.loops);
+        let (mut named, mut late) = (None, false);
+        let most = if self.warm || self.line.borrow().slow { BATCH } else { FIRST };
+        let mut more = || {
+            named = if loops { endless(&program, batch) } else { None };
+            late = true;
+            if named.is_some() { Duration::ZERO } else { most - PROMPT }
+        };
+        match self.once(batch, None, PROMPT, &mut more) {
+            Ok(actual) => {
+                self.warm = true;
+                Ok(actual)
+            }
+            Err(Failure::Told(error)) => Err(error),
+            Err(Failure::Lost(loss, _)) => {
+                self.line.borrow_mut().slow |= late && named.is_none();
+                let error = match named {
+                    Some(at) => loss.error(Some(at), count, ""),
+                    None => self.narrowed(&loss, batch, count),
+                };
+                Err(with_inputs(error, batch))
+            }
+        }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        let Ok(mut line) = self.line.try_borrow_mut() else { return };
+        if self.start.is_some() && self.start == line.worker.start() {
+            // A process that is gone has forgotten it anyway.
+            let _ = line.worker.send(&Ask::Drop { id: self.id }, &[]);
+        }
+    }
+}
