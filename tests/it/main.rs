@@ -29,6 +29,7 @@ mod refdata;
 mod regress;
 mod sarif;
 mod schema;
+mod seeded;
 mod shards;
 mod slurm;
 mod soundness;
