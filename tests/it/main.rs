@@ -40,4 +40,5 @@ mod translate;
 mod translate_flips;
 mod translate_validators;
 mod translated;
+mod webgpu;
 mod witnesses;

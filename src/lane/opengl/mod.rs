@@ -180,7 +180,7 @@ fn ends(meaning: Option<&Meaning<u32>>, count: usize) -> Result<(), LaneError> {
 }
 
 /// Adds the inputs of the invocation that an error names.
-fn with_inputs(error: LaneError, batch: &Batch) -> LaneError {
+pub(in crate::lane) fn with_inputs(error: LaneError, batch: &Batch) -> LaneError {
     match error {
         LaneError::Lost { how, invocation: Some(at), count, .. } if at < count => {
             let mut parts = Vec::new();
