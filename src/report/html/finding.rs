@@ -165,10 +165,10 @@ fn because(text: &mut String, diagnosis: &Diagnosis) {
         }
     }
     if let (Some(written), None) = (written, divergence) {
-        let _ = write!(text, "<h5>Written at</h5><div class=\"mono\">{}</div>", Escaped(written));
+        let _ = write!(text, "<h5>Written at</h5><div>{}</div>", Told(written));
     }
     if let Some(hearing) = hearing {
-        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Escaped(&hearing.fault));
+        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Told(hearing.fault.to_string()));
         for stand in [Stand::Wrong, Stand::Right, Stand::Open] {
             let lanes = hearing.with(stand);
             if !lanes.is_empty() {
