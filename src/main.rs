@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use shadercheck::cli::{Cli, Command, run, worker};
+use shadercheck::cli::{Cli, Command, node, run, worker};
 use shadercheck::lane;
 
 fn main() -> ExitCode {
@@ -18,6 +18,9 @@ fn main() -> ExitCode {
     #[cfg(unix)]
     if cli.command.opens_devices() {
         quiet_loader();
+    }
+    if cli.command.opens_devices() {
+        lane::webgpu::set_folder(node::package());
     }
     run(&cli).into()
 }

@@ -13,6 +13,7 @@ pub mod lanes;
 pub mod lint;
 pub mod merge;
 pub mod mutate;
+pub mod node;
 pub mod refdata;
 pub mod shard;
 pub mod status;

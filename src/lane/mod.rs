@@ -7,6 +7,7 @@ pub mod native;
 pub mod opengl;
 pub mod remote;
 pub mod vulkan;
+pub mod webgpu;
 pub mod worker;
 
 use serde::{Deserialize, Serialize};
@@ -56,16 +57,19 @@ pub enum Api {
     Vulkan,
     /// OpenGL: what the GLSL specification says of range and precision.
     OpenGl,
+    /// WebGPU: what the specification of WGSL says of accuracy.
+    WebGpu,
     /// Strict binary32 of IEEE 754: every operation rounded to nearest, in the order of the source.
     Binary32,
 }
 
 impl Api {
-    /// `vulkan`, `opengl` or `binary32`.
+    /// `vulkan`, `opengl`, `webgpu` or `binary32`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vulkan => "vulkan",
             Self::OpenGl => "opengl",
+            Self::WebGpu => "webgpu",
             Self::Binary32 => "binary32",
         }
     }
@@ -287,6 +291,7 @@ pub fn registry() -> &'static [Candidate] {
         let mut all = vulkan::candidates();
         all.extend(opengl::candidates());
         all.extend(native::candidates());
+        all.extend(webgpu::candidates());
         all.push(Candidate {
             name: "embedded",
             about: "interpreter in strict binary32, without any driver",

@@ -11,6 +11,7 @@ pub fn promises(api: Api) -> Vec<&'static Profile> {
     let names: &[&str] = match api {
         Api::Vulkan => &["vulkan-1.4", "vulkan-cts"],
         Api::OpenGl => &["glsl-4.60"],
+        Api::WebGpu => &["wgsl"],
         Api::Binary32 => &["binary32"],
     };
     let shipped = |name: &&str| by_name(name).unwrap_or_else(|| unreachable!("`{name}` is part of the program"));
@@ -67,6 +68,7 @@ mod tests {
     fn an_api_has_its_promises_in_order() {
         let names = |api| promises(api).iter().map(|p| p.name.as_str()).collect::<Vec<_>>();
         assert_eq!(names(Api::Vulkan), ["vulkan-1.4", "vulkan-cts"]);
+        assert_eq!(names(Api::WebGpu), ["wgsl"]);
         assert_eq!(names(Api::Binary32), ["binary32"]);
     }
 

@@ -189,6 +189,8 @@ impl Worker {
             }
             Err(RecvTimeoutError::Disconnected) => return Err(self.lost(None, "it closed its output")),
         };
+        // What it said before it answered is not why it may be lost later.
+        running.complaints.lock().unwrap_or_else(PoisonError::into_inner).clear();
         let words = frame.words;
         match serde_json::from_value(frame.message) {
             Ok(message) => Ok((message, words)),

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::escape::{Escaped, Told, count, number};
-use crate::suite::run::{Case, Finding, FindingKind};
+use crate::suite::run::{Case, Finding, FindingKind, Report};
 use crate::value::{F32Bits, Scalar};
-use crate::verdict::diagnosis::{Diagnosis, Divergence, Stand};
+use crate::verdict::diagnosis::{Diagnosis, Divergence, Fault, Stand};
 use crate::verdict::{Blame, Deviation, Value};
 
 /// Whose fault a finding is, in a word or two.
@@ -25,6 +25,34 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
         (FindingKind::Flaky, _) => format!("The lane {lane}, which is flaky"),
         (FindingKind::UnexpectedPass, _) => "A ledger".to_owned(),
     }
+}
+
+/// Whose fault the deviations of a lane are, in a few words, where they are the fault of one part.
+pub(super) fn blamed(report: &Report) -> Option<String> {
+    let deviations = report.findings.iter().filter(|finding| finding.kind == FindingKind::Deviation);
+    let mut faults: Vec<String> = deviations.filter_map(fault).collect();
+    faults.dedup();
+    match &faults[..] {
+        [] => None,
+        [one] => Some(one.clone()),
+        [_, ..] => Some("more than one".to_owned()),
+    }
+}
+
+fn fault(finding: &Finding) -> Option<String> {
+    let case = finding.case.as_ref()?;
+    if case.deviation.as_ref()?.blame == Blame::Shader {
+        return Some("the shader".to_owned());
+    }
+    Some(match &case.diagnosis.hearing.as_ref()?.fault {
+        Fault::Executor { executor, .. } => format!("executor {executor}"),
+        Fault::Translator { front_end, .. } => format!("translator {front_end}"),
+        Fault::Either { executor, front_end } => format!("executor {executor} or translator {front_end}"),
+        Fault::Pair { executor, front_end } => format!("{executor} with {front_end}"),
+        Fault::OneGroup { executor, front_end } => format!("{executor}, {front_end} or our bound"),
+        Fault::Everyone { .. } => "our own meaning or bound, perhaps".to_owned(),
+        Fault::Mixed { .. } => "no single part".to_owned(),
+    })
 }
 
 /// How often a finding shows, where that is counted.
@@ -137,10 +165,10 @@ fn because(text: &mut String, diagnosis: &Diagnosis) {
         }
     }
     if let (Some(written), None) = (written, divergence) {
-        let _ = write!(text, "<h5>Written at</h5><div class=\"mono\">{}</div>", Escaped(written));
+        let _ = write!(text, "<h5>Written at</h5><div>{}</div>", Told(written));
     }
     if let Some(hearing) = hearing {
-        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Escaped(&hearing.fault));
+        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Told(hearing.fault.to_string()));
         for stand in [Stand::Wrong, Stand::Right, Stand::Open] {
             let lanes = hearing.with(stand);
             if !lanes.is_empty() {

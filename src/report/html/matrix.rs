@@ -3,6 +3,8 @@
 use std::fmt::Write;
 
 use super::escape::{Escaped, count};
+use super::finding::blamed;
+use super::known::{expected, failures};
 use super::{Page, anchor, fails, suite_anchor, suites, way};
 use crate::suite::run::{Entry, Outcome};
 
@@ -49,7 +51,8 @@ pub(super) fn matrix(text: &mut String, page: &Page<'_>) {
         "</tbody></table></div>\n<p id=\"none\" class=\"quiet\" hidden>No suite is like that.</p>\n<p class=\"key\">\
          <span><i style=\"background:var(--good)\"></i>agree</span>\
          <span><i style=\"background:var(--open)\"></i>undetermined: the sample decides nothing</span>\
-         <span><i style=\"background:var(--bad)\"></i>deviate</span></p>\n",
+         <span><i style=\"background:var(--bad)\"></i>deviate</span>\
+         <span><b>≈</b> fails as a ledger expects</span></p>\n",
     );
 }
 
@@ -93,7 +96,13 @@ fn row(text: &mut String, page: &Page<'_>, name: &str, numbers: &[usize], ways: 
 }
 
 fn cell(text: &mut String, entry: &Entry, number: usize, lane: &str) {
-    let (state, mark) = if fails(entry) { ("fail", "✕") } else { ("ok", "✓") };
+    let known = expected(entry);
+    let (state, mark) = match (fails(entry), known) {
+        (true, _) => ("fail", "✕"),
+        (false, 0) => ("ok", "✓"),
+        // It does not fail the run, and it is not right.
+        (false, _) => ("known", "≈"),
+    };
     let _ = write!(
         text,
         "<td data-lane=\"{}\" data-state=\"{state}\"><a class=\"cell {state}\" href=\"#{}\"><span class=\"mark\">{mark}</span>",
@@ -109,6 +118,7 @@ fn cell(text: &mut String, entry: &Entry, number: usize, lane: &str) {
             let verdicts = &report.verdicts;
             let (deviated, open) = (verdicts.deviated, verdicts.undetermined_count());
             let headline = match (deviated, report.errors().len()) {
+                (_, 0) if known > 0 => failures(known),
                 (0, 0) => format!("{} agree", count(verdicts.agreed)),
                 (0, 1) => "1 finding".to_owned(),
                 (0, n) => format!("{n} findings"),
@@ -133,6 +143,9 @@ fn cell(text: &mut String, entry: &Entry, number: usize, lane: &str) {
                 }
             }
             text.push_str("</span>");
+            if let Some(blamed) = blamed(report) {
+                let _ = write!(text, "<span class=\"rest\">fault: {}</span>", Escaped(blamed));
+            }
         }
         Outcome::Refused(_) => text.push_str("<b>does not run</b>"),
         Outcome::LaneFailed(_) => text.push_str("<b>the lane failed</b>"),

@@ -5,6 +5,7 @@ mod charts;
 mod data;
 mod escape;
 mod finding;
+mod known;
 mod lanes;
 mod matrix;
 mod mutations;

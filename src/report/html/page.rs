@@ -30,6 +30,7 @@ pub(super) fn page(page: &Page<'_>) -> String {
     );
     hero(&mut text, page);
     wrongs(&mut text, page);
+    super::known::known(&mut text, page);
     super::matrix::matrix(&mut text, page);
     let _ = writeln!(text, "<h2 id=\"suites\">Suites</h2>");
     let all = suites(page.summary);

@@ -129,14 +129,14 @@ page.all("[data-copy]").forEach(button => button.addEventListener("click", async
   setTimeout(() => { button.textContent = before; }, 1500);
 }));
 
-// On paper: light, and what fails is open.
+// On paper: light, and what fails or is known to is open.
 (() => {
-  const root = document.documentElement, suites = page.all("details.suite");
+  const root = document.documentElement, suites = page.all("details.suite, #known");
   let before = [];
   addEventListener("beforeprint", () => {
     before = [root.dataset.theme || "", ...suites.map(d => d.open)];
     root.dataset.theme = "light";
-    suites.forEach(d => { d.open = d.open || d.classList.contains("fail"); });
+    suites.forEach(d => { d.open = d.open || d.id === "known" || d.classList.contains("fail"); });
     page.draw();
   });
   addEventListener("afterprint", () => {

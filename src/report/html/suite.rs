@@ -5,10 +5,11 @@ use std::fmt::Write;
 use super::charts::{Chart, power};
 use super::escape::{Escaped, Told, count, number};
 use super::finding::{copied, finding};
+use super::known::{because, expected, failures};
 use super::source::{Notes, listing, note, places};
 use super::{Page, anchor, fails, suite_anchor, way};
 use crate::diagnostic::Lang;
-use crate::suite::run::{Entry, Errors, FindingKind, Gallery, Outcome, Report, RunError, Scene, State};
+use crate::suite::run::{Entry, Errors, FindingKind, Gallery, Known, Outcome, Report, RunError, Scene, State};
 use crate::verdict::{Promise, Reason};
 
 /// The part of the page about a suite.
@@ -16,7 +17,9 @@ pub(super) fn suite(text: &mut String, page: &Page<'_>, name: &str, numbers: &[u
     let entries: Vec<(usize, &Entry)> = numbers.iter().map(|&n| (n, &page.summary.entries[n])).collect();
     let subject = page.subjects.iter().find(|subject| subject.name == name);
     let failing = entries.iter().filter(|(_, entry)| fails(entry)).count();
+    let known: usize = entries.iter().map(|(_, entry)| expected(entry)).sum();
     let state = match (failing, entries.len()) {
+        (0, _) if known > 0 => format!("passes with {}", failures(known)),
         (0, _) => "passes".to_owned(),
         (n, all) if n == all => "fails".to_owned(),
         (n, all) => format!("fails on {n} of {all}"),
@@ -139,6 +142,14 @@ fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Galle
                 finding(text, one, report.lane, &format!("{anchor}-f{k}"));
                 text.push_str(if follows { "</details>\n" } else { "" });
             }
+            for (k, Known { finding: one, expectation }) in report.known.iter().enumerate() {
+                let _ =
+                    write!(text, "<details class=\"plain known\"><summary>Known: {}</summary><p>", Told(&one.message));
+                because(text, expectation);
+                text.push_str("</p>");
+                finding(text, one, report.lane, &format!("{anchor}-k{k}"));
+                text.push_str("</details>\n");
+            }
             if let Some(gallery) = gallery {
                 charts(text, entry, &gallery.errors);
                 if let Some(scene) = &gallery.scene {
@@ -160,7 +171,13 @@ fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Galle
         Outcome::Refused(error) => plain(text, "Cannot run", &error.to_string()),
         Outcome::LaneFailed(message) => plain(text, "The lane failed", message),
         Outcome::KnownFailure { message, expectation } => {
-            plain(text, "The lane fails, as is expected", &format!("{message}. {expectation}"));
+            let _ = write!(
+                text,
+                "<section class=\"finding known\"><h4>The lane fails, as is expected</h4><p>{}</p><p>",
+                Told(message)
+            );
+            because(text, expectation);
+            text.push_str("</p></section>\n");
         }
     }
     text.push_str("</div>\n");

@@ -157,8 +157,9 @@ pub enum Fault {
     },
 }
 
-/// Front ends that start from the same module as the meaning of the shader: they share the reading of its text.
-const OWN: [&str; 2] = ["naga", NONE];
+/// Front ends that start from the same module as the meaning of the shader: they share the reading of its text. Tint
+/// reads the WGSL that naga writes of it.
+const OWN: [&str; 3] = ["naga", "Tint", NONE];
 
 /// The front end of an executor that takes the module as it is.
 pub const NONE: &str = "none";
