@@ -8,8 +8,8 @@ use shadercheck::lane;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    if let Ok(this) = std::env::current_exe() {
-        lane::worker::set_program(worker::program(this));
+    if let Some(program) = std::env::current_exe().ok().and_then(worker::program) {
+        lane::worker::set_program(program);
     }
     #[cfg(unix)]
     if let Command::Worker(_) = cli.command {

@@ -21,11 +21,12 @@ pub struct WorkerArgs {
 }
 
 /// The program that is started for such a lane: this one, or the one that `SHADERCHECK_WORKER` names, which then starts
-/// `shadercheck worker` with what it gets.
-pub fn program(executable: PathBuf) -> worker::Program {
+/// `shadercheck worker` with what it gets; none where that is empty: lanes run in this process.
+pub fn program(executable: PathBuf) -> Option<worker::Program> {
     match std::env::var_os("SHADERCHECK_WORKER") {
-        Some(other) => worker::Program { path: other.into(), arguments: Vec::new() },
-        None => worker::Program { path: executable, arguments: vec!["worker".into()] },
+        Some(none) if none.is_empty() => None,
+        Some(other) => Some(worker::Program { path: other.into(), arguments: Vec::new() }),
+        None => Some(worker::Program { path: executable, arguments: vec!["worker".into()] }),
     }
 }
 

@@ -22,7 +22,7 @@ pub const SIDE: &str = "vulkan";
 #[derive(Clone, Debug)]
 pub enum Work {
     /// A module of naga, through wgpu.
-    Wgpu(vulkan::Job),
+    Wgpu(Box<vulkan::Job>),
     /// SPIR-V from elsewhere, in the stages that it is for.
     Native(native::Job),
 }

@@ -96,7 +96,7 @@ fn open(lane: &str) -> Result<Box<dyn Engine>, Unavailable> {
 fn work(words: &[u32]) -> Option<Work> {
     let mut from = Reader::new(words);
     let work = match u32::take(&mut from)? {
-        0 => Work::Wgpu(Wire::take(&mut from)?),
+        0 => Work::Wgpu(Box::new(Wire::take(&mut from)?)),
         1 => Work::Native(Wire::take(&mut from)?),
         _ => return None,
     };

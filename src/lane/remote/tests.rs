@@ -23,7 +23,7 @@ fn both_ways(kernel: &Kernel) -> (Vec<u32>, crate::lane::vulkan::Job, crate::lan
     let mut reader = Reader::new(&words);
     let back = Wire::take(&mut reader).expect("words that were just written");
     assert!(reader.is_empty());
-    (words, job, back)
+    (words, *job, back)
 }
 
 const VERTEX: &str = "#version 450

@@ -216,14 +216,14 @@ impl Front for Naga {
         if matches!(kernel.form, Form::Geometry) {
             return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
         }
-        Ok(Work::Wgpu(Job {
+        Ok(Work::Wgpu(Box::new(Job {
             module: kernel.module.clone(),
             form: kernel.form.clone(),
             invocation: kernel.invocation.clone(),
             case: kernel.case.clone(),
             output: kernel.output.clone(),
             textures: kernel.program.textures.clone(),
-        }))
+        })))
     }
 }
 

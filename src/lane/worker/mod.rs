@@ -178,7 +178,7 @@ impl Worker {
         }
         let frame = match received {
             Ok(Ok(Some(frame))) => frame,
-            Ok(Ok(None)) => return Err(self.lost(None, "it closed its output")),
+            Ok(Ok(None)) => return Err(self.lost(None, "")),
             Ok(Err(error)) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
                 return Err(self.lost(None, "its answer is cut off"));
             }
@@ -187,7 +187,7 @@ impl Worker {
                 let how = format!("gave no answer within {} s", limit.as_secs());
                 return Err(self.lost(Some(&how), ""));
             }
-            Err(RecvTimeoutError::Disconnected) => return Err(self.lost(None, "it closed its output")),
+            Err(RecvTimeoutError::Disconnected) => return Err(self.lost(None, "")),
         };
         // What it said before it answered is not why it may be lost later.
         running.complaints.lock().unwrap_or_else(PoisonError::into_inner).clear();

@@ -136,8 +136,13 @@ impl Wire for Function {
             // Says how a validator warns.
             diagnostic_filter_leaf: _,
         } = self;
-        (name.put(to), arguments.put(to), result.put(to), local_variables.put(to), expressions.put(to));
-        (named_expressions.put(to), body.put(to));
+        name.put(to);
+        arguments.put(to);
+        result.put(to);
+        local_variables.put(to);
+        expressions.put(to);
+        named_expressions.put(to);
+        body.put(to);
     }
 
     fn take(from: &mut Reader<'_>) -> Option<Self> {
@@ -171,7 +176,11 @@ impl Wire for EntryPoint {
         if others || task_payload.is_some() || incoming_ray_payload.is_some() {
             to.refuse("a stage of another kind");
         }
-        (name.put(to), stage.put(to), workgroup_size.put(to), workgroup_size_overrides.put(to), function.put(to));
+        name.put(to);
+        stage.put(to);
+        workgroup_size.put(to);
+        workgroup_size_overrides.put(to);
+        function.put(to);
     }
 
     fn take(from: &mut Reader<'_>) -> Option<Self> {
@@ -224,8 +233,14 @@ impl Wire for Module {
             doc_comments: _,
         } = self;
         counts(self).put(to);
-        (types.put(to), special_types.put(to), constants.put(to), overrides.put(to), global_variables.put(to));
-        (global_expressions.put(to), functions.put(to), entry_points.put(to));
+        types.put(to);
+        special_types.put(to);
+        constants.put(to);
+        overrides.put(to);
+        global_variables.put(to);
+        global_expressions.put(to);
+        functions.put(to);
+        entry_points.put(to);
     }
 
     fn take(from: &mut Reader<'_>) -> Option<Self> {
