@@ -94,6 +94,15 @@ impl Reason {
         }
     }
 
+    /// True when a promise that leaves this open permits what a lane gives: it lies within a bound, only that the
+    /// bound is no smaller than the value or has no end.
+    pub(super) fn permits(self) -> bool {
+        match self {
+            Self::IllConditioned | Self::Underflow | Self::Overflow => true,
+            Self::Domain | Self::NoPromise | Self::Branch | Self::TexelEdge | Self::LongLoop => false,
+        }
+    }
+
     /// True when real numbers are fine there and binary32 is not: a weakness of the shader.
     pub fn is_range(self) -> bool {
         match self {

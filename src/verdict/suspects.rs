@@ -77,6 +77,7 @@ impl<'a> Suspects<'a> {
         let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
         let mut lanes: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].lane && !wrong(&verdicts[k])).collect();
         let mut measurable: Vec<usize> = Vec::new();
+        let mut permitted = HashSet::new();
         for tier in 0..self.tiers.len() {
             let mut open = Vec::new();
             for group in lanes.chunks(LANES) {
@@ -88,7 +89,12 @@ impl<'a> Suspects<'a> {
                         Verdict::Agree(_) | Verdict::Undetermined(Doubt { reason: Reason::Domain, .. }) => {}
                         _ => open.push(k),
                     }
-                    if !measured || matches!(found, Verdict::Agree(_)) {
+                    // What one promise permits, however little that says, no other one makes a fault.
+                    let excused = permitted.contains(&k) && matches!(found, Verdict::Deviate(_));
+                    if matches!(&found, Verdict::Undetermined(doubt) if doubt.reason.permits()) {
+                        permitted.insert(k);
+                    }
+                    if !excused && (!measured || matches!(found, Verdict::Agree(_))) {
                         verdicts[k] = Some(worse(verdicts[k].take(), found, tier));
                     }
                 }

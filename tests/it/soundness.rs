@@ -54,6 +54,28 @@ fn no_conforming_device_is_accused() {
     }
 }
 
+/// A suite whose numbers are about as small as binary32 has them, with and without a place in a larger sum.
+fn tiny() -> Vec<Prepared> {
+    let shader = "#version 150\nin float x;\nin float y;\nout float twice;\nout float minus;\nout float large;\n\
+         out float gone;\nout vec2 sums;\nvoid main() {\n    twice = x + x;\n    minus = -x;\n    large = x * 1e30;\n    \
+         gone = x * 2.0;\n    sums = vec2(x + y + x, x * 3.0 - y);\n    gl_Position = vec4(0.0);\n}\n";
+    let suite = "suite = \"tiny\"\nshader = \"tiny.vert\"\nstage = \"vertex\"\nsamples = 4096\nrelations = [{ kind = \"odd\", inputs = [\"x\", \"y\"] }]\n\
+         [[inputs]]\nnames = [\"x\", \"y\"]\ngenerator = \"interval\"\nrange = [-3e-38, 3e-38]\n";
+    let parsed = parse(&SourceFile::new("tiny.suite.toml", suite)).unwrap();
+    vec![prepare(&parsed, &SourceFile::new("tiny.vert", shader)).unwrap()]
+}
+
+#[test]
+fn flushed_arguments_are_no_fault() {
+    let suites = tiny();
+    let found = check(&suites, &Request::new(400_000, 3), &mut |_| {}).unwrap();
+    assert_eq!(found.violations(), 0, "{}", complaints(&found));
+    // Where nothing is flushed, these are numbers like any other.
+    let kept = |row: &&shadercheck::suite::run::soundness::Row| row.behaviour.profile.name == "binary32";
+    let judged: u64 = found.rows.iter().filter(kept).map(|row| row.judged).sum();
+    assert!(judged > 1000, "{judged}");
+}
+
 #[test]
 fn a_fault_beyond_the_promise_is_found() {
     let mut missed = Vec::new();

@@ -76,8 +76,10 @@ impl Tape<'_> {
             for lane in 0..LANES {
                 let count = height[lane] + term[lane] - 1.0;
                 let relative = count * unit;
+                // Each result may be flushed, and each term as an argument before that.
+                let flushed = (count + term[lane]) * flush * (1.0 + size[lane]);
                 // γ_n = n·u/(1 − n·u); flushed terms keep their size.
-                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + count * flush * (1.0 + size[lane]);
+                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + flushed;
                 // The terms themselves may be too large, whatever their sum is.
                 if lost[lane] || peak[lane] + own[lane] > MAX_FINITE {
                     own[lane] = f64::INFINITY;

@@ -93,7 +93,7 @@ fn unknown_names_are_told_with_the_one_that_was_meant() {
     refused(root(), "check teapot", &["there is no suite `teapot`; suites are sphere, cylinder, "]);
     refused(root(), "check gone.vert", &["there is no file or folder `gone.vert`"]);
     refused(root(), "check sphere --lane vulcan", &["there is no lane `vulcan`; did you mean `vulkan`?"]);
-    refused(root(), "check sphere --require-lane gpu", &["there is no lane `gpu`; lanes are vulkan"]);
+    refused(root(), "check sphere --require-lane metal", &["there is no lane `metal`; lanes are vulkan"]);
     refused(root(), "check sphere --stage vertx", &["invalid value 'vertx'"]);
     let ran = run("check sphere --sampels 3").expect(2);
     assert!(ran.err.contains("unexpected argument '--sampels'") && ran.err.contains("'--samples'"), "{}", ran.err);
