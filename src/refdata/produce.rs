@@ -43,7 +43,7 @@ impl Keep for Forget {
 }
 
 /// Makes these blocks, but for those that are kept, and hands them to a writer. Some are made side by side while
-/// others are written: a block is begun when another one has been written, so that [`AHEAD`] are in memory at most,
+/// others are written: a block is begun when another one has been written, so that eight are in memory at most,
 /// however many there are. `progress` is told the number of samples done. Gives the digest.
 ///
 /// # Errors
