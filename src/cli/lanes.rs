@@ -150,6 +150,11 @@ fn driver(text: &str) -> (String, String) {
         None => words[at].to_owned(),
     });
     let name = first.strip_suffix(version.rsplit(' ').next().unwrap_or_default()).map_or(first, str::trim);
+    // Whose it is, the version says.
+    let name = match name.split_once(" of ") {
+        Some((name, whose)) if version.split(' ').next() == Some(whose) => name,
+        Some(_) | None => name,
+    };
     (name.to_owned(), version)
 }
 
@@ -226,7 +231,7 @@ mod tests {
         for (text, name, version) in [
             (LLVMPIPE, "llvmpipe", "Mesa 22.3.6"),
             ("SwiftShader Device (Subzero), SwiftShader driver, 5.0.0", "SwiftShader Device", "driver 5.0.0"),
-            ("interpreter of shadercheck 0.1.0, strict binary32", "interpreter of shadercheck", "shadercheck 0.1.0"),
+            ("interpreter of shadercheck 0.1.0, strict binary32", "interpreter", "shadercheck 0.1.0"),
             ("NVIDIA X, NVIDIA, 535.104", "NVIDIA X", "NVIDIA 535.104"),
             ("soft", "soft", ""),
         ] {

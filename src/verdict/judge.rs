@@ -274,9 +274,10 @@ impl Deviation {
 }
 
 impl Deviation {
-    /// The deviation in words; `against` is what the shader is compared with, such as `formula`.
+    /// The deviation in words; `against` is what the shader is compared with, such as `formula`, or its own `meaning`.
     pub fn told(&self, against: &str) -> String {
         match self.blame {
+            Blame::Shader if against == "meaning" => format!("the shader is wrong by its own meaning: {self:#}"),
             Blame::Shader => format!("the shader deviates from its {against}: {self:#}"),
             Blame::Lane => self.to_string(),
         }

@@ -125,6 +125,9 @@ fn excerpt(text: &mut String, label: &str, place: &Place) {
 /// Whose fault a deviation is, and what the lanes of the run say of it.
 fn fault(text: &mut String, against: &str, deviation: &Deviation, diagnosis: &Diagnosis) {
     match (deviation.blame, &diagnosis.hearing) {
+        (Blame::Shader, _) if against == "meaning" => {
+            labelled(text, "fault", "the shader: it would be so on any device");
+        }
         (Blame::Shader, _) => {
             let said = format!("the shader: its own meaning is not what its {against} says");
             labelled(text, "fault", &said);
