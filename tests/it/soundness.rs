@@ -54,15 +54,42 @@ fn no_conforming_device_is_accused() {
     }
 }
 
-/// A suite whose numbers are about as small as binary32 has them, with and without a place in a larger sum.
+const TINY: &str = "#version 150
+in float x;
+in float y;
+out float twice;
+out float minus;
+out float large;
+out float gone;
+out float chosen;
+out vec2 sums;
+void main() {
+    twice = x + x;
+    minus = -x;
+    large = x * 1e30;
+    gone = x * 2.0;
+    sums = vec2(x + y + x, x * 3.0 - y);
+    chosen = 0.0;
+    if (y * 1e30 > 1e-9) chosen = (x * 0.01 + 0.0) * 1e30;
+    gl_Position = vec4(0.0);
+}
+";
+
+const TINY_SUITE: &str = "suite = \"tiny\"
+shader = \"tiny.vert\"
+stage = \"vertex\"
+samples = 4096
+relations = [{ kind = \"odd\", inputs = [\"x\", \"y\"] }]
+[[inputs]]
+names = [\"x\", \"y\"]
+generator = \"interval\"
+range = [-3e-38, 3e-38]
+";
+
+/// A suite whose numbers are about as small as binary32 has them, on their own, in sums, large again, and chosen.
 fn tiny() -> Vec<Prepared> {
-    let shader = "#version 150\nin float x;\nin float y;\nout float twice;\nout float minus;\nout float large;\n\
-         out float gone;\nout vec2 sums;\nvoid main() {\n    twice = x + x;\n    minus = -x;\n    large = x * 1e30;\n    \
-         gone = x * 2.0;\n    sums = vec2(x + y + x, x * 3.0 - y);\n    gl_Position = vec4(0.0);\n}\n";
-    let suite = "suite = \"tiny\"\nshader = \"tiny.vert\"\nstage = \"vertex\"\nsamples = 4096\nrelations = [{ kind = \"odd\", inputs = [\"x\", \"y\"] }]\n\
-         [[inputs]]\nnames = [\"x\", \"y\"]\ngenerator = \"interval\"\nrange = [-3e-38, 3e-38]\n";
-    let parsed = parse(&SourceFile::new("tiny.suite.toml", suite)).unwrap();
-    vec![prepare(&parsed, &SourceFile::new("tiny.vert", shader)).unwrap()]
+    let parsed = parse(&SourceFile::new("tiny.suite.toml", TINY_SUITE)).unwrap();
+    vec![prepare(&parsed, &SourceFile::new("tiny.vert", TINY)).unwrap()]
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::Tape;
 use super::arena::{Id, Kind};
 use crate::bound::profile::grid::{MAX_FINITE, MIN_NORMAL};
-use crate::interp::LANES;
+use crate::interp::{LANES, Mask};
 
 impl Tape<'_> {
     /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
@@ -98,7 +98,8 @@ impl Tape<'_> {
         let parts = match kind {
             Kind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
             Kind::Product { a, b } => [a, b],
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => return [false; LANES],
+            Kind::Select { mask, a, b } => return self.lost_of_chosen(&self.arena.masks[mask as usize], a, b),
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => return [false; LANES],
         };
         let mut lost = [false; LANES];
         for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
@@ -119,6 +120,14 @@ impl Tape<'_> {
         lost
     }
 
+    /// The same for what a mask chooses between.
+    fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> [bool; LANES] {
+        std::array::from_fn(|lane| {
+            let chosen = if mask.has(lane) { a } else { b } as usize;
+            self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[lane] == f64::INFINITY
+        })
+    }
+
     /// The largest value on any way to a sum or product, where small factors may be taken out and come
     /// last; and the smallest product of some factors of a product, infinite where it is 0.
     fn extremes(&mut self, at: usize, kind: Kind) {
@@ -132,7 +141,13 @@ impl Tape<'_> {
             least[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
         }
         match kind {
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } | Kind::Select { .. } => *peak = size,
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => *peak = size,
+            Kind::Select { mask, a, b } => {
+                let mask = self.arena.masks[mask as usize];
+                (*peak, *least) = (*before[b as usize], *earlier[b as usize]);
+                mask.merge(&before[a as usize], peak);
+                mask.merge(&earlier[a as usize], least);
+            }
             Kind::Sum { a, b, signs } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
                 for lane in 0..LANES {
