@@ -21,11 +21,11 @@ const OPENING: Duration = Duration::from_secs(60);
 const PREPARING: Duration = Duration::from_secs(240);
 /// After so long it is asked whether the shader ends at all for every invocation.
 const PROMPT: Duration = Duration::from_secs(10);
-/// Longest time for the first batch of invocations that all end: it has the driver compile the shader, which took
-/// lavapipe more than a minute where twenty processes shared two cores.
-const FIRST: Duration = Duration::from_secs(150);
-/// Longest time for a later one, and for every one after a batch that never came back.
-const BATCH: Duration = Duration::from_secs(40);
+/// Longest time for a batch of invocations that all end: it may have the driver compile the shader, the first one and
+/// later ones too, which took lavapipe more than a minute for blending with eight bones on two busy cores.
+const BATCH: Duration = Duration::from_secs(240);
+/// The same once a batch never came back.
+const AFTER_A_LOSS: Duration = Duration::from_secs(40);
 /// Longest time for a piece of a batch.
 const PIECE: Duration = Duration::from_secs(20);
 /// Invocations of the pieces in which the one that does not come back is looked for first.
@@ -147,7 +147,6 @@ impl Lane for Away {
             program: kernel.program.clone(),
             loops: kernel.has_loops(),
             fixed: matches!(kernel.form, Form::Constants),
-            warm: false,
         };
         session.prepare()?;
         Ok(Box::new(session))
@@ -169,8 +168,6 @@ struct Session {
     loops: bool,
     /// True for work that is for one batch.
     fixed: bool,
-    /// True once a batch came back.
-    warm: bool,
 }
 
 /// What came of a run in place of outputs.
@@ -291,17 +288,14 @@ impl Runner for Session {
         let count = self.count_of(batch, "invocations")?;
         let (program, loops) = (self.program.clone(), self.loops);
         let (mut named, mut late) = (None, false);
-        let most = if self.warm || self.line.borrow().slow { BATCH } else { FIRST };
+        let most = if self.line.borrow().slow { AFTER_A_LOSS } else { BATCH };
         let mut more = || {
             named = if loops { endless(&program, batch) } else { None };
             late = true;
             if named.is_some() { Duration::ZERO } else { most - PROMPT }
         };
         match self.once(batch, None, PROMPT, &mut more) {
-            Ok(actual) => {
-                self.warm = true;
-                Ok(actual)
-            }
+            Ok(actual) => Ok(actual),
             Err(Failure::Told(error)) => Err(error),
             Err(Failure::Lost(loss, _)) => {
                 self.line.borrow_mut().slow |= late && named.is_none();
