@@ -15,11 +15,9 @@ fn main() -> ExitCode {
     if let Command::Worker(_) = cli.command {
         end_with_the_parent();
     }
-    #[cfg(unix)]
     if cli.command.opens_devices() {
+        #[cfg(unix)]
         quiet_loader();
-    }
-    if cli.command.opens_devices() {
         lane::webgpu::set_folder(node::package());
     }
     run(&cli).into()

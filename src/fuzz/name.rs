@@ -125,9 +125,7 @@ fn one(
         return long(named, narrow, wide, batch, (lane, invocation), trouble);
     }
     let OutputColumn::Real(&column) = tape.output(vertex, word) else { return None };
-    if let OutputColumn::Real(found) = narrow.output(vertex, word) {
-        named.strict = found.values()[lane];
-    }
+    named.strict = strictly(narrow, named.place, lane);
     let tape = tape.domain();
     named.meaning = tape.values(column)[lane];
     let undefined = matches!(trouble, Trouble::NoValue | Trouble::Infinite);
@@ -148,14 +146,11 @@ fn one(
         Trouble::NoValue | Trouble::Infinite if value.is_infinite() && !is_pole(named.op, &named.args) => {
             Kind::TooLarge
         }
-        Trouble::NoValue => Kind::NoValue,
-        Trouble::Infinite => Kind::Infinite,
-        Trouble::TooLarge => Kind::TooLarge,
+        Trouble::NoValue | Trouble::Infinite | Trouble::TooLarge => of_results(trouble),
         _ if value.abs() > f64::from(f32::MAX) => Kind::Overflow,
         _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => Kind::Underflow,
         _ if forked => return None,
-        Trouble::Lost => Kind::Lost,
-        _ => Kind::IllConditioned,
+        _ => of_results(trouble),
     };
     Some(named)
 }
@@ -174,17 +169,28 @@ fn long(
     if let OutputColumn::Real(found) = wide.output(vertex, word) {
         named.meaning = found.values()[0];
     }
-    if let OutputColumn::Real(found) = narrow.output(vertex, word) {
-        named.strict = found.values()[lane];
+    named.strict = strictly(narrow, named.place, lane);
+    named.kind = of_results(trouble);
+    Some(named)
+}
+
+/// What strict binary32 gives in a word.
+fn strictly(narrow: &Machine<'_, Binary32>, (vertex, word): (usize, usize), lane: usize) -> f32 {
+    match narrow.output(vertex, word) {
+        OutputColumn::Real(found) => found.values()[lane],
+        _ => f32::NAN,
     }
-    named.kind = match trouble {
+}
+
+/// What trouble is by its result alone.
+fn of_results(trouble: Trouble) -> Kind {
+    match trouble {
         Trouble::NoValue => Kind::NoValue,
         Trouble::Infinite => Kind::Infinite,
         Trouble::TooLarge => Kind::TooLarge,
         Trouble::Lost => Kind::Lost,
         _ => Kind::IllConditioned,
-    };
-    Some(named)
+    }
 }
 
 /// True for an operation whose value is too small even for binary64.

@@ -144,6 +144,11 @@ impl<W: Copy> Meaning<W> {
         self.flags[invocation]
     }
 
+    /// The first invocation that ran out of rounds, which goes on without end.
+    pub fn endless(&self) -> Option<usize> {
+        self.flags.iter().position(|flags| flags.has(Kind::Fuel))
+    }
+
     /// Where invocations left the range of a type, by place.
     pub fn findings(&self) -> &[Finding] {
         &self.findings

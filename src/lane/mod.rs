@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 
 use thiserror::Error;
 
@@ -21,6 +22,12 @@ use crate::program::Kernel;
 use crate::value::Batch;
 
 pub use actual::{Actual, Marks};
+
+/// How long a device may take for a batch. Longer than this, the shader does not end. The first batch has the driver
+/// compile it, which took lavapipe more than a minute for blending with eight bones where twenty processes shared two
+/// cores. What watches a device from another process gives it up sooner, so that it is not the device's word that comes
+/// first: that says nothing of which invocation it is.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(240);
 
 /// Stage of the pipeline in which a kernel runs on a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -213,6 +220,13 @@ pub enum LaneError {
         /// Inputs of the invocation, as `--case` takes them.
         inputs: String,
     },
+}
+
+impl LaneError {
+    /// A kernel has a texture to which it gives no binding.
+    pub(crate) fn unbound() -> Self {
+        Self::Api("a texture without a binding".to_owned())
+    }
 }
 
 fn at(invocation: &Option<usize>, count: usize, inputs: &str) -> String {

@@ -32,6 +32,7 @@ pub use crate::lower::{Primitives, Role};
 pub use build::DISCARD;
 pub use capture::{
     Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
+    uniform_blocks,
 };
 pub use contain::contain;
 pub use front::{NAGA, VALIDATOR};

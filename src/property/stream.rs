@@ -29,7 +29,7 @@ pub fn mix_text(key: u64, text: &str) -> u64 {
 }
 
 /// A short sequence of random bits for one sample.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Stream(u64);
 
 impl Stream {
@@ -37,12 +37,6 @@ impl Stream {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(seed: u64) -> Self {
         Self(seed)
-    }
-
-    /// The seed of what is left of the sequence.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn seed(&self) -> u64 {
-        self.0
     }
 
     /// 64 random bits.

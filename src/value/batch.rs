@@ -1,5 +1,6 @@
 //! Records of words and batches of cases.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Scalar, Shape};
@@ -52,7 +53,7 @@ impl Record {
     }
 
     /// Words `from..to` of the field with this index.
-    pub fn range(&self, index: usize) -> std::ops::Range<usize> {
+    pub fn range(&self, index: usize) -> Range<usize> {
         let at = self.offsets[index];
         at..at + self.fields[index].shape.words()
     }
@@ -130,6 +131,18 @@ impl Batch {
     /// Words of the uniforms that an invocation sees.
     pub fn case_of(&self, invocation: usize) -> &[u32] {
         self.case(invocation / self.per_case)
+    }
+
+    /// Some of its invocations, each a case of its own.
+    #[must_use]
+    pub fn apart(&self, range: Range<usize>) -> Self {
+        let (invocation, case) = (self.invocation_record.clone(), self.case_record.clone());
+        let mut apart = Self::with_capacity(invocation, case, 1, range.len());
+        for at in range {
+            apart.invocations.extend_from_slice(self.invocation(at));
+            apart.cases.extend_from_slice(self.case_of(at));
+        }
+        apart
     }
 }
 

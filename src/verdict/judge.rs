@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
+use super::reference::MEANING;
 use crate::bound::tape::{Cause, Why};
 use crate::interp::FUEL;
 use crate::value::{F32Bits, Scalar};
@@ -277,7 +278,7 @@ impl Deviation {
     /// The deviation in words; `against` is what the shader is compared with, such as `formula`, or its own `meaning`.
     pub fn told(&self, against: &str) -> String {
         match self.blame {
-            Blame::Shader if against == "meaning" => format!("the shader is wrong by its own meaning: {self:#}"),
+            Blame::Shader if against == MEANING => format!("the shader is wrong by its own meaning: {self:#}"),
             Blame::Shader => format!("the shader deviates from its {against}: {self:#}"),
             Blame::Lane => self.to_string(),
         }

@@ -25,7 +25,7 @@ pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, 
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};
 pub use observe::{meaning, observe};
 pub use oracle::{Court, Oracle};
-pub use reference::{Expected, Given, GivenRule, Recorded, RecordedRow, Reference, ReferenceError};
+pub use reference::{Expected, Given, GivenRule, MEANING, Recorded, RecordedRow, Reference, ReferenceError};
 pub use survey::{Survey, survey};
 pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};

@@ -61,6 +61,14 @@ fn wrapped(real: &Path, lines: &str) -> tempfile::TempDir {
     folder
 }
 
+/// Lines of JavaScript in place of what makes a module: `d` describes it, and `old` makes it.
+fn on_modules(body: &str) -> String {
+    format!(
+        "const old = GPUDevice.prototype.createShaderModule;\n\
+         GPUDevice.prototype.createShaderModule = function (d) {{\n  {body}\n}};"
+    )
+}
+
 /// `shadercheck check` with these arguments in a folder whose package is wrapped.
 fn check(folder: &Path, args: &str) -> Ran {
     command(folder, &format!("check {args}")).env_remove("NODE_PATH").output().unwrap().into()
@@ -99,9 +107,7 @@ fn a_compiler_that_takes_another_sense_is_blamed() {
     let Some(real) = device("blame of Tint") else { return };
     let folder = wrapped(
         &real,
-        "const old = GPUDevice.prototype.createShaderModule;\n\
-         GPUDevice.prototype.createShaderModule = function (d) {\n  \
-           return old.call(this, { ...d, code: d.code.replace(/mix\\((\\w+), (\\w+),/, 'mix($2, $1,') });\n};",
+        &on_modules("return old.call(this, { ...d, code: d.code.replace(/mix\\((\\w+), (\\w+),/, 'mix($2, $1,') });"),
     );
     let ran = check(folder.path(), "morph --samples 256 --format json --lane webgpu --lane vulkan").expect(1);
     let report = ran.json();
@@ -155,12 +161,8 @@ fn a_bit_that_flips_on_the_way_back_is_found() {
 #[test]
 fn a_text_that_tint_refuses_and_a_crash_are_findings_and_the_run_goes_on() {
     let Some(real) = device("refusals and crashes on the lane `webgpu`") else { return };
-    let refused = wrapped(
-        &real,
-        "const old = GPUDevice.prototype.createShaderModule;\n\
-         GPUDevice.prototype.createShaderModule = function (d) {\n  \
-           return old.call(this, { ...d, code: d.code.replace(/mix\\(/, 'mixed(') });\n};",
-    );
+    let refused =
+        wrapped(&real, &on_modules("return old.call(this, { ...d, code: d.code.replace(/mix\\(/, 'mixed(') });"));
     let ran = check(refused.path(), "morph joints --samples 64 --lane webgpu --lane embedded").expect(1);
     let said = ran.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("Tint refuses the WGSL of this kernel at "), "{}", ran.out);
@@ -173,13 +175,10 @@ fn a_text_that_tint_refuses_and_a_crash_are_findings_and_the_run_goes_on() {
     // The process dies at the first dispatch of one shader.
     let crashed = wrapped(
         &real,
-        "const old = GPUDevice.prototype.createShaderModule;\n\
-         GPUDevice.prototype.createShaderModule = function (d) {\n  \
-           this.dies = /mix\\(/.test(d.code);\n  return old.call(this, d);\n};\n\
-         const submit = GPUQueue.prototype.submit;\n\
-         const make = GPUDevice.prototype.createCommandEncoder;\n\
+        &(on_modules("this.dies = /mix\\(/.test(d.code);\n  return old.call(this, d);")
+            + "\nconst make = GPUDevice.prototype.createCommandEncoder;\n\
          GPUDevice.prototype.createCommandEncoder = function (...args) {\n  \
-           if (this.dies) process.kill(process.pid, 'SIGSEGV');\n  return make.apply(this, args);\n};",
+           if (this.dies) process.kill(process.pid, 'SIGSEGV');\n  return make.apply(this, args);\n};"),
     );
     let ran = check(crashed.path(), "morph joints --samples 64 --lane webgpu --lane embedded").expect(1);
     assert!(ran.out.contains("was ended by signal 11 (segmentation fault)"), "{}", ran.out);

@@ -8,11 +8,7 @@ use std::rc::Rc;
 
 use ash::vk;
 
-use crate::lane::{LaneError, vulkan};
-
-/// How long a batch may take. Longer than this, the shader does not end. The first batch has the driver compile it,
-/// which took lavapipe more than a minute for an ordinary shader where twenty processes shared two cores.
-const PATIENCE: std::time::Duration = std::time::Duration::from_secs(240);
+use crate::lane::{LaneError, PATIENCE, vulkan};
 
 /// A device with its queue.
 pub(super) struct Gpu {

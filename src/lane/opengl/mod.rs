@@ -24,7 +24,7 @@ mod tests;
 
 use super::worker::with_inputs;
 use super::{Actual, Description, Lane, LaneError, Marks, Runner};
-use crate::interp::{self, Binary32, Executable, Kind as Came, Meaning};
+use crate::interp::{self, Binary32, Executable, Meaning};
 use crate::lower::Role;
 use crate::program::{Kernel, OutputLayout};
 use crate::value::Batch;
@@ -176,8 +176,7 @@ impl Runner for GlRunner {
 
 /// Refuses outputs of a batch in which an invocation has no end.
 fn ends(meaning: Option<&Meaning<u32>>, count: usize) -> Result<(), LaneError> {
-    let endless = |m: &Meaning<u32>| (0..m.count()).find(|&i| m.flags(i).has(Came::Fuel));
-    match meaning.and_then(endless) {
+    match meaning.and_then(Meaning::endless) {
         Some(invocation) => Err(LaneError::Endless { invocation, count, rounds: interp::FUEL }),
         None => Ok(()),
     }

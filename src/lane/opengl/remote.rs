@@ -87,8 +87,7 @@ impl Line {
     /// An answer that is not one to what was asked.
     fn nonsense(&mut self, answer: &Answer) -> Loss {
         self.worker.stop();
-        let text = format!("{answer:?}");
-        Loss::new(format!("gave an answer to something else: {}", text.chars().take(80).collect::<String>()))
+        Loss::nonsense(answer)
     }
 }
 

@@ -3,15 +3,15 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::message::{Answer, Ask, Pieces};
 use super::wire::{Wire, Writer};
 use super::{Front, SIDE, Work};
-use crate::interp::{self, Binary32, Kind};
+use crate::interp::{self, Binary32};
 use crate::lane::vulkan::{self, Naga};
 use crate::lane::worker::{Loss, Program as Executable, Worker, with_inputs};
-use crate::lane::{Actual, Candidate, Description, Lane, LaneError, Runner, Unavailable, interned};
+use crate::lane::{Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Unavailable, interned};
 use crate::program::{Form, Kernel, OutputLayout, Program};
 use crate::value::Batch;
 
@@ -22,8 +22,8 @@ const PREPARING: Duration = Duration::from_secs(240);
 /// After so long it is asked whether the shader ends at all for every invocation.
 const PROMPT: Duration = Duration::from_secs(10);
 /// Longest time for a batch of invocations that all end: it may have the driver compile the shader, the first one and
-/// later ones too, which took lavapipe more than a minute for blending with eight bones on two busy cores.
-const BATCH: Duration = Duration::from_secs(240);
+/// later ones too. It is over before the engine gives the device up.
+const BATCH: Duration = Duration::from_secs(PATIENCE.as_secs() - 30);
 /// The same once a batch never came back.
 const AFTER_A_LOSS: Duration = Duration::from_secs(40);
 /// Longest time for a piece of a batch.
@@ -58,8 +58,7 @@ impl Line {
     /// An answer that is not one to what was asked.
     fn nonsense(&mut self, answer: &Answer) -> Loss {
         self.worker.stop();
-        let text = format!("{answer:?}");
-        Loss::new(format!("gave an answer to something else: {}", text.chars().take(80).collect::<String>()))
+        Loss::nonsense(answer)
     }
 
     fn open(&mut self, lane: &str) -> Result<Description, Unavailable> {
@@ -266,17 +265,17 @@ impl Session {
     }
 }
 
-/// A device that is lost stays so: the process is ended, and the next one opens it anew.
+/// A device that reports an error may be lost, or busy for good with what does not end: the process is ended, and the
+/// next one opens it anew.
 fn renew(line: &mut Line, error: &LaneError) {
-    if matches!(error, LaneError::Api(what) if what.contains("lost") || what.contains("panic")) {
+    if matches!(error, LaneError::Api(_)) {
         line.worker.stop();
     }
 }
 
 /// The first invocation that does not end, as the interpreter finds it.
 fn endless(program: &Program, batch: &Batch) -> Option<usize> {
-    let meaning = interp::compile(program).ok()?.run::<Binary32>(batch, interp::FUEL).ok()?;
-    (0..meaning.count()).find(|&i| meaning.flags(i).has(Kind::Fuel))
+    interp::compile(program).ok()?.run::<Binary32>(batch, interp::FUEL).ok()?.endless()
 }
 
 impl Runner for Session {
@@ -290,9 +289,10 @@ impl Runner for Session {
         let (mut named, mut late) = (None, false);
         let most = if self.line.borrow().slow { AFTER_A_LOSS } else { BATCH };
         let mut more = || {
+            let begun = Instant::now();
             named = if loops { endless(&program, batch) } else { None };
             late = true;
-            if named.is_some() { Duration::ZERO } else { most - PROMPT }
+            if named.is_some() { Duration::ZERO } else { most.saturating_sub(PROMPT + begun.elapsed()) }
         };
         match self.once(batch, None, PROMPT, &mut more) {
             Ok(actual) => Ok(actual),

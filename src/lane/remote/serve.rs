@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::io::{self, Read, Write};
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::message::{Answer, Ask, Pieces};
@@ -139,20 +138,9 @@ impl Ready {
         for first in of.clone().step_by(size.max(1)) {
             // Nobody reads this when the parent is gone, and then the next answer fails.
             let _ = at(first);
-            let piece = piece(batch, first..(first + size).min(of.end).min(batch.invocation_count()));
+            let piece = batch.apart(first..(first + size).min(of.end).min(batch.invocation_count()));
             contained(|| self.runner.run(&piece))?;
         }
         Ok((Vec::new(), Marks::random()))
     }
-}
-
-/// Some invocations of a batch, each a case of its own.
-fn piece(batch: &Batch, range: Range<usize>) -> Batch {
-    let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
-    let mut piece = Batch::with_capacity(invocation, case, 1, range.len());
-    for at in range {
-        piece.invocations.extend_from_slice(batch.invocation(at));
-        piece.cases.extend_from_slice(batch.case_of(at));
-    }
-    piece
 }

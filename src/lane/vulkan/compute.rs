@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
-use super::texture::{self, Textures};
+use super::texture::Textures;
 use crate::lane::{Actual, LaneError, Runner};
 use crate::program::{ENTRY_POINT, WORKGROUP, binding};
 use crate::value::Batch;
@@ -115,7 +115,7 @@ impl Runner for ComputeRunner {
                 pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.group, &[]);
                 if let Some(textures) = &self.textures {
-                    pass.set_bind_group(texture::GROUP, &textures.group, &[]);
+                    pass.set_bind_group(binding::TEXTURES, &textures.group, &[]);
                 }
                 pass.dispatch_workgroups((count as u32).div_ceil(WORKGROUP), 1, 1);
             }

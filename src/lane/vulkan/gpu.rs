@@ -3,16 +3,11 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
-use crate::lane::{Actual, LaneError, Marks, Stage};
+use crate::lane::{Actual, LaneError, Marks, PATIENCE, Stage};
 use crate::program::OutputLayout;
 
 use super::Job;
-
-/// How long a batch may take; what watches a lane from another process ends it sooner. The first batch may have the
-/// driver compile the shader.
-const PATIENCE: Duration = Duration::from_secs(240);
 
 /// A device with its queue. Cheap to clone.
 #[derive(Clone)]

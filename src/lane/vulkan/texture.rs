@@ -3,6 +3,7 @@
 use super::Job;
 use super::gpu::{Gpu, as_bytes};
 use crate::lane::LaneError;
+use crate::program::binding;
 use crate::program::texture::{Dimension, Texel, Texture};
 
 /// The group of bindings of a kernel's textures, and its layout.
@@ -11,9 +12,6 @@ pub(super) struct Textures {
     pub group: wgpu::BindGroup,
 }
 
-/// Group in which modules have their textures.
-pub(super) const GROUP: u32 = 2;
-
 impl Textures {
     /// The textures of a kernel, for one stage; `None` for a kernel without any.
     pub fn new(gpu: &Gpu, job: &Job, stage: wgpu::ShaderStages) -> Result<Option<Self>, LaneError> {
@@ -21,10 +19,7 @@ impl Textures {
         if textures.is_empty() {
             return Ok(None);
         }
-        let binding = |handle: naga::Handle<naga::GlobalVariable>| {
-            let binding = job.module.global_variables[handle].binding.filter(|b| b.group == GROUP);
-            binding.map(|b| b.binding).ok_or_else(|| LaneError::Api("a texture without a binding".to_owned()))
-        };
+        let binding = |handle| binding::of(&job.module, handle).ok_or_else(LaneError::unbound);
         let mut layouts = Vec::new();
         let mut views = Vec::new();
         let mut samplers = Vec::new();

@@ -3,7 +3,7 @@
 use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
 use crate::lane::{Actual, LaneError, Runner};
-use crate::program::{ENTRY_POINT, binding};
+use crate::program::{ENTRY_POINT, binding, uniform_blocks};
 use crate::value::Batch;
 
 /// Most invocations of a batch: each is a dispatch.
@@ -89,14 +89,7 @@ impl Runner for UniformsRunner {
         let count = self.count_of(batch, "invocations")?;
         let gpu = self.gpu.clone();
         gpu.checked(|| {
-            let stride = self.stride as usize / 4;
-            let mut words = vec![0; stride * count];
-            for (index, block) in words.chunks_exact_mut(stride).enumerate() {
-                let (invocation, case) = (batch.invocation(index), batch.case_of(index));
-                block[0] = index as u32;
-                block[1..][..invocation.len()].copy_from_slice(invocation);
-                block[1 + invocation.len()..][..case.len()].copy_from_slice(case);
-            }
+            let words = uniform_blocks(batch, self.stride as usize / 4);
             gpu.queue.write_buffer(&self.blocks, 0, as_bytes(&words));
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let marks = self.outputs.begin(&mut encoder, count, batch.per_case);

@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
-use super::texture::{self, Textures};
+use super::texture::Textures;
 use crate::lane::{Actual, LaneError, Runner};
 use crate::program::{Attribute, ENTRY_POINT, UniformBlock, binding};
 use crate::value::{Batch, Scalar};
@@ -204,7 +204,7 @@ impl Runner for VertexRunner {
                 pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.harness, &[]);
                 if let Some(textures) = &self.textures {
-                    pass.set_bind_group(texture::GROUP, &textures.group, &[]);
+                    pass.set_bind_group(binding::TEXTURES, &textures.group, &[]);
                 }
                 if !self.fed.is_empty() {
                     pass.set_vertex_buffer(0, self.vertices.slice(..));

@@ -79,8 +79,7 @@ impl Line {
     /// An answer that is not one to what was asked.
     fn nonsense(&mut self, answer: &Answer) -> Loss {
         self.peer.stop();
-        let text = format!("{answer:?}");
-        Loss::new(format!("gave an answer to something else: {}", text.chars().take(80).collect::<String>()))
+        Loss::nonsense(answer)
     }
 
     /// Asks for a device, of a process that was not asked yet.

@@ -6,15 +6,12 @@ use naga::back::wgsl;
 
 use super::messages::{Bound, Input, Job, Limits};
 use super::remote::{Away, BATCH, FEW, Failure, Remote};
-use crate::lane::worker::Loss;
-use crate::lane::worker::with_inputs;
+use crate::lane::worker::{Loss, with_inputs};
 use crate::lane::{Actual, LaneError, Marks, Runner};
 use crate::program::texture::{Dimension, Texel, Texture};
-use crate::program::{ENTRY_POINT, Form, Kernel, OutputLayout, WORKGROUP, binding, contain};
+use crate::program::{ENTRY_POINT, Form, Kernel, OutputLayout, WORKGROUP, binding, contain, uniform_blocks};
 use crate::value::Batch;
 
-/// Group in which modules have their textures.
-const TEXTURES: u32 = 2;
 /// Most invocations of a batch that has a dispatch for each.
 const DISPATCHES: u64 = 4096;
 /// Invocations among which the one that takes the process along is looked for one by one.
@@ -42,13 +39,7 @@ impl WgslRunner {
     fn inputs<'b>(&self, batch: &'b Batch, blocks: &'b mut Vec<u32>) -> Vec<&'b [u32]> {
         let stride = self.away.job.stride;
         if stride > 0 {
-            blocks.resize(stride * batch.invocation_count(), 0);
-            for (index, block) in blocks.chunks_exact_mut(stride).enumerate() {
-                let (invocation, case) = (batch.invocation(index), batch.case_of(index));
-                block[0] = index as u32;
-                block[1..][..invocation.len()].copy_from_slice(invocation);
-                block[1 + invocation.len()..][..case.len()].copy_from_slice(case);
-            }
+            *blocks = uniform_blocks(batch, stride);
             return vec![blocks];
         }
         let one = |input: &Input| match input.binding {
@@ -68,7 +59,7 @@ impl WgslRunner {
 
     /// The invocation of a batch that takes the process along by itself: looked for in parts, then one by one.
     fn culprit(&mut self, batch: &Batch, count: usize) -> Result<Option<(Loss, usize)>, LaneError> {
-        let mut lost = |from: usize, to: usize| match self.once(&part(batch, from, to), FEW) {
+        let mut lost = |from: usize, to: usize| match self.once(&batch.apart(from..to), FEW) {
             Ok(_) | Err(Failure::Told(LaneError::NotWritten { .. })) => Ok(None),
             Err(Failure::Lost(loss)) => Ok(Some(loss)),
             Err(Failure::Told(error)) => Err(error),
@@ -107,17 +98,6 @@ impl Runner for WgslRunner {
             Err(error) => Err(error),
         }
     }
-}
-
-/// Some invocations of a batch, each with a case of its own.
-fn part(batch: &Batch, from: usize, to: usize) -> Batch {
-    let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
-    let mut part = Batch::with_capacity(invocation, case, 1, to - from);
-    for at in from..to {
-        part.invocations.extend_from_slice(batch.invocation(at));
-        part.cases.extend_from_slice(batch.case_of(at));
-    }
-    part
 }
 
 /// What the script needs to know of a kernel, with the texels of its textures.
@@ -179,10 +159,7 @@ fn code(kernel: &Kernel) -> Result<String, LaneError> {
 
 /// A texture of a kernel; its texels go to the end of `texels`.
 fn bound(kernel: &Kernel, texture: &Texture, texels: &mut Vec<u32>) -> Result<Bound, LaneError> {
-    let at = |handle: naga::Handle<naga::GlobalVariable>| {
-        let binding = kernel.module.global_variables[handle].binding.filter(|b| b.group == TEXTURES);
-        binding.map(|b| b.binding).ok_or_else(|| LaneError::Api("a texture without a binding".to_owned()))
-    };
+    let at = |handle| binding::of(&kernel.module, handle).ok_or_else(LaneError::unbound);
     let (dimension, view) = match (texture.kind.dimension, texture.kind.arrayed) {
         (Dimension::D1, false) => ("1d", "1d"),
         (Dimension::D2, false) => ("2d", "2d"),

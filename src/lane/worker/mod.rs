@@ -80,6 +80,12 @@ impl Loss {
         Self { how: how.into() }
     }
 
+    /// An answer that is not one to what was asked.
+    pub fn nonsense(answer: &impl fmt::Debug) -> Self {
+        let begin: String = format!("{answer:?}").chars().take(80).collect();
+        Self::new(format!("gave an answer to something else: {begin}"))
+    }
+
     /// As the error of a lane, at an invocation of so many.
     pub fn error(&self, invocation: Option<usize>, count: usize, when: &str) -> LaneError {
         let how = if when.is_empty() { self.how.clone() } else { format!("{} {when}", self.how) };

@@ -13,12 +13,9 @@ use super::place::{Place, Var};
 use super::{Build, Expr, Result};
 use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
-use crate::program::Texture as Supplied;
 use crate::program::texture::{Image, TextureKind};
+use crate::program::{Texture as Supplied, binding};
 use crate::text::Span;
-
-/// Group in which textures and storage are bound: the harness keeps the first two.
-pub(super) const GROUP: u32 = 2;
 
 /// Where the numbers of a structure with samplers lie: a variable, and the indices on the way in. It
 /// means the same in every function.
@@ -128,7 +125,7 @@ impl Build<'_> {
         space: AddressSpace,
         ty: Handle<naga::Type>,
     ) -> Handle<GlobalVariable> {
-        let binding = ResourceBinding { group: GROUP, binding: self.next_binding };
+        let binding = ResourceBinding { group: binding::TEXTURES, binding: self.next_binding };
         self.next_binding += 1;
         super::super::capture::add_global(&mut self.module, name, space, Some(binding), ty)
     }

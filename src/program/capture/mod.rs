@@ -38,6 +38,27 @@ pub mod binding {
     pub const CASES: u32 = 3;
     /// Uniform: the words of one invocation (kernel of uniforms only).
     pub const BLOCK: u32 = 4;
+
+    /// Group in which textures and storage of the program are bound; what stands above has the first two.
+    pub const TEXTURES: u32 = 2;
+
+    /// The binding of a texture or sampler in its group.
+    pub fn of(module: &naga::Module, handle: naga::Handle<naga::GlobalVariable>) -> Option<u32> {
+        module.global_variables[handle].binding.filter(|b| b.group == TEXTURES).map(|b| b.binding)
+    }
+}
+
+/// The words of [`binding::BLOCK`] for each invocation of a batch, `stride` words from one to the next: its index, its
+/// inputs and its uniforms.
+pub fn uniform_blocks(batch: &Batch, stride: usize) -> Vec<u32> {
+    let mut words = vec![0; stride * batch.invocation_count()];
+    for (index, block) in words.chunks_exact_mut(stride).enumerate() {
+        let (invocation, case) = (batch.invocation(index), batch.case_of(index));
+        block[0] = index as u32;
+        block[1..][..invocation.len()].copy_from_slice(invocation);
+        block[1 + invocation.len()..][..case.len()].copy_from_slice(case);
+    }
+    words
 }
 
 /// Name of the entry point of a kernel.

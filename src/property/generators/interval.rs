@@ -36,20 +36,16 @@ fn fill_abreast(group: &Group, at: usize, rows: Rows<'_>) {
         wide(
             #[inline(always)]
             || {
-                let mut streams = keys;
+                let mut streams = keys.map(Stream::new);
                 for k in 0..ABREAST {
-                    streams[k] = mix(keys[k], lanes[k]);
+                    streams[k] = Stream::new(mix(keys[k], lanes[k]));
                 }
                 for k in 0..ABREAST {
-                    let mut stream = Stream::new(streams[k]);
-                    special[k] = stream.one_in(SPECIAL);
-                    streams[k] = stream.seed();
+                    special[k] = streams[k].one_in(SPECIAL);
                 }
                 for column in drawn.iter_mut().take(count) {
                     for k in 0..ABREAST {
-                        let mut stream = Stream::new(streams[k]);
-                        column[k] = range.ordinary(stream.bits()).to_bits();
-                        streams[k] = stream.seed();
+                        column[k] = range.ordinary(streams[k].bits()).to_bits();
                     }
                 }
             },

@@ -6,7 +6,7 @@ use super::text::Style;
 use crate::suite::run::{Case, Finding, InputValue};
 use crate::value::{F32Bits, Scalar};
 use crate::verdict::diagnosis::{Diagnosis, Place, Stand};
-use crate::verdict::{Blame, Deviation, Value};
+use crate::verdict::{Blame, Deviation, MEANING, Value};
 
 /// Characters of a line after its label.
 const WIDE: usize = 87;
@@ -125,7 +125,7 @@ fn excerpt(text: &mut String, label: &str, place: &Place) {
 /// Whose fault a deviation is, and what the lanes of the run say of it.
 fn fault(text: &mut String, against: &str, deviation: &Deviation, diagnosis: &Diagnosis) {
     match (deviation.blame, &diagnosis.hearing) {
-        (Blame::Shader, _) if against == "meaning" => {
+        (Blame::Shader, _) if against == MEANING => {
             labelled(text, "fault", "the shader: it would be so on any device");
         }
         (Blame::Shader, _) => {

@@ -22,6 +22,9 @@ pub use given::{Given, GivenRule};
 use model::Model;
 pub use recorded::{Recorded, RecordedRow};
 
+/// What a shader without a reference is compared with: what it means itself. A word of [`Reference::noun`].
+pub const MEANING: &str = "meaning";
+
 /// Values that are expected of one sample: binary64, one vertex after the other.
 ///
 /// Only a [`Reference`] makes one.
@@ -164,7 +167,7 @@ impl Reference {
             Source::Model(_) => "reference",
             Source::Given(_) => "expectation",
             Source::Recorded(_) => "record",
-            Source::Nothing => "meaning",
+            Source::Nothing => MEANING,
         }
     }
 

@@ -172,26 +172,6 @@ impl Wire for bool {
     }
 }
 
-impl Wire for i32 {
-    fn put(&self, to: &mut Writer) {
-        to.word(self.cast_unsigned());
-    }
-
-    fn take(from: &mut Reader<'_>) -> Option<Self> {
-        from.word().map(u32::cast_signed)
-    }
-}
-
-impl Wire for i16 {
-    fn put(&self, to: &mut Writer) {
-        self.cast_unsigned().put(to);
-    }
-
-    fn take(from: &mut Reader<'_>) -> Option<Self> {
-        u16::take(from).map(u16::cast_signed)
-    }
-}
-
 impl Wire for u64 {
     fn put(&self, to: &mut Writer) {
         to.word(*self as u32);
@@ -204,34 +184,24 @@ impl Wire for u64 {
     }
 }
 
-impl Wire for i64 {
-    fn put(&self, to: &mut Writer) {
-        self.cast_unsigned().put(to);
-    }
+/// Numbers whose bits are a number that can be written.
+macro_rules! of_bits {
+    ($($name:ty as $bits:ty: $to:ident, $from:expr;)*) => { $(impl Wire for $name {
+        fn put(&self, to: &mut Writer) {
+            self.$to().put(to);
+        }
 
-    fn take(from: &mut Reader<'_>) -> Option<Self> {
-        u64::take(from).map(u64::cast_signed)
-    }
+        fn take(from: &mut Reader<'_>) -> Option<Self> {
+            <$bits>::take(from).map($from)
+        }
+    })* };
 }
-
-impl Wire for f32 {
-    fn put(&self, to: &mut Writer) {
-        to.word(self.to_bits());
-    }
-
-    fn take(from: &mut Reader<'_>) -> Option<Self> {
-        from.word().map(Self::from_bits)
-    }
-}
-
-impl Wire for f64 {
-    fn put(&self, to: &mut Writer) {
-        self.to_bits().put(to);
-    }
-
-    fn take(from: &mut Reader<'_>) -> Option<Self> {
-        u64::take(from).map(Self::from_bits)
-    }
+of_bits! {
+    i16 as u16: cast_unsigned, u16::cast_signed;
+    i32 as u32: cast_unsigned, u32::cast_signed;
+    i64 as u64: cast_unsigned, u64::cast_signed;
+    f32 as u32: to_bits, f32::from_bits;
+    f64 as u64: to_bits, f64::from_bits;
 }
 
 impl Wire for String {
