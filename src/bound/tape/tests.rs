@@ -106,6 +106,28 @@ fn another_order_of_a_sum_needs_the_size_of_its_terms() {
 }
 
 #[test]
+fn regrouping_reaches_into_what_a_mask_chose() {
+    let of = |body: &str, x: f32| {
+        let function = format!("float f(float x, float y) {{ float r = 0.5; if (y > 0.0) r = {body}; return r; }}");
+        with(device("vulkan-1.4", true), &function, &[x, 1.0, x, -1.0], |_, _, b| b.bound[0])
+    };
+    // Two calls, of which one goes each way: else there is nothing to choose.
+    // x·1e-20 is below the normal numbers: a device may make 0 of it, chosen or not.
+    assert_eq!(of("x * 1e-20 * 1e30 + 1.0", 1e-22), f64::INFINITY);
+    assert!(of("x * 1e-20 * 1e30 + 1.0", 1e-12) < 1e-5);
+    // The factors before the choice and those after it may come in any order: x·1e-15 is too small, x·1e15 too large.
+    let split = |inside: &str, after: &str, x: f32| {
+        let function =
+            format!("float f(float x, float y) {{ float r = 0.5; if (y > 0.0) r = {inside}; return r * {after}; }}");
+        with(device("vulkan-1.4", true), &function, &[x, 1.0, x, -1.0], |_, _, b| b.bound[0])
+    };
+    assert_eq!(split("x * 1e20", "1e-15", 1e-30), f64::INFINITY);
+    assert!(split("x * 1e20", "1e-15", 1e-20) < 1e-20);
+    assert_eq!(split("x * 1e-20", "1e15", 1e30), f64::INFINITY);
+    assert!(split("x * 1e-20", "1e15", 1e10) < 1.0);
+}
+
+#[test]
 fn a_comparison_nearer_than_its_errors_is_a_fork() {
     let function = "float f(float x, float y) { if (x * y > 0.1) return 1.0; return 2.0; }";
     let forks = |x, y| with(device("vulkan-1.4", false), function, &[x, y], |tape, _, _| tape.fork(0).is_some());
