@@ -6,6 +6,9 @@ use clap::Parser;
 use shadercheck::cli::{Cli, Command, node, run, worker};
 use shadercheck::lane;
 
+#[global_allocator]
+static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Some(program) = std::env::current_exe().ok().and_then(worker::program) {

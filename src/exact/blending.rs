@@ -1,7 +1,7 @@
 //! Morphing, rigid parts and vertex blending (sections 9.2 and 9.3).
 
 use super::Marks;
-use super::vector::{Vec4, Words, add, dot, gram, matrix_times, scale, sub, vanishes, vec4};
+use super::vector::{Vec4, Words, add, between_words, dot, gram, matrix_times, scale, sub_words, vanishes, vec4};
 use crate::math::twofold::Real;
 
 /// Most bones of the skinning shader.
@@ -23,7 +23,7 @@ pub(super) fn morph_targets<R: Real>(words: &impl Words<R>, out: &mut [R]) {
     let base = vec4(words, 0);
     let mut p = base;
     for target in 0..4 {
-        let offset = sub(&vec4(words, 4 + 4 * target), &base);
+        let offset = between_words(&vec4(words, 4 + 4 * target), &base);
         p = add(&p, &scale(&offset, words.word(20 + target)));
     }
     out.copy_from_slice(&matrix_times(words, 24, &p));
@@ -92,16 +92,16 @@ pub(super) fn segment_distance<R: Real>(words: &impl Words<R>, marks: &mut Marks
     distance(&vec4(words, 0), &vec4(words, 4), &vec4(words, 8), marks)
 }
 
-/// (79) in its three cases; a segment of length 0 is a point.
+/// (79) in its three cases, for ends that are words; a segment of length 0 is a point.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn distance<R: Real>(p: &Vec4<R>, p0: &Vec4<R>, p1: &Vec4<R>, marks: &mut Marks<R>) -> R {
-    let (v1, v2) = (sub(p1, p0), sub(p, p0));
+    let (v1, v2) = (between_words(p1, p0), sub_words(p, p0));
     let (squared, along) = (dot(&v1, &v1), dot(&v1, &v2));
     let point = vanishes(&v1);
     let at_start = R::or(point, R::or(along.less(R::exact(0.0)), along.is_zero()));
     let beyond = along - squared;
     let at_end = R::or(R::exact(0.0).less(beyond), beyond.is_zero());
-    let v3 = sub(p, p1);
+    let v3 = sub_words(p, p1);
     // Where the segment is a point, the quotient is not used.
     let across = gram(&v1, &v2) / R::select(point, R::exact(1.0), squared);
     let square = R::select(at_start, dot(&v2, &v2), R::select(at_end, dot(&v3, &v3), across));

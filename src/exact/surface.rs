@@ -7,7 +7,7 @@ use crate::math::twofold::Real;
 /// cancel against another ½.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn half<R: Real>(x: R) -> R {
-    let off = x.abs() - R::exact(0.5);
+    let off = x.abs().less_word(R::exact(0.5));
     let near = off.abs().less(R::exact(1.0 / (1_u128 << 98) as f64));
     R::select(near, R::select(x.less(R::exact(0.0)), R::exact(-0.5), R::exact(0.5)), x)
 }

@@ -40,6 +40,19 @@ pub(super) fn sub<R: Real>(a: &Vec4<R>, b: &Vec4<R>) -> Vec4<R> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
 }
 
+/// The difference to a vector of words.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn sub_words<R: Real>(a: &Vec4<R>, b: &Vec4<R>) -> Vec4<R> {
+    [a[0].less_word(b[0]), a[1].less_word(b[1]), a[2].less_word(b[2]), a[3].less_word(b[3])]
+}
+
+/// The difference of two vectors of words.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn between_words<R: Real>(a: &Vec4<R>, b: &Vec4<R>) -> Vec4<R> {
+    let one = R::between_words;
+    [one(a[0], b[0]), one(a[1], b[1]), one(a[2], b[2]), one(a[3], b[3])]
+}
+
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn scale<R: Real>(a: &Vec4<R>, s: R) -> Vec4<R> {
     [a[0] * s, a[1] * s, a[2] * s, a[3] * s]

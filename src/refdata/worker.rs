@@ -179,14 +179,9 @@ impl<'g, 'a> Worker<'g, 'a> {
                 columns.evaluate::<true>(exact, &inputs, outputs);
             }
             let to = at * width..(at + lanes) * width;
-            let rows = part.expected[to.clone()].chunks_exact_mut(width).zip(part.nearest[to].chunks_exact_mut(width));
-            for (lane, ((expected, nearest), flags)) in rows.zip(flags).enumerate() {
-                for (word, (expected, nearest)) in expected.iter_mut().zip(nearest).enumerate() {
-                    *expected = columns.values[word][lane];
-                    *nearest = columns.nearest[word][lane];
-                }
-                flags.0 |= columns.flags[lane] as u16;
-            }
+            flags.iter_mut().zip(&columns.flags).for_each(|(flags, &more)| flags.0 |= more as u16);
+            turn(&columns.values, &mut part.expected[to.clone()]);
+            turn(&columns.nearest, &mut part.nearest[to]);
         }
     }
 
@@ -341,6 +336,21 @@ fn flags_of((size, none): (f64, bool), real: bool) -> u64 {
         | flag(Flag::Overflow, (size > f64::from(f32::MAX)) & !infinite)
         | flag(Flag::Underflow, (size > 0.0) & (size < MIN_NORMAL));
     flag(Flag::NoValue, none) | (of_size & u64::from(real).wrapping_neg())
+}
+
+/// Writes columns as rows, as many as there is room for.
+#[inline]
+fn turn<X: Copy>(columns: &[[X; WIDTH]], rows: &mut [X]) {
+    // Four components are what most have: their places are known when this is compiled.
+    if let [x, y, z, w] = columns {
+        for (lane, row) in rows.as_chunks_mut::<4>().0.iter_mut().enumerate().take(WIDTH) {
+            *row = [x[lane], y[lane], z[lane], w[lane]];
+        }
+        return;
+    }
+    for (lane, row) in rows.chunks_exact_mut(columns.len().max(1)).enumerate().take(WIDTH) {
+        row.iter_mut().zip(columns).for_each(|(out, column)| *out = column[lane]);
+    }
 }
 
 /// The flags of the words of an input that are numbers.

@@ -40,6 +40,16 @@ pub trait Real:
         ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3]
     }
 
+    /// The difference to a number of binary64.
+    fn less_word(self, word: Self) -> Self {
+        self - word
+    }
+
+    /// The difference of two numbers of binary64.
+    fn between_words(a: Self, b: Self) -> Self {
+        a - b
+    }
+
     /// The sum of four products of numbers of binary64 and others.
     fn dot_of_words(a: [Self; 4], b: [Self; 4]) -> Self {
         Self::dot(a, b)
@@ -197,6 +207,24 @@ impl<const SAFE: bool> Real for Twofold<SAFE> {
                 |v| [v[0].get(k), v[1].get(k), v[2].get(k), v[3].get(k)],
             );
             out.set(k, Pair::dot::<SAFE>(a, b));
+        }
+        out
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less_word(self, word: Self) -> Self {
+        let mut out = self;
+        for k in 0..WIDTH {
+            out.set(k, self.get(k).add_number::<SAFE>(-word.high[k]));
+        }
+        out
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn between_words(a: Self, b: Self) -> Self {
+        let mut out = a;
+        for k in 0..WIDTH {
+            out.set(k, Pair::difference::<SAFE>(a.high[k], b.high[k]));
         }
         out
     }

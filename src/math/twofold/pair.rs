@@ -67,6 +67,30 @@ impl Pair {
         Self { high: if finite { sum } else { beyond }, low: if finite { left - (sum - first) } else { 0.0 } }
     }
 
+    /// The same for a number: no second part is added up.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn add_number<const SAFE: bool>(self, b: f64) -> Self {
+        if SAFE {
+            return self.add::<SAFE>(Self::of(b));
+        }
+        let (high, rest) = two_sum(self.high, b);
+        let middle = rest + self.low;
+        let first = high + middle;
+        let left = middle - (first - high);
+        let sum = first + left;
+        Self { high: sum, low: left - (sum - first) }
+    }
+
+    /// The difference of two numbers, exact.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn difference<const SAFE: bool>(a: f64, b: f64) -> Self {
+        if SAFE {
+            return Self::of(a).sub::<SAFE>(Self::of(b));
+        }
+        let (high, low) = two_sum(a, -b);
+        Self { high, low }
+    }
+
     /// The sum of four products, each exact but for what is below the last bits: T. Ogita, S. M. Rump, S. Oishi,
     /// Accurate sum and dot product, SIAM J. Sci. Comput. 26 (2005), algorithm 5.3, with the second parts added to
     /// what is carried. The error is some 2^-102 of the sum of the magnitudes, as for sums one by one.

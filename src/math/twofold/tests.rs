@@ -229,6 +229,22 @@ fn operations_have_a_hundred_bits() {
 }
 
 #[test]
+fn numbers_without_a_second_part_are_added_as_pairs_are() {
+    let mut state = 23;
+    for round in 0..20_000 {
+        let (a, near) = (pair(&mut state), random(&mut state));
+        // Of every kind: apart, close to each other, and what leaves the second part alone.
+        let b = [near, -a.high, -a.high.next_up(), near * 2f64.powi(-60), near * 2f64.powi(60), 0.0][round % 6];
+        assert_eq!(a.add_number::<false>(b), a.add::<false>(Pair::of(b)), "{a:?} {b}");
+        assert_eq!(a.add_number::<true>(b), a.add::<true>(Pair::of(b)), "{a:?} {b}");
+        let difference = Pair::of(a.high).sub::<true>(Pair::of(b));
+        assert_eq!(Pair::difference::<false>(a.high, b), difference, "{a:?} {b}");
+        assert_eq!(Pair::difference::<true>(a.high, b), difference, "{a:?} {b}");
+    }
+    assert!(Pair::difference::<true>(f64::INFINITY, 1.0).low == 0.0);
+}
+
+#[test]
 fn functions_have_more_bits_than_binary64() {
     let mut state = 11;
     for _ in 0..300 {
