@@ -123,6 +123,8 @@ pub(crate) enum Lex {
     HashHash,
     /// One or more characters that start no token.
     Unknown,
+    /// A text in quotes; made by the preprocessor where an extension brings them.
+    Quoted,
     /// Behind the last token; made by the parser.
     End,
 }

@@ -348,13 +348,20 @@ impl<'a> Checker<'a> {
     }
 
     fn unknown_name(&mut self, name: &str, span: Span) {
-        if !self.first_time(name) {
+        if !self.first_time(name) || self.may_be_of_an_extension(name) {
             return;
         }
         let near = nearest(name, self.known_variables()).map(str::to_owned);
         let message = format!("`{name}` is not declared");
         let diagnostic = self.sink.start(errors::UNKNOWN_NAME, span, message).with_label("unknown name");
         self.sink.push(self.unknown_help(name, near, diagnostic));
+    }
+
+    /// True for a built-in name that an extension may bring of which nothing is known here, and that is no slip.
+    fn may_be_of_an_extension(&self, name: &str) -> bool {
+        const LETTERS: usize = 2;
+        let slip = |known: &str| strsim::damerau_levenshtein(name, known) <= LETTERS;
+        self.language.is_open() && name.starts_with("gl_") && !builtin::variable_names(self.stage).any(slip)
     }
 
     fn unknown_help(

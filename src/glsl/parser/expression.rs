@@ -222,6 +222,10 @@ impl Parser<'_> {
                 };
                 self.add(kind, start, from_macro)
             }
+            Lex::Quoted => {
+                self.advance();
+                self.add(ExprKind::Error, start, from_macro)
+            }
             Lex::LParen => {
                 self.advance();
                 let inner = self.expression()?;

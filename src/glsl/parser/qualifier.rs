@@ -12,7 +12,15 @@ use crate::diagnostic::told;
 impl Parser<'_> {
     pub(super) fn qualifiers(&mut self) -> Read<Qualifiers> {
         let mut list = Vec::new();
-        while self.words.qualifier(self.word()) || self.late_qualifier() {
+        loop {
+            // What it says of a variable is not known, and the variable is read without it.
+            if self.foreign_qualifier() {
+                self.advance();
+                continue;
+            }
+            if !self.words.qualifier(self.word()) && !self.late_qualifier() {
+                break;
+            }
             let start = self.span();
             let word = self.word().to_owned();
             self.advance();
@@ -48,6 +56,18 @@ impl Parser<'_> {
             list.push(Qualifier { kind, span: self.since(start) });
         }
         Ok(Qualifiers { list })
+    }
+
+    /// True for a word of an extension that is not known here, such as `pervertexEXT` or `rayPayloadEXT`, that stands
+    /// where only a qualifier can.
+    fn foreign_qualifier(&self) -> bool {
+        let word = self.word();
+        let named = ["EXT", "NV", "KHR", "ARB", "AMD", "HUAWEI", "ARM"].iter().any(|vendor| word.ends_with(vendor));
+        if !named || !self.words.language().is_open() || self.peek_at(1) != Lex::Word {
+            return false;
+        }
+        let next = self.word_at(1);
+        self.words.qualifier(next) || self.words.built_in_type(next) || self.peek_at(2) == Lex::Word
     }
 
     /// Tells a qualifier of a later version that stands where one can only be meant, and takes it as one.

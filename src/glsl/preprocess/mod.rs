@@ -1,6 +1,7 @@
 //! Directives and macros: from the tokens of the text to the tokens that are compiled.
 
 mod condition;
+mod foreign;
 mod macros;
 
 use std::sync::Arc;
@@ -179,8 +180,16 @@ impl Preprocessor<'_> {
     }
 
     fn text(&mut self, line: &[Piece]) {
-        for piece in line {
+        let quotes = self.extensions.iter().any(|e| e.name == "GL_EXT_debug_printf" && e.behavior != "disable");
+        let mut at = 0;
+        while let Some(piece) = line.get(at) {
+            at += 1;
             match piece.lex {
+                Lex::Unknown if quotes && self.sink.file.slice(piece.span).starts_with('"') => {
+                    let (end, next) = self.quoted(line, at - 1);
+                    at = next;
+                    self.pending.push(Tok::new(&Piece { lex: Lex::Quoted, span: piece.span.to(end), ..*piece }));
+                }
                 Lex::Unknown => {
                     self.unknown(piece.span);
                     // The parser must know that something stands here, unless it is a blank.
@@ -191,25 +200,6 @@ impl Preprocessor<'_> {
                 _ => self.pending.push(Tok::new(piece)),
             }
         }
-    }
-
-    fn unknown(&mut self, span: Span) {
-        let text = self.sink.file.slice(span).to_owned();
-        let shown: String = text.chars().take(8).collect();
-        let start = self.sink.start(errors::TOKEN, span, "").with_label("not part of the language");
-        let diagnostic = if text.chars().all(|c| c.is_whitespace()) {
-            // Input methods for Chinese and Japanese type it; it looks like two blanks.
-            let edits = vec![Edit::replace(span, " ")];
-            let mut d = start.with_fix("Replace it by an ordinary blank", Safety::Safe, edits);
-            d.message = "a blank that is not ASCII stands here".into();
-            d.label = "looks like a blank, but is none to a compiler".into();
-            d
-        } else {
-            let mut d = start.with_help("only comments may hold characters outside ASCII, or `@`, `$`, quotes");
-            d.message = format!("`{}` is not part of GLSL", shown.escape_debug()).into();
-            d
-        };
-        self.sink.push(diagnostic);
     }
 
     fn flush(&mut self) {

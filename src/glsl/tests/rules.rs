@@ -219,3 +219,40 @@ fn a_local_constant_may_get_its_value_when_the_shader_runs() {
     assert_eq!(written.len(), 1, "{written:?}");
     one(Stage::Vertex, "#version 460\nuniform float u;\nconst float a = u;\nvoid main() {}\n", told);
 }
+
+#[test]
+fn what_an_extension_may_bring_is_no_error_and_a_slip_is_one() {
+    let of = |name: &str, body: &str| {
+        format!(
+            "#version 460\n#extension GL_{name} : require\nlayout(location = 0) out vec4 c;\nvoid main() {{ {body} }}\n"
+        )
+    };
+    let bary = "EXT_fragment_shader_barycentric";
+    clean(&of(bary, "c = vec4(gl_BaryCoordEXT, 1.0);"), Stage::Fragment);
+    let text = of(bary, "c = v[0];").replace("void", "layout(location = 1) pervertexEXT in vec4 v[];\nvoid");
+    clean(&text, Stage::Fragment);
+    clean(&of("EXT_ray_query", "c = vec4(0.0); if (gl_RayFlagsOpaqueEXT != 0u) c.x = 1.0;"), Stage::Fragment);
+    // Two letters away from a name that there is.
+    one(Stage::Fragment, &of(bary, "c = gl_FragCord;"), "E020 `gl_FragCord` is not declared");
+    one(Stage::Fragment, &of(bary, "c = baryCoord;"), "E020 `baryCoord` is not declared");
+    // With extensions that are known, nothing else comes.
+    one(Stage::Fragment, &of("ARB_cull_distance", "c = gl_Whatever;"), "E020 `gl_Whatever` is not declared");
+}
+
+#[test]
+fn texts_in_quotes_come_with_an_extension() {
+    let of = |name: &str, call: &str| {
+        format!(
+            "#version 460\n#extension GL_{name} : enable\nlayout(location = 0) out vec4 c;\nvoid main() {{ c = vec4(1.0); {call} }}\n"
+        )
+    };
+    for call in
+        ["debugPrintfEXT(\"x %f, y @ %d\\n\", c.x, 1);", "debugPrintfEXT(\"\");", "debugPrintfEXT(\"a\"); c.y = 2.0;"]
+    {
+        clean(&of("EXT_debug_printf", call), Stage::Fragment);
+    }
+    // A text is no number, and what stands behind it is read.
+    one(Stage::Fragment, &of("EXT_debug_printf", "debugPrintfEXT(\"a\"); c = q;"), "E020 `q` is not declared");
+    let errors = errors(&of("ARB_cull_distance", "debugPrintfEXT(\"a\");"), Stage::Fragment);
+    assert!(errors.iter().any(|e| e.starts_with("E002")), "{errors:?}");
+}

@@ -1,10 +1,10 @@
 //! I001: an input that the stage before does not write.
 
 use crate::diagnostic::{Code, Safety, Severity, told};
+use crate::glsl::Stage;
 use crate::glsl::interface::{Storage, Variable};
 use crate::lint::host::{list, list_in_japanese, nearest};
-use crate::lint::project::Project;
-use crate::lint::project::ShaderFile;
+use crate::lint::project::{Project, ShaderFile, folder};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use crate::text::Edit;
 
@@ -21,7 +21,7 @@ pub const RULE: Rule = Rule {
     level: Level::Default,
     summary: "an input that no output of the stage before writes",
     page: Page {
-        what: "Reports inputs that are used in a stage, and that the stage before it in the program does not declare as outputs: by location where both have one, by name otherwise. Programs come from host code, from `shadercheck.toml`, and from shaders of one name in one folder. It stays silent when a stage is not known.",
+        what: "Reports inputs that are used in a stage, and that the stage before it in the program does not declare as outputs: by location where both have one, by name otherwise. Programs come from host code, from `shadercheck.toml`, and from shaders of one name in one folder. It stays silent when a stage is not known, and about what a geometry or tessellation shader of another name in the folder writes for the fragment shader of a program that is known by its name alone.",
         why: "The program does not link, or, with drivers that link it, the value is undefined. A letter that differs between the two stages is the usual cause.",
         bad: &[
             Example {
@@ -50,7 +50,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "前のステージのどの出力も書き込まない入力です",
-            what: "ステージで使われている入力のうち、プログラムの前のステージに対応する出力がないものを報告します。対応は、両方に location があれば location で、なければ名前で決まります。プログラムは、ホストのコード、`shadercheck.toml`、および同じフォルダにある同名のシェーダから求めます。不明なステージがあるときは報告しません。",
+            what: "ステージで使われている入力のうち、プログラムの前のステージに対応する出力がないものを報告します。対応は、両方に location があれば location で、なければ名前で決まります。プログラムは、ホストのコード、`shadercheck.toml`、および同じフォルダにある同名のシェーダから求めます。不明なステージがあるときは報告しません。名前だけで組み合わせたプログラムでは、同じフォルダにある別名のジオメトリシェーダやテッセレーションシェーダが書き込む、フラグメントシェーダの入力も報告しません。",
             why: "プログラムはリンクできません。リンクできるドライバでも値は不定です。多くは二つのステージの間の綴り違いが原因です。",
             fix: "型が同じで、名前が似ていて、どこからも読まれない出力が一つだけあれば、その名前に書き換えます。別の出力のつもりかもしれないので unsafe です。",
         },
@@ -58,7 +58,7 @@ pub const RULE: Rule = Rule {
     check: Check::Program(check),
 };
 
-fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>) {
+fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) {
     for (from, to) in program.links() {
         let interface = to.shader.interface();
         for input in &interface.inputs {
@@ -66,7 +66,10 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                 || producer(from, to, input).is_some()
                 || in_block(from, Storage::Out, &input.name)
                 || bypasses(program, input);
-            if known || !is_used(to, input) {
+            if known
+                || !is_used(to, input)
+                || between(program, project, to, &|other| producer(other, to, input).is_some())
+            {
                 continue;
             }
             let (name, stage, place) = (&input.name, from.shader.stage().name(), from.file.name());
@@ -112,7 +115,12 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                 || block.members.iter().any(|m| loose(&m.name.name));
             let used = block.symbol.is_some_and(|s| is_read(to, s))
                 || block.members.iter().any(|m| m.symbol.is_some_and(|s| is_read(to, s)));
-            if known || !used || program.shaders().len() > 2 && program.how_known() == Known::Name {
+            let guessed = program.shaders().len() > 2 && program.how_known() == Known::Name;
+            if known
+                || !used
+                || guessed
+                || between(program, project, to, &|other| block_of(other, Storage::Out, &block.name.name).is_some())
+            {
                 continue;
             }
             let (name, stage, place) = (&block.name.name, from.shader.stage().name(), from.file.name());
@@ -139,6 +147,17 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             );
         }
     }
+}
+
+/// True when a stage that lies between these two may be in another file, with another name: shaders that belong together
+/// by their names alone may have one, and there is one in the folder that writes what is read.
+fn between(program: &Program<'_>, project: &Project, to: &ShaderFile, writes: &dyn Fn(&ShaderFile) -> bool) -> bool {
+    let here = folder(to.file.name());
+    let may = |other: &ShaderFile| {
+        matches!(other.shader.stage(), Stage::Geometry | Stage::TessEvaluation) && folder(other.file.name()) == here
+    };
+    let last = to.shader.stage() == Stage::Fragment;
+    last && program.how_known() == Known::Name && project.shader_files().any(|(_, other)| may(other) && writes(other))
 }
 
 /// True for a fragment input that a stage before the last one writes: another rule tells it, and where

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Severity, Told, told};
 use crate::glsl::interface::{Block, Storage};
-use crate::lint::project::Project;
+use crate::lint::project::{Project, ShaderFile};
 use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 use super::Program;
@@ -16,7 +16,7 @@ pub const RULE: Rule = Rule {
     level: Level::Default,
     summary: "a block has other members in another stage of the program",
     page: Page {
-        what: "Reports blocks of one name whose members differ between two stages in number, name, order or type: uniform and storage blocks, and output blocks with the input block that they go to. Names of instances may differ.",
+        what: "Reports blocks of one name whose members differ between two stages in number, name, order or type: uniform and storage blocks, and output blocks with the input block that they go to. Names of instances may differ. Blocks with bindings that differ are two blocks to Vulkan, and push constants may differ.",
         why: "Stages meet by the name of the block, and its members have to be the same; otherwise the program does not link.",
         bad: &[
             Example {
@@ -44,7 +44,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "ブロックのメンバが、プログラムの別のステージと違います",
-            what: "同じ名前のブロックのうち、二つのステージでメンバの数、名前、順序、型のいずれかが違うものを報告します。uniform ブロックとストレージブロック、および出力ブロックとそれを受け取る入力ブロックを調べます。インスタンス名は違ってもかまいません。",
+            what: "同じ名前のブロックのうち、二つのステージでメンバの数、名前、順序、型のいずれかが違うものを報告します。uniform ブロックとストレージブロック、および出力ブロックとそれを受け取る入力ブロックを調べます。インスタンス名は違ってもかまいません。バインディングが違うブロックは Vulkan では別のブロックなので、報告しません。プッシュ定数も違ってかまいません。",
             why: "ステージ間の対応はブロック名で決まり、メンバは同じでなければなりません。違うとプログラムはリンクできません。",
             fix: "no fix（修正なし）: どちらのつもりか分かりません。",
         },
@@ -69,7 +69,9 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
                     .and_then(|before| block_of(shaders[before], Storage::Out, name).map(|b| (&shaders[before], b))),
                 Storage::Out | Storage::Shared | Storage::Const | Storage::Global => None,
             };
-            let Some((there, first)) = other else { continue };
+            let Some((there, first)) = other.filter(|(there, first)| !apart((shader, block), (there, first))) else {
+                continue;
+            };
             let Some(drift) = drift(block, first) else { continue };
             let (en, ja) = (drift.to_string(), drift.in_lang(crate::diagnostic::Lang::Ja).to_owned());
             let place = there.file.name();
@@ -96,6 +98,19 @@ fn check(program: &Program<'_>, _project: &Project, findings: &mut Findings<'_>)
             );
         }
     }
+}
+
+/// True for blocks that are two in Vulkan, which finds them by their bindings, whatever their names are, and lets each
+/// stage see another part of the push constants (GLSL for Vulkan, "Shader Resource Interface"). A text with bindings may
+/// be for either API.
+fn apart((shader, block): (&ShaderFile, &Block), (there, other): (&ShaderFile, &Block)) -> bool {
+    let pushed = |b: &Block| b.qualifiers.layout_entry("push_constant").is_some();
+    let place = |s: &ShaderFile, b: &Block| {
+        let text = |key| b.qualifiers.layout_entry(key).map(|entry| s.file.slice(entry.span).to_owned());
+        text("binding").map(|binding| (text("set"), binding))
+    };
+    let (here, there) = (place(shader, block), place(there, other));
+    pushed(block) || pushed(other) || (here.is_some() && there.is_some() && here != there)
 }
 
 /// The first difference between two blocks, as seen from `block`.

@@ -154,3 +154,42 @@ fn a_geometry_stage_takes_arrays() {
     assert_eq!(told(&g("in vec4 n[];", "n[0].xyz")), ["I002"]);
     assert_eq!(told(&g("in vec3 k[];", "k[0]")), ["I001"]);
 }
+
+#[test]
+fn a_stage_of_another_name_may_lie_between() {
+    let pass = "#version 410 core\nlayout(triangles) in;\nlayout(points, max_vertices = 1) out;\nin vec3 a[];\nOUT\n\
+                void main() { b = a[0]; gl_Position = gl_in[0].gl_Position; EmitVertex(); EndPrimitive(); }\n";
+    let (vertex, fragment) = (vertex("out vec3 a;", "a = p.xyz;"), fragment("in vec3 b;", "b, 1.0"));
+    let of = |geometry: &str, out: &str| {
+        let geometry = (geometry, pass.replace("OUT", out));
+        let files = [("s/a.vert", vertex.as_str()), (geometry.0, geometry.1.as_str()), ("s/a.frag", fragment.as_str())];
+        codes(&files).into_iter().filter(|code| *code == "I001").count()
+    };
+    assert_eq!(of("s/lines.geom", "out vec3 b;"), 0);
+    let (placed, writes) =
+        (fragment.replace("in vec3 b", "layout(location = 2) in vec3 b"), "layout(location = 2) out vec3 c;");
+    let pass = pass.replace("OUT", writes).replace("b = ", "c = ");
+    assert_eq!(codes(&[("s/a.vert", &vertex), ("s/lines.geom", &pass), ("s/a.frag", &placed)]), [""; 0]);
+    // One that does not write it, one of another folder, and none.
+    assert_eq!(of("s/lines.geom", "out vec3 b_; vec3 b;"), 1);
+    assert_eq!(of("t/lines.geom", "out vec3 b;"), 1);
+    assert_eq!(codes(&[("s/a.vert", &vertex), ("s/a.frag", &fragment)]), ["I001"]);
+}
+
+#[test]
+fn blocks_of_vulkan_are_told_apart_by_their_bindings() {
+    let of = |first: &str, second: &str| {
+        let vertex = vertex(&format!("layout({first}) uniform U {{ vec4 v; }} one;"), "");
+        let fragment = fragment(&format!("layout({second}) uniform U {{ vec4 w; }} two;"), "two.w");
+        let found =
+            codes(&[("a.vert", &vertex.replace("410 core", "450")), ("a.frag", &fragment.replace("410 core", "450"))]);
+        found.contains(&"I009")
+    };
+    assert!(!of("set = 0, binding = 0", "set = 0, binding = 1"));
+    assert!(!of("set = 0, binding = 0", "set = 1, binding = 0"));
+    assert!(!of("push_constant", "push_constant"));
+    assert!(of("set = 0, binding = 0", "set = 0, binding = 0"));
+    // Without a set it may be OpenGL as well, where a linker would tell.
+    assert!(!of("std140, binding = 0", "std140, binding = 1"));
+    assert!(of("std140, binding = 0", "std140") && of("std140", "std140"));
+}
