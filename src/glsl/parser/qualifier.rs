@@ -61,9 +61,11 @@ impl Parser<'_> {
     /// True for a word of an extension that is not known here, such as `pervertexEXT` or `rayPayloadEXT`, that stands
     /// where only a qualifier can.
     fn foreign_qualifier(&self) -> bool {
+        if !self.words.language().is_open() || self.peek_at(1) != Lex::Word {
+            return false;
+        }
         let word = self.word();
-        let named = ["EXT", "NV", "KHR", "ARB", "AMD", "HUAWEI", "ARM"].iter().any(|vendor| word.ends_with(vendor));
-        if !named || !self.words.language().is_open() || self.peek_at(1) != Lex::Word {
+        if !["EXT", "NV", "KHR", "ARB", "AMD", "HUAWEI", "ARM"].iter().any(|vendor| word.ends_with(vendor)) {
             return false;
         }
         let next = self.word_at(1);

@@ -1,22 +1,41 @@
 //! Characters that are no part of the language, and texts in quotes, which an extension brings.
 
-use super::super::errors;
 use super::super::lexer::{Lex, Piece};
+use std::borrow::Cow;
+
+use super::super::{Extension, errors};
 use super::Preprocessor;
 use crate::diagnostic::Safety;
 use crate::text::{Edit, Span};
 
 impl Preprocessor<'_> {
-    /// Where the text in quotes ends that begins with a piece of a line, and the piece behind it.
-    pub(super) fn quoted(&self, line: &[Piece], first: usize) -> (Span, usize) {
-        let has = |piece: &Piece, text: &str| self.sink.file.slice(piece.span).contains(text);
-        let begin = &line[first];
-        if self.sink.file.slice(begin.span)[1..].contains('"') {
-            return (begin.span, first + 1);
+    /// A line with each text in quotes as one piece, where an extension brings such texts. One that is never closed stays
+    /// as it is.
+    pub(super) fn with_texts<'l>(&self, line: &'l [Piece]) -> Cow<'l, [Piece]> {
+        let comes = |e: &Extension| e.name == "GL_EXT_debug_printf" && e.behavior != "disable";
+        if line.iter().all(|piece| piece.lex != Lex::Unknown) || !self.extensions.iter().any(comes) {
+            return Cow::Borrowed(line);
         }
-        let close = line[first + 1..].iter().position(|piece| piece.lex == Lex::Unknown && has(piece, "\""));
-        let last = close.map_or(line.len() - 1, |k| first + 1 + k);
-        (line[last].span, last + 1)
+        let (mut out, mut rest) = (Vec::new(), line);
+        while let Some((&piece, behind)) = rest.split_first() {
+            let (piece, behind) = self.quoted(piece, behind).unwrap_or((piece, behind));
+            out.push(piece);
+            rest = behind;
+        }
+        Cow::Owned(out)
+    }
+
+    /// The text in quotes that begins with a piece, and what stands behind it; none where no other quote follows.
+    fn quoted<'l>(&self, begin: Piece, rest: &'l [Piece]) -> Option<(Piece, &'l [Piece])> {
+        let inside = self.sink.file.slice(begin.span).strip_prefix('"')?;
+        let closes = |piece: &Piece| piece.lex == Lex::Unknown && self.sink.file.slice(piece.span).contains('"');
+        let (end, behind) = if inside.contains('"') {
+            (begin.span, rest)
+        } else {
+            let last = rest.iter().position(closes)?;
+            (rest[last].span, &rest[last + 1..])
+        };
+        Some((Piece { lex: Lex::Quoted, span: begin.span.to(end), ..begin }, behind))
     }
 
     /// Tells of characters that are no part of the language.

@@ -180,16 +180,8 @@ impl Preprocessor<'_> {
     }
 
     fn text(&mut self, line: &[Piece]) {
-        let quotes = self.extensions.iter().any(|e| e.name == "GL_EXT_debug_printf" && e.behavior != "disable");
-        let mut at = 0;
-        while let Some(piece) = line.get(at) {
-            at += 1;
+        for piece in self.with_texts(line).iter() {
             match piece.lex {
-                Lex::Unknown if quotes && self.sink.file.slice(piece.span).starts_with('"') => {
-                    let (end, next) = self.quoted(line, at - 1);
-                    at = next;
-                    self.pending.push(Tok::new(&Piece { lex: Lex::Quoted, span: piece.span.to(end), ..*piece }));
-                }
                 Lex::Unknown => {
                     self.unknown(piece.span);
                     // The parser must know that something stands here, unless it is a blank.
@@ -437,6 +429,7 @@ impl Preprocessor<'_> {
             }
             _ => (None, body),
         };
+        let body = self.with_texts(body);
         for piece in body.iter().filter(|p| p.lex == Lex::Unknown) {
             self.unknown(piece.span);
         }

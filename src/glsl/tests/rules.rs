@@ -251,8 +251,14 @@ fn texts_in_quotes_come_with_an_extension() {
     {
         clean(&of("EXT_debug_printf", call), Stage::Fragment);
     }
+    let text = of("EXT_debug_printf", "SHOW(c.x);");
+    clean(&text.replace("layout", "#define SHOW(x) debugPrintfEXT(\"v %f\", x)\nlayout"), Stage::Fragment);
     // A text is no number, and what stands behind it is read.
     one(Stage::Fragment, &of("EXT_debug_printf", "debugPrintfEXT(\"a\"); c = q;"), "E020 `q` is not declared");
-    let errors = errors(&of("ARB_cull_distance", "debugPrintfEXT(\"a\");"), Stage::Fragment);
-    assert!(errors.iter().any(|e| e.starts_with("E002")), "{errors:?}");
+    // Without the extension, and where it is never closed, a quote is told at its place.
+    for (name, call) in [("ARB_cull_distance", "debugPrintfEXT(\"a\");"), ("EXT_debug_printf", "debugPrintfEXT(\"a);")]
+    {
+        let errors = errors(&of(name, call), Stage::Fragment);
+        assert!(errors.iter().any(|e| e.starts_with("E002")), "{errors:?}");
+    }
 }
