@@ -8,6 +8,7 @@
 mod blending;
 mod curve;
 mod hair;
+pub mod quick;
 mod surface;
 #[cfg(test)]
 mod tests;

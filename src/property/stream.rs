@@ -46,6 +46,14 @@ impl Stream {
         finish(self.0)
     }
 
+    /// The next `draws` draws as a sequence of their own; this one goes on behind them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn part(&mut self, draws: u64) -> Self {
+        let part = *self;
+        self.0 = self.0.wrapping_add(STEP.wrapping_mul(draws));
+        part
+    }
+
     /// A number in `0..n`; 0 when `n` is 0. The bias is below 2^-32.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn below(&mut self, n: usize) -> usize {
@@ -86,6 +94,13 @@ mod tests {
             let (mut ours, mut theirs) = (Stream::new(seed), SplitMix64::seed_from_u64(seed));
             assert!((0..1000).all(|_| ours.bits() == theirs.next_u64()));
         }
+    }
+
+    #[test]
+    fn parts_are_what_would_have_been_drawn() {
+        let (mut whole, mut rest) = (Stream::new(9), Stream::new(9));
+        let mut part = rest.part(3);
+        assert!((0..3).all(|_| whole.bits() == part.bits()) && whole.bits() == rest.bits());
     }
 
     #[test]

@@ -11,11 +11,13 @@ use super::bytes::{Bytes, Held, least_first};
 use super::digest::Digest;
 use super::document::{Document, ExpectedSource, NO_DIGEST, ProfileSource, SCHEMA, SCHEMA_VERSION, Tool, flag_bits};
 use super::flags::Flags;
+use super::inputs::{Route, Run, routes, runs};
 use super::layout::{arrays, equations};
 use super::subject::{Samples, Subject};
-use super::worker::{Part, Worker, routes};
+use super::worker::{Part, Worker};
 use crate::bound::profile::Profile;
 use crate::exact::Exact;
+use crate::exact::quick::Quick;
 use crate::formula::Rule;
 use crate::interp::LANES;
 use crate::suite::{Expect, RecordedFile};
@@ -87,20 +89,13 @@ pub struct Generator<'a> {
 pub(super) enum Source {
     Formula {
         exact: Exact,
+        quick: Option<(Quick, Vec<Run>)>,
         routes: Vec<Route>,
     },
     /// Another shader, or a record.
     Reference,
     /// The shader itself.
     Meaning,
-}
-
-/// Where a word of a formula's inputs comes from.
-#[derive(Clone, Copy)]
-pub(super) struct Route {
-    pub from_case: bool,
-    pub word: usize,
-    pub scalar: Scalar,
 }
 
 /// The outputs of one sample.
@@ -146,8 +141,10 @@ impl<'a> Generator<'a> {
         let sides = subject.records();
         let (source, names): (_, Vec<&str>) = match (formula, exact) {
             (Some(formula), Some(exact)) => {
-                let routes = formula.inputs.iter().flat_map(|param| routes(param, sides)).collect();
-                (Source::Formula { exact, routes }, formula.outputs.iter().map(|p| p.name).collect())
+                let routes: Vec<Route> = formula.inputs.iter().flat_map(|param| routes(param, sides)).collect();
+                let quick =
+                    Quick::of(exact, routes.iter().map(|route| route.from_case)).map(|quick| (quick, runs(&routes)));
+                (Source::Formula { exact, quick, routes }, formula.outputs.iter().map(|p| p.name).collect())
             }
             _ if emits => return Err(Unfit::Emits(name())),
             _ => match subject.expect() {

@@ -16,10 +16,12 @@
 
 mod array;
 mod bytes;
+mod columns;
 mod digest;
 mod document;
 mod flags;
 mod generate;
+mod inputs;
 mod layout;
 mod number;
 mod produce;

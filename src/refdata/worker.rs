@@ -3,18 +3,20 @@
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 
+use super::columns::{Columns, flags_of, grow, turn};
 use super::flags::{Flag, Flags, any_special};
-use super::generate::{Generator, Outputs, Route, Source};
+use super::generate::{Generator, Source};
+use super::inputs::{Inputs, Route, Run};
 use super::number::upward;
 use crate::bound::profile::grid::MIN_NORMAL;
-use crate::exact::{Exact, Words};
-use crate::formula::Param;
+use crate::exact::Exact;
+use crate::exact::quick::Quick;
 use crate::interp::LANES;
 use crate::lane::Stage;
-use crate::math::twofold::{Twofold, WIDTH};
+use crate::math::twofold::WIDTH;
 use crate::math::wide;
 use crate::property::encode;
-use crate::value::{Batch, Record, Scalar};
+use crate::value::{Batch, Scalar};
 use crate::verdict::{Limiter, Limits, Meant, Reason, Roundoff, Wanted};
 
 /// A bound of this part of the size of an output makes it ill-conditioned.
@@ -41,91 +43,8 @@ pub(super) struct Worker<'g, 'a> {
     /// How far what is expected may be off: by sample, then by word; empty where it is exact.
     slack: Vec<f64>,
     columns: Columns,
-}
-
-/// What a formula gives for samples side by side.
-struct Columns {
-    /// By word; the one NaN where there is no value.
-    values: Vec<[f64; WIDTH]>,
-    /// The nearest binary32.
-    nearest: Vec<[u32; WIDTH]>,
-    /// Flags that follow from the values, and the marks of the formula.
-    flags: [u64; WIDTH],
-    fast: Vec<Twofold<false>>,
-    safe: Vec<Twofold<true>>,
-}
-
-/// The columns of a formula in one of the two kinds of arithmetic.
-trait Room<const SAFE: bool> {
-    fn room(&mut self) -> &mut [Twofold<SAFE>];
-}
-
-impl Room<false> for Columns {
-    #[inline(always)]
-    fn room(&mut self) -> &mut [Twofold<false>] {
-        &mut self.fast
-    }
-}
-
-impl Room<true> for Columns {
-    #[inline(always)]
-    fn room(&mut self) -> &mut [Twofold<true>] {
-        &mut self.safe
-    }
-}
-
-impl Columns {
-    fn new(words: usize) -> Self {
-        Self {
-            values: vec![[0.0; WIDTH]; words],
-            nearest: vec![[0; WIDTH]; words],
-            flags: [0; WIDTH],
-            fast: vec![Twofold::of([0.0; WIDTH]); words],
-            safe: vec![Twofold::of([0.0; WIDTH]); words],
-        }
-    }
-
-    /// Computes the formula. True when all values are finite.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn evaluate<const SAFE: bool>(&mut self, exact: Exact, inputs: &Inputs<'_>, outputs: &Outputs) -> bool
-    where
-        Self: Room<SAFE>,
-    {
-        let marks = exact.evaluate(inputs, self.room());
-        for lane in 0..WIDTH {
-            self.flags[lane] = (marks.segment_end[lane] & Flag::SegmentEnd as u64)
-                | (marks.degenerate[lane] & Flag::Degenerate as u64);
-        }
-        let mut finite = true;
-        for word in 0..self.values.len() {
-            let column = self.room()[word];
-            column.rounded_32(&mut self.nearest[word]);
-            for lane in 0..WIDTH {
-                let value = column.rounded()[lane];
-                finite &= value.abs() < f64::INFINITY;
-                self.values[word][lane] = if value.is_nan() { f64::NAN } else { value };
-                let nearest = self.nearest[word][lane];
-                self.nearest[word][lane] = if value.is_nan() { f32::NAN.to_bits() } else { nearest };
-            }
-        }
-        for vertex in 0..outputs.vertices {
-            let first = vertex * outputs.words.len();
-            for (field, range) in &outputs.fields {
-                let real = field.shape.scalar == Scalar::F32;
-                let words = &self.values[first + range.start..first + range.end];
-                let (mut size, mut none) = ([0.0; WIDTH], [false; WIDTH]);
-                for column in words {
-                    for lane in 0..WIDTH {
-                        grow((&mut size[lane], &mut none[lane]), column[lane]);
-                    }
-                }
-                for lane in 0..WIDTH {
-                    self.flags[lane] |= flags_of((size[lane], none[lane]), real);
-                }
-            }
-        }
-        finite
-    }
+    /// Samples of which the quick phase is not sure.
+    doubtful: Vec<usize>,
 }
 
 impl<'g, 'a> Worker<'g, 'a> {
@@ -141,6 +60,7 @@ impl<'g, 'a> Worker<'g, 'a> {
             values: Vec::new(),
             slack: Vec::new(),
             columns: Columns::new(generator.outputs.words_of_sample()),
+            doubtful: Vec::new(),
             generator,
         }
     }
@@ -148,7 +68,9 @@ impl<'g, 'a> Worker<'g, 'a> {
     pub fn fill(&mut self, batch: &Batch, first: usize, mut part: Part<'_>) {
         self.inputs(batch, first, part.flags);
         match &self.generator.source {
-            Source::Formula { exact, routes } => self.formula((*exact, routes), batch, first, &mut part),
+            Source::Formula { exact, quick, routes } => {
+                self.formula((*exact, quick.as_ref(), routes), batch, first, &mut part);
+            }
             Source::Reference => {
                 self.reference(batch, first, &mut part);
                 self.outputs(part.expected, part.flags);
@@ -161,27 +83,70 @@ impl<'g, 'a> Worker<'g, 'a> {
         self.bounds(batch, first, &mut part);
     }
 
-    fn formula(&mut self, (exact, routes): (Exact, &[Route]), batch: &Batch, first: usize, part: &mut Part<'_>) {
-        let Self { columns, generator, .. } = self;
-        let outputs = &generator.outputs;
-        let width = columns.values.len();
+    fn formula(
+        &mut self,
+        source: (Exact, Option<&(Quick, Vec<Run>)>, &[Route]),
+        batch: &Batch,
+        first: usize,
+        part: &mut Part<'_>,
+    ) {
+        let (exact, quick, routes) = source;
+        let width = self.columns.values.len();
+        self.doubtful.clear();
         for at in (0..part.flags.len()).step_by(WIDTH) {
             let inputs = Inputs::new(batch, routes, first + at);
             let lanes = WIDTH.min(part.flags.len() - at);
-            let flags = &mut part.flags[at..][..lanes];
-            // Numbers that are finite are computed fast. Only where one is not has arithmetic to be careful.
-            let fast = flags.iter().all(|flags| !flags.has(Flag::InputNan) && !flags.has(Flag::InputInfinite))
-                && wide(
+            let quick = quick.filter(|_| lanes == WIDTH);
+            if let (Some((quick, runs)), Some(case)) = (quick, inputs.case) {
+                let Self { columns, generator, .. } = self;
+                let all = wide(
                     #[inline(always)]
-                    || columns.evaluate::<false>(exact, &inputs, outputs),
+                    || {
+                        inputs.give(case, runs, &mut columns.given);
+                        columns.approach(*quick, &generator.outputs)
+                    },
                 );
-            if !fast {
-                columns.evaluate::<true>(exact, &inputs, outputs);
+                if !all {
+                    self.doubtful.extend(columns.unsure().map(|lane| at + lane));
+                }
+            } else {
+                self.accurately(exact, &inputs, &part.flags[at..at + lanes]);
             }
+            let Columns { values, nearest, flags, .. } = &self.columns;
             let to = at * width..(at + lanes) * width;
-            flags.iter_mut().zip(&columns.flags).for_each(|(flags, &more)| flags.0 |= more as u16);
-            turn(&columns.values, &mut part.expected[to.clone()]);
-            turn(&columns.nearest, &mut part.nearest[to]);
+            part.flags[at..].iter_mut().zip(flags).for_each(|(flags, &more)| flags.0 |= more as u16);
+            turn(values, &mut part.expected[to.clone()]);
+            turn(nearest, &mut part.nearest[to]);
+        }
+        let doubtful = std::mem::take(&mut self.doubtful);
+        for rows in doubtful.chunks(WIDTH) {
+            let mut special = [Flags::default(); WIDTH];
+            rows.iter().zip(&mut special).for_each(|(&row, flags)| *flags = part.flags[row]);
+            self.accurately(exact, &Inputs::of(batch, routes, first, rows), &special);
+            let Columns { values, nearest, flags, .. } = &self.columns;
+            for (lane, &row) in rows.iter().enumerate() {
+                part.flags[row].0 |= flags[lane] as u16;
+                for word in 0..width {
+                    part.expected[row * width + word] = values[word][lane];
+                    part.nearest[row * width + word] = nearest[word][lane];
+                }
+            }
+        }
+        self.doubtful = doubtful;
+    }
+
+    /// Computes a formula in 100 bits.
+    fn accurately(&mut self, exact: Exact, inputs: &Inputs<'_>, flags: &[Flags]) {
+        let Self { columns, generator, .. } = self;
+        let outputs = &generator.outputs;
+        // Numbers that are finite are computed fast. Only where one is not has arithmetic to be careful.
+        let fast = flags.iter().all(|flags| !flags.has(Flag::InputNan) && !flags.has(Flag::InputInfinite))
+            && wide(
+                #[inline(always)]
+                || columns.evaluate::<false>(exact, inputs, outputs),
+            );
+        if !fast {
+            columns.evaluate::<true>(exact, inputs, outputs);
         }
     }
 
@@ -319,40 +284,6 @@ impl<'g, 'a> Worker<'g, 'a> {
     }
 }
 
-/// The largest size of some numbers, and whether one is missing, with one more of them.
-#[inline(always)]
-fn grow((size, none): (&mut f64, &mut bool), x: f64) {
-    // NaN is not greater.
-    *size = if x.abs() > *size { x.abs() } else { *size };
-    *none |= x.is_nan();
-}
-
-/// The bits of the flags of an output of this size, without branches.
-#[inline(always)]
-fn flags_of((size, none): (f64, bool), real: bool) -> u64 {
-    let flag = |flag: Flag, holds: bool| flag as u64 & u64::from(holds).wrapping_neg();
-    let infinite = size == f64::INFINITY;
-    let of_size = flag(Flag::Infinite, infinite)
-        | flag(Flag::Overflow, (size > f64::from(f32::MAX)) & !infinite)
-        | flag(Flag::Underflow, (size > 0.0) & (size < MIN_NORMAL));
-    flag(Flag::NoValue, none) | (of_size & u64::from(real).wrapping_neg())
-}
-
-/// Writes columns as rows, as many as there is room for.
-#[inline]
-fn turn<X: Copy>(columns: &[[X; WIDTH]], rows: &mut [X]) {
-    // Four components are what most have: their places are known when this is compiled.
-    if let [x, y, z, w] = columns {
-        for (lane, row) in rows.as_chunks_mut::<4>().0.iter_mut().enumerate().take(WIDTH) {
-            *row = [x[lane], y[lane], z[lane], w[lane]];
-        }
-        return;
-    }
-    for (lane, row) in rows.chunks_exact_mut(columns.len().max(1)).enumerate().take(WIDTH) {
-        row.iter_mut().zip(columns).for_each(|(out, column)| *out = column[lane]);
-    }
-}
-
 /// The flags of the words of an input that are numbers.
 fn special_inputs(words: &[u32], runs: &[Range<usize>]) -> Flags {
     let mut flags = Flags::default();
@@ -390,69 +321,4 @@ fn largest_input(batch: &Batch, invocation: usize) -> f64 {
         }
     }
     most
-}
-
-/// The inputs of a formula for samples side by side.
-struct Inputs<'b> {
-    batch: &'b Batch,
-    routes: &'b [Route],
-    first: usize,
-    /// The last sample of the batch.
-    last: usize,
-    /// The case of all these samples, where it is one.
-    case: Option<usize>,
-}
-
-impl<'b> Inputs<'b> {
-    fn new(batch: &'b Batch, routes: &'b [Route], first: usize) -> Self {
-        let one = first.is_multiple_of(batch.per_case) && batch.per_case.is_multiple_of(WIDTH);
-        let last = batch.invocation_count().saturating_sub(1);
-        Self { batch, routes, first, last, case: one.then(|| first / batch.per_case) }
-    }
-}
-
-impl<const SAFE: bool> Words<Twofold<SAFE>> for Inputs<'_> {
-    #[inline(always)]
-    fn word(&self, index: usize) -> Twofold<SAFE> {
-        let Route { from_case, word, scalar } = self.routes[index];
-        let Batch { per_case, .. } = *self.batch;
-        let (words, stride) = if from_case {
-            (&self.batch.cases, self.batch.case_record.words())
-        } else {
-            (&self.batch.invocations, self.batch.invocation_record.words())
-        };
-        let mut out = [0.0; WIDTH];
-        if let (true, Some(case)) = (from_case, self.case) {
-            out = [number(words[case * stride + word], scalar); WIDTH];
-            return Twofold::of(out);
-        }
-        for (lane, out) in out.iter_mut().enumerate() {
-            // Beyond the end of a block the last sample is computed again.
-            let row = (self.first + lane).min(self.last);
-            let row = if from_case { row / per_case } else { row };
-            *out = number(words[row * stride + word], scalar);
-        }
-        Twofold::of(out)
-    }
-}
-
-#[inline(always)]
-fn number(word: u32, scalar: Scalar) -> f64 {
-    match scalar {
-        Scalar::F32 => f64::from(f32::from_bits(word)),
-        Scalar::I32 => f64::from(word.cast_signed()),
-        Scalar::U32 | Scalar::Bool => f64::from(word),
-    }
-}
-
-/// Where the words of an input of a formula come from.
-pub(super) fn routes(param: &Param, sides: [&Record; 2]) -> Vec<Route> {
-    for (side, record) in sides.into_iter().enumerate() {
-        if let Some(index) = record.index_of(param.name) {
-            let scalar = record.fields()[index].shape.scalar;
-            return record.range(index).map(|word| Route { from_case: side == 1, word, scalar }).collect();
-        }
-    }
-    // The formula was bound to these records, so each of its inputs is in one.
-    Vec::new()
 }

@@ -16,6 +16,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pair::Pair;
 
+pub use pair::{two_product, two_sum};
+
 /// Numbers side by side in a [`Twofold`].
 pub const WIDTH: usize = 16;
 
@@ -110,8 +112,14 @@ impl<const SAFE: bool> Twofold<SAFE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn rounded_32(&self, out: &mut [u32; WIDTH]) {
         for k in 0..WIDTH {
-            out[k] = (odd(self.high[k], self.low[k]) as f32).to_bits();
+            out[k] = (to_odd(self.high[k], self.low[k]) as f32).to_bits();
         }
+    }
+
+    /// Both parts of one of the numbers.
+    #[cfg(test)]
+    pub fn parts(&self, k: usize) -> [f64; 2] {
+        [self.high[k], self.low[k]]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -134,7 +142,7 @@ pub(super) fn exp_m1(x: f64) -> f64 {
 /// The sum rounded to binary64 such that a second rounding to fewer bits is right: what is not exact has
 /// an odd last bit.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn odd(high: f64, low: f64) -> f64 {
+pub fn to_odd(high: f64, low: f64) -> f64 {
     let bits = high.to_bits();
     let towards_zero = (low < 0.0) != (high < 0.0);
     let moved = (bits - u64::from(towards_zero && bits << 1 != 0)) | 1;
@@ -143,7 +151,7 @@ fn odd(high: f64, low: f64) -> f64 {
 
 /// All bits where it holds.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn all_bits(holds: bool) -> u64 {
+pub fn all_bits(holds: bool) -> u64 {
     u64::from(holds).wrapping_neg()
 }
 

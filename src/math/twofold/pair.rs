@@ -17,7 +17,7 @@ pub(super) struct Pair {
 
 /// a + b in two parts, exact.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let high = a + b;
     let part = high - a;
     (high, (a - (high - part)) + (b - part))
@@ -25,7 +25,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 
 /// a·b in two parts, exact but for underflow.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn two_product(a: f64, b: f64) -> (f64, f64) {
+pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     let high = a * b;
     (high, a.mul_add(b, -high))
 }

@@ -5,7 +5,8 @@ use glam::{DMat3, DMat4, DVec3};
 use crate::value::{Scalar, Shape};
 
 use super::matrix::{self, SIMPLER_RIGID, with_translation};
-use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, float, word};
+use super::posed::{self, Draws};
+use super::{Generator, Group, Options, Place, Range, RangeRule, Role, SPECIAL, Stream, View, arrange, float, word};
 
 /// A number of bones, their roots and tips, and B_i · inverse(M_i), where M_i is the frame of the
 /// bone at rest (origin at the root, y along the bone) and B_i the posed frame: turned about the
@@ -56,6 +57,80 @@ fn blend_matrix(root: DVec3, tip: DVec3, pose: &DMat4) -> DMat4 {
     posed * rest.inverse()
 }
 
+/// Writes root and tip of a bone.
+fn write_points(&Parts { roots, tips, rows, .. }: &Parts, bone: usize, points: [DVec3; 2], out: &mut [u32]) {
+    for (at, p) in [roots, tips].into_iter().zip(points) {
+        let out = &mut out[at + bone * rows..][..rows];
+        for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, 1.0]) {
+            *word_out = word(c);
+        }
+    }
+}
+
+/// Writes bones of which none is special.
+fn ordinary(range: &Range, parts: &Parts, chain: bool, stream: &mut Stream, out: &mut [u32]) {
+    let (mut draws, mut bones, mut before) = (Draws::default(), posed::Bones::default(), None);
+    for first in (0..parts.count).step_by(posed::ABREAST) {
+        let here = posed::ABREAST.min(parts.count - first);
+        (0..here).for_each(|k| draws.draw(k, chain && first + k > 0, stream));
+        draws.bones(range, chain, before, &mut bones);
+        for k in 0..here {
+            let at = |of: &[[f64; posed::ABREAST]; 3]| DVec3::new(of[0][k], of[1][k], of[2][k]);
+            write_points(parts, first + k, [at(&bones.roots), at(&bones.tips)], out);
+            let matrix = &mut out[parts.matrices + (first + k) * 16..][..16];
+            matrix.iter_mut().zip(&bones.matrices).for_each(|(word, column)| *word = column[k]);
+            before = Some(at(&bones.tips));
+        }
+    }
+}
+
+/// What is special about bones.
+struct Kind {
+    kind: usize,
+    /// Each root is the tip before.
+    chain: bool,
+    /// The bone that is short.
+    degenerate: usize,
+}
+
+/// Writes bones one by one; ordinary ones as well, for a kind that there is not.
+fn special(range: &Range, parts: &Parts, how: Kind, stream: &mut Stream, out: &mut [u32]) {
+    let Kind { kind, chain, degenerate } = how;
+    let Parts { count, roots, tips, matrices, rows } = *parts;
+    let mut tip = DVec3::ZERO;
+    let point = |stream: &mut Stream| match kind {
+        2 => matrix::lattice(range, stream),
+        _ => matrix::point(range, stream),
+    };
+    for bone in 0..count {
+        let root = if chain && bone > 0 { tip } else { point(stream) };
+        tip = match kind {
+            0 if bone == degenerate => root,
+            // Between the length zero and ordinary ones: a threshold on the length must not hide.
+            6 if bone == degenerate => root + (point(stream) - root) * NEAR,
+            _ => point(stream),
+        };
+        let blend = match kind {
+            3 => DMat4::IDENTITY,
+            2 => {
+                // Turns that map axes to axes about a lattice point keep all entries whole numbers.
+                let turn = matrix::quarter_turns(stream);
+                with_translation(turn, root - turn * root)
+            }
+            _ => blend_matrix(root, tip, &matrix::rigid(range, stream)),
+        };
+        write_points(parts, bone, [root, tip], out);
+        matrix::write(&blend, &mut out[matrices + bone * 16..][..16]);
+    }
+    if kind == 1 {
+        for bone in 1..count {
+            out.copy_within(roots..roots + rows, roots + bone * rows);
+            out.copy_within(tips..tips + rows, tips + bone * rows);
+            out.copy_within(matrices..matrices + 16, matrices + bone * 16);
+        }
+    }
+}
+
 /// Length of a special bone, relative to an ordinary one.
 const NEAR: f64 = 1.0 / 1024.0;
 
@@ -91,7 +166,8 @@ impl Generator for Bones {
     }
 
     fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]) {
-        let Parts { count, roots, tips, matrices, rows } = parts(group);
+        let parts = parts(group);
+        let count = parts.count;
         let range = group.range();
         let kind = match stream.one_in(SPECIAL) {
             _ if place.exact => 2,
@@ -105,42 +181,9 @@ impl Generator for Bones {
         } as u32;
         let chain = stream.bits() & 1 == 0;
         let degenerate = stream.below(out[0] as usize);
-        let mut tip = DVec3::ZERO;
-        let point = |stream: &mut Stream| match kind {
-            2 => matrix::lattice(range, stream),
-            _ => matrix::point(range, stream),
-        };
-        for bone in 0..count {
-            let root = if chain && bone > 0 { tip } else { point(stream) };
-            tip = match kind {
-                0 if bone == degenerate => root,
-                // Between the length zero and ordinary ones: a threshold on the length must not hide.
-                6 if bone == degenerate => root + (point(stream) - root) * NEAR,
-                _ => point(stream),
-            };
-            let blend = match kind {
-                3 => DMat4::IDENTITY,
-                2 => {
-                    // Turns that map axes to axes about a lattice point keep all entries whole numbers.
-                    let turn = matrix::quarter_turns(stream);
-                    with_translation(turn, root - turn * root)
-                }
-                _ => blend_matrix(root, tip, &matrix::rigid(range, stream)),
-            };
-            for (at, p) in [(roots, root), (tips, tip)] {
-                let out = &mut out[at + bone * rows..][..rows];
-                for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, 1.0]) {
-                    *word_out = word(c);
-                }
-            }
-            matrix::write(&blend, &mut out[matrices + bone * 16..][..16]);
-        }
-        if kind == 1 {
-            for bone in 1..count {
-                out.copy_within(roots..roots + rows, roots + bone * rows);
-                out.copy_within(tips..tips + rows, tips + bone * rows);
-                out.copy_within(matrices..matrices + 16, matrices + bone * 16);
-            }
+        match kind {
+            0..4 | 6 => special(range, &parts, Kind { kind, chain, degenerate }, stream, out),
+            _ => ordinary(range, &parts, chain, stream, out),
         }
     }
 
@@ -216,5 +259,32 @@ impl Generator for Bones {
             matrix::write(&m, &mut out[at]);
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bones_side_by_side_are_those_one_by_one() {
+        // Fewer than there is room for, more, and points of three components.
+        for (count, rows) in [(1, 4), (3, 4), (8, 4), (11, 3)] {
+            let parts = Parts { count, roots: 1, tips: 1 + count * rows, matrices: 1 + 2 * count * rows, rows };
+            for seed in 0..500 {
+                let [mut ours, mut single] =
+                    [vec![7; parts.matrices + 16 * count], vec![7; parts.matrices + 16 * count]];
+                let chain = seed % 2 == 0;
+                let range = [Range::new(-2.0, 2.0), Range::new(1.0, 1.5)][seed as usize / 2 % 2];
+                let [mut first, mut second] = [Stream::new(seed), Stream::new(seed)];
+                ordinary(&range, &parts, chain, &mut first, &mut ours);
+                let how = Kind { kind: usize::MAX, chain, degenerate: 0 };
+                special(&range, &parts, how, &mut second, &mut single);
+                assert_eq!(ours, single, "{count} {seed}");
+                assert_eq!(first.bits(), second.bits());
+                // Each word was written, but for the number of bones.
+                assert!(ours[0] == 7 && ours[1..].iter().all(|&word| word != 7));
+            }
+        }
     }
 }

@@ -21,9 +21,13 @@ pub fn read(words: &[u32]) -> DMat4 {
     DMat4::from_cols_array(&entries)
 }
 
-/// A rotation, evenly spread over all rotations (Marsaglia 1972, by rejection: no transcendental
-/// functions, hence the same on every machine).
-pub fn rotation(stream: &mut Stream) -> DQuat {
+/// Two points of the open unit disc, each with the square of its distance from the centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Discs([(f64, f64, f64); 2]);
+
+/// Points spread evenly over the disc, by rejection.
+#[inline]
+pub fn discs(stream: &mut Stream) -> Discs {
     let mut disc = || loop {
         let (a, b) = (stream.between(-1.0, 1.0), stream.between(-1.0, 1.0));
         let square = a * a + b * b;
@@ -31,9 +35,23 @@ pub fn rotation(stream: &mut Stream) -> DQuat {
             break (a, b, square);
         }
     };
-    let ((a, b, s), (c, d, t)) = (disc(), disc());
-    let f = ((1.0 - s) / t).sqrt();
-    DQuat::from_xyzw(a, b, c * f, d * f).normalize()
+    Discs([disc(), disc()])
+}
+
+impl Discs {
+    /// The rotation of two points.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn rotation(self) -> DQuat {
+        let [(a, b, s), (c, d, t)] = self.0;
+        let f = ((1.0 - s) / t).sqrt();
+        DQuat::from_xyzw(a, b, c * f, d * f).normalize()
+    }
+}
+
+/// A rotation, evenly spread over all rotations (Marsaglia 1972, by rejection: no transcendental
+/// functions, hence the same on every machine).
+pub fn rotation(stream: &mut Stream) -> DQuat {
+    discs(stream).rotation()
 }
 
 /// One of the 24 rotations that map axes to axes; its entries are 0 and ±1.

@@ -11,6 +11,7 @@ use crate::value::{Scalar, Shape};
 
 use super::stream::{Stream, mix};
 
+mod abreast;
 mod affine;
 mod arrange;
 mod bones;
@@ -24,6 +25,7 @@ mod matrix;
 mod node_run;
 mod nodes;
 mod point;
+mod posed;
 mod projection;
 mod range;
 mod raw_weights;

@@ -3,7 +3,8 @@
 use crate::value::Shape;
 
 use super::{
-    Generator, Group, Options, Place, RangeRule, Role, Stream, View, arrange, every_shape, is_vector, spatial, word,
+    Generator, Group, Options, Place, RangeRule, Role, Rows, Stream, View, arrange, every_shape, is_vector, spatial,
+    word,
 };
 
 /// Points in a box, with w = 1. Special: the origin, lattice points, points on an axis or the
@@ -34,6 +35,10 @@ impl Generator for Point {
     #[inline]
     fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]) {
         spatial::fill(group, 1.0, place, stream, out);
+    }
+
+    fn fill_rows(&self, group: &Group, rows: Rows<'_>) {
+        spatial::fill_rows(self, group, 1.0, rows);
     }
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {

@@ -1,7 +1,7 @@
 //! What points, vectors and nodes have in common: elements of two to four components, of which the
 //! fourth is fixed.
 
-use super::{Group, Place, SPECIAL, Stream, float};
+use super::{Generator, Group, Place, Rows, SPECIAL, Stream, abreast, each_row, float};
 
 /// Kinds of special samples in [`fill`].
 const KINDS: usize = 6;
@@ -21,6 +21,15 @@ pub fn fill(group: &Group, w: f32, place: Place, stream: &mut Stream, out: &mut 
         }
     }
     set_w(group, w, out);
+}
+
+/// Fills rows of a generator whose samples are those of [`fill`].
+pub fn fill_rows<G: Generator>(generator: &G, group: &Group, w: f32, rows: Rows<'_>) {
+    if abreast::fits(&rows) {
+        abreast::fill(generator, group, rows, |out| set_w(group, w, out));
+    } else {
+        each_row(generator, group, rows);
+    }
 }
 
 fn special(group: &Group, stream: &mut Stream, out: &mut [u32]) {

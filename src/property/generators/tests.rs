@@ -56,24 +56,20 @@ fn draw(generator: &dyn Generator, group: &Group, n: usize) -> Vec<Vec<u32>> {
 
 #[test]
 fn rows_side_by_side_are_those_one_by_one() {
-    let (generator, group) = group("interval");
-    let (stride, at) = (group.words() + 3, 2);
-    let whole = vec![std::ops::Range { start: at, end: at + group.words() }];
-    for (rows, per_case, first_lane) in [(1, 1, 0), (16, 16, 0), (100, 7, 3), (333, 1, 0), (50, 1000, 990)] {
-        let [mut abreast, mut single] = [vec![9; rows * stride], vec![9; rows * stride]];
-        let of = |words| Rows {
-            words,
-            stride,
-            spans: &whole,
-            key: 77,
-            exact_key: 5,
-            first_case: u64::MAX - 2,
-            first_lane,
-            per_case,
-        };
-        generator.fill_rows(&group, of(&mut abreast));
-        each_row(generator, &group, of(&mut single));
-        assert_eq!(abreast, single, "{rows} {per_case}");
+    for name in ["interval", "point", "vector"] {
+        let (generator, group) = group(name);
+        let (stride, at) = (group.words() + 3, 2);
+        let whole = vec![std::ops::Range { start: at, end: at + group.words() }];
+        for (rows, per_case, first_lane) in [(1, 1, 0), (16, 16, 0), (100, 7, 3), (333, 1, 0), (50, 1000, 990)] {
+            let [mut abreast, mut single] = [vec![9; rows * stride], vec![9; rows * stride]];
+            let (spans, first_case) = (&whole[..], u64::MAX - 2);
+            let (key, exact_key) = (77, 5);
+            let of = |words| Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case };
+            assert!(abreast::fits(&of(&mut [])));
+            generator.fill_rows(&group, of(&mut abreast));
+            each_row(generator, &group, of(&mut single));
+            assert_eq!(abreast, single, "{name} {rows} {per_case}");
+        }
     }
 }
 

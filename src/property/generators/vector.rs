@@ -2,7 +2,7 @@
 
 use crate::value::Shape;
 
-use super::{Generator, Group, Options, Place, RangeRule, Role, Stream, every_shape, is_vector, spatial};
+use super::{Generator, Group, Options, Place, RangeRule, Role, Rows, Stream, every_shape, is_vector, spatial};
 
 /// Vectors with components in a range and w = 0. Special: the zero vector, lattice vectors, axes,
 /// the diagonal, edge values, all names equal.
@@ -32,6 +32,10 @@ impl Generator for Vector {
     #[inline]
     fn fill(&self, group: &Group, place: Place, stream: &mut Stream, out: &mut [u32]) {
         spatial::fill(group, 0.0, place, stream, out);
+    }
+
+    fn fill_rows(&self, group: &Group, rows: Rows<'_>) {
+        spatial::fill_rows(self, group, 0.0, rows);
     }
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {

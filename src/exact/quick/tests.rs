@@ -1,0 +1,158 @@
+//! The quick phase against the accurate one.
+
+use super::*;
+use crate::exact::Words;
+use crate::math::twofold::Twofold;
+
+/// Words of the list of inputs of skinning.
+const LENGTH: usize = 229;
+
+struct Columns<'a>(&'a Given);
+
+impl Words<Twofold<false>> for Columns<'_> {
+    fn word(&self, index: usize) -> Twofold<false> {
+        if index < 4 { Twofold::of(self.0.own[index]) } else { Twofold::of([self.0.case[index]; WIDTH]) }
+    }
+}
+
+fn bits(state: &mut u64) -> u64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    *state >> 32
+}
+
+/// A binary32 number in [-2, 2).
+fn ordinary(state: &mut u64) -> f64 {
+    f64::from((bits(state) as f64 / 2f64.powi(30) - 2.0) as f32)
+}
+
+/// -1, 0 or 1.
+fn lattice(state: &mut u64) -> f64 {
+    (bits(state) % 3) as f64 - 1.0
+}
+
+/// Inputs of one case with so many bones, each word from `word`.
+fn given(count: usize, state: &mut u64, word: fn(&mut u64) -> f64) -> Given {
+    let mut given = Given { own: vec![[0.0; WIDTH]; LENGTH], case: vec![0.0; LENGTH] };
+    given.own[..4].iter_mut().flatten().for_each(|x| *x = word(state));
+    given.own[3] = [1.0; WIDTH];
+    given.case[4..].iter_mut().for_each(|x| *x = word(state));
+    given.case[36] = count as f64;
+    for point in given.case[37..101].chunks_mut(4) {
+        point[3] = 1.0;
+    }
+    given
+}
+
+struct Both {
+    near: Near,
+    values: [[f64; WIDTH]; WORDS],
+    nearest: [[u32; WIDTH]; WORDS],
+    exact: [Twofold<false>; WORDS],
+    marks: [[u64; WIDTH]; 2],
+}
+
+fn both(given: &Given) -> Both {
+    let (mut near, mut values, mut nearest) = (Near::default(), [[0.0; WIDTH]; WORDS], [[0; WIDTH]; WORDS]);
+    let quick = Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 4)).unwrap();
+    quick.evaluate(given, &mut near, &mut values, &mut nearest);
+    let mut exact = [Twofold::of([0.0; WIDTH]); WORDS];
+    let marks = Exact::Skinning.evaluate(&Columns(given), &mut exact);
+    Both { near, values, nearest, exact, marks: [marks.segment_end, marks.degenerate] }
+}
+
+/// Compares what is sure; gives how many samples are.
+fn compare(both: &Both) -> usize {
+    let Both { near, values, nearest, exact, marks } = both;
+    let mut sure = 0;
+    for k in (0..WIDTH).filter(|&k| near.sure[k] != 0) {
+        sure += 1;
+        assert_eq!([near.segment_end[k], near.degenerate[k]], [marks[0][k], marks[1][k]]);
+        for word in 0..WORDS {
+            let mut rounded = [0; WIDTH];
+            exact[word].rounded_32(&mut rounded);
+            assert_eq!(values[word][k].to_bits(), exact[word].rounded()[k].to_bits());
+            assert_eq!(nearest[word][k], rounded[k]);
+        }
+    }
+    sure
+}
+
+#[test]
+fn what_is_sure_is_what_the_accurate_phase_gives() {
+    let (mut state, mut sure) = (3, 0);
+    for round in 0..4000 {
+        sure += compare(&both(&given(1 + round % 8, &mut state, ordinary)));
+    }
+    assert!(sure * 100 > 4000 * WIDTH * 97, "{sure}");
+}
+
+#[test]
+fn the_bound_holds_and_is_not_much_too_wide() {
+    let (mut state, mut worst) = (5, 0.0_f64);
+    for round in 0..2000 {
+        let Both { near, exact, .. } = both(&given(1 + round % 8, &mut state, ordinary));
+        for (word, exact) in exact.iter().enumerate() {
+            for k in (0..WIDTH).filter(|&k| near.sure[k] != 0) {
+                let [high, low] = exact.parts(k);
+                let apart = (near.high[word][k] - high) + (near.low[word][k] - low);
+                worst = worst.max(apart.abs() / near.off[k]);
+            }
+        }
+    }
+    assert!((1e-12..1.0).contains(&worst), "{worst:e}");
+}
+
+#[test]
+fn edges_are_left_to_the_accurate_phase() {
+    let mut state = 7;
+    // Points on bones, before both ends and beside them, bones of no length: decisions of which none is near.
+    let mut sure = 0;
+    for round in 0..4000 {
+        sure += compare(&both(&given(1 + round % 8, &mut state, lattice)));
+    }
+    assert!((1..4000 * WIDTH / 2).contains(&sure), "{sure}");
+
+    // A point in the plane through an end, one part in 2^23 before it and behind it.
+    let mut edge = given(1, &mut state, ordinary);
+    edge.case[4..36].iter_mut().enumerate().for_each(|(k, x)| *x = f64::from(u8::from(k % 16 % 5 == 0)));
+    edge.case[37..41].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+    edge.case[69..73].copy_from_slice(&[0.0, 1.0, 0.0, 1.0]);
+    let step = 2f64.powi(-23);
+    let own = [[0.5; 8], [0.0, step, -step, 1.0, 1.0 + step, 1.0 - step, 0.5, 2.0], [0.25; 8]];
+    for (to, from) in edge.own.iter_mut().zip(own) {
+        to[..8].copy_from_slice(&from);
+    }
+    let found = both(&edge);
+    compare(&found);
+    assert_eq!(
+        found.near.sure[..8].iter().map(|&s| s != 0).collect::<Vec<_>>()[..6],
+        [false, true, true, false, true, true]
+    );
+    assert_eq!(
+        found.marks[0][..8].iter().map(|&s| s != 0).collect::<Vec<_>>(),
+        [true, false, true, true, true, false, false, true]
+    );
+}
+
+#[test]
+fn numbers_beyond_the_bound_are_not_sure() {
+    let mut state = 9;
+    for (index, value) in [(36, 0.0), (36, 9.0), (4, 2f64.powi(40)), (4, f64::NAN), (20, f64::INFINITY)] {
+        let mut given = given(3, &mut state, ordinary);
+        given.case[index] = value;
+        assert_eq!(compare(&both(&given)), 0, "{index} {value}");
+    }
+    // In one sample alone.
+    let mut given = given(3, &mut state, ordinary);
+    given.own[1][5] = f64::INFINITY;
+    let found = both(&given);
+    assert!(found.near.sure[5] == 0 && compare(&found) > WIDTH / 2);
+}
+
+#[test]
+fn a_formula_has_a_quick_phase_for_inputs_of_its_sides_alone() {
+    assert!(Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 4)).is_some());
+    assert!(Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 5)).is_none());
+    assert!(Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 3)).is_none());
+    assert!(Quick::of(Exact::Sphere, [false, false].into_iter()).is_none());
+}
