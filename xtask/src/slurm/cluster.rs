@@ -12,10 +12,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-/// Programs of the packages `slurm-wlm` and `munge`.
-pub const PROGRAMS: [&str; 8] = ["munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "scancel", "sinfo"];
+/// Programs of the packages `util-linux`, `slurm-wlm` and `munge`.
+pub const PROGRAMS: [&str; 9] =
+    ["taskset", "munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "scancel", "sinfo"];
 /// How they are installed.
-pub const ADVICE: &str = "apt-get install -y --no-install-recommends slurm-wlm munge";
+pub const ADVICE: &str = "apt-get install -y --no-install-recommends slurm-wlm munge util-linux";
 
 /// How long a daemon may take to come up, or to end.
 const PATIENCE: Duration = Duration::from_secs(60);

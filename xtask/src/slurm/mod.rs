@@ -128,17 +128,25 @@ impl Demo<'_> {
         Ok(())
     }
 
-    /// One core for each process, as on the nodes.
-    fn on_one_core(&self, arguments: &[String]) -> Command {
-        let mut command = Command::new(&self.program);
-        command.args(arguments).current_dir(self.folder).stdin(Stdio::null()).stderr(Stdio::inherit());
+    /// The program on this core alone. Without being bound, the threads of the driver and the process that has its device
+    /// overlap with the rest, and one process takes more than a core.
+    fn on_one_core(&self, core: usize, arguments: &[String]) -> Command {
+        let mut command = Command::new("taskset");
+        command
+            .args(["--cpu-list", &core.to_string()])
+            .arg(&self.program)
+            .args(arguments)
+            .current_dir(self.folder)
+            .stdin(Stdio::null())
+            .stderr(Stdio::inherit());
         command.envs([("RAYON_NUM_THREADS", "1"), ("LP_NUM_THREADS", "1"), ("NO_COLOR", "1")]);
         command
     }
 
     fn single(&mut self, arguments: &[String]) -> Result<Single> {
         let begin = Instant::now();
-        let output = self.on_one_core(arguments).output()?;
+        let core = *cores()?.first().context("this process may run on no core")?;
+        let output = self.on_one_core(core, arguments).output()?;
         let (took, code) = (begin.elapsed(), output.status.code().unwrap_or(-1));
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         self.say(&format!("single run on one core: status {code}, {:.1} s", took.as_secs_f64()))?;
@@ -240,16 +248,20 @@ impl Demo<'_> {
 
     /// How much faster two shards at a time are than one process on one core.
     fn throughput(&mut self, options: &Options) -> Result<()> {
+        let cores = cores()?;
+        let [first, second, ..] = cores[..] else {
+            return self.say("two shards at a time were NOT MEASURED: this process may run on one core alone");
+        };
         let samples = (options.samples / 4).max(1).to_string();
         let words = ["check", &options.suite, "--stage", "compute", "--lane", &options.lane, "--samples", &samples];
         let arguments: Vec<String> = words.map(str::to_owned).to_vec();
         let single = self.single(&arguments)?;
         let begin = Instant::now();
         let mut running = Vec::new();
-        for shard in ["0/2", "1/2"] {
+        for (core, shard) in [(first, "0/2"), (second, "1/2")] {
             let more = ["--shard", shard, "--shard-dir", "two"].map(str::to_owned);
             let arguments = [&arguments[..], &more].concat();
-            running.push(self.on_one_core(&arguments).stdout(Stdio::null()).spawn()?);
+            running.push(self.on_one_core(core, &arguments).stdout(Stdio::null()).spawn()?);
         }
         for mut process in running {
             ensure!(process.wait()?.success(), "a shard failed");
@@ -258,6 +270,23 @@ impl Demo<'_> {
         let one = single.took.as_secs_f64();
         self.say(&format!("two shards at a time, {samples} samples: {two:.1} s, {:.2} times as fast as one", one / two))
     }
+}
+
+/// The cores that this process may run on.
+fn cores() -> Result<Vec<usize>> {
+    let status = fs::read_to_string("/proc/self/status").context("cannot read /proc/self/status")?;
+    let list = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:"));
+    listed(list.unwrap_or_default().trim()).context("/proc/self/status has no list of cores")
+}
+
+/// The numbers of a list such as `0-2,5`.
+fn listed(list: &str) -> Option<Vec<usize>> {
+    let mut all = Vec::new();
+    for part in list.split(',') {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        all.extend(first.parse::<usize>().ok()?..=last.parse().ok()?);
+    }
+    Some(all)
 }
 
 fn read(path: &Path) -> String {
@@ -272,6 +301,13 @@ fn log(folder: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lists_of_cores_are_read() {
+        assert_eq!(listed("0-2,5"), Some(vec![0, 1, 2, 5]));
+        assert_eq!((listed("3"), listed(""), listed("a-1")), (Some(vec![3]), None, None));
+        assert!(!cores().unwrap().is_empty());
+    }
 
     #[test]
     fn options_are_read_and_wrong_ones_are_named() {
