@@ -6,6 +6,7 @@
 //! (1991), has the test for functions of one number.
 
 mod skinning;
+mod sphere;
 #[cfg(test)]
 mod tests;
 
@@ -18,6 +19,8 @@ pub const WORDS: usize = 4;
 /// A formula with a quick phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quick {
+    /// Section 9.1, the sphere.
+    Sphere,
     /// (76), (79), (80), (81)
     Skinning,
 }
@@ -61,6 +64,7 @@ impl Quick {
     /// The quick phase of a formula where these of its inputs are those of a case.
     pub fn of(exact: Exact, from_case: impl Iterator<Item = bool>) -> Option<Self> {
         let (quick, own) = match exact {
+            Exact::Sphere => (Self::Sphere, sphere::OWN),
             Exact::Skinning => (Self::Skinning, skinning::OWN),
             _ => return None,
         };
@@ -74,6 +78,7 @@ impl Quick {
         near.segment_end = [0; WIDTH];
         near.degenerate = [0; WIDTH];
         match self {
+            Self::Sphere => sphere::sphere(given, near),
             Self::Skinning => skinning::skinning(given, near),
         }
         near.round(values, nearest);
@@ -101,6 +106,27 @@ impl Near {
             }
         }
     }
+}
+
+/// More than what underflow can change.
+const LEAST: f64 = power(-900);
+
+/// 2^n for a normal number.
+const fn power(n: i64) -> f64 {
+    f64::from_bits(((1023 + n) as u64) << 52)
+}
+
+/// The rows of a matrix and its largest entry.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn matrix(case: &[f64], at: usize) -> ([[f64; 4]; 4], f64) {
+    let (mut rows, mut largest) = ([[0.0; 4]; 4], 0.0_f64);
+    for r in 0..4 {
+        for c in 0..4 {
+            rows[r][c] = case[at + 4 * c + r];
+            largest = largest.max(rows[r][c].abs());
+        }
+    }
+    (rows, largest)
 }
 
 /// The sum of four numbers in two parts each; the second part of the sum may be large beside the first where the

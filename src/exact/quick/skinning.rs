@@ -8,7 +8,7 @@
 //! within 2^-79 of itself then, and (d + 1)^-16 within 2^-75. The point p is within 2^-104 of the sum of its terms,
 //! which is 2^16 at most, and moves d by 2^-87. All else is below: u is within 2^-74 of the sum of its terms.
 
-use super::{Given, Near, product, square, sum, times};
+use super::{Given, LEAST, Near, matrix, power, product, square, sum, times};
 use crate::math::twofold::{WIDTH, all_bits, two_product, two_sum};
 
 /// Words of the list of inputs that each sample has for itself: its position.
@@ -28,17 +28,10 @@ const BLEND: usize = 101;
 /// Bound of the error in parts of what the terms of a result can be at most: twice what is found above, and four
 /// terms in each row.
 const PART: f64 = power(-71);
-/// More than what underflow can change.
-const LEAST: f64 = power(-900);
 /// The smallest part of |v2|² that a square of the distance may be.
 const CANCELLED: f64 = power(-20);
 /// Squares of numbers whose sign is certain, in parts of the squares of their terms.
 const DECIDED: f64 = power(-120);
-
-/// 2^n for a normal number.
-const fn power(n: i64) -> f64 {
-    f64::from_bits(((1023 + n) as u64) << 52)
-}
 
 /// Columns of a vector in two parts.
 struct Columns {
@@ -88,19 +81,6 @@ impl Bone {
         let (rows, largest) = matrix(case, BLEND + 16 * bone);
         Self { root, v1, squared, inverse, point, rows, largest }
     }
-}
-
-/// The rows of a matrix and its largest entry.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn matrix(case: &[f64], at: usize) -> ([[f64; 4]; 4], f64) {
-    let (mut rows, mut largest) = ([[0.0; 4]; 4], 0.0_f64);
-    for r in 0..4 {
-        for c in 0..4 {
-            rows[r][c] = case[at + 4 * c + r];
-            largest = largest.max(rows[r][c].abs());
-        }
-    }
-    (rows, largest)
 }
 
 /// position, modelViewMatrix, projectionMatrix, numberOfBones, p0, p1, blendMatrix

@@ -7,11 +7,12 @@ use crate::math::twofold::Twofold;
 /// Words of the list of inputs of skinning.
 const LENGTH: usize = 229;
 
-struct Columns<'a>(&'a Given);
+/// Inputs, of which so many are the samples' own.
+struct Columns<'a>(&'a Given, usize);
 
 impl Words<Twofold<false>> for Columns<'_> {
     fn word(&self, index: usize) -> Twofold<false> {
-        if index < 4 { Twofold::of(self.0.own[index]) } else { Twofold::of([self.0.case[index]; WIDTH]) }
+        if index < self.1 { Twofold::of(self.0.own[index]) } else { Twofold::of([self.0.case[index]; WIDTH]) }
     }
 }
 
@@ -77,11 +78,18 @@ struct Both {
 }
 
 fn both(given: &Given) -> Both {
+    of(Quick::Skinning, Exact::Skinning, given)
+}
+
+fn sphere(given: &Given) -> Both {
+    of(Quick::Sphere, Exact::Sphere, given)
+}
+
+fn of(quick: Quick, formula: Exact, given: &Given) -> Both {
     let (mut near, mut values, mut nearest) = (Near::default(), [[0.0; WIDTH]; WORDS], [[0; WIDTH]; WORDS]);
-    let quick = Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 4)).unwrap();
     quick.evaluate(given, &mut near, &mut values, &mut nearest);
     let mut exact = [Twofold::of([0.0; WIDTH]); WORDS];
-    let marks = Exact::Skinning.evaluate(&Columns(given), &mut exact);
+    let marks = formula.evaluate(&Columns(given, if quick == Quick::Sphere { 2 } else { 4 }), &mut exact);
     Both { near, values, nearest, exact, marks: [marks.segment_end, marks.degenerate] }
 }
 
@@ -139,6 +147,41 @@ fn points_on_a_bone_but_for_the_last_bits_are_within_the_bound_or_not_sure() {
     assert!(sure > 5 * WIDTH / 2, "{sure}");
 }
 
+/// Inputs of the sphere.
+fn turned(state: &mut u64, parameter: fn(&mut u64) -> f64) -> Given {
+    let mut given = Given { own: vec![[0.0; WIDTH]; 18], case: vec![0.0; 18] };
+    given.own[..2].iter_mut().flatten().for_each(|x| *x = parameter(state));
+    given.case[2..].iter_mut().for_each(|x| *x = ordinary(state));
+    given
+}
+
+#[test]
+fn the_sphere_is_what_the_accurate_phase_gives() {
+    let (mut state, mut sure, mut most) = (19, 0, 0.0_f64);
+    for _ in 0..4000 {
+        let found = sphere(&turned(&mut state, ordinary));
+        sure += compare(&found);
+        most = most.max(worst(&found));
+    }
+    assert!(sure * 100 > 4000 * WIDTH * 97, "{sure}");
+    assert!((1e-4..1.0).contains(&most), "{most:e}");
+
+    // Twelfths and quarters of a turn, where roots of 1/2 and zeros meet; and what is beyond all turns.
+    let edge = |state: &mut u64| [0.25, 0.5, 0.75, 1.0, 1.5, 0.125, 2f64.powi(-30), 0.0][bits(state) as usize % 8];
+    for _ in 0..500 {
+        let mut given = turned(&mut state, edge);
+        given.own[0][3] = 2f64.powi(25);
+        given.own[1][4] = f64::INFINITY;
+        given.own[1][5] = f64::NAN;
+        let found = sphere(&given);
+        compare(&found);
+        assert_eq!([found.near.sure[3], found.near.sure[4], found.near.sure[5]], [0; 3]);
+    }
+    let mut given = turned(&mut state, ordinary);
+    given.case[7] = f64::NAN;
+    assert_eq!(compare(&sphere(&given)), 0);
+}
+
 #[test]
 fn edges_are_left_to_the_accurate_phase() {
     let mut state = 7;
@@ -190,5 +233,7 @@ fn a_formula_has_a_quick_phase_for_inputs_of_its_sides_alone() {
     assert!(Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 4)).is_some());
     assert!(Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 5)).is_none());
     assert!(Quick::of(Exact::Skinning, (0..LENGTH).map(|index| index >= 3)).is_none());
-    assert!(Quick::of(Exact::Sphere, [false, false].into_iter()).is_none());
+    assert!(Quick::of(Exact::Sphere, (0..18).map(|index| index >= 2)).is_some());
+    assert!(Quick::of(Exact::Sphere, (0..18).map(|_| false)).is_none());
+    assert!(Quick::of(Exact::Morph, (0..25).map(|index| index >= 2)).is_none());
 }

@@ -7,6 +7,7 @@
 //! Functions are inlined where the program is optimised, so that they become vectors. Without that every
 //! number in between has its own room on the stack, which one frame for a whole formula does not have.
 
+mod near;
 mod pair;
 mod tables;
 #[cfg(test)]
@@ -16,6 +17,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pair::Pair;
 
+pub use near::{TURN_OFF, sin_cos_pi_near};
 pub use pair::{two_product, two_sum};
 
 /// Numbers side by side in a [`Twofold`].

@@ -260,6 +260,29 @@ fn functions_have_more_bits_than_binary64() {
 }
 
 #[test]
+fn near_turns_are_within_their_bound_and_not_much_better() {
+    let (mut state, mut worst) = (17, 0.0_f64);
+    for round in 0..6000 {
+        Big::forget();
+        // Of all sizes, and next to the numbers of the table and between them.
+        let x = match round % 3 {
+            0 => f64::from((random(&mut state) / 2f64.powi(round % 40)) as f32),
+            1 => f64::from(((round % 512) as f64 / 256.0 + 1e-3 * random(&mut state) / 2f64.powi(20)) as f32),
+            _ => f64::from(((round % 512) as f32 + 0.5) / 256.0) * if round % 2 == 0 { 2.0 } else { -1.0 },
+        };
+        let [sin, cos] = sin_cos_pi_near(x);
+        let (exact_sin, exact_cos) = Big::of(x).sin_cos_pi();
+        for ((high, low), exact) in [(sin, exact_sin), (cos, exact_cos)] {
+            let apart = ((Big::of(high) + Big::of(low)) - exact).size().abs();
+            assert!(apart < TURN_OFF, "{x}: {:e}", apart / TURN_OFF);
+            assert!(high == high + low);
+            worst = worst.max(apart);
+        }
+    }
+    assert!(worst > TURN_OFF / 256.0, "{:e}", worst / TURN_OFF);
+}
+
+#[test]
 fn turns_are_exact_where_they_can_be() {
     for (x, sin, cos) in [(0.0, 0.0, 1.0), (0.5, 1.0, 0.0), (1.0, 0.0, -1.0), (-0.5, -1.0, 0.0), (16777216.0, 0.0, 1.0)]
     {
