@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// How long what is written waits for [`Fresh::sync_early`].
-const EVERY: Duration = Duration::from_millis(50);
+const EVERY: Duration = Duration::from_millis(10);
 
 /// A file that is being written beside the one that it will be. It is removed unless it is kept.
 pub struct Fresh {

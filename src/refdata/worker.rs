@@ -188,8 +188,9 @@ impl<'g, 'a> Worker<'g, 'a> {
     /// Flags that follow from the inputs.
     fn inputs(&self, batch: &Batch, first: usize, flags: &mut [Flags]) {
         let [own, shared] = &self.generator.real;
-        let mut of_case = (usize::MAX, Flags::default());
         let stride = batch.invocation_record.words();
+        let (mut case, mut lane) = (first / batch.per_case, first % batch.per_case);
+        let mut of_case = special_inputs(batch.case(case), shared);
         for (part, flags) in flags.chunks_mut(WIDTH).enumerate() {
             let first = first + part * WIDTH;
             // Most have none: that is found out for many at once.
@@ -204,14 +205,14 @@ impl<'g, 'a> Worker<'g, 'a> {
                 _ => true,
             };
             for (k, flags) in flags.iter_mut().enumerate() {
-                let invocation = first + k;
-                let case = invocation / batch.per_case;
-                if of_case.0 != case {
-                    of_case = (case, special_inputs(batch.case(case), shared));
+                if lane == batch.per_case {
+                    (case, lane) = (case + 1, 0);
+                    of_case = special_inputs(batch.case(case), shared);
                 }
-                flags.0 |= of_case.1.0;
+                lane += 1;
+                flags.0 |= of_case.0;
                 if special {
-                    flags.0 |= special_inputs(batch.invocation(invocation), own).0;
+                    flags.0 |= special_inputs(batch.invocation(first + k), own).0;
                 }
             }
         }
