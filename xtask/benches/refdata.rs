@@ -23,7 +23,8 @@ fn main() {
     }
     let folder = tempfile::tempdir().expect("a folder for files");
     println!("reference data        samples   vectors/s   numpy/s   ratio  least to largest   with bounds/s");
-    for (suite, samples) in [("sphere", 4_000_000_u64), ("skinning", 1_000_000), ("skinning", 4_000_000)] {
+    let rows = [("sphere", 4_000_000_u64), ("sphere", 16_000_000), ("skinning", 1_000_000), ("skinning", 4_000_000)];
+    for (suite, samples) in rows {
         let [mut ours, mut theirs, mut ratios, mut bounded] = [const { Vec::new() }; 4];
         for _ in 0..ROUNDS {
             ours.push(generate(folder.path(), suite, samples, "none"));
