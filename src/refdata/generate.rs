@@ -87,15 +87,22 @@ pub struct Generator<'a> {
 
 /// What gives expected values.
 pub(super) enum Source {
-    Formula {
-        exact: Exact,
-        quick: Option<(Quick, Vec<Run>)>,
-        routes: Vec<Route>,
-    },
+    Formula(ByFormula),
     /// Another shader, or a record.
     Reference,
     /// The shader itself.
     Meaning,
+}
+
+/// A formula and its inputs.
+pub(super) struct ByFormula {
+    pub exact: Exact,
+    /// Its quick phase, for samples of one case.
+    pub quick: Option<Quick>,
+    /// Where each word comes from.
+    pub routes: Vec<Route>,
+    /// The same for many at once.
+    pub runs: Vec<Run>,
 }
 
 /// The outputs of one sample.
@@ -142,9 +149,10 @@ impl<'a> Generator<'a> {
         let (source, names): (_, Vec<&str>) = match (formula, exact) {
             (Some(formula), Some(exact)) => {
                 let routes: Vec<Route> = formula.inputs.iter().flat_map(|param| routes(param, sides)).collect();
-                let quick =
-                    Quick::of(exact, routes.iter().map(|route| route.from_case)).map(|quick| (quick, runs(&routes)));
-                (Source::Formula { exact, quick, routes }, formula.outputs.iter().map(|p| p.name).collect())
+                let quick = Quick::of(exact, routes.iter().map(|route| route.from_case));
+                let runs = runs(&routes);
+                let by = ByFormula { exact, quick, routes, runs };
+                (Source::Formula(by), formula.outputs.iter().map(|p| p.name).collect())
             }
             _ if emits => return Err(Unfit::Emits(name())),
             _ => match subject.expect() {
@@ -163,7 +171,7 @@ impl<'a> Generator<'a> {
             fields.push((record.fields()[index].clone(), at..words.len()));
         }
         let vertices = match (&source, formula.map(|f| &f.rule)) {
-            (Source::Formula { exact, .. }, Some(Rule::Emission(_))) => exact.outputs() / words.len().max(1),
+            (Source::Formula(by), Some(Rule::Emission(_))) => by.exact.outputs() / words.len().max(1),
             _ => 1,
         };
         let scalars = (0..record.words()).map(|word| record.scalar_of(word)).collect();
@@ -215,7 +223,7 @@ impl<'a> Generator<'a> {
     /// The provenance of a file with these blocks, without its digest.
     pub fn document(&self, blocks: &Range<u64>) -> Document {
         let formula = self.subject.reference().formula();
-        let formula = formula.filter(|_| matches!(self.source, Source::Formula { .. }));
+        let formula = formula.filter(|_| matches!(self.source, Source::Formula(_)));
         let (by, accuracy) = self.accuracy();
         Document {
             schema: SCHEMA.into(),
@@ -256,7 +264,7 @@ impl<'a> Generator<'a> {
             None => "nothing here says by how much that moves a value",
         };
         match (&self.source, self.subject.expect()) {
-            (Source::Formula { .. }, _) => (
+            (Source::Formula(_), _) => (
                 "formula",
                 "real numbers, rounded once: within 1 ULP of binary64, or within 2^-90 of the largest term where terms \
                  cancel to less than 2^-37 of it"

@@ -5,12 +5,11 @@ use std::sync::atomic::Ordering;
 
 use super::columns::{Columns, flags_of, grow, turn};
 use super::flags::{Flag, Flags, any_special};
-use super::generate::{Generator, Source};
-use super::inputs::{Inputs, Route, Run};
+use super::generate::{ByFormula, Generator, Source};
+use super::inputs::Inputs;
 use super::number::upward;
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::exact::Exact;
-use crate::exact::quick::Quick;
 use crate::interp::LANES;
 use crate::lane::Stage;
 use crate::math::twofold::WIDTH;
@@ -68,9 +67,7 @@ impl<'g, 'a> Worker<'g, 'a> {
     pub fn fill(&mut self, batch: &Batch, first: usize, mut part: Part<'_>) {
         self.inputs(batch, first, part.flags);
         match &self.generator.source {
-            Source::Formula { exact, quick, routes } => {
-                self.formula((*exact, quick.as_ref(), routes), batch, first, &mut part);
-            }
+            Source::Formula(by) => self.formula(by, batch, first, &mut part),
             Source::Reference => {
                 self.reference(batch, first, &mut part);
                 self.outputs(part.expected, part.flags);
@@ -83,34 +80,28 @@ impl<'g, 'a> Worker<'g, 'a> {
         self.bounds(batch, first, &mut part);
     }
 
-    fn formula(
-        &mut self,
-        source: (Exact, Option<&(Quick, Vec<Run>)>, &[Route]),
-        batch: &Batch,
-        first: usize,
-        part: &mut Part<'_>,
-    ) {
-        let (exact, quick, routes) = source;
+    fn formula(&mut self, by: &ByFormula, batch: &Batch, first: usize, part: &mut Part<'_>) {
+        let ByFormula { exact, quick, routes, runs } = by;
         let width = self.columns.values.len();
         self.doubtful.clear();
         for at in (0..part.flags.len()).step_by(WIDTH) {
             let inputs = Inputs::new(batch, routes, first + at);
             let lanes = WIDTH.min(part.flags.len() - at);
             let quick = quick.filter(|_| lanes == WIDTH);
-            if let (Some((quick, runs)), Some(case)) = (quick, inputs.case) {
+            if let (Some(quick), Some(case)) = (quick, inputs.case) {
                 let Self { columns, generator, .. } = self;
                 let all = wide(
                     #[inline(always)]
                     || {
                         inputs.give(case, runs, &mut columns.given);
-                        columns.approach(*quick, &generator.outputs)
+                        columns.approach(quick, &generator.outputs)
                     },
                 );
                 if !all {
                     self.doubtful.extend(columns.unsure().map(|lane| at + lane));
                 }
             } else {
-                self.accurately(exact, &inputs, &part.flags[at..at + lanes]);
+                self.accurately(*exact, &inputs, &part.flags[at..at + lanes]);
             }
             let Columns { values, nearest, flags, .. } = &self.columns;
             let to = at * width..(at + lanes) * width;
@@ -122,7 +113,7 @@ impl<'g, 'a> Worker<'g, 'a> {
         for rows in doubtful.chunks(WIDTH) {
             let mut special = [Flags::default(); WIDTH];
             rows.iter().zip(&mut special).for_each(|(&row, flags)| *flags = part.flags[row]);
-            self.accurately(exact, &Inputs::of(batch, routes, first, rows), &special);
+            self.accurately(*exact, &Inputs::of(batch, routes, first, rows), &special);
             let Columns { values, nearest, flags, .. } = &self.columns;
             for (lane, &row) in rows.iter().enumerate() {
                 part.flags[row].0 |= flags[lane] as u16;
@@ -237,7 +228,7 @@ impl<'g, 'a> Worker<'g, 'a> {
     fn bounds(&mut self, batch: &Batch, first: usize, part: &mut Part<'_>) {
         let outputs = &self.generator.outputs;
         let Some(limiter) = &mut self.limiter else { return };
-        let by_formula = matches!(self.generator.source, Source::Formula { .. });
+        let by_formula = matches!(self.generator.source, Source::Formula(_));
         let mut apart_rows = 0;
         limiter.look(batch, first, &mut self.limits);
         let Limits { values, bounds, reasons, .. } = &self.limits;

@@ -59,7 +59,7 @@ fn rows_side_by_side_are_those_one_by_one() {
     for name in ["interval", "point", "vector"] {
         let (generator, group) = group(name);
         let (stride, at) = (group.words() + 3, 2);
-        let whole = vec![std::ops::Range { start: at, end: at + group.words() }];
+        let whole = [std::ops::Range { start: at, end: at + group.words() }];
         for (rows, per_case, first_lane) in [(1, 1, 0), (16, 16, 0), (100, 7, 3), (333, 1, 0), (50, 1000, 990)] {
             let [mut abreast, mut single] = [vec![9; rows * stride], vec![9; rows * stride]];
             let (spans, first_case) = (&whole[..], u64::MAX - 2);
