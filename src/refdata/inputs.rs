@@ -37,7 +37,7 @@ pub(super) struct Inputs<'b> {
 impl<'b> Inputs<'b> {
     /// Of neighbours. Beyond the end of a batch the last sample is computed again.
     pub fn new(batch: &'b Batch, routes: &'b [Route], first: usize) -> Self {
-        let one = first.is_multiple_of(batch.per_case) && batch.per_case.is_multiple_of(WIDTH);
+        let one = first % batch.per_case + WIDTH <= batch.per_case;
         let last = batch.invocation_count().saturating_sub(1);
         let mut rows = [last; WIDTH];
         rows.iter_mut().zip(first..last).for_each(|(row, number)| *row = number);
@@ -134,4 +134,75 @@ pub(super) fn runs(routes: &[Route]) -> Vec<Run> {
         }
     }
     runs
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::value::{Field, Shape};
+
+    /// Cases of `per_case` samples, whose words are their numbers: those of cases from 1000 on.
+    fn batch(cases: usize, per_case: usize) -> Batch {
+        let record = |name: &str, shape| Arc::new(Record::new(vec![Field { name: name.into(), shape }]));
+        let bits = |n: usize| (n as f32).to_bits();
+        Batch {
+            invocation_record: record("own", Shape::VEC2),
+            case_record: record("shared", Shape::VEC3),
+            per_case,
+            invocations: (0..cases * per_case * 2).map(bits).collect(),
+            cases: (1000..1000 + cases * 3).map(bits).collect(),
+        }
+    }
+
+    /// The second word of the samples, then two words of their case.
+    fn list() -> Vec<Route> {
+        let route = |from_case, word| Route { from_case, word, scalar: Scalar::F32 };
+        vec![route(false, 1), route(true, 1), route(true, 2)]
+    }
+
+    fn columns(inputs: &Inputs<'_>) -> Vec<[f64; WIDTH]> {
+        (0..3).map(|k| *Words::<Twofold<false>>::word(inputs, k).rounded()).collect()
+    }
+
+    #[test]
+    fn both_phases_get_the_words_of_their_samples() {
+        let (batch, routes) = (batch(3, 40), list());
+        let runs = runs(&routes);
+        assert_eq!(runs.iter().map(|run| run.to.clone()).collect::<Vec<_>>(), [0..1, 1..3]);
+        // Sixteen samples of one case, or of two, or fewer than there are.
+        for (first, case) in
+            [(0, Some(0)), (16, Some(0)), (24, Some(0)), (25, None), (32, None), (40, Some(1)), (112, None)]
+        {
+            let inputs = Inputs::new(&batch, &routes, first);
+            assert_eq!(inputs.case, case, "{first}");
+            let expected = |lane: usize| {
+                let row = (first + lane).min(119);
+                [row * 2 + 1, 1000 + row / 40 * 3 + 1, 1000 + row / 40 * 3 + 2].map(|n| n as f64)
+            };
+            let accurate = columns(&inputs);
+            for lane in 0..WIDTH {
+                assert_eq!([accurate[0][lane], accurate[1][lane], accurate[2][lane]], expected(lane), "{first}");
+            }
+            let Some(case) = case else { continue };
+            let mut given = Given::default();
+            inputs.give(case, &runs, &mut given);
+            for lane in 0..WIDTH {
+                assert_eq!([given.own[0][lane], given.case[1], given.case[2]], expected(lane), "{first}");
+            }
+        }
+    }
+
+    #[test]
+    fn samples_from_anywhere_have_their_own_words() {
+        let (batch, routes) = (batch(3, 40), list());
+        let accurate = columns(&Inputs::of(&batch, &routes, 16, &[3, 70, 24]));
+        let lane = |k: usize| [accurate[0][k], accurate[1][k], accurate[2][k]];
+        assert_eq!(
+            [lane(0), lane(1), lane(2)],
+            [[39.0, 1001.0, 1002.0], [173.0, 1007.0, 1008.0], [81.0, 1004.0, 1005.0]]
+        );
+        assert_eq!(lane(15), lane(0));
+    }
 }
