@@ -44,7 +44,7 @@ impl<'b> Inputs<'b> {
         Self { batch, routes, rows, case: one.then(|| first / batch.per_case) }
     }
 
-    /// Of samples anywhere, counted from one; the first of them in all places that are left.
+    /// Of samples anywhere, by their numbers less `first`; the first of them in all places that are left.
     pub fn of(batch: &'b Batch, routes: &'b [Route], first: usize, rows: &[usize]) -> Self {
         let mut all = [first + rows[0]; WIDTH];
         all.iter_mut().zip(rows).for_each(|(to, row)| *to = first + row);

@@ -11,7 +11,7 @@ mod sphere;
 mod tests;
 
 use super::Exact;
-use crate::math::twofold::{WIDTH, all_bits, to_odd, two_product, two_sum};
+use crate::math::twofold::{WIDTH, all_bits, to_odd, two_product};
 
 /// Words of the outputs of formulas that have a quick phase.
 pub const WORDS: usize = 4;
@@ -129,36 +129,9 @@ fn matrix(case: &[f64], at: usize) -> ([[f64; 4]; 4], f64) {
     (rows, largest)
 }
 
-/// The sum of four numbers in two parts each; the second part of the sum may be large beside the first where the
-/// numbers cancel.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn sum(terms: [(f64, f64); 4]) -> (f64, f64) {
-    let (mut sum, mut rest) = terms[0];
-    for (high, low) in &terms[1..] {
-        let (next, carried) = two_sum(sum, *high);
-        sum = next;
-        rest += carried + low;
-    }
-    (sum, rest)
-}
-
-/// The product of numbers in two parts, without that of the second parts.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    let (high, rest) = two_product(a.0, b.0);
-    (high, a.0.mul_add(b.1, a.1.mul_add(b.0, rest)))
-}
-
 /// The square of a number in two parts, without that of the second part.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn square(a: (f64, f64)) -> (f64, f64) {
     let (high, rest) = two_product(a.0, a.0);
     (high, (a.0 + a.0).mul_add(a.1, rest))
-}
-
-/// The product of a number and one in two parts.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn times(a: f64, b: (f64, f64)) -> (f64, f64) {
-    let (high, rest) = two_product(a, b.0);
-    (high, a.mul_add(b.1, rest))
 }

@@ -8,8 +8,8 @@
 //! within 2^-79 of itself then, and (d + 1)^-16 within 2^-75. The point p is within 2^-104 of the sum of its terms,
 //! which is 2^16 at most, and moves d by 2^-87. All else is below: u is within 2^-74 of the sum of its terms.
 
-use super::{Given, LEAST, Near, matrix, power, product, square, sum, times};
-use crate::math::twofold::{WIDTH, all_bits, two_product, two_sum};
+use super::{Given, LEAST, Near, matrix, power, square};
+use crate::math::twofold::{WIDTH, all_bits, product, sum, times, two_product, two_sum};
 
 /// Words of the list of inputs that each sample has for itself: its position.
 pub(super) const OWN: usize = 4;
@@ -189,17 +189,17 @@ fn blend(bone: &Bone, p: &Columns, u: &mut Columns, weights: &mut [f64; WIDTH], 
         }
 
         weights[k] += w.0 * bone.largest;
-        let mut q = [(0.0, 0.0); 4];
+        let mut weighted = [(0.0, 0.0); 4];
         for c in 0..4 {
-            q[c] = product(w, (p.high[c][k], p.low[c][k]));
+            weighted[c] = product(w, (p.high[c][k], p.low[c][k]));
         }
         for r in 0..4 {
             let (mut high, mut rest) = (u.high[r][k], u.low[r][k]);
             for c in 0..4 {
-                let (first, second) = two_product(bone.rows[r][c], q[c].0);
+                let (first, second) = two_product(bone.rows[r][c], weighted[c].0);
                 let (next, carried) = two_sum(high, first);
                 high = next;
-                rest = bone.rows[r][c].mul_add(q[c].1, rest) + (carried + second);
+                rest = bone.rows[r][c].mul_add(weighted[c].1, rest) + (carried + second);
             }
             (u.high[r][k], u.low[r][k]) = (high, rest);
         }

@@ -1,7 +1,7 @@
 //! The sphere (section 9.1).
 
-use super::{Given, LEAST, Near, matrix, power, product, sum, times};
-use crate::math::twofold::{TURN_OFF, WIDTH, all_bits, sin_cos_pi_near, two_sum};
+use super::{Given, LEAST, Near, matrix, power};
+use crate::math::twofold::{TURN_OFF, WIDTH, all_bits, product, sin_cos_pi_near, sum, times, two_sum};
 
 /// Words of the list of inputs that each sample has for itself: its parameters.
 pub(super) const OWN: usize = 2;

@@ -18,7 +18,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use pair::Pair;
 
 pub use near::{TURN_OFF, sin_cos_pi_near};
-pub use pair::{two_product, two_sum};
+pub use pair::{product, sum, times, two_product, two_sum};
 
 /// Numbers side by side in a [`Twofold`].
 pub const WIDTH: usize = 16;

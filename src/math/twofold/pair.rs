@@ -30,6 +30,34 @@ pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     (high, a.mul_add(b, -high))
 }
 
+/// The product of numbers in two parts, without that of the second parts. Its second part may be large beside the first
+/// where those of the numbers are.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    let (high, rest) = two_product(a.0, b.0);
+    (high, a.0.mul_add(b.1, a.1.mul_add(b.0, rest)))
+}
+
+/// The product of a number and one in two parts.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn times(a: f64, b: (f64, f64)) -> (f64, f64) {
+    let (high, rest) = two_product(b.0, a);
+    (high, b.1.mul_add(a, rest))
+}
+
+/// The sum of four numbers in two parts each; its second part may be large beside the first where the numbers cancel.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn sum(terms: [(f64, f64); 4]) -> (f64, f64) {
+    let (mut sum, mut rest) = terms[0];
+    for k in 1..4 {
+        let (high, low) = terms[k];
+        let (next, carried) = two_sum(sum, high);
+        sum = next;
+        rest += carried + low;
+    }
+    (sum, rest)
+}
+
 impl Pair {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of(x: f64) -> Self {
@@ -108,14 +136,8 @@ impl Pair {
     /// The sum of products in two parts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sum_of<const SAFE: bool>(products: [(f64, f64); 4]) -> Self {
-        let (mut sum, mut rest) = products[0];
-        for k in 1..4 {
-            let (high, low) = products[k];
-            let (next, carried) = two_sum(sum, high);
-            sum = next;
-            rest += carried + low;
-        }
-        Self::whole::<SAFE>(sum, rest)
+        let (high, rest) = sum(products);
+        Self::whole::<SAFE>(high, rest)
     }
 
     /// a·b − c·d in the same way.
@@ -127,18 +149,14 @@ impl Pair {
         Self::whole::<SAFE>(sum, carried + (rest - rest_second))
     }
 
-    /// The product in two parts, of which the second may be large beside the first after a sum.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(self, b: Self) -> (f64, f64) {
-        let (high, rest) = two_product(self.high, b.high);
-        (high, self.high.mul_add(b.low, self.low.mul_add(b.high, rest)))
+        product((self.high, self.low), (b.high, b.low))
     }
 
-    /// The product with a number in two parts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn part(self, a: f64) -> (f64, f64) {
-        let (high, rest) = two_product(self.high, a);
-        (high, self.low.mul_add(a, rest))
+        times(a, (self.high, self.low))
     }
 
     /// The sum of two numbers, whichever is larger; `a` alone where that is not finite.
