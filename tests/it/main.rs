@@ -8,6 +8,7 @@ mod blame;
 mod calibrate;
 mod check_cli;
 mod ci;
+mod comparisons;
 mod constructs;
 mod containment;
 mod flaky;

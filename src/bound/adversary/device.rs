@@ -137,6 +137,12 @@ impl Device {
         [self.flushed(a, a, &mut choice, 1), self.flushed(b, b, &mut choice, 3)]
     }
 
+    /// A conversion to a word sees this number.
+    pub(super) fn converted(&self, x: f64, place: Place) -> f64 {
+        let mut choice = Choice::new(self.seed, self.strategy, place, 2 + Op::ALL.len() as u64, &[x]);
+        self.flushed(x, x, &mut choice, 1)
+    }
+
     /// Whether a sum takes the product before its rounding.
     pub(super) fn fuses(&self, args: [f64; 2], place: Place) -> bool {
         // A fault of one of the operations must not vanish in another.

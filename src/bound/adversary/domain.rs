@@ -262,7 +262,10 @@ impl Domain for Adversary {
     }
 
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Column, out: &mut Words) -> Mask {
-        self.strict.words_of(site, op, active, &a.values, out)
+        let mut seen = a.values.clone();
+        let values = seen.values_mut();
+        active.each(|lane| values[lane] = self.device.converted(a.wide(lane), self.place(site, lane)) as f32);
+        self.strict.words_of(site, op, active, &seen, out)
     }
 
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Column) {

@@ -13,6 +13,7 @@
 
 mod arena;
 mod columns;
+mod decision;
 mod functions;
 mod inherited;
 #[cfg(test)]
@@ -141,6 +142,11 @@ impl<'p> Tape<'p> {
         if (column.0 as usize) < self.arena.nodes.len() { column.0 } else { 0 }
     }
 
+    /// True when some lane of a column may be subnormal, and a device may take it for zero.
+    fn flushed(&self, at: usize) -> bool {
+        self.arena.nodes[at].tiny && self.model.flushes()
+    }
+
     fn note_fork(&mut self, site: Site, lanes: impl Iterator<Item = usize>) {
         for lane in lanes {
             self.forks[lane].get_or_insert(site);
@@ -224,12 +230,12 @@ impl Domain for Tape<'_> {
         let (a, b) = (self.id(a) as usize, self.id(b) as usize);
         let (x, y) = (self.arena.value.get(a), self.arena.value.get(b));
         let (ex, ey) = (self.arena.radius.get(a), self.arena.radius.get(b));
-        let near = |lane: usize| {
-            let reach = ex[lane] + ey[lane];
-            // A radius that is no number says nothing about the decision.
-            a != b && reach != 0.0 && !((x[lane] - y[lane]).abs() > reach)
+        let flushes = self.flushed(a) || self.flushed(b);
+        let open = |lane: usize| {
+            let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+            (a != b && decision::is_near(x, y)) || (flushes && decision::flush_decides(op, x, y))
         };
-        let forks: Vec<usize> = active.lanes().filter(|&lane| near(lane)).collect();
+        let forks: Vec<usize> = active.lanes().filter(|&lane| open(lane)).collect();
         for (lane, out) in out.iter_mut().enumerate() {
             *out = u32::from(op.holds(x[lane], y[lane]));
         }
@@ -256,7 +262,8 @@ impl Domain for Tape<'_> {
         let (mut low, mut high) = ([0; LANES], [0; LANES]);
         let texel = matches!(op, ToWords::Texel { .. });
         let (relative, absolute) = if texel { self.model.texel_slack() } else { (0.0, 0.0) };
-        let reach = |lane: usize| e[lane] + relative * x[lane].abs() + absolute;
+        let flushes = self.flushed(a);
+        let reach = |lane: usize| kernels::reach(x[lane], e[lane], flushes) + relative * x[lane].abs() + absolute;
         let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| x[lane] + sign * reach(lane)) };
         crate::interp::to_words(op, &ends(-1.0), &mut low);
         crate::interp::to_words(op, &ends(1.0), &mut high);

@@ -1,0 +1,169 @@
+//! Comparisons of numbers that a device may flush to zero: no conforming device is accused, and a wrong one is.
+
+use std::sync::Arc;
+
+use shadercheck::bound::adversary::{Adversary, Strategy};
+use shadercheck::bound::profile::{Profile, Rulings, by_name};
+use shadercheck::glsl;
+use shadercheck::lane::{Lane, Stage, embedded};
+use shadercheck::lower::Target;
+use shadercheck::program::Program;
+use shadercheck::text::SourceFile;
+use shadercheck::value::Batch;
+use shadercheck::verdict::{Court, Oracle, Reason, Reference, Verdict, judge_each};
+
+/// Conditions on `x` and `y`. With the inputs of `TINY`, a flush of each changes its answer for some of them.
+const CONDITIONS: [&str; 34] = [
+    "x == y",
+    "x != y",
+    "x < y",
+    "x <= y",
+    "x > y",
+    "x >= y",
+    "!(x < y)",
+    "-x < y",
+    "x > 1e-40",
+    "1e-40 >= y",
+    "bool(x)",
+    "bvec2(vec2(x, y)).x",
+    "vec2(x, y) == vec2(y, x)",
+    "vec3(x, y, 1.0) != vec3(0.0, y, 1.0)",
+    "mat2(x, y, 1.0, 0.0) == mat2(0.0, y, 1.0, 0.0)",
+    "all(equal(vec2(x, y), vec2(0.0)))",
+    "any(notEqual(vec2(x, y), vec2(0.0)))",
+    "lessThan(vec2(x, 1.0), vec2(y, 0.0)).x",
+    "lessThanEqual(vec2(1.0, x), vec2(0.0, y)).y",
+    "greaterThan(vec4(x), vec4(y)).w",
+    "greaterThanEqual(vec2(x), vec2(y)).x",
+    "mix(0.0, 1.0, x > y) > 0.5",
+    "vec2(x, y).yx.y > 0.0",
+    "abs(x) > 0.0",
+    "max(x, 0.0) > 0.0",
+    "min(x, y) < 0.0",
+    "sign(x) != 0.0",
+    "step(x, y) > 0.5",
+    "floor(x) < 0.0",
+    "ceil(x) > 0.5",
+    "int(floor(x)) < 0",
+    "int(ceil(x)) > 0",
+    "floatBitsToInt(x) == 0",
+    "(x != 0.0 ? 1.0 / x : 0.0) > 0.0",
+];
+
+const TINY: [[f32; 2]; 9] = [
+    [1e-40, 0.0],
+    [0.0, 1e-40],
+    [-1e-40, 0.0],
+    [0.0, -1e-40],
+    [1e-40, 2e-40],
+    [2e-40, 1e-40],
+    [-1e-40, 1e-40],
+    [1e-40, 1e-40],
+    [1e-45, -3e-39],
+];
+
+/// Numbers that nobody flushes; each condition is also asked at a place where it is just about to change.
+const NORMAL: [[f32; 2]; 8] =
+    [[0.5, 0.25], [0.25, 0.5], [0.5, 0.5], [-0.5, 0.0], [0.0, 0.5], [0.0, 0.0], [1.2e-38, 0.0], [0.5, 0.500_000_06]];
+
+fn program(condition: &str) -> Program {
+    let text = format!("#version 450 core\nfloat f(float x, float y) {{ return {condition} ? 2.0 : 1.0; }}\n");
+    let file = SourceFile::new("f.glsl", text);
+    Program::from_source(&file, glsl::Stage::Library, |_| Ok(Target::Function("f".into())))
+        .unwrap_or_else(|error| panic!("{condition}: {error:?}"))
+}
+
+fn batch(program: &Program, inputs: &[[f32; 2]]) -> Batch {
+    Batch {
+        invocation_record: Arc::new(program.invocation_record()),
+        case_record: Arc::new(program.case_record()),
+        per_case: 1,
+        invocations: inputs.iter().flatten().map(|x| x.to_bits()).collect(),
+        cases: Vec::new(),
+    }
+}
+
+/// Verdicts on a lane that is held against a profile in a stage.
+fn verdicts(program: &Program, profile: &'static Profile, on: (Stage, &dyn Lane), inputs: &[[f32; 2]]) -> Vec<Verdict> {
+    let (stage, lane) = on;
+    let (oracle, reference) = (Oracle::new(program).unwrap(), Reference::nothing(program));
+    let rulings = Rulings { text: profile, conformance: None, measured: None };
+    let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage };
+    let batch = batch(program, inputs);
+    let kernel = program.compute_kernel().unwrap();
+    let actual = lane.prepare(&kernel, inputs.len()).unwrap().run(&batch).unwrap();
+    judge_each(&court, &batch, &actual)
+}
+
+fn profiles() -> impl Iterator<Item = &'static Profile> {
+    ["vulkan-1.4", "glsl-4.60", "wgsl", "binary32"].into_iter().map(|name| by_name(name).unwrap())
+}
+
+#[test]
+fn a_device_that_flushes_the_operands_of_a_comparison_is_not_accused() {
+    let mut wrong = Vec::new();
+    for condition in CONDITIONS {
+        let program = program(condition);
+        for profile in profiles() {
+            for stage in [Stage::Compute, Stage::Vertex, Stage::Geometry] {
+                let (mut open, mut seen) = (0, 0);
+                for seed in 0..12 {
+                    let strategy = Strategy::ALL[seed as usize % Strategy::ALL.len()];
+                    let lane = Adversary::lane(profile, stage, strategy, seed, false);
+                    let found = verdicts(&program, profile, (stage, &lane), &TINY);
+                    for (inputs, verdict) in TINY.iter().zip(found) {
+                        seen += 1;
+                        match verdict {
+                            Verdict::Agree(_) => {}
+                            Verdict::Undetermined(doubt) => {
+                                open += usize::from(matches!(doubt.reason, Reason::Branch | Reason::NoPromise));
+                            }
+                            Verdict::Deviate(deviation) => {
+                                let name = &profile.name;
+                                wrong.push(format!("{name} {stage}: {condition} of {inputs:?}: {deviation}"));
+                            }
+                        }
+                    }
+                }
+                // Where nothing may be flushed everything is judged; elsewhere the device gave another answer.
+                let flushes = profile.name != "binary32";
+                if (open > 0) != flushes || seen == 0 {
+                    wrong.push(format!("{} {stage}: {condition}: {open} of {seen} are open", profile.name));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong[..wrong.len().min(40)].join("\n"));
+}
+
+#[test]
+fn a_wrong_answer_about_normal_numbers_is_held_against_the_device() {
+    let mut wrong = Vec::new();
+    for condition in CONDITIONS {
+        let right = program(condition);
+        let other = program(&format!("!({condition})"));
+        for profile in profiles() {
+            for stage in [Stage::Compute, Stage::Vertex, Stage::Geometry] {
+                let lane = Adversary::lane(profile, stage, Strategy::Mixed, 3, false);
+                for (inputs, verdict) in NORMAL.iter().zip(verdicts(&right, profile, (stage, &lane), &NORMAL)) {
+                    if !matches!(verdict, Verdict::Agree(_)) {
+                        wrong.push(format!("{} {stage}: {condition} of {inputs:?}: {verdict:?}", profile.name));
+                    }
+                }
+                // A device that compares the other way round: its words, judged as those of the shader.
+                let (oracle, reference) = (Oracle::new(&right).unwrap(), Reference::nothing(&right));
+                let rulings = Rulings { text: profile, conformance: None, measured: None };
+                let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage };
+                let (batch, kernel) = (batch(&right, &NORMAL), other.compute_kernel().unwrap());
+                let strict = embedded::open().unwrap();
+                let actual = strict.prepare(&kernel, NORMAL.len()).unwrap().run(&batch).unwrap();
+                for (inputs, verdict) in NORMAL.iter().zip(judge_each(&court, &batch, &actual)) {
+                    if !matches!(verdict, Verdict::Deviate(_)) {
+                        wrong.push(format!("{} {stage}: missed {condition} of {inputs:?}: {verdict:?}", profile.name));
+                    }
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong[..wrong.len().min(40)].join("\n"));
+}
