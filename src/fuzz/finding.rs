@@ -31,6 +31,10 @@ pub enum Kind {
     TooManyVertices,
     /// A loop does not end in reasonable time.
     Endless,
+    /// A variable that is read before it has a value, or a function that ends without `return`.
+    Unset,
+    /// An operation on arguments for which the language leaves its value undefined.
+    Undefined,
     /// An index outside of its array.
     Index,
     /// An integer divided by zero.
@@ -62,6 +66,8 @@ impl Kind {
             Self::NotWritten => "not_written",
             Self::TooManyVertices => "too_many_vertices",
             Self::Endless => "endless",
+            Self::Unset => "unset",
+            Self::Undefined => "undefined",
             Self::Index => "index",
             Self::DivisionByZero => "division_by_zero",
             Self::Shift => "shift",
@@ -83,6 +89,7 @@ impl Kind {
             | Self::Underflow
             | Self::Lost
             | Self::NotWritten
+            | Self::Unset
             | Self::TooManyVertices
                 if counting =>
             {
@@ -90,7 +97,8 @@ impl Kind {
             }
             Self::IllConditioned if counting => Severity::Warning,
             // What whole numbers a function takes, and how large its results may be, only its author knows.
-            Self::Index
+            Self::Undefined
+            | Self::Index
             | Self::DivisionByZero
             | Self::Shift
             | Self::Conversion
@@ -109,6 +117,8 @@ impl Kind {
             | Self::NotWritten
             | Self::TooManyVertices
             | Self::IllConditioned
+            | Self::Unset
+            | Self::Undefined
             | Self::Index
             | Self::DivisionByZero
             | Self::Shift

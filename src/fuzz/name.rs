@@ -34,6 +34,8 @@ pub struct Named {
     pub meaning: f64,
     /// What strict binary32 gives.
     pub strict: f32,
+    /// Why a value is undefined.
+    pub why: Option<String>,
 }
 
 /// Samples with one name are one finding.
@@ -99,6 +101,7 @@ fn one(
         place: look.place,
         meaning: f64::NAN,
         strict: f32::NAN,
+        why: None,
     };
     let plain = |kind| Some(Named { kind, ..named.clone() });
     if let Some(kind) = trouble.of_integers() {
@@ -112,6 +115,13 @@ fn one(
             Trouble::Conversion => Kind::Conversion,
             _ => Kind::IntegerOverflow,
         };
+        return Some(named);
+    }
+    if matches!(trouble, Trouble::Unset | Trouble::Undefined) {
+        let found = wide.dependences(batch, &[invocation], false).pop().flatten()?;
+        named.kind = if trouble == Trouble::Unset { Kind::Unset } else { Kind::Undefined };
+        named.site = Some(found.of.site);
+        named.why = Some(found.of.why(&found.args));
         return Some(named);
     }
     match trouble {

@@ -111,6 +111,8 @@ pub fn run(
         let twins = double(&mut batch, count);
         let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
         sort(ready, domain, &batch, &looks, &mut groups, &mut report);
+        // What is undefined may differ from one invocation to the next.
+        let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
         let (batch, twins) = without_endless(batch, &looks, twins);
         if batch.invocation_count() > 0 && !(constant && looks[0].trouble == Some(Trouble::Endless)) {
             on.iter_mut().for_each(|lane| lane.run(&batch, &twins));
@@ -363,6 +365,9 @@ fn message(named: &Named, shown: &str) -> String {
         Kind::NotWritten => format!("`{shown} is not written"),
         Kind::TooManyVertices => "more vertices are emitted than `max_vertices`; those past it are lost".to_owned(),
         Kind::Endless => format!("a loop goes on after {ROUNDS} rounds"),
+        Kind::Unset | Kind::Undefined => {
+            format!("the value is undefined: {}", named.why.as_deref().unwrap_or("the operation leaves its range"))
+        }
         Kind::Index => "an index lies outside of its array".to_owned(),
         Kind::DivisionByZero => "an integer is divided by zero".to_owned(),
         Kind::Shift => "a shift by 32 bits or more".to_owned(),

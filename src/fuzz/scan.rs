@@ -32,6 +32,10 @@ pub enum Trouble {
     NotWritten,
     /// More vertices than `max_vertices`.
     TooManyVertices,
+    /// An output depends on a variable without a value.
+    Unset,
+    /// An output depends on an operation whose value is undefined.
+    Undefined,
     /// Rounding moves an output by more than [`LIMIT`] of its size.
     Moved,
     /// An index outside of its array.
@@ -47,6 +51,21 @@ pub enum Trouble {
 }
 
 impl Trouble {
+    /// The trouble that an undefined value is.
+    fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Index => Self::Index,
+            Kind::DivisionByZero => Self::DivisionByZero,
+            Kind::Shift => Self::Shift,
+            Kind::Conversion => Self::Conversion,
+            Kind::Overflow => Self::IntegerOverflow,
+            Kind::Unset | Kind::NoReturn => Self::Unset,
+            Kind::Quotient | Kind::Remainder | Kind::BitField | Kind::Argument | Kind::Fuel | Kind::Killed => {
+                Self::Undefined
+            }
+        }
+    }
+
     /// What the interpreter calls it, for what concerns integers.
     pub fn of_integers(self) -> Option<Kind> {
         Some(match self {
@@ -62,6 +81,8 @@ impl Trouble {
             | Self::TooLarge
             | Self::NotWritten
             | Self::TooManyVertices
+            | Self::Unset
+            | Self::Undefined
             | Self::Moved => return None,
         })
     }
@@ -77,6 +98,8 @@ pub struct Look {
     /// The largest error of binary32, as part of the size of the variable; 0 where there is trouble of
     /// another kind.
     pub error: f64,
+    /// An output depends on an undefined value: devices need not agree on it, nor with themselves.
+    pub undefined: bool,
 }
 
 impl Look {
@@ -97,7 +120,11 @@ pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look
                 let meaning = Machine::new(executable, Binary64::default(), ROUNDS);
                 (meaning, Machine::new(executable, Binary32::default(), ROUNDS))
             },
-            |(meaning, strict), chunk| chunk_of(meaning, strict, record, batch, chunk * LANES),
+            |(meaning, strict), chunk| {
+                let mut looks = chunk_of(meaning, strict, record, batch, chunk * LANES);
+                undefined(meaning, batch, chunk * LANES, &mut looks);
+                looks
+            },
         )
         .collect();
     chunks.into_iter().flatten().collect()
@@ -122,12 +149,10 @@ fn chunk_of(
             look.note(Trouble::Endless, (0, 0));
             continue;
         }
-        for trouble in
-            [Trouble::Index, Trouble::DivisionByZero, Trouble::Shift, Trouble::Conversion, Trouble::IntegerOverflow]
-        {
-            if trouble.of_integers().is_some_and(|kind| wide.has(kind)) {
-                look.note(trouble, (0, 0));
-            }
+        // Whether it matters is found out at the end.
+        look.undefined = wide.is_undefined();
+        if wide.has(Kind::Overflow) {
+            look.note(Trouble::IntegerOverflow, (0, 0));
         }
         if meaning.is_emitting() && meaning.emitted()[lane] as usize > meaning.room() {
             look.note(Trouble::TooManyVertices, (0, 0));
@@ -168,6 +193,21 @@ fn chunk_of(
         }
     }
     looks
+}
+
+/// Leaves undefined values out that no output depends on, and notes the others.
+fn undefined(meaning: &mut Machine<'_, Binary64>, batch: &Batch, first: usize, looks: &mut [Look]) {
+    let touched: Vec<usize> = (0..looks.len()).filter(|&lane| looks[lane].undefined).collect();
+    if touched.is_empty() {
+        return;
+    }
+    let invocations: Vec<usize> = touched.iter().map(|lane| first + lane).collect();
+    for (lane, found) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)) {
+        looks[lane].undefined = found.is_some();
+        if let Some(found) = found {
+            looks[lane].note(Trouble::of(found.of.kind), (0, 0));
+        }
+    }
 }
 
 /// Compares one word.

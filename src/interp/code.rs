@@ -4,9 +4,11 @@
 //! column, a value for each lane. Variables have registers of their own, one for each scalar of their
 //! type; calls are expanded in place, which gives every variable a fixed one.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::domain::{Binary, Class, Comparison, FromWords, Site, Source, ToWords, Unary};
+use super::meaning::Kind;
 use super::rearrange::Draft;
 use crate::value::Scalar;
 
@@ -105,6 +107,61 @@ pub(super) enum Field {
     Insert,
 }
 
+/// Arguments for which GLSL leaves the result of a function undefined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Guarded {
+    /// `sqrt(x)`, x < 0.
+    Sqrt,
+    /// `inversesqrt(x)`, x ≤ 0.
+    InverseSqrt,
+    /// `log(x)`, x ≤ 0.
+    Log,
+    /// `log2(x)`, x ≤ 0.
+    Log2,
+    /// `asin(x)`, |x| > 1.
+    Asin,
+    /// `acos(x)`, |x| > 1.
+    Acos,
+    /// `acosh(x)`, x < 1.
+    Acosh,
+    /// `atanh(x)`, |x| ≥ 1.
+    Atanh,
+    /// `pow(x, y)`, x < 0, or x = 0 and y ≤ 0.
+    Pow,
+    /// `atan(y, x)`, both 0.
+    Atan2,
+    /// `clamp(v, x, y)`, x > y.
+    Clamp,
+    /// `smoothstep(x, y, v)`, x ≥ y.
+    SmoothStep,
+}
+
+impl Guarded {
+    /// True when the result is undefined. Functions of one argument look at the first alone.
+    #[inline]
+    pub fn is_outside(self, x: f64, y: f64) -> bool {
+        match self {
+            Self::Sqrt => x < 0.0,
+            Self::InverseSqrt | Self::Log | Self::Log2 => x <= 0.0,
+            Self::Asin | Self::Acos => x.abs() > 1.0,
+            Self::Acosh => x < 1.0,
+            Self::Atanh => x.abs() >= 1.0,
+            Self::Pow => x < 0.0 || (x == 0.0 && y <= 0.0),
+            Self::Atan2 => x == 0.0 && y == 0.0,
+            Self::Clamp => x > y,
+            Self::SmoothStep => x >= y,
+        }
+    }
+}
+
+/// A dynamic index as the program has it: its register, the number of elements, and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stray {
+    pub reg: Reg,
+    pub len: u32,
+    pub site: Site,
+}
+
 /// Components that one dynamic index selects.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
@@ -182,10 +239,40 @@ pub(super) enum Inst {
         b: Reg,
         site: Site,
     },
+    /// `site` is `None` where the bits lie inside of the word by construction.
     Field {
         op: Field,
         to: Reg,
         args: [Reg; 4],
+        site: Option<Site>,
+    },
+    /// Copies the result of a function, and notes the lanes in which it is undefined.
+    Guard {
+        what: Guarded,
+        to: Reg,
+        from: Reg,
+        args: [Reg; 2],
+        site: Site,
+    },
+    /// The same for `clamp` of integers: its ends.
+    GuardWords {
+        signed: bool,
+        to: Slot,
+        from: Reg,
+        args: [Reg; 2],
+        site: Site,
+    },
+    /// A variable without a value comes to life, with zeros.
+    Begin {
+        to: Slot,
+        zero: Reg,
+        site: Site,
+    },
+    /// Notes the lanes in which a variable that is read has no value.
+    Read {
+        from: Slot,
+        kind: Kind,
+        site: Site,
     },
     /// A word of a texel, 0 in lanes that are not inside.
     Texel {
@@ -212,15 +299,18 @@ pub(super) enum Inst {
         to: Slot,
         from: Reg,
     },
-    /// Reads the elements at an index, which lies inside.
+    /// Reads the elements at an index, which lies inside. `unset` is the place where one of them may have no value.
     Gather {
         index: Reg,
         choices: Vec<Choice>,
+        strays: Vec<Stray>,
+        unset: Option<Site>,
     },
     /// Writes the elements at an index, which lies inside, in the lanes that are active.
     Scatter {
         index: Reg,
         choices: Vec<Choice>,
+        strays: Vec<Stray>,
     },
     If {
         condition: Reg,
@@ -302,6 +392,21 @@ impl Inst {
                 args.iter_mut().for_each(|a| f(Read, Word, a));
                 f(Write, Word, to);
             }
+            Self::Guard { to, from, args, .. } => {
+                f(Read, Real, from);
+                args.iter_mut().for_each(|a| f(Read, Real, a));
+                f(Write, Real, to);
+            }
+            Self::GuardWords { to, from, args, .. } => {
+                f(Read, Word, from);
+                args.iter_mut().for_each(|a| f(Read, Word, a));
+                f(Write, Word, &mut to.reg);
+            }
+            Self::Begin { to, zero, .. } => {
+                f(Read, to.file(), zero);
+                f(Write, to.file(), &mut to.reg);
+            }
+            Self::Read { from, .. } => f(Read, from.file(), &mut from.reg),
             Self::Texel { index, inside, to, .. } => {
                 f(Read, Word, index);
                 inside.iter_mut().for_each(|reg| f(Read, Word, reg));
@@ -317,15 +422,17 @@ impl Inst {
                 f(Read, to.file(), from);
                 f(Write, to.file(), &mut to.reg);
             }
-            Self::Gather { index, choices } => {
+            Self::Gather { index, choices, strays, .. } => {
                 f(Read, Word, index);
+                strays.iter_mut().for_each(|stray| f(Read, Word, &mut stray.reg));
                 for Choice { one, of } in choices {
                     of.iter_mut().for_each(|reg| f(Read, one.file(), reg));
                     f(Write, one.file(), &mut one.reg);
                 }
             }
-            Self::Scatter { index, choices } => {
+            Self::Scatter { index, choices, strays } => {
                 f(Read, Word, index);
+                strays.iter_mut().for_each(|stray| f(Read, Word, &mut stray.reg));
                 for Choice { one, of } in choices {
                     of.iter_mut().for_each(|reg| f(Write, one.file(), reg));
                     f(Read, one.file(), &mut one.reg);
@@ -380,6 +487,8 @@ pub struct Executable {
     /// Variables that start as never written, unless they are filled.
     pub(super) poisoned: Vec<Slot>,
     pub(super) outputs: Vec<Slot>,
+    /// Registers of variables that come to life without a value, by file.
+    pub(super) unset: [HashSet<Reg>; 2],
     pub(super) max_vertices: Option<u32>,
     /// Contents of textures: four words a texel.
     pub(super) tables: Vec<Arc<[u32]>>,

@@ -9,6 +9,7 @@
 //! An operation may be carried out in all lanes, those that do not take this path included: what they
 //! get is never looked at. [`Domain::merge`] and [`Domain::poison`] alone have to respect their mask.
 
+use super::code::Guarded;
 use super::lanes::{Mask, Words};
 use crate::value::Scalar;
 
@@ -317,6 +318,16 @@ pub trait Domain {
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Self::Column, out: &mut Words) -> Mask;
     /// Converts from words.
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Self::Column);
+    /// Lanes of `active` in which the result of a function is undefined; none for a domain that does not look.
+    fn outside(&self, what: Guarded, active: &Mask, x: &Self::Column, y: &Self::Column) -> Mask {
+        let _ = (what, active, x, y);
+        Mask::NONE
+    }
+    /// Arguments in one lane as numbers, for messages.
+    fn shown(&self, column: &Self::Column, lane: usize) -> f64 {
+        let _ = (column, lane);
+        f64::NAN
+    }
     /// Notes that what comes of this place in these lanes is not promised.
     fn doubt(&mut self, site: Site, lanes: &Mask) {
         let _ = (site, lanes);

@@ -1,8 +1,9 @@
 //! Operations on words, by the rules of WGSL, with a report where those rules paper over something.
 
-use super::code::{Field, Word1, Word2};
+use super::code::{Field, Reg, Word1, Word2};
 use super::lanes::{LANES, Mask, Words};
 use super::meaning::Kind;
+use super::undefined::Operand;
 
 #[inline]
 fn map(a: &Words, f: impl Fn(u32) -> u32) -> Words {
@@ -119,9 +120,13 @@ pub(super) fn doubts2(op: Word2, a: &Words, b: &Words) -> [Option<(Kind, Mask)>;
         Word2::AddSigned => overflow(i32::checked_add),
         Word2::SubtractSigned => overflow(i32::checked_sub),
         Word2::MultiplySigned => overflow(i32::checked_mul),
-        Word2::DivideSigned | Word2::RemainderSigned => {
+        Word2::DivideSigned => {
             let mask = Mask::where_(|k| a[k].cast_signed() == i32::MIN && b[k].cast_signed() == -1);
-            [zero(), Some((Kind::Overflow, mask))]
+            [zero(), Some((Kind::Quotient, mask))]
+        }
+        Word2::RemainderSigned => {
+            let mask = Mask::where_(|k| a[k].cast_signed() < 0 || b[k].cast_signed() < 0);
+            [zero(), Some((Kind::Remainder, mask))]
         }
         Word2::DivideUnsigned | Word2::RemainderUnsigned => [zero(), None],
         Word2::ShiftLeft | Word2::ShiftRightSigned | Word2::ShiftRightUnsigned => {
@@ -144,6 +149,28 @@ pub(super) fn doubts2(op: Word2, a: &Words, b: &Words) -> [Option<(Kind, Mask)>;
         | Word2::MinUnsigned
         | Word2::MaxSigned
         | Word2::MaxUnsigned => [None, None],
+    }
+}
+
+/// Where offset and count of an operation on bit fields stand among its arguments.
+pub(super) fn bits_of(op: Field) -> (usize, usize) {
+    match op {
+        Field::ExtractSigned | Field::ExtractUnsigned => (1, 2),
+        Field::Insert => (2, 3),
+    }
+}
+
+/// Lanes in which a bit field reaches outside of the word.
+pub(super) fn doubts_of_field(op: Field, args: [&Words; 4]) -> Mask {
+    let (offset, count) = bits_of(op);
+    Mask::where_(|k| u64::from(args[offset][k]) + u64::from(args[count][k]) > 32)
+}
+
+/// The operands of an operation, for messages: as the operation takes them.
+pub(super) fn operands(op: Word2, (a, b): (Reg, Reg)) -> [Operand; 2] {
+    match op {
+        Word2::DivideUnsigned | Word2::RemainderUnsigned => [Operand::Unsigned(a), Operand::Unsigned(b)],
+        _ => [Operand::Signed(a), Operand::Signed(b)],
     }
 }
 

@@ -1,13 +1,15 @@
 //! Runs an executable on the lanes of one chunk.
 
+use std::collections::HashMap;
 use std::mem::take;
 
 use super::POISON;
-use super::code::{Choice, Constant, Executable, File, Inst, Slot};
+use super::code::{Constant, Executable, File, Guarded, Inst, Slot, Word2};
 use super::domain::{Domain, Site, Source};
 use super::integer;
 use super::lanes::{LANES, Mask, Words};
 use super::meaning::{Finding, Flags, Kind};
+use super::undefined::{Operand, Probe, Undefined};
 use crate::value::{Batch, Scalar};
 
 /// An output word of one chunk.
@@ -29,26 +31,30 @@ struct Breakable {
 
 /// Registers, masks and findings of one chunk after the other.
 pub struct Machine<'e, D: Domain> {
-    executable: &'e Executable,
-    domain: D,
-    reals: Vec<D::Column>,
-    words: Vec<Words>,
+    pub(super) executable: &'e Executable,
+    pub(super) domain: D,
+    pub(super) reals: Vec<D::Column>,
+    pub(super) words: Vec<Words>,
     /// Vertices of a geometry stage: for each vertex, the columns of its outputs.
     vertices: Vec<(Vec<D::Column>, Vec<Words>)>,
-    strips: Vec<Words>,
-    emitted: Words,
-    ended: Words,
-    active: Mask,
+    pub(super) strips: Vec<Words>,
+    pub(super) emitted: Words,
+    pub(super) ended: Words,
+    pub(super) active: Mask,
     /// Lanes that were discarded, ran out of fuel or were given up.
     stopped: Mask,
     breakable: Vec<Breakable>,
     fuel: Words,
     fuel_limit: u32,
-    flags: [Flags; LANES],
-    findings: Vec<Finding>,
+    pub(super) flags: [Flags; LANES],
+    pub(super) findings: Vec<Finding>,
+    /// Of variables that come to life without a value, the lanes in which they have one: by file and register.
+    pub(super) assigned: [HashMap<u32, Mask>; 2],
+    /// What is put in the place of undefined values, and what is noted of them.
+    pub(super) probe: Option<Probe>,
     /// The invocation of each lane; lanes behind the last one follow the first.
     invocations: [usize; LANES],
-    lanes: usize,
+    pub(super) lanes: usize,
 }
 
 impl<'e, D: Domain> Machine<'e, D> {
@@ -76,6 +82,8 @@ impl<'e, D: Domain> Machine<'e, D> {
             fuel_limit: fuel,
             flags: [Flags::default(); LANES],
             findings: Vec::new(),
+            assigned: std::array::from_fn(|file| executable.unset[file].iter().map(|&reg| (reg, Mask::NONE)).collect()),
+            probe: None,
             invocations: [0; LANES],
             lanes: 0,
         }
@@ -169,7 +177,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    fn report(&mut self, kind: Kind, site: Site, mask: Mask) {
+    pub(super) fn report(&mut self, kind: Kind, site: Site, mask: Mask) {
         let mask = mask.and(self.active).and(Mask::first(self.lanes));
         if mask.is_empty() {
             return;
@@ -232,9 +240,11 @@ impl<'e, D: Domain> Machine<'e, D> {
                 );
             }
             Inst::ToWords { op, to, a, site } => {
-                let a = &self.reals[*a as usize];
-                let outside = self.domain.words_of(*site, *op, &self.active, a, &mut self.words[*to as usize]);
-                self.report(Kind::Conversion, *site, outside);
+                let (from, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
+                let outside = self.domain.words_of(*site, *op, &self.active, from, out);
+                let to = Slot { scalar: Scalar::I32, reg: *to };
+                let found = Undefined { kind: Kind::Conversion, site: *site, what: None };
+                self.undefined(found, outside, Some(to), [Operand::Real(*a), Operand::None]);
             }
             Inst::FromWords { op, to, a, site } => {
                 self.domain.reals_of(*site, *op, &self.words[*a as usize], &mut self.reals[*to as usize]);
@@ -247,16 +257,56 @@ impl<'e, D: Domain> Machine<'e, D> {
                 }
                 self.words[*to as usize] = out;
             }
-            Inst::Word2 { op, to, a, b, site } => {
-                let (a, b) = (&self.words[*a as usize], &self.words[*b as usize]);
+            Inst::Word2 { op, to, a: a_reg, b: b_reg, site } => {
+                let (a, b) = (&self.words[*a_reg as usize], &self.words[*b_reg as usize]);
                 let (out, doubts) = (integer::word2(*op, a, b), integer::doubts2(*op, a, b));
-                for (kind, mask) in doubts.into_iter().flatten() {
-                    self.report(kind, *site, mask);
-                }
                 self.words[*to as usize] = out;
+                let args = integer::operands(*op, (*a_reg, *b_reg));
+                // An index is looked at again where it is used.
+                let to = (*op != Word2::Index).then_some(Slot { scalar: Scalar::I32, reg: *to });
+                for (kind, mask) in doubts.into_iter().flatten() {
+                    self.undefined(Undefined { kind, site: *site, what: None }, mask, to, args);
+                }
             }
-            Inst::Field { op, to, args } => {
-                self.words[*to as usize] = integer::field(*op, args.map(|reg| &self.words[reg as usize]));
+            Inst::Field { op, to, args, site } => {
+                let words = args.map(|reg| &self.words[reg as usize]);
+                let outside = site.map_or(Mask::NONE, |_| integer::doubts_of_field(*op, words));
+                self.words[*to as usize] = integer::field(*op, words);
+                if let Some(site) = *site {
+                    let (offset, count) = integer::bits_of(*op);
+                    let found = Undefined { kind: Kind::BitField, site, what: None };
+                    let to = Slot { scalar: Scalar::I32, reg: *to };
+                    self.undefined(found, outside, Some(to), [args[offset], args[count]].map(Operand::Signed));
+                }
+            }
+            Inst::Guard { what, to, from, args, site } => {
+                let to = Slot { scalar: Scalar::F32, reg: *to };
+                self.copy(to, *from);
+                let [x, y] = args.map(|reg| &self.reals[reg as usize]);
+                let outside = self.domain.outside(*what, &self.active, x, y);
+                let found = Undefined { kind: Kind::Argument, site: *site, what: Some(*what) };
+                self.undefined(found, outside, Some(to), args.map(Operand::Real));
+            }
+            Inst::GuardWords { signed, to, from, args, site } => {
+                self.copy(*to, *from);
+                let [low, high] = args.map(|reg| &self.words[reg as usize]);
+                let number = |word: u32| if *signed { i64::from(word.cast_signed()) } else { i64::from(word) };
+                let outside = Mask::where_(|lane| number(low[lane]) > number(high[lane]));
+                let found = Undefined { kind: Kind::Argument, site: *site, what: Some(Guarded::Clamp) };
+                let operand = if *signed { Operand::Signed } else { Operand::Unsigned };
+                self.undefined(found, outside, Some(*to), args.map(operand));
+            }
+            Inst::Begin { to, zero, site } => {
+                self.copy(*to, *zero);
+                if let Some(assigned) = self.assigned[to.file() as usize].get_mut(&to.reg) {
+                    *assigned = Mask::NONE;
+                    self.substitute(Kind::Unset, *site, Mask::ALL, *to);
+                }
+            }
+            Inst::Read { from, kind, site } => {
+                let assigned = self.assigned[from.file() as usize].get(&from.reg).copied().unwrap_or(Mask::ALL);
+                let found = Undefined { kind: *kind, site: *site, what: None };
+                self.undefined(found, Mask::ALL.minus(assigned), None, [Operand::None; 2]);
             }
             Inst::Texel { table, index, channel, inside, to, site } => {
                 let table = &self.executable.tables[*table as usize];
@@ -264,12 +314,13 @@ impl<'e, D: Domain> Machine<'e, D> {
                 let inside = inside.map_or(Mask::ALL, |reg| Mask::of(&self.words[reg as usize]));
                 let outside = self.active.minus(inside);
                 if !outside.is_empty() {
-                    self.report(Kind::Index, *site, outside);
                     self.domain.doubt(*site, &outside);
                 }
                 let word = |lane: usize| table.get(4 * index[lane] as usize + usize::from(*channel)).copied();
                 let found = |lane: usize| if inside.has(lane) { word(lane).unwrap_or(0) } else { 0 };
                 self.words[*to as usize] = std::array::from_fn(found);
+                let of = Undefined { kind: Kind::Index, site: *site, what: None };
+                self.undefined(of, outside, Some(Slot { scalar: Scalar::I32, reg: *to }), [Operand::None; 2]);
             }
             Inst::Select { to, condition, accept, reject } => {
                 let mask = Mask::of(&self.words[*condition as usize]);
@@ -279,10 +330,14 @@ impl<'e, D: Domain> Machine<'e, D> {
             Inst::Copy { to, from } => self.copy(*to, *from),
             Inst::Store { to, from } => {
                 let mask = self.active;
+                self.assign(*to, mask);
                 self.merge(&mask, *to, *from);
             }
-            Inst::Gather { index, choices } => self.gather(*index, choices),
-            Inst::Scatter { index, choices } => self.scatter(*index, choices),
+            Inst::Gather { index, choices, strays, unset } => {
+                self.gather(*index, choices, *unset);
+                self.astray(strays, choices);
+            }
+            Inst::Scatter { index, choices, strays } => self.scatter(*index, choices, strays),
             Inst::If { condition, accept, reject } => {
                 let (before, condition) = (self.active, Mask::of(&self.words[*condition as usize]));
                 self.active = before.and(condition);
@@ -327,7 +382,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    fn copy(&mut self, to: Slot, from: u32) {
+    pub(super) fn copy(&mut self, to: Slot, from: u32) {
         let (at, from) = (to.reg as usize, from as usize);
         if at == from {
             return;
@@ -342,7 +397,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    fn merge(&mut self, mask: &Mask, to: Slot, from: u32) {
+    pub(super) fn merge(&mut self, mask: &Mask, to: Slot, from: u32) {
         if mask.is_full() {
             return self.copy(to, from);
         }
@@ -364,7 +419,7 @@ impl<'e, D: Domain> Machine<'e, D> {
     }
 
     /// For each value that the index takes in the active lanes, the lanes that have it.
-    fn groups(&self, index: u32) -> Vec<(usize, Mask)> {
+    pub(super) fn groups(&self, index: u32) -> Vec<(usize, Mask)> {
         let index = &self.words[index as usize];
         let mut rest = self.active;
         let mut groups = Vec::new();
@@ -375,29 +430,6 @@ impl<'e, D: Domain> Machine<'e, D> {
             rest = rest.minus(same);
         }
         groups
-    }
-
-    fn gather(&mut self, index: u32, choices: &[Choice]) {
-        let groups = self.groups(index);
-        for Choice { one, of } in choices {
-            match groups[..] {
-                // Lanes that are not active may get any value.
-                [(value, _)] => self.copy(*one, of[value]),
-                _ => {
-                    for (value, mask) in &groups {
-                        self.merge(mask, *one, of[*value]);
-                    }
-                }
-            }
-        }
-    }
-
-    fn scatter(&mut self, index: u32, choices: &[Choice]) {
-        for (value, mask) in self.groups(index) {
-            for Choice { one, of } in choices {
-                self.merge(&mask, Slot { reg: of[value], ..*one }, one.reg);
-            }
-        }
     }
 
     fn switch(&mut self, selector: u32, cases: &'e [super::code::Case]) {

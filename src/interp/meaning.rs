@@ -9,12 +9,24 @@ pub enum Kind {
     Index,
     /// An integer divided by zero: `x / 0` is `x`, `x % 0` is 0.
     DivisionByZero,
-    /// A signed integer that does not fit; its lower 32 bits were kept.
+    /// A signed sum, difference, product or negation that does not fit; its lower 32 bits were kept.
     Overflow,
+    /// A signed quotient that does not fit: −2³¹ / −1.
+    Quotient,
+    /// `%` with a negative operand; the remainder with the sign of the first one was taken.
+    Remainder,
     /// A shift by 32 or more; the lower five bits count.
     Shift,
     /// A real number that does not fit the integer that it was converted to; it was clamped.
     Conversion,
+    /// Bits outside of a word; offset and count were cut to it.
+    BitField,
+    /// A built-in function outside of the arguments that it is defined for.
+    Argument,
+    /// A variable that was read before it had a value; it was taken as 0.
+    Unset,
+    /// A function that ended without `return`; its value was taken as 0.
+    NoReturn,
     /// A loop that ran for longer than the fuel; the lane was stopped.
     Fuel,
     /// The lane was discarded, which is no finding of its own.
@@ -23,18 +35,62 @@ pub enum Kind {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Index, Self::DivisionByZero, Self::Overflow, Self::Shift, Self::Conversion, Self::Fuel, Self::Killed];
+    pub const ALL: [Self; 13] = [
+        Self::Index,
+        Self::DivisionByZero,
+        Self::Overflow,
+        Self::Quotient,
+        Self::Remainder,
+        Self::Shift,
+        Self::Conversion,
+        Self::BitField,
+        Self::Argument,
+        Self::Unset,
+        Self::NoReturn,
+        Self::Fuel,
+        Self::Killed,
+    ];
+
+    /// True where GLSL leaves the value undefined: the interpreter took one of many.
+    pub const fn is_undefined(self) -> bool {
+        match self {
+            Self::Index
+            | Self::DivisionByZero
+            | Self::Quotient
+            | Self::Remainder
+            | Self::Shift
+            | Self::Conversion
+            | Self::BitField
+            | Self::Argument
+            | Self::Unset
+            | Self::NoReturn => true,
+            // GLSL 4.60, 4.1.3: sums and products keep their lower 32 bits.
+            Self::Overflow | Self::Fuel | Self::Killed => false,
+        }
+    }
 }
 
 /// What one invocation came upon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Flags(u8);
+pub struct Flags(u16);
 
 impl Flags {
     /// True when it came upon this.
     pub fn has(self, kind: Kind) -> bool {
         self.0 & Self::bit(kind) != 0
+    }
+
+    /// True when it came upon a value that GLSL leaves undefined.
+    pub fn is_undefined(self) -> bool {
+        const UNDEFINED: u16 = {
+            let (mut bits, mut k) = (0, 0);
+            while k < Kind::ALL.len() {
+                bits |= if Kind::ALL[k].is_undefined() { Flags::bit(Kind::ALL[k]) } else { 0 };
+                k += 1;
+            }
+            bits
+        };
+        self.0 & UNDEFINED != 0
     }
 
     /// True when it came upon nothing.
@@ -46,16 +102,8 @@ impl Flags {
         self.0 |= Self::bit(kind);
     }
 
-    fn bit(kind: Kind) -> u8 {
-        match kind {
-            Kind::Index => 1,
-            Kind::DivisionByZero => 2,
-            Kind::Overflow => 4,
-            Kind::Shift => 8,
-            Kind::Conversion => 16,
-            Kind::Fuel => 32,
-            Kind::Killed => 64,
-        }
+    const fn bit(kind: Kind) -> u16 {
+        1 << kind as u16
     }
 }
 

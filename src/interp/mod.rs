@@ -15,6 +15,7 @@ mod code;
 mod compile;
 mod domain;
 mod half;
+mod indexed;
 mod integer;
 mod lanes;
 mod machine;
@@ -23,6 +24,7 @@ mod plain;
 mod rearrange;
 #[cfg(test)]
 mod tests;
+mod undefined;
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -30,7 +32,7 @@ use thiserror::Error;
 use crate::program::{Place as Found, Port, Program, ReadBack};
 use crate::value::{Batch, Scalar};
 
-pub use code::{Executable, Place};
+pub use code::{Executable, Guarded, Place};
 pub use compile::{Binding, Subject};
 pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
 pub use lanes::{LANES, Mask, Words};
@@ -38,6 +40,7 @@ pub use machine::{Machine, OutputColumn};
 pub use meaning::{Finding, Flags, Kind, Meaning};
 pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
 pub use rearrange::Laws;
+pub use undefined::{Dependence, Undefined};
 
 /// Bits of an output that was never written: a quiet NaN with a payload of its own.
 pub const POISON: u32 = 0x7fd5_a3c9;

@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use super::code::Guarded;
 use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
 use super::half;
 use super::lanes::{LANES, Mask, Words};
@@ -276,7 +277,8 @@ pub fn to_words(op: ToWords, a: &[f64; LANES], out: &mut Words) -> Mask {
     }
     match op {
         ToWords::Signed => Mask::where_(|k| !(-2_147_483_648.0..2_147_483_648.0).contains(&a[k].trunc())),
-        ToWords::Unsigned => Mask::where_(|k| !(0.0..4_294_967_296.0).contains(&a[k].trunc())),
+        // GLSL 4.60, 5.4.1: converting a negative number is undefined, whatever is left of it.
+        ToWords::Unsigned => Mask::where_(|k| !(0.0..4_294_967_296.0).contains(&a[k])),
         ToWords::Bits | ToWords::HalfBits | ToWords::FrexpExponent | ToWords::Texel { .. } => Mask::NONE,
     }
 }
@@ -303,6 +305,18 @@ pub fn to_half(values: &mut [f64; LANES]) {
 impl<T: Number> Domain for Plain<T> {
     type Column = Column<T>;
     type Word = T::Word;
+
+    fn outside(&self, what: Guarded, active: &Mask, x: &Column<T>, y: &Column<T>) -> Mask {
+        let (x, y) = (x.values(), y.values());
+        let at = |lane: usize| what.is_outside(x[lane].widen(), y[lane].widen());
+        // Hardly ever any: one look at all lanes without branches.
+        let some = (0..LANES).fold(false, |some, lane| some | at(lane));
+        if some { Mask::where_(at).and(*active) } else { Mask::NONE }
+    }
+
+    fn shown(&self, column: &Column<T>, lane: usize) -> f64 {
+        column.values()[lane].widen()
+    }
 
     fn column(&mut self) -> Column<T> {
         Column(vec![T::ZERO; LANES].into_boxed_slice())

@@ -11,6 +11,21 @@ pub(super) fn check(work: &mut Work<'_>) {
     global_initializers(work);
     short_circuits(work);
     constructors(work);
+    out_arguments(work);
+}
+
+/// naga passes `out` parameters by reference: one that the function does not write keeps what the argument held, and
+/// two that are one variable are one inside of the function. GLSL copies them back (4.60, 6.1.1).
+fn out_arguments(work: &mut Work<'_>) {
+    let shader = work.shader;
+    for (id, expr) in shader.arena().iter() {
+        if let Some(CallTarget::User(function)) = shader.callee(id)
+            && shader.function_info(*function).params.iter().any(|param| param.direction == Direction::Out)
+        {
+            let message = "the translator passes `out` parameters by reference";
+            work.unsupported(expr.span, message, "give a variable of its own to each, and a value before the call");
+        }
+    }
 }
 
 /// naga drops the initialiser of a global variable when it is not constant: the variable is then 0.

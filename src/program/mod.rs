@@ -41,6 +41,9 @@ pub use readback::{Place, ReadBack};
 pub use texture::Texture;
 pub use translate::{Language, TranslateError, Translation, read_back};
 
+/// Name of the variable without a value that a function gives at its end where its author returns nothing.
+pub const NO_RETURN: &str = "sc_no_return";
+
 /// Why there is no program or kernel.
 #[derive(Debug, Error)]
 pub enum ProgramError {

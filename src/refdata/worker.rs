@@ -236,7 +236,7 @@ impl<'g, 'a> Worker<'g, 'a> {
         for (row, flags) in part.flags.iter_mut().enumerate() {
             if let Some(reason) = reasons[row] {
                 flags.set(match reason {
-                    Reason::Domain => Flag::NoValue,
+                    Reason::Domain | Reason::Undefined => Flag::NoValue,
                     Reason::NoPromise => Flag::NoPromise,
                     Reason::IllConditioned => Flag::IllConditioned,
                     Reason::Branch | Reason::TexelEdge | Reason::LongLoop => Flag::Branch,

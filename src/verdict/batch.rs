@@ -11,9 +11,10 @@ use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
 use super::oracle::Court;
 use super::reference::{Evaluator, Expected, Reference};
 use super::suspects::Suspects;
+use super::undefined::{self, Looker};
 use crate::bound::profile::Op;
 use crate::bound::profile::grid::MIN_NORMAL;
-use crate::interp::{Binary64, Kind, LANES, Machine, Number, OutputColumn, Site};
+use crate::interp::{Binary64, Kind, LANES, Machine, Mask, Number, OutputColumn, Site};
 use crate::lane::Actual;
 use crate::value::{Batch, Scalar, ulp_at};
 
@@ -66,6 +67,9 @@ pub struct BatchVerdict {
     /// The first few failures, in the order of the batch.
     #[serde(skip)]
     pub failures: Vec<Failure>,
+    /// The first few invocations with an output that depends on an undefined value, in the order of the batch.
+    #[serde(skip)]
+    pub undefined: Vec<usize>,
 }
 
 /// Failures that are kept: enough to shrink, few enough to hold when everything fails.
@@ -84,7 +88,7 @@ impl BatchVerdict {
 
     /// Adds the verdicts on what comes after.
     pub fn merge(&mut self, later: Self) {
-        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, failures } = later;
+        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, .. } = later;
         self.agreed += agreed;
         self.agreed_by.iter_mut().zip(agreed_by).for_each(|(sum, n)| *sum += n);
         self.deviated += deviated;
@@ -93,7 +97,9 @@ impl BatchVerdict {
         doubts.into_iter().for_each(|doubts| self.doubt(doubts));
         self.max_ulp = self.max_ulp.max(max_ulp);
         let room = KEPT.saturating_sub(self.failures.len());
-        self.failures.extend(failures.into_iter().take(room));
+        self.failures.extend(later.failures.into_iter().take(room));
+        let room = KEPT.saturating_sub(self.undefined.len());
+        self.undefined.extend(later.undefined.into_iter().take(room));
     }
 
     fn doubt(&mut self, new: Doubts) {
@@ -112,6 +118,9 @@ impl BatchVerdict {
             }
             Verdict::Undetermined(Doubt { reason, cause }) => {
                 self.undetermined[reason as usize] += 1;
+                if reason == Reason::Undefined && self.undefined.len() < KEPT {
+                    self.undefined.push(invocation);
+                }
                 let (op, site) = cause.as_ref().map_or((None, None), |cause| (cause.op, cause.site));
                 let args = cause.map_or_else(Vec::new, |cause| cause.args);
                 self.doubt(Doubts { reason, op, site, args, count: 1, first: invocation });
@@ -168,7 +177,7 @@ pub fn judge_each(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Verd
                 let range = chunk * FEW..((chunk + 1) * FEW).min(count);
                 let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
                 let (suspects, _) = bench.scan(batch, actual, range);
-                for (invocation, verdict) in bench.suspects.judge(batch, actual, &suspects) {
+                for (invocation, verdict) in bench.settle(batch, actual, suspects) {
                     verdicts[invocation - first] = verdict;
                 }
                 verdicts
@@ -186,6 +195,8 @@ pub(super) struct Suspect {
     pub shader: bool,
     /// The lane may not give what the shader means.
     pub lane: bool,
+    /// An undefined value came up on the way.
+    pub undefined: bool,
 }
 
 /// How near two evaluations in binary64 must be to count as equal at once, relative to the largest
@@ -201,6 +212,7 @@ struct Bench<'a> {
     evaluator: Evaluator<'a>,
     expected: Expected,
     suspects: Suspects<'a>,
+    looker: Looker<'a>,
 }
 
 impl<'a> Bench<'a> {
@@ -212,7 +224,28 @@ impl<'a> Bench<'a> {
             evaluator: Evaluator::new(court.reference),
             expected: Expected::default(),
             suspects: Suspects::new(court),
+            looker: Looker::new(court.oracle),
         }
+    }
+
+    /// Verdicts on suspects. Those that depend on an undefined value say nothing of the lane; a deviation of others
+    /// that came upon one is held against nobody if NaN or infinity in its place would have led there.
+    fn settle(&mut self, batch: &Batch, actual: &Actual, suspects: Vec<Suspect>) -> Vec<(usize, Verdict)> {
+        let touched: Vec<usize> = suspects.iter().filter(|s| s.undefined).map(|s| s.invocation).collect();
+        if touched.is_empty() {
+            return self.suspects.judge(batch, actual, &suspects);
+        }
+        let mut found = self.looker.look(batch, &touched, false);
+        let rest: Vec<Suspect> = suspects.into_iter().filter(|s| !found.contains_key(&s.invocation)).collect();
+        let mut judged = self.suspects.judge(batch, actual, &rest);
+        let accused = |(invocation, verdict): &(usize, Verdict)| {
+            matches!(verdict, Verdict::Deviate(_)) && touched.contains(invocation)
+        };
+        let accused: Vec<usize> = judged.iter().filter(|one| accused(one)).map(|one| one.0).collect();
+        found.extend(self.looker.look(batch, &accused, true));
+        judged.retain(|(invocation, _)| !found.contains_key(invocation));
+        judged.extend(undefined::verdicts(&self.court, batch, &found));
+        judged
     }
 
     fn judge(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> BatchVerdict {
@@ -222,7 +255,7 @@ impl<'a> Bench<'a> {
         verdict.max_ulp = max_ulp;
         verdict.agreed = (count - suspects.len()) as u64;
         verdict.agreed_by[Promise::Text as usize] = verdict.agreed;
-        let mut judged = self.suspects.judge(batch, actual, &suspects);
+        let mut judged = self.settle(batch, actual, suspects);
         // What comes first must not depend on how samples are shared out among batches and threads.
         judged.sort_by_key(|(invocation, _)| *invocation);
         for (invocation, one) in judged {
@@ -240,10 +273,12 @@ impl<'a> Bench<'a> {
             let lanes = self.meaning.run(batch, first).min(range.end - first);
             let (near, ulp) = near_lanes(&self.meaning, actual, first, lanes);
             let mut apart = [false; LANES];
+            let mut undefined = undefined_lanes(&self.meaning);
             let ideal = match &mut self.ideal {
                 Some(ideal) => {
                     ideal.run(batch, first);
                     apart = far_apart(&self.meaning, ideal);
+                    undefined = undefined.or(undefined_lanes(ideal));
                     &*ideal
                 }
                 None => &self.meaning,
@@ -255,15 +290,26 @@ impl<'a> Bench<'a> {
                 let invocation = first + lane;
                 self.evaluator.expected(batch, invocation, lane, &mut self.expected);
                 let shader = apart[lane] || !fits(ideal, &columns, self.court.reference, &self.expected, lane);
-                if shader || !near[lane] {
-                    suspects.push(Suspect { invocation, shader, lane: !near[lane] });
-                } else {
+                let undefined = undefined.has(lane);
+                if shader || !near[lane] || undefined {
+                    suspects.push(Suspect { invocation, shader, lane: !near[lane], undefined });
+                }
+                if !shader && near[lane] {
                     max_ulp = max_ulp.max(ulp[lane]);
                 }
             }
         }
         (suspects, max_ulp)
     }
+}
+
+/// The lanes that came upon an undefined value.
+fn undefined_lanes(machine: &Machine<'_, Binary64>) -> Mask {
+    let flags = machine.flags();
+    if flags.iter().all(|flags| flags.is_empty()) {
+        return Mask::NONE;
+    }
+    Mask::where_(|lane| flags[lane].is_undefined())
 }
 
 /// Literals that binary32 rounds move outputs by little. Farther than this they have decided something.

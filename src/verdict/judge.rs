@@ -66,11 +66,13 @@ pub enum Reason {
     Underflow,
     /// The value, or one on the way to it, may be too large for binary32.
     Overflow,
+    /// An output depends on a value that the language leaves undefined.
+    Undefined,
 }
 
 impl Reason {
     /// All of them, in the order of reports.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Domain,
         Self::NoPromise,
         Self::IllConditioned,
@@ -79,6 +81,7 @@ impl Reason {
         Self::LongLoop,
         Self::Underflow,
         Self::Overflow,
+        Self::Undefined,
     ];
 
     /// Name in reports.
@@ -92,6 +95,7 @@ impl Reason {
             Self::LongLoop => "long_loop",
             Self::Underflow => "underflow",
             Self::Overflow => "overflow",
+            Self::Undefined => "undefined",
         }
     }
 
@@ -100,7 +104,7 @@ impl Reason {
     pub(super) fn permits(self) -> bool {
         match self {
             Self::IllConditioned | Self::Underflow | Self::Overflow => true,
-            Self::Domain | Self::NoPromise | Self::Branch | Self::TexelEdge | Self::LongLoop => false,
+            Self::Domain | Self::NoPromise | Self::Branch | Self::TexelEdge | Self::LongLoop | Self::Undefined => false,
         }
     }
 
@@ -108,9 +112,13 @@ impl Reason {
     pub fn is_range(self) -> bool {
         match self {
             Self::Underflow | Self::Overflow => true,
-            Self::Domain | Self::NoPromise | Self::IllConditioned | Self::Branch | Self::TexelEdge | Self::LongLoop => {
-                false
-            }
+            Self::Domain
+            | Self::NoPromise
+            | Self::IllConditioned
+            | Self::Branch
+            | Self::TexelEdge
+            | Self::LongLoop
+            | Self::Undefined => false,
         }
     }
 }
@@ -126,6 +134,7 @@ impl fmt::Display for Reason {
             Self::LongLoop => "a loop too long to be followed",
             Self::Underflow => "underflow",
             Self::Overflow => "overflow",
+            Self::Undefined => "an undefined value",
         })
     }
 }

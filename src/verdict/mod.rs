@@ -16,6 +16,7 @@ mod survey;
 mod suspects;
 mod tightness;
 mod translation;
+mod undefined;
 mod used;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
@@ -29,4 +30,5 @@ pub use reference::{Expected, Given, GivenRule, MEANING, Recorded, RecordedRow, 
 pub use survey::{Survey, survey};
 pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};
+pub use undefined::dependences;
 pub use used::{Used, used};

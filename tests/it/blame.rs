@@ -6,7 +6,7 @@ use shadercheck::bound::adversary::{Adversary, Fault, Strategy};
 use shadercheck::bound::profile::{Op, Profile, Rulings, by_name};
 use shadercheck::formula::{Args, Formula, Kind, Param, Rule};
 use shadercheck::glsl;
-use shadercheck::interp::Laws;
+use shadercheck::interp::{Dependence, Laws};
 use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
 use shadercheck::lower::Target;
 use shadercheck::program::{Kernel, Program};
@@ -14,8 +14,8 @@ use shadercheck::suite::run::{Case, DEFAULT_SEED, FindingKind, Prepared, Report,
 use shadercheck::suite::{find, parse};
 use shadercheck::text::SourceFile;
 use shadercheck::value::{Batch, Field, Record, Shape};
-use shadercheck::verdict::diagnosis::{self, Origin};
-use shadercheck::verdict::{Blame, Court, Deviation, Oracle, Reason, Reference, Verdict, judge_each};
+use shadercheck::verdict::diagnosis::Origin;
+use shadercheck::verdict::{Blame, Court, Deviation, Oracle, Reason, Reference, Verdict, dependences, judge_each};
 
 /// A shipped suite with another text in the place of a part of its shader.
 fn prepared(suite: &str, from: &str, to: &str) -> Prepared {
@@ -213,7 +213,7 @@ static ANGLE: Formula = Formula {
 };
 
 /// Verdict and diagnosis for the angle of a vector with itself, by this expression.
-fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, diagnosis::Diagnosis) {
+fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, Option<Dependence>) {
     let source = format!("#version 150 core\nfloat angle(vec3 a, vec3 b) {{ return {expression}; }}\n");
     let target = Target::Function("angle".into());
     let program =
@@ -232,25 +232,19 @@ fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, diagnosis::Diagnosis) {
     let kernel = program.compute_kernel().unwrap();
     let actual = embedded::open().unwrap().prepare(&kernel, 1).unwrap().run(&batch).unwrap();
     let verdict = judge_each(&court, &batch, &actual).remove(0);
-    let diagnosis = match &verdict {
-        Verdict::Deviate(deviation) => diagnosis::shader(&court, &program, &batch, deviation),
-        _ => diagnosis::Diagnosis::default(),
-    };
-    (verdict, diagnosis)
+    (verdict, dependences(&oracle, &batch).remove(0))
 }
 
 #[test]
 fn an_arc_cosine_past_one_is_the_shaders_fault_and_named() {
     // A vector of length 1 to within its rounding, whose product with itself is above 1.
     let v = [0.600_000_1_f32, 0.8, 0.0];
-    let (verdict, diagnosis) = angle_of("acos(dot(a, b))", v);
-    let Verdict::Deviate(deviation) = &verdict else { panic!("{verdict:?}") };
-    assert_eq!(deviation.blame, Blame::Shader);
-    let no_value = diagnosis.no_value.unwrap();
-    assert_eq!(no_value.op, Some(Op::Acos));
-    assert!(no_value.args[0] > 1.0 && no_value.args[0] < 1.000_001, "{no_value}");
-    let place = no_value.place.unwrap();
-    assert_eq!((place.text.as_str(), place.at.as_str()), ("acos(dot(a, b))", "angle.glsl:2:38"));
+    let (verdict, found) = angle_of("acos(dot(a, b))", v);
+    let Verdict::Undetermined(doubt) = &verdict else { panic!("{verdict:?}") };
+    assert_eq!(doubt.reason, Reason::Undefined);
+    let found = found.unwrap();
+    assert!(found.args[0] > 1.0 && found.args[0] < 1.000_001, "{found:?}");
+    assert!(found.of.why(&found.args).starts_with("`acos` of 1.00000"), "{found:?}");
     // Held in the domain, nothing is wrong; so near to its end nothing is decided either.
     let (held, _) = angle_of("acos(clamp(dot(a, b), -1.0, 1.0))", v);
     assert!(!matches!(held, Verdict::Deviate(_)), "{held:?}");

@@ -42,5 +42,6 @@ mod translate;
 mod translate_flips;
 mod translate_validators;
 mod translated;
+mod undefined;
 mod webgpu;
 mod witnesses;

@@ -7,9 +7,10 @@ use super::math::Args;
 use crate::value::Scalar;
 
 impl Compiler<'_> {
-    pub(super) fn field(&mut self, op: Field, args: [Slot; 4]) -> Slot {
+    /// `site` is `None` where the bits lie inside of the word by construction.
+    pub(super) fn field(&mut self, site: Option<Site>, op: Field, args: [Slot; 4]) -> Slot {
         let to = self.temporary();
-        self.push(Inst::Field { op, to, args: args.map(|slot| slot.reg) });
+        self.push(Inst::Field { op, to, args: args.map(|slot| slot.reg), site });
         Slot { reg: to, ..args[0] }
     }
 
@@ -18,7 +19,7 @@ impl Compiler<'_> {
         let mut packed = self.word(0, Scalar::U32);
         for (k, &word) in words.iter().enumerate() {
             let (offset, count) = (self.word(k as u32 * width, Scalar::U32), self.word(width, Scalar::U32));
-            packed = self.field(Field::Insert, [packed, word, offset, count]);
+            packed = self.field(None, Field::Insert, [packed, word, offset, count]);
         }
         Slot { scalar: Scalar::U32, ..packed }
     }
@@ -28,7 +29,7 @@ impl Compiler<'_> {
         let mut all = Vec::new();
         for k in 0..32 / width {
             let (offset, count) = (self.word(k * width, Scalar::U32), self.word(width, Scalar::U32));
-            let field = self.field(op, [word, offset, count, count]);
+            let field = self.field(None, op, [word, offset, count, count]);
             all.push(Slot { scalar, ..field });
         }
         all

@@ -107,7 +107,7 @@ impl<'m> Compiler<'m> {
                 let inner = self.pointee(frame, pointer);
                 let len = types::count(self.module, &inner).map_err(|what| unsupported(what, span))?;
                 let pointer = self.pointer(frame, pointer)?;
-                self.load(frame, &pointer, len)?
+                self.load(frame, site, &pointer, len)?
             }
             Expression::Unary { op, expr } => self.unary_operator(frame, site, op, expr)?,
             Expression::Binary { op, left, right } => self.binary_operator(frame, site, op, left, right)?,

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use naga::{MathFunction, TypeInner};
 
-use super::super::code::{Field, Inst, Slot, Word1, Word2};
+use super::super::code::{Constant, Field, Guarded, Inst, Slot, Word1, Word2};
 use super::super::domain::{Binary, Site, ToWords, Unary};
 use super::{Compiler, InterpError, unsupported};
 use crate::value::Scalar;
@@ -26,6 +26,20 @@ impl Compiler<'_> {
         let unary = |this: &mut Self, op| each(args, |v| Some(this.real1(site, op, real(v[0])?))).ok_or_else(refuse);
         let binary = |this: &mut Self, op| {
             each(args, |v| Some(this.real2(site, op, real(v[0])?, real(v[1])?))).ok_or_else(refuse)
+        };
+        let guarded1 = |this: &mut Self, op, what| {
+            each(args, |v| {
+                let found = this.real1(site, op, real(v[0])?);
+                Some(this.guard(site, what, found, [v[0], v[0]]))
+            })
+            .ok_or_else(refuse)
+        };
+        let guarded2 = |this: &mut Self, op, what| {
+            each(args, |v| {
+                let found = this.real2(site, op, real(v[0])?, real(v[1])?);
+                Some(this.guard(site, what, found, [v[0], v[1]]))
+            })
+            .ok_or_else(refuse)
         };
         let bits = |this: &mut Self, signed, unsigned| {
             each(args, |v| match v[0].scalar {
@@ -53,7 +67,8 @@ impl Compiler<'_> {
             Mf::Max => each(args, |v| self.greatest(site, v[0], v[1])).ok_or_else(refuse),
             Mf::Clamp => each(args, |v| {
                 let raised = self.greatest(site, v[0], v[1])?;
-                self.least(site, raised, v[2])
+                let found = self.least(site, raised, v[2])?;
+                Some(self.guard(site, Guarded::Clamp, found, [v[1], v[2]]))
             })
             .ok_or_else(refuse),
             Mf::Saturate => {
@@ -70,13 +85,13 @@ impl Compiler<'_> {
             Mf::Sinh => unary(self, Unary::Sinh),
             Mf::Tan => unary(self, Unary::Tan),
             Mf::Tanh => unary(self, Unary::Tanh),
-            Mf::Acos => unary(self, Unary::Acos),
-            Mf::Asin => unary(self, Unary::Asin),
+            Mf::Acos => guarded1(self, Unary::Acos, Guarded::Acos),
+            Mf::Asin => guarded1(self, Unary::Asin, Guarded::Asin),
             Mf::Atan => unary(self, Unary::Atan),
-            Mf::Atan2 => binary(self, Binary::Atan2),
+            Mf::Atan2 => guarded2(self, Binary::Atan2, Guarded::Atan2),
             Mf::Asinh => unary(self, Unary::Asinh),
-            Mf::Acosh => unary(self, Unary::Acosh),
-            Mf::Atanh => unary(self, Unary::Atanh),
+            Mf::Acosh => guarded1(self, Unary::Acosh, Guarded::Acosh),
+            Mf::Atanh => guarded1(self, Unary::Atanh, Guarded::Atanh),
             Mf::Radians => unary(self, Unary::Radians),
             Mf::Degrees => unary(self, Unary::Degrees),
             Mf::Ceil => unary(self, Unary::Ceil),
@@ -107,11 +122,11 @@ impl Compiler<'_> {
             .ok_or_else(refuse),
             Mf::Exp => unary(self, Unary::Exp),
             Mf::Exp2 => unary(self, Unary::Exp2),
-            Mf::Log => unary(self, Unary::Log),
-            Mf::Log2 => unary(self, Unary::Log2),
-            Mf::Pow => binary(self, Binary::Pow),
-            Mf::Sqrt => unary(self, Unary::Sqrt),
-            Mf::InverseSqrt => unary(self, Unary::InverseSqrt),
+            Mf::Log => guarded1(self, Unary::Log, Guarded::Log),
+            Mf::Log2 => guarded1(self, Unary::Log2, Guarded::Log2),
+            Mf::Pow => guarded2(self, Binary::Pow, Guarded::Pow),
+            Mf::Sqrt => guarded1(self, Unary::Sqrt, Guarded::Sqrt),
+            Mf::InverseSqrt => guarded1(self, Unary::InverseSqrt, Guarded::InverseSqrt),
             Mf::QuantizeToF16 => unary(self, Unary::Half),
             Mf::Step => binary(self, Binary::Step),
             Mf::Fma => each(args, |v| {
@@ -129,9 +144,11 @@ impl Compiler<'_> {
                 })
                 .ok_or_else(refuse)
             }
-            Mf::SmoothStep => {
-                each(args, |v| self.smooth_step(site, real(v[0])?, real(v[1])?, real(v[2])?)).ok_or_else(refuse)
-            }
+            Mf::SmoothStep => each(args, |v| {
+                let found = self.smooth_step(site, real(v[0])?, real(v[1])?, real(v[2])?)?;
+                Some(self.guard(site, Guarded::SmoothStep, found, [v[0], v[1]]))
+            })
+            .ok_or_else(refuse),
             Mf::Dot
             | Mf::Outer
             | Mf::Cross
@@ -156,11 +173,11 @@ impl Compiler<'_> {
                     Scalar::U32 => Field::ExtractUnsigned,
                     Scalar::F32 | Scalar::Bool => return None,
                 };
-                Some(self.field(op, [v[0], v[1], v[2], v[2]]))
+                Some(self.field(Some(site), op, [v[0], v[1], v[2], v[2]]))
             })
             .ok_or_else(refuse),
             Mf::InsertBits => {
-                each(args, |v| Some(self.field(Field::Insert, [v[0], v[1], v[2], v[3]]))).ok_or_else(refuse)
+                each(args, |v| Some(self.field(Some(site), Field::Insert, [v[0], v[1], v[2], v[3]]))).ok_or_else(refuse)
             }
             Mf::Dot4I8Packed => Ok(self.packed_dot(site, args, Field::ExtractSigned, Scalar::I32)),
             Mf::Dot4U8Packed => Ok(self.packed_dot(site, args, Field::ExtractUnsigned, Scalar::U32)),
@@ -180,6 +197,36 @@ impl Compiler<'_> {
             Mf::Unpack4xI8 => Ok(self.unpack(args[0][0], 8, Field::ExtractSigned, Scalar::I32)),
             Mf::Unpack4xU8 => Ok(self.unpack(args[0][0], 8, Field::ExtractUnsigned, Scalar::U32)),
         }
+    }
+
+    /// The result of a function, with a note of the lanes in which it is undefined. Constants show here already
+    /// that it never is.
+    fn guard(&mut self, site: Site, what: Guarded, from: Slot, args: [Slot; 2]) -> Slot {
+        let to = Slot { reg: self.temporary(), ..from };
+        let regs = args.map(|slot| slot.reg);
+        match from.scalar {
+            Scalar::F32 => {
+                if let [Some(x), Some(y)] = args.map(|slot| self.constant_of(slot))
+                    && !what.is_outside(x, y)
+                {
+                    return from;
+                }
+                self.push(Inst::Guard { what, to: to.reg, from: from.reg, args: regs, site });
+            }
+            Scalar::I32 | Scalar::U32 | Scalar::Bool => {
+                let signed = from.scalar == Scalar::I32;
+                self.push(Inst::GuardWords { signed, to, from: from.reg, args: regs, site });
+            }
+        }
+        to
+    }
+
+    /// The number that a register holds all the time.
+    fn constant_of(&self, slot: Slot) -> Option<f64> {
+        self.executable.constants.iter().find_map(|constant| match *constant {
+            Constant::Real { to, value, .. } if to == slot.reg => Some(f64::from(value)),
+            Constant::Real { .. } | Constant::Word { .. } => None,
+        })
     }
 
     fn least(&mut self, site: Site, a: Slot, b: Slot) -> Option<Slot> {

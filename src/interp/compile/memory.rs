@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use naga::{Expression, Handle, TypeInner};
 
-use super::super::code::{Choice, Inst, Slot, Word2};
+use super::super::code::{Choice, Inst, Slot, Stray, Word2};
 use super::super::domain::Site;
 use super::{Compiler, Frame, Index, InterpError, Pointer, Value, types, unsupported};
 use crate::value::Scalar;
@@ -13,7 +13,13 @@ use crate::value::Scalar;
 const MAX_CHOICES: usize = 1 << 12;
 
 impl<'m> Compiler<'m> {
-    pub(super) fn load(&mut self, frame: &Frame<'m>, pointer: &Pointer, len: usize) -> Result<Vec<Slot>, InterpError> {
+    pub(super) fn load(
+        &mut self,
+        frame: &Frame<'m>,
+        site: Site,
+        pointer: &Pointer,
+        len: usize,
+    ) -> Result<Vec<Slot>, InterpError> {
         if pointer.indices.is_empty() {
             let slots = pointer.variable.get(pointer.offset..pointer.offset + len);
             let slots = slots.ok_or_else(|| InterpError::internal("a load behind its variable".to_owned()))?;
@@ -25,6 +31,11 @@ impl<'m> Compiler<'m> {
                 let reg = match self.known.get(&super::key(slot)) {
                     Some(&reg) => reg,
                     None => {
+                        if let Some(&kind) = self.unset.get(&super::key(slot))
+                            && !self.assigned.contains(&super::key(slot))
+                        {
+                            self.push(Inst::Read { from: slot, kind, site });
+                        }
                         let to = Slot { reg: self.temporary(), ..slot };
                         self.push(Inst::Copy { to, from: slot.reg });
                         self.known.insert(super::key(slot), to.reg);
@@ -44,7 +55,9 @@ impl<'m> Compiler<'m> {
             })
             .collect();
         let loaded = choices.iter().map(|choice| choice.one).collect();
-        self.push(Inst::Gather { index, choices });
+        let unset = pointer.variable.iter().any(|slot| self.unset.contains_key(&super::key(*slot))).then_some(site);
+        let strays = pointer.indices.iter().map(|step| step.stray).collect();
+        self.push(Inst::Gather { index, choices, strays, unset });
         Ok(loaded)
     }
 
@@ -56,6 +69,7 @@ impl<'m> Compiler<'m> {
                 self.push(Inst::Store { to, from: from.reg });
                 // Whoever gets here by this way reads what was just written.
                 self.known.insert(super::key(to), from.reg);
+                self.assigned.insert(super::key(to));
             }
             return Ok(());
         }
@@ -70,7 +84,8 @@ impl<'m> Compiler<'m> {
                 Choice { one: *one, of: of.iter().map(|slot| slot.reg).collect() }
             })
             .collect();
-        self.push(Inst::Scatter { index, choices });
+        let strays = pointer.indices.iter().map(|step| step.stray).collect();
+        self.push(Inst::Scatter { index, choices, strays });
         Ok(())
     }
 
@@ -144,11 +159,12 @@ impl<'m> Compiler<'m> {
         let b = self.word(len as u32, Scalar::U32).reg;
         let reg = self.temporary();
         self.push(Inst::Word2 { op: Word2::Index, to: reg, a: index, b, site });
-        let step = Index { reg, stride, len };
+        let stray = Stray { reg: index, len: len as u32, site };
+        let step = Index { reg, stride, len, stray };
         Ok(match value {
             Value::Slots(variable) => {
                 let pointer = Pointer { variable, constant: true, offset: 0, indices: vec![step] };
-                Value::Slots(self.load(frame, &pointer, stride)?.into())
+                Value::Slots(self.load(frame, site, &pointer, stride)?.into())
             }
             Value::Pointer(mut pointer) => {
                 pointer.indices.push(step);

@@ -19,8 +19,9 @@ use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Type};
 
 use super::InterpError;
-use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Slot, TEMPORARY};
+use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Slot, Stray, TEMPORARY};
 use super::domain::{Site, Source};
+use super::meaning::Kind;
 use super::rearrange::Draft;
 use crate::program::{Entry, PortAt, Texture};
 use crate::value::Scalar;
@@ -105,6 +106,8 @@ struct Index {
     stride: usize,
     /// Number of elements.
     len: usize,
+    /// The index before it was brought inside.
+    stray: Stray,
 }
 
 /// A function being expanded.
@@ -139,6 +142,10 @@ struct Compiler<'m> {
     constant_sites: HashMap<Handle<Expression>, Site>,
     /// Registers that are known to hold what a variable holds.
     known: HashMap<(File, Reg), Reg>,
+    /// Variables that come to life without a value, and what reading them then is.
+    unset: HashMap<(File, Reg), Kind>,
+    /// Those of them that have one in every lane that gets here.
+    assigned: HashSet<(File, Reg)>,
     depth: usize,
 }
 
@@ -164,6 +171,7 @@ impl<'m> Compiler<'m> {
                 numbers: Vec::new(),
                 poisoned: Vec::new(),
                 outputs: Vec::new(),
+                unset: Default::default(),
                 max_vertices: subject.max_vertices,
                 tables: subject.textures.iter().map(|t| t.contents.words().clone()).collect(),
                 draft: Arc::default(),
@@ -171,6 +179,8 @@ impl<'m> Compiler<'m> {
             sites: HashMap::new(),
             constant_sites: HashMap::new(),
             known: HashMap::new(),
+            unset: HashMap::new(),
+            assigned: HashSet::new(),
             depth: 0,
         }
     }
@@ -221,14 +231,16 @@ impl<'m> Compiler<'m> {
         let arguments: Option<Vec<Value>> = arguments.into_iter().collect();
         let arguments = arguments
             .ok_or_else(|| InterpError::internal("an argument of the entry point is fed by nothing".to_owned()))?;
-        let body = self.function(handle, function, info, arguments, result)?;
         // What is fed, or marked as never written, keeps that.
-        let own: HashSet<(File, Reg)> = self.executable.fills.iter().map(|fill| fill.to).map(key).collect();
-        let marked: HashSet<(File, Reg)> = self.executable.poisoned.iter().copied().map(key).collect();
+        let fed = self.executable.fills.iter().map(|fill| fill.to).chain(self.executable.poisoned.iter().copied());
+        let own: HashSet<(File, Reg)> = fed.map(key).chain(self.numbered()).collect();
+        self.unset.retain(|variable, _| !own.contains(variable));
+        let body = self.function(handle, function, info, arguments, result)?;
+        for (file, reg) in self.unset.keys() {
+            self.executable.unset[*file as usize].insert(*reg);
+        }
         let mut all = std::mem::take(&mut self.initial);
-        all.retain(
-            |inst| !matches!(inst, Inst::Copy { to, .. } if own.contains(&key(*to)) || marked.contains(&key(*to))),
-        );
+        all.retain(|inst| !matches!(inst, Inst::Copy { to, .. } | Inst::Begin { to, .. } if own.contains(&key(*to))));
         all.push(Inst::Call { body });
         let draft = Draft { body: all, fixed: self.fixed, temporaries: self.temporaries };
         Ok(self.executable.with_body(draft))
@@ -398,8 +410,14 @@ impl<'m> Compiler<'m> {
         self.globals.insert(handle, slots.clone());
         let initial = match variable.init {
             Some(init) => Some(self.constant_expression(init)?),
-            // Columns start with zeros, but a machine runs many chunks.
-            None if variable.space == AddressSpace::Private => Some(self.zeros(&slots)),
+            None if variable.space == AddressSpace::Private => {
+                let site = self.declared(None, span);
+                for &to in slots.iter() {
+                    let begin = self.begin(to, Kind::Unset, site);
+                    self.initial.push(begin);
+                }
+                None
+            }
             None => None,
         };
         for (&to, from) in slots.iter().zip(initial.iter().flat_map(|values| values.iter())) {
@@ -472,8 +490,25 @@ impl<'m> Compiler<'m> {
         Slot { scalar, reg }
     }
 
-    fn zeros(&mut self, like: &[Slot]) -> Vec<Slot> {
-        like.iter().map(|slot| self.zero(slot.scalar)).collect()
+    /// A variable that comes to life without a value: GLSL says nothing about what it holds. WGSL starts variables
+    /// with zeros, and so does the interpreter.
+    fn begin(&mut self, to: Slot, kind: Kind, site: Site) -> Inst {
+        self.unset.insert(key(to), kind);
+        self.assigned.remove(&key(to));
+        self.known.remove(&key(to));
+        Inst::Begin { to, zero: self.zero(to.scalar).reg, site }
+    }
+
+    /// The place of a declaration.
+    fn declared(&mut self, function: Option<Handle<Function>>, span: naga::Span) -> Site {
+        let sites = &mut self.executable.sites;
+        sites.push(Place { function, expression: None, span });
+        Site((sites.len() - 1) as u32)
+    }
+
+    /// Registers that hold the number of the invocation.
+    fn numbered(&self) -> impl Iterator<Item = (File, Reg)> {
+        self.executable.numbers.iter().map(|reg| (File::Word, *reg))
     }
 
     fn zero(&mut self, scalar: Scalar) -> Slot {

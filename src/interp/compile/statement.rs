@@ -8,7 +8,9 @@ use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
 
 use super::super::code::{Case, File, Inst, Place, Reg, Slot};
 use super::super::domain::Site;
+use super::super::meaning::Kind;
 use super::{Compiler, Frame, InterpError, Value, unsupported};
+use crate::program::NO_RETURN;
 
 /// Deepest chain of calls; naga allows no recursion.
 const MAX_DEPTH: usize = 128;
@@ -39,11 +41,22 @@ impl<'m> Compiler<'m> {
         for (local, variable) in function.local_variables.iter() {
             let slots = self.variable(variable.ty, function.local_variables.get_span(local))?;
             frame.locals.insert(local, slots.clone());
-            let initial = match variable.init {
-                Some(init) => self.slots(&mut frame, init)?.to_vec(),
-                // WGSL starts variables with zeros. GLSL says nothing about them.
-                None => self.zeros(&slots),
+            // Variables of the front ends hold what an expression gives, but for the arguments of `out` parameters.
+            let name = variable.name.as_deref().unwrap_or("sc_");
+            let kind = if name == NO_RETURN { Kind::NoReturn } else { Kind::Unset };
+            let authors = !name.starts_with("sc_") || name.starts_with("sc_argument") || kind == Kind::NoReturn;
+            let Some(init) = variable.init else {
+                let site = self.declared(handle, function.local_variables.get_span(local));
+                for &to in slots.iter() {
+                    let begin = self.begin(to, kind, site);
+                    self.push(begin);
+                    if !authors {
+                        self.unset.remove(&super::key(to));
+                    }
+                }
+                continue;
             };
+            let initial = self.slots(&mut frame, init)?.to_vec();
             for (&to, from) in slots.iter().zip(initial) {
                 // A lane outside of this call has no such variable: no mask is needed.
                 self.push(Inst::Copy { to, from: from.reg });
@@ -64,9 +77,11 @@ impl<'m> Compiler<'m> {
     /// A block that may or may not be run: what is known behind it is what both ways agree on.
     fn branch(&mut self, frame: &mut Frame<'m>, block: &'m Block, before: &Known) -> Result<Vec<Inst>, InterpError> {
         let rest = std::mem::replace(&mut self.known, before.clone());
+        let assigned = self.assigned.clone();
         let code = self.block(frame, block)?;
         let after = std::mem::replace(&mut self.known, rest);
         self.known.retain(|variable, reg| after.get(variable) == Some(reg));
+        self.assigned = assigned;
         Ok(code)
     }
 
@@ -124,14 +139,17 @@ impl<'m> Compiler<'m> {
                 // A later round knows nothing of what an earlier one has changed.
                 self.known.clear();
                 let outside = std::mem::take(&mut self.code);
+                let assigned = self.assigned.clone();
                 self.statements(frame, body)?;
                 let body = std::mem::take(&mut self.code);
                 // Lanes get to the end of a round on several ways.
                 self.known.clear();
+                self.assigned = assigned.clone();
                 self.statements(frame, continuing)?;
                 let break_if = break_if.map(|b| self.single(frame, b)).transpose()?.map(|slot| slot.reg);
                 let continuing = std::mem::replace(&mut self.code, outside);
                 self.known.clear();
+                self.assigned = assigned;
                 let site = self.statement_site(frame, span);
                 self.push(Inst::Loop { body, continuing, break_if, site });
             }
@@ -207,9 +225,12 @@ impl<'m> Compiler<'m> {
             Some(result) => self.variable(result.ty, span)?,
             None => Rc::from([]),
         };
+        let assigned = self.assigned.clone();
         let body = self.function(Some(handle), function, &self.subject.info[handle], arguments, slots.clone())?;
         self.depth -= 1;
         self.known.clear();
+        // Lanes may have returned before they wrote.
+        self.assigned = assigned;
         self.push(Inst::Call { body });
         if let Some(result) = result {
             // The registers of the result are written again when this call is run again.

@@ -271,8 +271,8 @@ impl Fun<'_, '_> {
         }
     }
 
-    /// Ends a function. What one gives that ends without `return` is undefined (GLSL 4.60, 6.1): 0 is as
-    /// good as anything.
+    /// Ends a function. What one gives that ends without `return` is undefined (GLSL 4.60, 6.1): a variable without
+    /// a value says so.
     pub(super) fn end(&mut self) -> Result<()> {
         if self.is_done() {
             return Ok(());
@@ -282,9 +282,9 @@ impl Fun<'_, '_> {
             return Ok(());
         }
         let ty = self.result.clone();
-        let ty = self.ty(&ty)?;
-        let value = self.add(Expression::ZeroValue(ty));
-        self.push(Statement::Return { value: Some(value) });
+        let place = self.local(crate::program::NO_RETURN, &ty)?;
+        let value = self.load(&place)?;
+        self.push(Statement::Return { value: Some(value.e) });
         Ok(())
     }
 }

@@ -101,8 +101,7 @@ fn entry(entry: &Entry) -> Value {
             if report.verdicts.agreed > 0 {
                 value["max_ulp"] = report.verdicts.max_ulp.into();
             }
-            let reasons = Reason::ALL.iter().zip(report.verdicts.undetermined);
-            value["undetermined_by"] = reasons.map(|(reason, n)| (reason.name().to_owned(), Value::from(n))).collect();
+            value["undetermined_by"] = undetermined_by(&report.verdicts.undetermined);
             let promises = Promise::ALL.iter().zip(report.verdicts.agreed_by);
             value["agreed_by"] = promises.map(|(promise, n)| (promise.name().to_owned(), Value::from(n))).collect();
             value["shader_deviated"] = report.verdicts.shader_deviated.into();
@@ -270,4 +269,12 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
             "message": divergence.to_string(),
         });
     }
+}
+
+/// Numbers of undetermined samples by reason, in the order of [`Reason::ALL`]. Undefined values are named where there
+/// are some.
+pub(crate) fn undetermined_by(undetermined: &[u64]) -> Value {
+    let reasons = Reason::ALL.iter().zip(undetermined);
+    let told = reasons.filter(|(reason, n)| **reason != Reason::Undefined || **n > 0);
+    told.map(|(reason, n)| (reason.name().to_owned(), Value::from(*n))).collect()
 }

@@ -146,6 +146,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
 fn on_lane(lane: &LaneReport) -> OnLane {
     let v = &lane.verdicts;
     let reasons = Reason::ALL.iter().zip(v.undetermined);
+    let reasons = reasons.filter(|(reason, n)| **reason != Reason::Undefined || *n > 0);
     OnLane {
         lane: lane.lane,
         not_run: lane.not_run.clone(),

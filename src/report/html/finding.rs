@@ -12,7 +12,7 @@ use crate::verdict::{Blame, Deviation, Value};
 pub(super) fn who(finding: &Finding, lane: &str) -> String {
     let blame = finding.case.as_ref().and_then(|case| case.deviation.as_ref()).map(|deviation| deviation.blame);
     match (finding.kind, blame) {
-        (FindingKind::Deviation, Some(Blame::Shader)) => "The shader".to_owned(),
+        (FindingKind::Deviation, Some(Blame::Shader)) | (FindingKind::Undefined, _) => "The shader".to_owned(),
         (FindingKind::Deviation, _) => format!("The lane {lane}"),
         (FindingKind::Relation, _) => "A relation".to_owned(),
         (FindingKind::Translation, _) => "A translation".to_owned(),
@@ -29,7 +29,8 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
 
 /// Whose fault the deviations of a lane are, in a few words, where they are the fault of one part.
 pub(super) fn blamed(report: &Report) -> Option<String> {
-    let deviations = report.findings.iter().filter(|finding| finding.kind == FindingKind::Deviation);
+    let wrong = |finding: &&Finding| matches!(finding.kind, FindingKind::Deviation | FindingKind::Undefined);
+    let deviations = report.findings.iter().filter(wrong);
     let mut faults: Vec<String> = deviations.filter_map(fault).collect();
     faults.dedup();
     match &faults[..] {
@@ -41,6 +42,9 @@ pub(super) fn blamed(report: &Report) -> Option<String> {
 
 fn fault(finding: &Finding) -> Option<String> {
     let case = finding.case.as_ref()?;
+    if finding.kind == FindingKind::Undefined {
+        return Some("the shader".to_owned());
+    }
     if case.deviation.as_ref()?.blame == Blame::Shader {
         return Some("the shader".to_owned());
     }
@@ -63,6 +67,7 @@ pub(super) fn how_many(finding: &Finding) -> Option<String> {
             return None;
         }
         FindingKind::Deviation
+        | FindingKind::Undefined
         | FindingKind::Relation
         | FindingKind::Translation
         | FindingKind::Quality

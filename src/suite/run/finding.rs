@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 pub enum FindingKind {
     /// Outputs deviate from the formula.
     Deviation,
+    /// An output of the shader depends on a value that the language leaves undefined.
+    Undefined,
     /// The same inputs gave other outputs: a fault of the lane.
     Flaky,
     /// A relation between outputs does not hold.
@@ -43,8 +45,9 @@ pub enum FindingKind {
 
 impl FindingKind {
     /// All kinds.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Deviation,
+        Self::Undefined,
         Self::Flaky,
         Self::Relation,
         Self::Translation,
@@ -61,6 +64,7 @@ impl FindingKind {
     pub fn about(self) -> &'static str {
         match self {
             Self::Deviation => "Outputs deviate from what is expected, or from what the shader means.",
+            Self::Undefined => "An output of the shader depends on a value that the language leaves undefined.",
             Self::Flaky => "The same inputs gave other outputs when they ran again: a fault of the lane.",
             Self::Relation => "A relation between outputs does not hold.",
             Self::Translation => "A translation means something else than the shader.",
@@ -78,6 +82,7 @@ impl FindingKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Deviation => "deviation",
+            Self::Undefined => "undefined",
             Self::Flaky => "flaky",
             Self::Relation => "relation",
             Self::Translation => "translation",
@@ -96,6 +101,7 @@ impl FindingKind {
         match self {
             Self::Quality | Self::VacuousBound | Self::Range => true,
             Self::Deviation
+            | Self::Undefined
             | Self::Flaky
             | Self::Relation
             | Self::Translation
@@ -201,13 +207,7 @@ pub(super) fn deviations(
     }
     let plan = trial.prepared.plan.clone();
     let against = trial.prepared.reference.noun();
-    let first = failing.iter().map(|failing| Sample {
-        invocation_record: plan.invocation_record().clone(),
-        case_record: plan.case_record().clone(),
-        invocation: failing.invocation.clone(),
-        case: failing.case.clone(),
-    });
-    let first: Vec<Sample> = first.collect();
+    let first: Vec<Sample> = failing.iter().map(|failing| failing.sample(&plan)).collect();
     let prints: Vec<u64> = failing.iter().map(|failing| failing.print).collect();
     let mut shown: Vec<Shown> = Vec::new();
     let (mut steady, mut numbers) = (Vec::new(), Vec::new());

@@ -17,6 +17,7 @@ mod summary;
 mod survey;
 mod translation;
 mod trial;
+mod undefined;
 mod witness;
 
 use std::ops::ControlFlow;
@@ -264,7 +265,10 @@ fn on_kernel(
         relate::check(&mut trial, request, related, &mut report)?;
         repeat::check(&mut trial, request, &mut report)?;
     }
-    let shown = finding::deviations(&mut trial, lane, &counted.failing, request, &report)?;
+    let shown = [
+        finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
+        undefined::findings(prepared, &counted.undefined, request, &report),
+    ];
     let suite = &prepared.suite;
     let terms = part::Terms {
         least: suite.floors.judged_of(wanted.min(suite.samples), suite.samples),

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::finding::{self, Finding};
 use super::{Coverage, Doubtful, Prepared, Repeated, Report, Request, Translated, doubts, repeat, survey};
 use crate::lane::{Actual, LaneName, Stage};
-use crate::property::Sample;
-use crate::verdict::{BatchVerdict, Survey};
+use crate::property::{Plan, Sample};
+use crate::verdict::{BatchVerdict, Reason, Survey};
 
 /// Failing samples that are shrunk; the rest is counted.
 pub(super) const SHRUNK: usize = 8;
@@ -37,6 +37,9 @@ pub struct Part {
     findings: Vec<Finding>,
     /// Failing samples, shrunk.
     shown: Vec<Shown>,
+    /// Samples that depend on undefined values, shrunk.
+    #[serde(default)]
+    undefined: Vec<Shown>,
     /// None where the lane cannot run the suite.
     terms: Option<Terms>,
     /// What is bound to samplers.
@@ -69,6 +72,9 @@ pub struct Counted {
     pub(super) doubts: Vec<Doubted>,
     /// The first few failing samples.
     pub(super) failing: Vec<Failing>,
+    /// The first few samples with an output that depends on an undefined value.
+    #[serde(default)]
+    pub(super) undefined: Vec<Failing>,
     /// The survey of the first samples of the run.
     pub(super) survey: Option<Survey>,
 }
@@ -104,6 +110,18 @@ pub(super) struct Shown {
     pub sample: Option<Sample>,
 }
 
+impl Failing {
+    /// The sample, for a plan whose records it was made by.
+    pub(super) fn sample(&self, plan: &Plan) -> Sample {
+        Sample {
+            invocation_record: plan.invocation_record().clone(),
+            case_record: plan.case_record().clone(),
+            invocation: self.invocation.clone(),
+            case: self.case.clone(),
+        }
+    }
+}
+
 impl Counted {
     /// Adds the verdicts on a batch whose first sample has the number `first`.
     pub(super) fn add(
@@ -122,6 +140,12 @@ impl Counted {
                 let Sample { invocation, case, .. } = Sample::of(batch, failure.invocation);
                 let (number, print) = (first + failure.invocation as u64, repeat::print(actual, failure.invocation));
                 self.failing.push(Failing { number, invocation, case, print });
+            }
+        }
+        for invocation in std::mem::take(&mut verdict.undefined) {
+            if self.undefined.len() < SHRUNK {
+                let Sample { invocation: words, case, .. } = Sample::of(batch, invocation);
+                self.undefined.push(Failing { number: first + invocation as u64, invocation: words, case, print: 0 });
             }
         }
         self.verdicts.merge(verdict);
@@ -143,7 +167,8 @@ impl Counted {
 
     /// Adds what other samples gave, whichever come first.
     pub(super) fn join(&mut self, other: Self) {
-        let Self { verdicts, doubts, failing, survey } = other;
+        let Self { verdicts, doubts, failing, undefined, survey } = other;
+        self.undefined.extend(undefined);
         self.verdicts.merge(verdicts);
         doubts.into_iter().for_each(|doubts| self.doubt(doubts));
         self.failing.extend(failing);
@@ -153,8 +178,10 @@ impl Counted {
 
     fn sort(&mut self) {
         self.doubts.sort_by_key(|doubts| doubts.first);
-        self.failing.sort_by_key(|failing| failing.number);
-        self.failing.truncate(SHRUNK);
+        for failing in [&mut self.failing, &mut self.undefined] {
+            failing.sort_by_key(|failing| failing.number);
+            failing.truncate(SHRUNK);
+        }
     }
 }
 
@@ -176,6 +203,7 @@ impl Part {
             repeated: None,
             findings: Vec::new(),
             shown: Vec::new(),
+            undefined: Vec::new(),
             terms: None,
             textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
             failing: Vec::new(),
@@ -188,10 +216,11 @@ impl Part {
     }
 
     /// What a run has found once it is through: `report` holds what is looked at once.
-    pub(super) fn of(mut self, report: Report, counted: Counted, shown: Vec<Shown>, terms: Terms) -> Self {
+    pub(super) fn of(mut self, report: Report, counted: Counted, shown: [Vec<Shown>; 2], terms: Terms) -> Self {
         self.replayed = report.replayed;
         self.add_once(report);
-        Self { counted, shown, terms: Some(terms), ..self }
+        let [shown, undefined] = shown;
+        Self { counted, shown, undefined, terms: Some(terms), ..self }
     }
 
     fn add_once(&mut self, report: Report) {
@@ -218,7 +247,7 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, terms, failing, repeated, unsupported_because, .. } = other;
+        let Self { shown, undefined, terms, failing, repeated, unsupported_because, .. } = other;
         // The least of the reasons, so that the order of parts makes no difference.
         let reasons = self.unsupported_because.take().into_iter().chain(unsupported_because);
         self.unsupported_because = reasons.min();
@@ -234,9 +263,14 @@ impl Part {
         self.shown.extend(shown);
         self.terms = self.terms.take().or(terms);
         // A whole run shrinks the first few failing samples, whatever came of them.
-        let last = self.counted.failing.last().map_or(0, |failing| failing.number);
-        self.shown.retain(|shown| shown.number <= last);
-        self.shown.sort_by_key(|shown| shown.number);
+        self.undefined.extend(undefined);
+        for (shown, failing) in
+            [(&mut self.shown, &self.counted.failing), (&mut self.undefined, &self.counted.undefined)]
+        {
+            let last = failing.last().map_or(0, |failing| failing.number);
+            shown.retain(|shown| shown.number <= last);
+            shown.sort_by_key(|shown| shown.number);
+        }
     }
 
     /// The failing samples that are shown, with what is known about them.
@@ -248,21 +282,26 @@ impl Part {
     pub fn report(self) -> Report {
         let Self { counted, relations, coverage, translations, mut failing, .. } = self;
         let Counted { verdicts, doubts, survey, .. } = counted;
-        let deviated = verdicts.deviated;
+        let undefined = verdicts.undetermined[Reason::Undefined as usize];
+        let all = [(self.shown, verdicts.deviated), (self.undefined, undefined)];
         let mut doubts: Vec<Doubtful> = doubts.into_iter().map(|doubts| doubts.doubtful).collect();
         doubts.sort_by_key(|doubtful| std::cmp::Reverse(doubtful.count));
         let mut findings = self.findings;
         let mut told: Vec<(String, Vec<u32>)> = Vec::new();
-        for Shown { alike, words, mut finding, sample, .. } in self.shown {
-            if let Some(alike) = alike {
-                if told.iter().any(|(known, same)| *known == alike || *same == words) {
-                    continue;
+        for (shown, count) in all {
+            for Shown { alike, words, mut finding, sample, .. } in shown {
+                if let Some(alike) = alike {
+                    if told.iter().any(|(known, same)| *known == alike || *same == words) {
+                        continue;
+                    }
+                    told.push((alike, words));
+                    finding.count = count;
+                    failing.extend(sample);
                 }
-                told.push((alike, words));
-                finding.count = deviated;
-                failing.extend(sample);
+                findings.push(finding);
             }
-            findings.push(finding);
+            // Another sample tells of another operation.
+            told.clear();
         }
         let mut report = Report {
             suite: self.suite,

@@ -7,7 +7,7 @@ use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Own, Relation, Sample, Sampler, shrink};
 use crate::value::Batch;
-use crate::verdict::{Court, meaning, observe};
+use crate::verdict::{Court, dependences, meaning, observe};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
 /// formula for each input, so there are fewer of them than of plain samples.
@@ -146,8 +146,15 @@ fn outcomes(trial: &mut Trial<'_>, relation: &dyn Relation, samples: &[Sample]) 
     let mut seen: Vec<Observed> = Vec::with_capacity(flat.len());
     trial.run_samples(&flat, |_, batch, actual| seen.extend(observe(&court, batch, actual)))?;
     let both = meant.zip(verdicts(relation, &inputs, seen));
+    // Undefined values are a finding of their own, and need not be related.
+    let undefined = |inputs: &[Sample]| {
+        let found = dependences(&trial.prepared.oracle, &Sample::batch(inputs));
+        found.iter().any(Option::is_some)
+    };
     Ok(both
-        .map(|both| match both {
+        .zip(&inputs)
+        .map(|(both, inputs)| match both {
+            (Outcome::Fails(_), _) | (_, Outcome::Fails(_)) if undefined(inputs) => Outcome::Silent,
             (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
             (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
             (Outcome::Silent, Outcome::Silent) => Outcome::Silent,

@@ -12,7 +12,7 @@ use crate::lane::{Actual, LaneError};
 use crate::property::shrink::Shrunk;
 use crate::property::{Sample, Sampler};
 use crate::value::{Batch, Scalar};
-use crate::verdict::{Blame, Deviation, Verdict, judge_each};
+use crate::verdict::{Blame, Deviation, Verdict, dependences, judge_each};
 
 /// How often a failing sample is run again.
 const RUNS: u64 = 5;
@@ -140,7 +140,12 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Repor
         Ok((0..count).map(|k| print(&actual, k)).collect())
     };
     let (one, two) = (prints(trial)?, prints(trial)?);
-    let other: Vec<usize> = (0..count).filter(|&k| one[k] != two[k]).collect();
+    let mut other: Vec<usize> = (0..count).filter(|&k| one[k] != two[k]).collect();
+    if !other.is_empty() {
+        // What is undefined may differ from one run to the next.
+        let undefined = dependences(&prepared.oracle, &batch);
+        other.retain(|&k| undefined[k].is_none());
+    }
     report.repeated = Some(Repeated { samples: count as u64, different: other.len() as u64 });
     let Some(&first) = other.first() else { return Ok(()) };
     let shrunk = finding::unshrunk(Sample::of(&batch, first));

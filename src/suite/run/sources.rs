@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::part::{Part, Terms};
 use super::sampling::Sampled;
 use super::trial::{Trial, stage_of, weight};
-use super::{Prepared, Report, Request, Share, finding, relate, sampling};
+use super::{Prepared, Report, Request, Share, finding, relate, sampling, undefined};
 use crate::lane::{Actual, Lane, LaneError};
 use crate::program::Source;
 use crate::property::{Sample, Sampler};
@@ -115,7 +115,10 @@ fn other(
     counted.survey = None;
     let related = if source == Source::Constants { (wanted / 16).clamp(1, 4) } else { RELATED };
     relate::check(&mut trial, request, related, &mut report)?;
-    let shown = finding::deviations(&mut trial, lane, &counted.failing, request, &report)?;
+    let shown = [
+        finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
+        undefined::findings(prepared, &counted.undefined, request, &report),
+    ];
     // A handful of samples need not keep the shares of a whole run; but something has to be judged.
     let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
     let report = Part::new(prepared, name, stage, 0).of(report, counted, shown, terms).report();

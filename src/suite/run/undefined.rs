@@ -1,0 +1,69 @@
+//! Findings about values that the language leaves undefined: the shader is at fault, and no lane is asked.
+
+use std::convert::Infallible;
+
+use super::finding::{self, Finding, FindingKind};
+use super::part::{Failing, Shown};
+use super::{Prepared, Report, Request};
+use crate::interp::{Dependence, author_span};
+use crate::property::Sample;
+use crate::property::shrink::{self, Shrunk};
+use crate::verdict::dependences;
+
+/// Operations that are told of one suite.
+const TOLD: usize = 4;
+
+/// Shrinks samples that depend on undefined values, one for each operation, and reports them.
+pub(super) fn findings(prepared: &Prepared, failing: &[Failing], request: &Request, report: &Report) -> Vec<Shown> {
+    if failing.is_empty() {
+        return Vec::new();
+    }
+    let samples: Vec<Sample> = failing.iter().map(|failing| failing.sample(&prepared.plan)).collect();
+    let found = dependences(&prepared.oracle, &Sample::batch(&samples));
+    let mut shown: Vec<Shown> = Vec::new();
+    for ((sample, failing), found) in samples.into_iter().zip(failing).zip(found) {
+        let Some(found) = found else { continue };
+        let alike = Some(format!("{:?}", found.of));
+        if shown.len() == TOLD || shown.iter().any(|shown| shown.alike == alike) {
+            continue;
+        }
+        let shrunk = if request.replay_only { finding::unshrunk(sample) } else { smallest(prepared, sample, &found) };
+        let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+        let again = dependences(&prepared.oracle, &Sample::batch(std::slice::from_ref(&shrunk.sample)));
+        let found = again.into_iter().flatten().next().unwrap_or(found);
+        let finding = Finding {
+            kind: FindingKind::Undefined,
+            message: message(prepared, &found),
+            case: Some(finding::case(&shrunk, None)),
+            // Known when all parts of the run are.
+            count: 0,
+            reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+        };
+        shown.push(Shown { number: failing.number, alike, words, finding, sample: Some(shrunk.sample) });
+    }
+    shown
+}
+
+/// The smallest sample that depends on the same operation.
+fn smallest(prepared: &Prepared, sample: Sample, found: &Dependence) -> Shrunk {
+    let same = |other: &Option<Dependence>| other.as_ref().is_some_and(|other| other.of == found.of);
+    let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
+        Ok(dependences(&prepared.oracle, &Sample::batch(samples)).iter().map(same).collect())
+    };
+    match shrink::shrink(vec![sample.clone()], &*prepared.plan, &mut oracle) {
+        Ok(shrunk) => shrunk.into_iter().next().unwrap_or_else(|| finding::unshrunk(sample)),
+        Err(never) => match never {},
+    }
+}
+
+/// What is undefined, where and why.
+fn message(prepared: &Prepared, found: &Dependence) -> String {
+    let why = found.of.why(&found.args);
+    let (program, executable) = (&prepared.program, prepared.oracle.executable());
+    let Some(span) = author_span(program, &executable.place(found.of.site)) else {
+        return format!("the shader gives an undefined value: {why}");
+    };
+    let file = &program.lowered.file;
+    let text = file.slice(span).split_whitespace().collect::<Vec<_>>().join(" ");
+    format!("the shader gives an undefined value: `{text}` at {}: {why}", file.locate(span.start))
+}
