@@ -9,7 +9,7 @@ pub const SYNTAX: Code = Code("E001");
 pub const TOKEN: Code = Code("E002");
 /// A number that cannot be read or does not fit.
 pub const LITERAL: Code = Code("E003");
-/// Expressions, statements or types are nested too deeply to be read.
+/// Expressions, statements or types are nested too deeply to be read, or the text has too many tokens.
 pub const TOO_DEEP: Code = Code("E004");
 /// A directive that the language does not have.
 pub const UNKNOWN_DIRECTIVE: Code = Code("E010");

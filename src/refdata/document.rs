@@ -47,6 +47,11 @@ pub struct Document {
     pub sha256: String,
 }
 
+/// Bytes of a block in memory, at most: those that are written have some tens of MiB.
+const MOST_BLOCK: u64 = 1 << 30;
+/// Samples of a data set, at most.
+const MOST_SAMPLES: u64 = 1 << 48;
+
 /// What wrote a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tool {
@@ -206,11 +211,28 @@ impl Document {
         if rest(self) == rest(other) { Ok(()) } else { Err("their provenance differs".to_owned()) }
     }
 
-    /// Whether blocks are whole cases, as readers rely on.
+    /// Whether the sizes are those of a data set, and blocks are whole cases, as readers rely on.
     ///
     /// # Errors
     /// What is wrong, in words.
-    pub(super) fn check_blocks(&self) -> Result<(), String> {
+    pub(super) fn check_sizes(&self) -> Result<(), String> {
+        self.check_blocks()?;
+        let end = self.first.checked_add(self.rows);
+        if self.samples > MOST_SAMPLES || end.is_none_or(|end| end > self.samples) {
+            let Self { first, rows, samples, .. } = self;
+            return Err(format!("its provenance states {rows} samples from {first} on, of {samples} in all"));
+        }
+        let bytes = self.arrays.iter().try_fold(0_u64, |all, array| {
+            let words = array.shape.iter().try_fold(array.dtype.bytes(), |all, &n| all.checked_mul(n))?;
+            all.checked_add((words as u64).checked_mul(self.array_rows(array, self.block_rows))?)
+        });
+        match bytes.filter(|&bytes| bytes <= MOST_BLOCK) {
+            Some(_) => Ok(()),
+            None => Err(format!("its provenance states blocks of more than {MOST_BLOCK} bytes, which nothing writes")),
+        }
+    }
+
+    fn check_blocks(&self) -> Result<(), String> {
         let Self { first, block_rows, per_case, .. } = self;
         let whole = *block_rows > 0 && *per_case > 0 && block_rows.is_multiple_of(*per_case);
         if whole && first.is_multiple_of(*block_rows) {

@@ -1,19 +1,39 @@
 //! Suites, shaders and regressions on disk: the only file access of suites, kept thin.
 
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use crate::glsl::Stage;
 use crate::property::Sample;
 use crate::property::regressions::{self, Regression};
 use crate::text::{SourceFile, decode};
 
 use super::error::LoadError;
+use super::fresh;
 use super::ledger::FILE;
 use super::{Contents, Expect, Includes, Suite, parse};
 
 /// Ending of a suite file.
 pub const ENDING: &str = ".suite.toml";
+
+/// Bytes of a source text, at most: reading a text takes many times its size.
+pub const MOST_BYTES: u64 = 16 << 20;
+
+/// The bytes of a source text: of a shader, a suite file, or what these include.
+///
+/// # Errors
+/// What the system says, and [`ErrorKind::FileTooLarge`].
+pub fn read_source(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    // A device may have no end, and no size either.
+    fs::File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 <= MOST_BYTES {
+        return Ok(bytes);
+    }
+    let why = format!("it has more than {MOST_BYTES} bytes, which no source text needs");
+    Err(std::io::Error::new(ErrorKind::FileTooLarge, why))
+}
 
 /// A suite with its shader.
 #[derive(Clone, Debug)]
@@ -35,7 +55,7 @@ fn read(path: &Path) -> Result<SourceFile, LoadError> {
 /// A file that cannot be read, and one that is no text. A file that is included and not there is none: only
 /// the preprocessor knows whether it counts.
 pub fn read_shader(path: &Path, includes: &mut Includes) -> Result<SourceFile, LoadError> {
-    let bytes = fs::read(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
+    let bytes = read_source(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
     includes.resolve(&decode(&path.display().to_string(), &bytes)?.file)
 }
 
@@ -44,7 +64,8 @@ pub fn read_shader(path: &Path, includes: &mut Includes) -> Result<SourceFile, L
 /// # Errors
 /// A file that cannot be read or is no text, and everything that is wrong in the suite file.
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
-    let mut suite = parse(&read(path)?)?;
+    let bytes = read_source(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
+    let mut suite = parse(&SourceFile::from_bytes(&path.display().to_string(), &bytes)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     for searched in &mut suite.includes.folders {
         *searched = folder.join(&*searched);
@@ -59,7 +80,11 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     attach_pictures(&mut suite, folder)?;
     let (file, includes) = (&suite.file, &mut suite.includes);
     let mut text_of = |name: &String| {
-        read_shader(&folder.join(name), includes).map_err(|error| match error {
+        let path = folder.join(name);
+        if let Some(source) = no_shader(name) {
+            return Err(LoadError::Shader { at: place(file, name), path, source });
+        }
+        read_shader(&path, includes).map_err(|error| match error {
             LoadError::Read { path, source } => LoadError::Shader { at: place(file, name), path, source },
             other => other,
         })
@@ -67,6 +92,16 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let shader = text_of(&suite.shader)?;
     suite.linked_texts = suite.linked.iter().map(text_of).collect::<Result<_, _>>()?;
     Ok(Loaded { suite, shader })
+}
+
+/// Why a file elsewhere is no shader by its name: messages quote lines of shaders, and a suite of somebody else may name
+/// any file of the machine.
+fn no_shader(name: &str) -> Option<std::io::Error> {
+    use std::path::Component::{CurDir, Normal};
+    let beside = Path::new(name).components().all(|part| matches!(part, CurDir | Normal(_)));
+    let why = "its ending is that of no shader, such as .vert, .frag, .geom, .comp or .glsl, and it lies elsewhere than \
+               the suite";
+    (!beside && Stage::from_path(name).is_none()).then(|| std::io::Error::new(ErrorKind::InvalidInput, why))
 }
 
 /// Where a suite file says something first.
@@ -192,14 +227,5 @@ pub fn save_regressions(path: &Path, suite: &str, samples: &[Sample]) -> Result<
     if text == old.text() {
         return Ok(());
     }
-    let failed = |source| LoadError::Write { path: path.to_owned(), source };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    file.write_all(text.as_bytes()).map_err(failed)?;
-    if let Ok(metadata) = fs::metadata(path) {
-        // The new file takes over who may read the old one.
-        file.as_file().set_permissions(metadata.permissions()).map_err(failed)?;
-    }
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
+    fresh::write(path, text.as_bytes()).map_err(|source| LoadError::Write { path: path.to_owned(), source })
 }

@@ -4,9 +4,13 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::error::LoadError;
+use super::files::{MOST_BYTES, read_source};
 use crate::diagnostic::Diagnostic;
 use crate::glsl::include::{self, Wanted};
 use crate::text::{SourceFile, decode};
+
+/// Files that a text includes, at most, each as often as it does.
+const MOST_FILES: u32 = 1 << 14;
 
 /// Folders that are searched, and what was not found in them.
 #[derive(Clone, Debug, Default)]
@@ -31,8 +35,21 @@ impl Includes {
     /// [`LoadError::Include`] for a file that is there and cannot be read or is no text.
     pub fn resolve(&mut self, file: &SourceFile) -> Result<SourceFile, LoadError> {
         let mut failed = None;
+        let (mut files, mut bytes) = (0, file.text().len() as u64);
         let included = include::resolve(file, &mut |wanted| {
-            find(wanted, &self.folders).unwrap_or_else(|why| {
+            if failed.is_some() {
+                return None;
+            }
+            let found = find(wanted, &self.folders).and_then(|found| {
+                // Files that each include another one twice have no end that anyone lives to see.
+                files += 1;
+                bytes += found.as_ref().map_or(0, |file| file.text().len() as u64);
+                let whole = files <= MOST_FILES && bytes <= MOST_BYTES;
+                whole.then_some(found).ok_or_else(|| {
+                    format!("with what it includes, the text has more than {MOST_FILES} files or {MOST_BYTES} bytes")
+                })
+            });
+            found.unwrap_or_else(|why| {
                 let at = wanted.from.locate(wanted.span.start).to_string();
                 failed.get_or_insert(LoadError::Include { at, path: wanted.path.clone(), why });
                 None
@@ -69,7 +86,7 @@ fn find(wanted: &Wanted, folders: &[PathBuf]) -> Result<Option<SourceFile>, Stri
     let path = wanted.path.trim_start_matches('/');
     for folder in beside.into_iter().chain(folders.iter().cloned()) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
-        match std::fs::read(&path) {
+        match read_source(&path) {
             Ok(bytes) => return decode(&plain(&path), &bytes).map(|d| Some(d.file)).map_err(|e| e.to_string()),
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
             Err(error) => return Err(format!("{}: {error}", path.display())),

@@ -5,6 +5,7 @@ pub mod draft;
 mod error;
 mod expect;
 mod files;
+pub(crate) mod fresh;
 mod includes;
 mod keys;
 pub mod ledger;
@@ -26,8 +27,8 @@ use crate::value::Record;
 pub use error::{LoadError, Problem, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
-    ENDING, Loaded, ledger_path, load, read_ledger, read_regressions, read_shader, regressions_path, save_regressions,
-    search,
+    ENDING, Loaded, MOST_BYTES, ledger_path, load, read_ledger, read_regressions, read_shader, read_source,
+    regressions_path, save_regressions, search,
 };
 pub use includes::Includes;
 pub use keys::{page, schema};

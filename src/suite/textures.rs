@@ -88,12 +88,14 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Picture, String> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(wrong)?;
+    let (width, height) = reader.info().size();
+    // Before memory is taken for it: a few bytes may state any size.
+    if width > SIDE || height > SIDE {
+        return Err(format!("it is {width} by {height}; pictures of up to {SIDE} by {SIDE} are taken"));
+    }
     let size = reader.output_buffer_size().ok_or("it is too large")?;
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(wrong)?;
-    if info.width > SIDE || info.height > SIDE {
-        return Err(format!("it is {} by {}; pictures of up to {SIDE} by {SIDE} are taken", info.width, info.height));
-    }
     let one = |byte: u8| (f64::from(byte) / 255.0) as f32;
     let channels = info.color_type.samples();
     let pixel = |p: &[u8]| match *p {

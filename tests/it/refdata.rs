@@ -1,6 +1,7 @@
 //! `shadercheck refdata` as others use it: files, faults in them, and the readers in `examples`.
 
 mod bare;
+mod limits;
 mod parts;
 
 use std::fs;

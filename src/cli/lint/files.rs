@@ -12,12 +12,10 @@ use thiserror::Error;
 
 use crate::lint::fix::FixedFile;
 use crate::lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
+use crate::suite::{MOST_BYTES, read_source};
 use crate::text::{Decoded, Form, TextError, decode_western};
 
 use super::write::{WriteError, replace};
-
-/// Files above this size are no source text; reading one would only exhaust the memory.
-const MOST_BYTES: u64 = 16 << 20;
 
 /// Headers include headers: how far they are followed.
 const MOST_COMPANION_ROUNDS: usize = 8;
@@ -222,7 +220,7 @@ fn read(path: &Path) -> Result<Decoded, InputError> {
     if size > MOST_BYTES {
         return Err(InputError::TooLarge { path: path.to_owned(), size });
     }
-    let bytes = fs::read(path).map_err(unreadable)?;
+    let bytes = read_source(path).map_err(unreadable)?;
     let name = name(path);
     let decoded = decode_western(&name, &bytes)?;
     if decoded.file.text().trim().is_empty() {

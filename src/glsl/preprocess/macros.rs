@@ -88,7 +88,7 @@ type Call = (Vec<Vec<Tok>>, Span);
 pub(crate) type Macros = HashMap<String, Macro>;
 
 /// More tokens than any real shader has: a bomb of macros that double.
-const MOST_TOKENS: usize = 2_000_000;
+pub(super) const MOST_TOKENS: usize = 2_000_000;
 
 /// Names of macros whose value depends on the place.
 fn builtin(name: &str, span: Span, file: &SourceFile, line_shift: i64) -> Option<String> {

@@ -2,6 +2,7 @@
 
 mod condition;
 mod foreign;
+mod limit;
 mod macros;
 
 use std::sync::Arc;
@@ -81,10 +82,11 @@ pub(crate) fn run(
     };
     this.predefine();
     defines.iter().for_each(|(name, value)| this.given(name, value));
-    let mut raw = Vec::with_capacity(pieces.pieces.len());
+    let all = limit::within(&pieces.pieces, this.sink);
+    let mut raw = Vec::with_capacity(all.len());
     let mut at = 0;
-    while at < pieces.pieces.len() {
-        let rest = &pieces.pieces[at..];
+    while at < all.len() && this.out.len() <= macros::MOST_TOKENS {
+        let rest = &all[at..];
         let len = rest.iter().skip(1).position(|p| p.first).map_or(rest.len(), |n| n + 1);
         let line = &rest[..len];
         at += len;
@@ -196,8 +198,10 @@ impl Preprocessor<'_> {
 
     fn flush(&mut self) {
         let pending = std::mem::take(&mut self.pending);
+        let end = pending.last().map(|tok| tok.span);
         let tokens = macros::expand(pending, &self.macros, self.line_shift, self.sink);
         self.out.extend(tokens);
+        limit::expanded(self.out.len(), end, self.sink);
     }
 
     fn slice(&self, piece: &Piece) -> String {

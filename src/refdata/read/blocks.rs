@@ -3,7 +3,7 @@
 use super::shared::Shared;
 use super::windows::Windows;
 use super::{Dataset, ReadError, Source, Table, csv, json, npz, parquet};
-use crate::refdata::array::{Array, Per};
+use crate::refdata::array::Array;
 use crate::refdata::bytes::Bytes;
 use crate::refdata::digest::Digest;
 use crate::refdata::document::Document;
@@ -21,8 +21,7 @@ pub trait Sequence {
     fn next(&mut self) -> Result<Option<Block>, ReadError>;
 }
 
-/// A reference file, of which one block is in memory at a time. Archives that somebody compressed are read as a
-/// whole.
+/// A reference file, of which one block is in memory at a time.
 pub struct Blocks {
     document: Document,
     numbers: Numbers,
@@ -34,13 +33,11 @@ pub struct Blocks {
 /// Where the numbers of a file are.
 pub(super) enum Numbers {
     /// Arrays, each in one piece.
-    Arrays(Vec<Shared>),
+    Arrays(Vec<npz::Stored>),
     /// Columns of words.
     Columns(Box<dyn Windows>),
     /// Blocks one after the other.
     Values(json::Values),
-    /// In memory.
-    Whole(Vec<Vec<u8>>),
 }
 
 impl Blocks {
@@ -56,18 +53,22 @@ impl Blocks {
             Source::Json => json::opened(from)?,
             Source::Raw => return Err(ReadError::Schema("raw numbers are no reference file".into())),
         };
-        document.check_blocks().map_err(ReadError::Damaged)?;
+        Self::of(document, numbers)
+    }
+
+    /// The blocks of an open file.
+    pub(super) fn of(document: Document, numbers: Numbers) -> Result<Self, ReadError> {
+        document.check_sizes().map_err(ReadError::Damaged)?;
         Ok(Self { document, numbers, digest: Digest::default(), done: 0, ended: false })
     }
 
     fn arrays(&mut self, rows: u64) -> Result<Vec<Vec<u8>>, ReadError> {
         let Self { document, numbers, done, .. } = self;
-        let per_case = document.per_case;
         let wanted = |array: &Array| document.array_rows(array, rows) * array.stride() as u64;
         match numbers {
             Numbers::Arrays(all) => {
                 let arrays = document.arrays.iter().zip(all);
-                arrays.map(|(array, from)| npz::bytes(from, wanted(array), &array.name)).collect()
+                arrays.map(|(array, from)| from.words(document.array_rows(array, rows), array.dtype)).collect()
             }
             Numbers::Columns(windows) => {
                 let table = windows.next(rows as usize)?;
@@ -89,21 +90,6 @@ impl Blocks {
                     ))),
                 }
             }
-            Numbers::Whole(all) => {
-                let arrays = document.arrays.iter().zip(all);
-                let cut = |(array, bytes): (&Array, &mut Vec<u8>)| {
-                    let begin = if array.per == Per::Case { *done / per_case } else { *done } * array.stride() as u64;
-                    let span = begin as usize..(begin + wanted(array)) as usize;
-                    bytes.get(span).map(<[u8]>::to_vec).ok_or_else(|| {
-                        ReadError::Damaged(format!(
-                            "the array `{}` has {} bytes, and its provenance says more: the file is cut off or damaged",
-                            array.name,
-                            bytes.len()
-                        ))
-                    })
-                };
-                arrays.map(cut).collect()
-            }
         }
     }
 
@@ -114,11 +100,6 @@ impl Blocks {
             Numbers::Arrays(_) => false,
             Numbers::Columns(windows) => windows.next(1)?.rows() > 0,
             Numbers::Values(values) => values.next(&self.document)?.is_some(),
-            Numbers::Whole(all) => {
-                let rows = self.document.rows;
-                let wanted = |array: &Array| self.document.array_rows(array, rows) * array.stride() as u64;
-                self.document.arrays.iter().zip(all).any(|(array, bytes)| bytes.len() as u64 != wanted(array))
-            }
         })
     }
 }

@@ -1,13 +1,13 @@
 //! Tables with names in the first line. Lines that begin with `#` are comments; a reference file has its
 //! document in one.
 
-use std::io::{BufRead, BufReader, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read, SeekFrom};
 
 use csv::ReaderBuilder;
 
 use super::shared::Shared;
 use super::windows::Windows;
-use super::{Column, Load, Numbers, ReadError, Table, blocks};
+use super::{Column, Load, MOST_TEXT, Numbers, ReadError, Table, Wanted, blocks};
 use crate::refdata::array::Kind;
 use crate::refdata::document::Document;
 use crate::refdata::flags::{Flag, Flags};
@@ -16,25 +16,53 @@ use crate::refdata::flags::{Flag, Flags};
 fn comment(from: &mut dyn Load) -> Result<Option<String>, ReadError> {
     from.seek(SeekFrom::Start(0))?;
     let mut first = String::new();
-    BufReader::new(&mut *from).read_line(&mut first).map_err(|e| ReadError::Damaged(format!("it is no text: {e}")))?;
+    let mut begin = BufReader::new(Read::take(&mut *from, MOST_TEXT));
+    begin.read_line(&mut first).map_err(|e| ReadError::Damaged(format!("it is no text: {e}")))?;
+    if first.len() as u64 == MOST_TEXT {
+        return Err(ReadError::Damaged(format!("its first line has more than {MOST_TEXT} bytes")));
+    }
     Ok(first.strip_prefix('#').map(|text| text.trim().to_owned()))
 }
 
 /// Lines, some at a time.
 pub(super) struct Lines {
-    lines: csv::StringRecordsIntoIter<BufReader<Shared>>,
-    /// Names of columns, and whether they hold binary64.
-    columns: Vec<(String, bool)>,
+    lines: csv::StringRecordsIntoIter<BufReader<Short>>,
+    /// Names of columns, and what they hold.
+    columns: Vec<(String, Holds)>,
     row: usize,
 }
 
-impl Lines {
-    pub fn open(from: &Shared) -> Result<Self, ReadError> {
-        Self::commented(from).map(|(lines, _)| lines)
-    }
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    Binary32,
+    Binary64,
+    /// What nobody asks for.
+    Unread,
+}
 
-    /// With the comment before them.
-    fn commented(from: &Shared) -> Result<(Self, Option<String>), ReadError> {
+/// Text whose lines are short enough to be held in memory.
+struct Short {
+    from: Shared,
+    /// Bytes since the last end of a line.
+    line: u64,
+}
+
+impl Read for Short {
+    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        let read = self.from.read(buf)?;
+        match buf[..read].iter().rposition(|&byte| byte == b'\n') {
+            Some(end) => self.line = (read - end) as u64,
+            None => self.line += read as u64,
+        }
+        if self.line > MOST_TEXT {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, format!("a line of more than {MOST_TEXT} bytes")));
+        }
+        Ok(read)
+    }
+}
+
+impl Lines {
+    pub fn open(from: &Shared, wanted: &Wanted) -> Result<Self, ReadError> {
         let comment = comment(&mut from.at(0))?;
         // What binary32 columns hold is told by the document; without one, numbers are read as binary32.
         let document = comment.as_deref().and_then(|text| Document::read(text).ok());
@@ -46,10 +74,18 @@ impl Lines {
         };
         let mut builder = ReaderBuilder::new();
         let reader = builder.comment(Some(b'#')).trim(csv::Trim::All);
-        let mut reader = reader.from_reader(BufReader::with_capacity(1 << 20, from.at(0)));
-        let headers = reader.headers().map_err(told)?;
-        let columns = headers.iter().map(|name| (name.to_owned(), double(name))).collect();
-        Ok((Self { lines: reader.into_records(), columns, row: 0 }, comment))
+        let lines = Short { from: from.at(0), line: 0 };
+        let mut reader = reader.from_reader(BufReader::with_capacity(1 << 20, lines));
+        let headers = reader.headers().map_err(told)?.clone();
+        let names: Vec<&str> = headers.iter().collect();
+        let read = wanted.select(names.iter().map(|name| (*name, 1))).map_err(ReadError::Damaged)?;
+        let holds = |(name, read): (&str, bool)| match (read, double(name)) {
+            (false, _) => Holds::Unread,
+            (true, true) => Holds::Binary64,
+            (true, false) => Holds::Binary32,
+        };
+        let columns = names.iter().zip(read).map(|(&name, read)| (name.to_owned(), holds((name, read)))).collect();
+        Ok(Self { lines: reader.into_records(), columns, row: 0 })
     }
 }
 
@@ -59,14 +95,16 @@ impl Windows for Lines {
         let mut read = 0;
         while read < rows {
             let Some(record) = self.lines.next() else { break };
-            for (column, text) in texts.iter_mut().zip(record.map_err(told)?.iter()) {
+            let record = record.map_err(told)?;
+            let columns = texts.iter_mut().zip(&self.columns).zip(record.iter());
+            for ((column, _), text) in columns.filter(|((_, (_, holds)), _)| *holds != Holds::Unread) {
                 column.push(text.to_owned());
             }
             read += 1;
         }
         let mut table = Table::default();
-        for ((name, double), texts) in self.columns.iter().zip(texts) {
-            let numbers = numbers(name, &texts, *double, self.row)?;
+        for ((name, holds), texts) in self.columns.iter().zip(texts) {
+            let numbers = numbers(name, &texts, *holds == Holds::Binary64, self.row)?;
             table.columns.push(Column { name: name.clone(), width: 1, numbers });
         }
         self.row += read;
@@ -118,6 +156,6 @@ pub(super) fn opened(from: &Shared) -> Result<(Document, blocks::Numbers), ReadE
         return Err(ReadError::Schema("it does not begin with `# ` and the provenance of a reference file".into()));
     };
     let document = Document::read(&first).map_err(ReadError::Schema)?;
-    let (lines, _) = Lines::commented(from)?;
+    let lines = Lines::open(from, &Wanted::reference(&document))?;
     Ok((document, blocks::Numbers::Columns(Box::new(lines))))
 }

@@ -1,13 +1,19 @@
 //! JSON: reference files, and outputs as an object of lists, one entry for each sample.
 
-use std::io::{BufReader, Read, SeekFrom};
+mod block;
+mod columns;
 
-use serde::de::DeserializeOwned;
-use serde_json::Value;
+use std::io::{BufReader, Read};
+use std::marker::PhantomData;
 
-use super::blocks::Numbers as Where;
+use serde::Deserializer as _;
+use serde::de::{DeserializeOwned, DeserializeSeed, IgnoredAny};
+use serde_json::Deserializer;
+use serde_json::value::RawValue;
+
+use super::blocks::{Blocks, Numbers as Where};
 use super::shared::Shared;
-use super::{Column, Dataset, Load, Numbers, ReadError, Table};
+use super::{Column, Dataset, MOST_TEXT, Numbers, ReadError, Table};
 use crate::refdata::array::Kind;
 use crate::refdata::document::Document;
 
@@ -15,9 +21,9 @@ fn damaged(error: impl std::fmt::Display) -> ReadError {
     ReadError::Damaged(format!("it is no JSON, cut off or damaged: {error}"))
 }
 
-fn value(from: &mut dyn Load) -> Result<Value, ReadError> {
-    from.seek(SeekFrom::Start(0))?;
-    serde_json::from_reader(BufReader::new(from)).map_err(damaged)
+/// JSON that holds something else than it should, or none.
+fn told(error: serde_json::Error) -> ReadError {
+    if error.is_data() { ReadError::Damaged(error.to_string()) } else { damaged(error) }
 }
 
 /// A text in JSON, of which one value is in memory at a time.
@@ -58,10 +64,51 @@ impl Values {
     }
 
     /// A text, a list or an object: its end is seen without looking at what follows.
-    fn value<T: DeserializeOwned>(&mut self) -> Result<T, ReadError> {
+    fn seeded<'de, T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, ReadError> {
         let first = [self.byte()?];
         let from = first.as_slice().chain(&mut self.from);
-        T::deserialize(&mut serde_json::Deserializer::from_reader(from)).map_err(damaged)
+        seed.deserialize(&mut Deserializer::from_reader(from)).map_err(told)
+    }
+
+    fn value<T: DeserializeOwned>(&mut self) -> Result<T, ReadError> {
+        self.seeded(PhantomData)
+    }
+
+    /// Goes over a value of any kind.
+    fn skip(&mut self) -> Result<(), ReadError> {
+        let first = self.byte()?;
+        self.ahead = Some(first);
+        if matches!(first, b'"' | b'[' | b'{') {
+            return self.value::<IgnoredAny>().map(|_| ());
+        }
+        loop {
+            let byte = self.byte()?;
+            if matches!(byte, b',' | b'}' | b']') {
+                self.ahead = Some(byte);
+                return Ok(());
+            }
+        }
+    }
+
+    /// Goes to the value of a member of the object that begins here; false when there is none.
+    fn find(&mut self, name: &str) -> Result<bool, ReadError> {
+        loop {
+            match self.byte()? {
+                b'{' | b',' => {}
+                b'}' => return Ok(false),
+                other => return Err(damaged(format!("`{}` where a member should be", char::from(other)))),
+            }
+            match self.byte()? {
+                b'}' => return Ok(false),
+                other => self.ahead = Some(other),
+            }
+            let member: String = self.value()?;
+            self.expect(b':')?;
+            if member == name {
+                return Ok(true);
+            }
+            self.skip()?;
+        }
     }
 
     /// The arrays of the next block; none after the last one.
@@ -82,134 +129,58 @@ impl Values {
             b',' if self.read > 0 => {}
             other => self.ahead = Some(other),
         }
-        let block: Value = self.value()?;
-        let mut arrays = vec![Vec::new(); document.arrays.len()];
-        block_of(&block, self.read, document, &mut arrays)?;
+        let arrays = self.seeded(block::Arrays::new(document, self.read))?;
         self.read += 1;
         Ok(Some(arrays))
     }
 }
 
-/// A reference file whose provenance stands before its blocks is read block by block, and others as a whole.
+/// A reference file, block by block. Its provenance may stand before or after them.
 pub(super) fn opened(from: &Shared) -> Result<(Document, Where), ReadError> {
-    let mut values = Values { from: BufReader::with_capacity(1 << 16, from.at(0)), ahead: None, read: 0, ended: false };
-    if values.byte()? != b'{' {
-        let whole = of_value(&value(&mut from.at(0))?)?;
-        return Ok((whole.document, Where::Whole(whole.arrays)));
-    }
-    let first: String = values.value()?;
-    values.expect(b':')?;
-    if first == "provenance" {
-        let provenance: Value = values.value()?;
-        let document = Document::read(&provenance.to_string()).map_err(ReadError::Schema)?;
-        values.expect(b',')?;
-        if values.value::<String>()? == "blocks" {
-            values.expect(b':')?;
-            values.expect(b'[')?;
-            return Ok((document, Where::Values(values)));
-        }
-    }
-    let Dataset { document, arrays } = of_value(&value(&mut from.at(0))?)?;
-    Ok((document, Where::Whole(arrays)))
+    let none = || ReadError::Schema("it has no `provenance`, which a reference file has".into());
+    found(from)?.ok_or_else(none)
 }
 
-fn of_value(value: &Value) -> Result<Dataset, ReadError> {
-    let Some(provenance) = value.get("provenance") else {
-        return Err(ReadError::Schema("it has no `provenance`, which a reference file has".into()));
-    };
-    let document = Document::read(&provenance.to_string()).map_err(ReadError::Schema)?;
-    let blocks = value.get("blocks").and_then(Value::as_array);
-    let blocks = blocks.ok_or_else(|| ReadError::Damaged("it has no `blocks`".into()))?;
-    let mut arrays = vec![Vec::new(); document.arrays.len()];
-    for (number, block) in blocks.iter().enumerate() {
-        block_of(block, number, &document, &mut arrays)?;
+/// The same; nothing of a file without a provenance.
+fn found(from: &Shared) -> Result<Option<(Document, Where)>, ReadError> {
+    let begin = || Values { from: BufReader::with_capacity(1 << 16, from.at(0)), ahead: None, read: 0, ended: false };
+    let mut values = begin();
+    let first = values.byte()?;
+    values.ahead = Some(first);
+    if first != b'{' || !values.find("provenance")? {
+        return Ok(None);
     }
-    Ok(Dataset { document, arrays })
-}
-
-/// Adds the bits of a block to the arrays.
-fn block_of(block: &Value, number: usize, document: &Document, arrays: &mut [Vec<u8>]) -> Result<(), ReadError> {
-    for (array, out) in document.arrays.iter().zip(arrays) {
-        let wrong = |why: &str| ReadError::Damaged(format!("`{}` of block {number}: {why}", array.name));
-        let bits = block.pointer("/arrays").and_then(|a| a.get(&array.name)).and_then(|a| a.get("bits"));
-        let rows = bits.and_then(Value::as_array).ok_or_else(|| wrong("there is none"))?;
-        for row in rows {
-            let one = std::slice::from_ref(row);
-            let words = row.as_array().map_or(one, Vec::as_slice);
-            if words.len() != array.words() {
-                return Err(wrong("a row has another number of words"));
-            }
-            for word in words {
-                let bits = word.as_str().filter(|text| text.len() == 2 * array.dtype.bytes());
-                let bits = bits.and_then(|text| u64::from_str_radix(text, 16).ok());
-                let bits = bits.ok_or_else(|| wrong("these are no bits"))?;
-                out.extend_from_slice(&bits.to_le_bytes()[..array.dtype.bytes()]);
-            }
+    let provenance: Box<RawValue> = values.value()?;
+    if provenance.get().len() as u64 > MOST_TEXT {
+        return Err(ReadError::Schema(format!("its provenance has more than {MOST_TEXT} bytes")));
+    }
+    let document = Document::read(provenance.get()).map_err(ReadError::Schema)?;
+    if !values.find("blocks")? {
+        // They may stand before it.
+        values = begin();
+        if !values.find("blocks")? {
+            return Err(ReadError::Damaged("it has no `blocks`".into()));
         }
     }
-    Ok(())
+    values.expect(b'[')?;
+    Ok(Some((document, Where::Values(values))))
 }
 
 /// Outputs: an object whose members are lists of numbers or of lists of numbers, one entry for each sample;
 /// or a reference file.
-pub(super) fn table(from: &mut dyn Load) -> Result<Table, ReadError> {
-    let value = value(from)?;
-    if value.get("provenance").is_some() {
-        return Ok(of_dataset(&of_value(&value)?));
+pub(super) fn table(from: &Shared) -> Result<Table, ReadError> {
+    if let Some((document, numbers)) = found(from)? {
+        return Ok(of_dataset(&Dataset::of(&mut Blocks::of(document, numbers)?)?));
     }
-    let mut table = Table::default();
-    match &value {
-        Value::Object(members) => {
-            for (name, list) in members {
-                if let Some(list) = list.as_array() {
-                    table.columns.push(column(name, list)?);
-                }
-            }
-        }
-        Value::Array(list) => table.columns.push(column("", list)?),
-        _ => {}
-    }
+    let mut from = Deserializer::from_reader(BufReader::with_capacity(1 << 16, from.at(0)));
+    let columns = from.deserialize_any(columns::Columns).and_then(|columns| from.end().map(|()| columns));
+    let table = Table { columns: columns.map_err(told)? };
     if table.columns.is_empty() {
         return Err(ReadError::Damaged(
             "outputs in JSON are an object of lists, such as {\"gl_Position\": [[0.0, 1.0, 0.0, 1.0]]}".into(),
         ));
     }
     Ok(table)
-}
-
-fn column(name: &str, list: &[Value]) -> Result<Column, ReadError> {
-    let mut numbers = Vec::new();
-    let mut width = None;
-    for (row, entry) in list.iter().enumerate() {
-        let before = numbers.len();
-        flatten(entry, &mut numbers)
-            .map_err(|text| ReadError::Damaged(format!("`{name}`, entry {row}: `{text}` is no number")))?;
-        let words = numbers.len() - before;
-        if *width.get_or_insert(words) != words {
-            return Err(ReadError::Damaged(format!("`{name}`, entry {row} has another number of words")));
-        }
-    }
-    Ok(Column { name: name.to_owned(), width: width.unwrap_or(1), numbers: Numbers::F8(numbers) })
-}
-
-fn flatten(value: &Value, out: &mut Vec<f64>) -> Result<(), String> {
-    match value {
-        Value::Array(list) => list.iter().try_for_each(|value| flatten(value, out)),
-        Value::Number(number) => {
-            out.push(number.as_f64().unwrap_or(f64::NAN));
-            Ok(())
-        }
-        // JSON has no literal for these.
-        Value::Null => {
-            out.push(f64::NAN);
-            Ok(())
-        }
-        Value::String(text) => {
-            out.push(text.parse().map_err(|_| text.clone())?);
-            Ok(())
-        }
-        Value::Bool(_) | Value::Object(_) => Err(value.to_string()),
-    }
 }
 
 fn of_dataset(dataset: &Dataset) -> Table {

@@ -8,6 +8,7 @@ mod parquet;
 mod raw;
 mod shared;
 mod table;
+mod wanted;
 mod windows;
 
 use std::io::{Read, Seek};
@@ -22,7 +23,12 @@ pub use blocks::{Blocks, Chain, Open, Sequence};
 pub use raw::ByteOrder;
 pub use shared::Shared;
 pub use table::{Column, Numbers, Table};
+pub use wanted::Wanted;
+pub(super) use wanted::{PREFIXES, is_plain};
 pub use windows::{Windows, windows};
+
+/// Bytes of a provenance, and of the first line of a table, at most.
+const MOST_TEXT: u64 = 1 << 24;
 
 /// What files are read from.
 pub trait Load: Read + Seek + Send + Sync {}
@@ -163,11 +169,17 @@ impl Dataset {
     }
 }
 
-/// Reads outputs of whatever made them, as a whole. `width` is the number of words of one sample, which raw
-/// numbers do not tell.
+/// Reads outputs of whatever made them, as a whole.
 ///
 /// # Errors
-/// [`ReadError`] with what is wrong.
-pub fn outputs(source: Source, from: &Shared, order: ByteOrder, width: usize) -> Result<Table, ReadError> {
-    windows(source, from, order, width)?.next(usize::MAX)
+/// [`ReadError`] with what is wrong; also when there are so many more rows than the reference has that they are
+/// not its outputs.
+pub fn outputs(source: Source, from: &Shared, order: ByteOrder, wanted: &Wanted) -> Result<Table, ReadError> {
+    let mut windows = windows(source, from, order, wanted)?;
+    let table = windows.next(wanted.most())?;
+    if windows.next(1)?.rows() > 0 {
+        let (most, rows) = (wanted.most(), wanted.rows());
+        return Err(ReadError::Damaged(format!("it has more than {most} rows, and the reference has {rows}")));
+    }
+    Ok(table)
 }

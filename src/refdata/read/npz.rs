@@ -1,63 +1,111 @@
 //! Archives of arrays, and single arrays.
 
-use std::io::{Cursor, Read};
+use std::io::{self, ErrorKind, Read};
 
-use npyz::{Endianness, NpyFile, NpyHeader, Order, TypeChar, TypeStr};
+use flate2::read::DeflateDecoder;
+use npyz::{Endianness, NpyHeader, Order, TypeChar, TypeStr};
 use zip::{CompressionMethod, ZipArchive};
 
 use super::blocks::Numbers as Where;
 use super::shared::Shared;
 use super::windows::Windows;
-use super::{Column, Numbers, ReadError, Table};
-use crate::refdata::array::Kind;
+use super::{Column, MOST_TEXT, Numbers, ReadError, Table, Wanted};
+use crate::refdata::array::{Array, Kind};
 use crate::refdata::document::Document;
+
+/// Bytes of the head of an array, at most: NumPy reads 10,000.
+const HEAD: usize = 1 << 16;
 
 fn damaged(error: impl std::fmt::Display) -> ReadError {
     ReadError::Damaged(format!("it is no archive of arrays, cut off or damaged: {error}"))
 }
 
-/// Names of the arrays, where their files begin, and how long these are. What is compressed is unpacked into
-/// memory.
-fn members(from: &Shared) -> Result<Vec<(String, Shared, u64)>, ReadError> {
+/// The bytes of a file in an archive. What is compressed is unpacked as it is read: a few bytes may stand for
+/// more than any memory holds.
+struct Member {
+    from: Box<dyn Read + Send>,
+    size: u64,
+    left: u64,
+    /// The check sum so far and the one in the archive; none for a stored array, which has a digest.
+    sum: Option<(crc32fast::Hasher, u32)>,
+}
+
+impl Member {
+    fn new(from: Box<dyn Read + Send>, size: u64, sum: Option<u32>) -> Self {
+        Self { from, size, left: size, sum: sum.map(|sum| (crc32fast::Hasher::new(), sum)) }
+    }
+
+    /// At the end: is there more, and is it what was packed?
+    fn end(&mut self) -> io::Result<usize> {
+        let wrong = |what: &str| Err(io::Error::new(ErrorKind::InvalidData, what.to_owned()));
+        let Some((sum, stated)) = self.sum.take() else { return Ok(0) };
+        if self.from.read(&mut [0])? > 0 {
+            return wrong("it is longer than the archive says");
+        }
+        if sum.finalize() == stated { Ok(0) } else { wrong("Invalid checksum") }
+    }
+}
+
+impl Read for Member {
+    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        if buf.is_empty() {
+            return Ok(0);
+        }
+        if self.left == 0 {
+            return self.end();
+        }
+        let wanted = buf.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+        let read = self.from.read(&mut buf[..wanted])?;
+        if let Some((sum, _)) = &mut self.sum {
+            sum.update(&buf[..read]);
+        }
+        self.left -= read as u64;
+        Ok(read)
+    }
+}
+
+/// The files of an archive by their names.
+fn members(from: &Shared) -> Result<Vec<(String, Member)>, ReadError> {
     let mut magic = Vec::new();
     from.at(0).take(6).read_to_end(&mut magic)?;
     if magic == b"\x93NUMPY" {
-        return Ok(vec![(String::new(), from.at(0), from.length())]);
+        return Ok(vec![(String::new(), Member::new(Box::new(from.at(0)), from.length(), None))]);
     }
     let mut archive = ZipArchive::new(from.at(0)).map_err(damaged)?;
     let mut members = Vec::new();
     for at in 0..archive.len() {
-        let mut member = archive.by_index(at).map_err(damaged)?;
+        let member = archive.by_index(at).map_err(damaged)?;
         let name = member.name().map_err(damaged)?.trim_end_matches(".npy").to_owned();
-        let start = member.data_start().filter(|_| member.compression() == CompressionMethod::Stored);
-        let size = member.size();
-        // What is small is read through the archive, which compares its check sum.
-        if let Some(start) = start.filter(|_| name != "provenance") {
-            members.push((name, from.at(start), size));
-            continue;
-        }
-        let mut bytes = Vec::new();
-        member.read_to_end(&mut bytes).map_err(|error| ReadError::Damaged(format!("the array `{name}`: {error}")))?;
-        let size = bytes.len() as u64;
-        members.push((name, Shared::new(Box::new(Cursor::new(bytes)))?, size));
+        let start = member.data_start().ok_or_else(|| damaged(format!("`{name}` has no place in it")))?;
+        let packed = from.at(start).take(member.compressed_size());
+        let member = match member.compression() {
+            CompressionMethod::Stored => {
+                let size = member.size().min(from.length().saturating_sub(start));
+                Member::new(Box::new(packed), size, (name == "provenance").then(|| member.crc32()))
+            }
+            CompressionMethod::Deflated => {
+                Member::new(Box::new(DeflateDecoder::new(packed)), member.size(), Some(member.crc32()))
+            }
+            other => return Err(damaged(format!("`{name}` is compressed by {other}; `deflate` is read"))),
+        };
+        members.push((name, member));
     }
     Ok(members)
 }
 
-/// An array: where its numbers begin, and what they are.
-struct Stored {
+/// An array of which the head was read.
+pub(super) struct Stored {
     name: String,
-    from: Shared,
+    from: Member,
     width: usize,
     rows: u64,
     plain: TypeStr,
 }
 
 impl Stored {
-    fn open(name: String, mut from: Shared, size: u64) -> Result<Self, ReadError> {
+    fn open(name: String, mut from: Member) -> Result<Self, ReadError> {
         let wrong = |why: String| ReadError::Damaged(format!("the array `{name}`: {why}"));
-        let begin = from.place();
-        let header = NpyHeader::from_reader(&mut from).map_err(|error| wrong(error.to_string()))?;
+        let header = head(&mut from).map_err(|error| wrong(error.to_string()))?;
         let shape = header.shape().to_vec();
         if header.order() == Order::Fortran && shape.len() > 1 {
             return Err(wrong("it is stored column by column; write numpy.ascontiguousarray of it".into()));
@@ -73,42 +121,75 @@ impl Stored {
             return Err(wrong(format!("numbers of type `{plain}` are not read; float32 and float64 are")));
         }
         let bytes = plain.num_bytes().unwrap_or(0) as u64;
-        let wanted = shape.iter().try_fold(bytes, |all, &n| all.checked_mul(n));
-        let found = size.saturating_sub(from.place() - begin);
-        if wanted != Some(found) || from.place() + found > from.length() {
-            let found = found.min(from.length().saturating_sub(from.place()));
+        let product = |from: u64, sizes: &[u64]| sizes.iter().try_fold(from, |all, &n| all.checked_mul(n));
+        let wanted = product(bytes, &shape);
+        let (found, size) = (from.left, from.size);
+        if wanted != Some(found) {
             let told = wanted.map_or_else(|| "more than any file".to_owned(), |wanted| wanted.to_string());
             return Err(wrong(format!("it has {found} bytes, and its head says {told}: it is cut off or damaged")));
         }
-        let width = shape.iter().skip(1).product::<u64>() as usize;
+        let width = shape.get(1..).map_or(Some(1), |rest| product(1, rest)).and_then(|n| usize::try_from(n).ok());
+        let width = width.ok_or_else(|| wrong(format!("its shape is that of no array of {size} bytes")))?;
         // A single number is an array of one.
         let rows = shape.first().copied().unwrap_or(1);
         Ok(Self { name, from, width, rows, plain })
     }
 
+    /// The bytes of the next rows; at the end of the array it is seen to be whole.
+    fn bytes(&mut self, rows: u64) -> Result<Vec<u8>, ReadError> {
+        let rows = self.rows.min(rows);
+        self.rows -= rows;
+        let count = rows * (self.width * self.plain.num_bytes().unwrap_or(0)) as u64;
+        let mut bytes = Vec::new();
+        let wrong = |why: String| ReadError::Damaged(format!("the array `{}`: {why}", self.name));
+        let end = self.rows == 0;
+        let read = (&mut self.from).take(count).read_to_end(&mut bytes);
+        let read = read.and_then(|_| if end { self.from.read(&mut [0]) } else { Ok(0) });
+        read.map_err(|error| wrong(error.to_string()))?;
+        if bytes.len() as u64 == count {
+            return Ok(bytes);
+        }
+        Err(ReadError::Damaged(format!("the array `{}` is cut off", self.name)))
+    }
+
     /// The next rows.
     fn next(&mut self, rows: usize) -> Result<Column, ReadError> {
-        let rows = self.rows.min(rows as u64);
-        self.rows -= rows;
-        let count = rows as usize * self.width * self.plain.num_bytes().unwrap_or(0);
-        let bytes = bytes(&mut self.from, count as u64, &self.name)?;
+        let bytes = self.bytes(rows as u64)?;
         Ok(Column { name: self.name.clone(), width: self.width, numbers: numbers(&self.plain, &bytes) })
     }
 
-    /// True where the file has the very bytes of the array.
-    fn is(&self, kind: Kind) -> bool {
-        self.plain.to_string() == kind.name()
+    /// The next rows as the words of an array of a reference, whatever their type in the file is.
+    pub fn words(&mut self, rows: u64, kind: Kind) -> Result<Vec<u8>, ReadError> {
+        let bytes = self.bytes(rows)?;
+        if self.plain.to_string() == kind.name() {
+            return Ok(bytes);
+        }
+        let numbers = numbers(&self.plain, &bytes);
+        let mut words = Vec::with_capacity(numbers.len() * kind.bytes());
+        (0..numbers.len()).for_each(|at| numbers.write(at, kind, &mut words));
+        Ok(words)
     }
 }
 
-/// The next bytes of an array.
-pub(super) fn bytes(from: &mut Shared, count: u64, name: &str) -> Result<Vec<u8>, ReadError> {
-    let mut bytes = Vec::new();
-    from.take(count).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 == count {
-        return Ok(bytes);
+/// The head of an array, in any version of the format.
+fn head(from: &mut dyn Read) -> io::Result<NpyHeader> {
+    let mut head = vec![0; 10];
+    from.read_exact(&mut head)?;
+    let mut length = usize::from(u16::from_le_bytes([head[8], head[9]]));
+    if head[6] > 1 {
+        let mut high = [0; 2];
+        from.read_exact(&mut high)?;
+        length |= usize::from(u16::from_le_bytes(high)) << 16;
+        head.extend(high);
     }
-    Err(ReadError::Damaged(format!("the array `{name}` is cut off")))
+    if length > HEAD {
+        let why = format!("its head has {length} bytes, and at most {HEAD} are read");
+        return Err(io::Error::new(ErrorKind::InvalidData, why));
+    }
+    let begin = head.len();
+    head.resize(begin + length, 0);
+    from.read_exact(&mut head[begin..])?;
+    NpyHeader::from_reader(&head[..])
 }
 
 /// Bytes as the numbers that they are.
@@ -128,20 +209,24 @@ fn numbers(plain: &TypeStr, bytes: &[u8]) -> Numbers {
     }
 }
 
-/// All arrays but the provenance.
-struct Arrays(Vec<Stored>);
+/// All arrays but the provenance, and whether they are read.
+struct Arrays(Vec<(Stored, bool)>);
 
 impl Windows for Arrays {
     fn next(&mut self, rows: usize) -> Result<Table, ReadError> {
-        let columns = self.0.iter_mut().map(|array| array.next(rows)).collect::<Result<_, _>>()?;
-        Ok(Table { columns })
+        let column = |(array, read): &mut (Stored, bool)| match read {
+            true => array.next(rows),
+            false => Ok(Column::unread(&array.name, array.width)),
+        };
+        Ok(Table { columns: self.0.iter_mut().map(column).collect::<Result<_, _>>()? })
     }
 }
 
-pub(super) fn windows(from: &Shared) -> Result<Box<dyn Windows>, ReadError> {
-    let members = members(from)?.into_iter().filter(|(name, ..)| name != "provenance");
-    let arrays = members.map(|(name, from, size)| Stored::open(name, from, size)).collect::<Result<_, _>>()?;
-    Ok(Box::new(Arrays(arrays)))
+pub(super) fn windows(from: &Shared, wanted: &Wanted) -> Result<Box<dyn Windows>, ReadError> {
+    let members = members(from)?.into_iter().filter(|(name, _)| name != "provenance");
+    let arrays: Vec<Stored> = members.map(|(name, from)| Stored::open(name, from)).collect::<Result<_, _>>()?;
+    let read = wanted.select(arrays.iter().map(|array| (&*array.name, array.width))).map_err(ReadError::Damaged)?;
+    Ok(Box::new(Arrays(arrays.into_iter().zip(read).collect())))
 }
 
 pub(super) fn opened(from: &Shared) -> Result<(Document, Where), ReadError> {
@@ -150,40 +235,36 @@ pub(super) fn opened(from: &Shared) -> Result<(Document, Where), ReadError> {
         let at = members.iter().position(|(member, ..)| member == name)?;
         Some(members.swap_remove(at))
     };
-    let Some((_, provenance, _)) = take("provenance") else {
+    let Some((name, provenance)) = take("provenance") else {
         return Err(ReadError::Schema("it has no array `provenance`, which a reference file has".into()));
     };
-    let text = NpyFile::new(provenance).and_then(NpyFile::into_vec::<u8>).map_err(damaged)?;
+    if provenance.size > MOST_TEXT {
+        let size = provenance.size;
+        return Err(ReadError::Schema(format!("its provenance has {size} bytes, and at most {MOST_TEXT} are read")));
+    }
+    let text = Stored::open(name, provenance)?.bytes(u64::MAX)?;
     let text = String::from_utf8(text).map_err(|_| ReadError::Schema("its provenance is no text".into()))?;
     let document = Document::read(&text).map_err(ReadError::Schema)?;
     let mut stored = Vec::new();
     for array in &document.arrays {
-        let (name, from, size) =
-            take(&array.name).ok_or_else(|| ReadError::Damaged(format!("it has no array `{}`", array.name)))?;
-        let found = Stored::open(name, from, size)?;
-        let wanted = document.array_rows(array, document.rows);
-        if found.rows != wanted || found.width != array.words() {
-            return Err(ReadError::Damaged(format!(
-                "the array `{}` has {} rows of {}, and its provenance says {wanted} of {}: the file is cut off or \
-                 damaged",
-                array.name,
-                found.rows,
-                found.width,
-                array.words()
-            )));
-        }
-        stored.push(found);
+        let missing = || ReadError::Damaged(format!("it has no array `{}`", array.name));
+        let (name, from) = take(&array.name).ok_or_else(missing)?;
+        stored.push(fitting(Stored::open(name, from)?, array, &document)?);
     }
-    if document.arrays.iter().zip(&stored).all(|(array, found)| found.is(array.dtype)) {
-        return Ok((document, Where::Arrays(stored.into_iter().map(|found| found.from).collect())));
+    Ok((document, Where::Arrays(stored)))
+}
+
+/// An array that has as many numbers as the document says.
+fn fitting(found: Stored, array: &Array, document: &Document) -> Result<Stored, ReadError> {
+    let wanted = document.array_rows(array, document.rows);
+    if found.rows == wanted && found.width == array.words() {
+        return Ok(found);
     }
-    // Somebody wrote the numbers in other types.
-    let mut arrays = Vec::new();
-    for (array, mut found) in document.arrays.iter().zip(stored) {
-        let column = found.next(usize::MAX)?;
-        let mut bytes = Vec::with_capacity(column.numbers.len() * array.dtype.bytes());
-        (0..column.numbers.len()).for_each(|at| column.numbers.write(at, array.dtype, &mut bytes));
-        arrays.push(bytes);
-    }
-    Ok((document, Where::Whole(arrays)))
+    Err(ReadError::Damaged(format!(
+        "the array `{}` has {} rows of {}, and its provenance says {wanted} of {}: the file is cut off or damaged",
+        array.name,
+        found.rows,
+        found.width,
+        array.words()
+    )))
 }

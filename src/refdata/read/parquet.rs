@@ -1,9 +1,9 @@
-//! Columns of Apache Parquet, one group of rows at a time.
+//! Columns of Apache Parquet, some rows at a time.
 
 use std::io::{BufReader, Read};
 
 use bytes::Bytes;
-use parquet::column::reader::ColumnReader;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
@@ -11,7 +11,7 @@ use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReade
 use super::blocks::Numbers as Where;
 use super::shared::Shared;
 use super::windows::Windows;
-use super::{Column, Numbers, ReadError, Table};
+use super::{Column, Numbers, ReadError, Table, Wanted};
 use crate::refdata::document::{Document, SCHEMA};
 
 impl Length for Shared {
@@ -41,10 +41,8 @@ fn damaged(error: ParquetError) -> ReadError {
     ReadError::Damaged(format!("it is no Parquet file, cut off or damaged: {error}"))
 }
 
-fn values<T: DataType>(
-    mut reader: parquet::column::reader::ColumnReaderImpl<T>,
-    rows: usize,
-) -> Result<Vec<T::T>, ParquetError> {
+/// The next values of a column.
+fn values<T: DataType>(reader: &mut ColumnReaderImpl<T>, rows: usize) -> Result<Vec<T::T>, ParquetError> {
     let mut list = Vec::new();
     while list.len() < rows {
         let (_, read, _) = reader.read_records(rows - list.len(), None, None, &mut list)?;
@@ -55,25 +53,27 @@ fn values<T: DataType>(
     Ok(list)
 }
 
-/// Groups of rows, of which one is in memory.
+/// Rows of all groups, read as they are asked for: a group of a few bytes may have any number of rows.
 pub(super) struct Groups {
     reader: SerializedFileReader<Shared>,
     next: usize,
-    /// The group that was read last, and the row of it that comes next.
-    current: Table,
-    at: usize,
-    /// Names and numbers of the columns that are read.
-    columns: Vec<(String, usize)>,
+    /// Readers of the columns of the current group, and its rows that are left.
+    current: Vec<Option<ColumnReader>>,
+    left: usize,
+    /// Names of the columns, and whether they are read.
+    columns: Vec<(String, bool)>,
 }
 
 impl Groups {
-    pub fn open(from: &Shared) -> Result<Self, ReadError> {
+    /// Opens a file of which the columns are read that `choose` says, given their names and widths.
+    fn open(from: &Shared, choose: impl FnOnce(&[String]) -> Result<Vec<bool>, String>) -> Result<Self, ReadError> {
         let reader = SerializedFileReader::new(from.at(0)).map_err(damaged)?;
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
-        let mut columns = Vec::new();
-        for (at, column) in schema.columns().iter().enumerate() {
-            // The name alone where it has no parents: dots in it are its own.
-            let name = column.name().to_owned();
+        // The name alone where it has no parents: dots in it are its own.
+        let names: Vec<String> = schema.columns().iter().map(|column| column.name().to_owned()).collect();
+        let chosen = choose(&names).map_err(ReadError::Damaged)?;
+        for (at, column) in schema.columns().iter().enumerate().filter(|(at, _)| chosen[*at]) {
+            let name = &names[at];
             if column.max_def_level() > 0 && column.max_rep_level() > 0 {
                 return Err(ReadError::Damaged(format!(
                     "the column `{name}` has lists; one column for each word is read"
@@ -88,9 +88,14 @@ impl Groups {
                     return Err(ReadError::Damaged(format!("the column `{name}` has rows without a value")));
                 }
             }
-            columns.push((name, at));
         }
-        Ok(Self { reader, next: 0, current: Table::default(), at: 0, columns })
+        let columns = names.into_iter().zip(chosen).collect();
+        Ok(Self { reader, next: 0, current: Vec::new(), left: 0, columns })
+    }
+
+    /// Opens outputs.
+    pub fn outputs(from: &Shared, wanted: &Wanted) -> Result<Self, ReadError> {
+        Self::open(from, |names| wanted.select(names.iter().map(|name| (&**name, 1))))
     }
 
     /// The document of a reference file.
@@ -99,30 +104,48 @@ impl Groups {
         pairs.and_then(|list| list.iter().find(|pair| pair.key == SCHEMA)?.value.clone())
     }
 
-    fn group(&self, number: usize) -> Result<Table, ReadError> {
-        let rows = self.reader.metadata().row_group(number).num_rows() as usize;
-        let group = self.reader.get_row_group(number).map_err(damaged)?;
+    /// Goes on to the next group.
+    fn begin(&mut self) -> Result<(), ReadError> {
+        let wrong = |rows: i64| ReadError::Damaged(format!("a group of it has {rows} rows: it is damaged"));
+        let rows = self.reader.metadata().row_group(self.next).num_rows();
+        self.left = usize::try_from(rows).map_err(|_| wrong(rows))?;
+        let group = self.reader.get_row_group(self.next).map_err(damaged)?;
+        let open = |(at, (_, read)): (usize, &(String, bool))| {
+            read.then(|| group.get_column_reader(at).map_err(damaged)).transpose()
+        };
+        self.current = self.columns.iter().enumerate().map(open).collect::<Result<_, _>>()?;
+        self.next += 1;
+        Ok(())
+    }
+
+    /// The next rows of the current group.
+    fn take(&mut self, rows: usize) -> Result<Table, ReadError> {
         let mut table = Table::default();
-        for (name, at) in &self.columns {
-            let numbers = match group.get_column_reader(*at).map_err(damaged)? {
-                ColumnReader::FloatColumnReader(r) => {
-                    Numbers::F4(values(r, rows).map_err(damaged)?.into_iter().map(f32::to_bits).collect())
-                }
-                ColumnReader::DoubleColumnReader(r) => Numbers::F8(values(r, rows).map_err(damaged)?),
-                ColumnReader::Int32ColumnReader(r) => {
-                    Numbers::Whole(values(r, rows).map_err(damaged)?.into_iter().map(i64::from).collect())
-                }
-                ColumnReader::Int64ColumnReader(r) => Numbers::Whole(values(r, rows).map_err(damaged)?),
-                // Columns of texts and the like are none of ours.
-                ColumnReader::BoolColumnReader(_)
-                | ColumnReader::Int96ColumnReader(_)
-                | ColumnReader::ByteArrayColumnReader(_)
-                | ColumnReader::FixedLenByteArrayColumnReader(_) => continue,
+        self.left -= rows;
+        for (at, (name, _)) in self.columns.iter().enumerate() {
+            let numbers = match self.current.get_mut(at).and_then(Option::as_mut) {
+                Some(reader) => numbers(reader, rows).map_err(damaged)?,
+                None => Some(Numbers::F4(Vec::new())),
             };
-            table.columns.push(Column { name: name.clone(), width: 1, numbers });
+            // Columns of texts and the like are none of ours.
+            table.columns.extend(numbers.map(|numbers| Column { name: name.clone(), width: 1, numbers }));
         }
         Ok(table)
     }
+}
+
+/// The next numbers of a column; none of one that has no numbers.
+fn numbers(reader: &mut ColumnReader, rows: usize) -> Result<Option<Numbers>, ParquetError> {
+    Ok(Some(match reader {
+        ColumnReader::FloatColumnReader(r) => Numbers::F4(values(r, rows)?.into_iter().map(f32::to_bits).collect()),
+        ColumnReader::DoubleColumnReader(r) => Numbers::F8(values(r, rows)?),
+        ColumnReader::Int32ColumnReader(r) => Numbers::Whole(values(r, rows)?.into_iter().map(i64::from).collect()),
+        ColumnReader::Int64ColumnReader(r) => Numbers::Whole(values(r, rows)?),
+        ColumnReader::BoolColumnReader(_)
+        | ColumnReader::Int96ColumnReader(_)
+        | ColumnReader::ByteArrayColumnReader(_)
+        | ColumnReader::FixedLenByteArrayColumnReader(_) => return Ok(None),
+    }))
 }
 
 impl Windows for Groups {
@@ -130,15 +153,13 @@ impl Windows for Groups {
         let mut out: Option<Table> = None;
         let mut open = rows;
         loop {
-            let left = self.current.rows().saturating_sub(self.at);
-            if left == 0 && self.next < self.reader.num_row_groups() && open > 0 {
-                self.current = self.group(self.next)?;
-                (self.next, self.at) = (self.next + 1, 0);
+            if self.left == 0 && self.next < self.reader.num_row_groups() && open > 0 {
+                self.begin()?;
                 continue;
             }
-            let taken = left.min(open);
-            let part = self.current.window(self.at..self.at + taken);
-            (self.at, open) = (self.at + taken, open - taken);
+            let taken = self.left.min(open);
+            let part = self.take(taken)?;
+            open -= taken;
             match &mut out {
                 None => out = Some(part),
                 Some(out) => out.append(part),
@@ -152,9 +173,11 @@ impl Windows for Groups {
 }
 
 pub(super) fn opened(from: &Shared) -> Result<(Document, Where), ReadError> {
-    let groups = Groups::open(from)?;
+    let groups = Groups::open(from, |names| Ok(vec![false; names.len()]))?;
     let Some(document) = groups.document() else {
         return Err(ReadError::Schema(format!("its metadata have no `{SCHEMA}`, which a reference file has")));
     };
-    Ok((Document::read(&document).map_err(ReadError::Schema)?, Where::Columns(Box::new(groups))))
+    let document = Document::read(&document).map_err(ReadError::Schema)?;
+    let groups = Groups::outputs(from, &Wanted::reference(&document))?;
+    Ok((document, Where::Columns(Box::new(groups))))
 }

@@ -32,11 +32,6 @@ impl Shared {
     pub(super) fn length(&self) -> u64 {
         self.length
     }
-
-    /// Where this reader is.
-    pub(super) fn place(&self) -> u64 {
-        self.at
-    }
 }
 
 impl Read for Shared {

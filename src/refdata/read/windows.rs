@@ -1,7 +1,7 @@
 //! Anyone's outputs, some rows at a time, so that memory stays flat however long the file is.
 
 use super::shared::Shared;
-use super::{ByteOrder, ReadError, Source, Table, csv, json, npz, parquet, raw};
+use super::{ByteOrder, ReadError, Source, Table, Wanted, csv, json, npz, parquet, raw};
 
 /// Rows of a file in their order.
 pub trait Windows: Send {
@@ -26,17 +26,22 @@ impl Windows for Whole {
     }
 }
 
-/// Opens outputs of whatever made them. `width` is the number of words of one sample, which raw numbers do not
-/// tell. JSON, and archives that are compressed, are read as a whole.
+/// Opens outputs of whatever made them, and reads what is `wanted` of them. JSON is read as a whole, which takes a few
+/// times the bytes of its text.
 ///
 /// # Errors
 /// [`ReadError`] with what is wrong.
-pub fn windows(source: Source, from: &Shared, order: ByteOrder, width: usize) -> Result<Box<dyn Windows>, ReadError> {
+pub fn windows(
+    source: Source,
+    from: &Shared,
+    order: ByteOrder,
+    wanted: &Wanted,
+) -> Result<Box<dyn Windows>, ReadError> {
     Ok(match source {
-        Source::Npz => npz::windows(from)?,
-        Source::Parquet => Box::new(parquet::Groups::open(from)?),
-        Source::Csv => Box::new(csv::Lines::open(from)?),
-        Source::Json => Box::new(Whole { table: json::table(&mut from.at(0))?, at: 0 }),
-        Source::Raw => Box::new(raw::Words::open(from, order, width)?),
+        Source::Npz => npz::windows(from, wanted)?,
+        Source::Parquet => Box::new(parquet::Groups::outputs(from, wanted)?),
+        Source::Csv => Box::new(csv::Lines::open(from, wanted)?),
+        Source::Json => Box::new(Whole { table: json::table(from)?, at: 0 }),
+        Source::Raw => Box::new(raw::Words::open(from, order, wanted.words())?),
     })
 }

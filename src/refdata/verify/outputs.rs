@@ -3,7 +3,7 @@
 use super::{Element, Side, VerifyError};
 use crate::refdata::array::{Array, Kind, Role};
 use crate::refdata::document::Document;
-use crate::refdata::read::{Numbers, Table};
+use crate::refdata::read::{Numbers, PREFIXES, Table, is_plain};
 
 /// The outputs that were found.
 pub(super) struct Outputs<'d> {
@@ -18,11 +18,6 @@ pub(super) struct Output<'d> {
     pub expected: &'d Array,
     places: Vec<(usize, usize)>,
 }
-
-/// What may stand before the name of an output.
-const PREFIXES: [&str; 4] = ["", "actual.", "output.", "nearest."];
-/// Columns that are no outputs.
-const OTHERS: [&str; 2] = ["index", "flags"];
 
 impl<'d> Outputs<'d> {
     pub fn find(document: &'d Document, actual: &Table) -> Result<Self, VerifyError> {
@@ -69,10 +64,6 @@ impl<'d> Outputs<'d> {
 
 fn named(name: &str) -> String {
     if name.is_empty() { "the only array".to_owned() } else { name.to_owned() }
-}
-
-fn is_plain(name: &str) -> bool {
-    !OTHERS.contains(&name) && !["input.", "case.", "expected.", "bound."].iter().any(|prefix| name.starts_with(prefix))
 }
 
 /// The places of the words of an output: an array of its name, or a column for each word.
