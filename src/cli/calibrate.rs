@@ -15,11 +15,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::bound::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
 use crate::bound::profile::{self, Op};
 use crate::cli::check::Format;
-use crate::cli::shard::{ShardArgs, write_atomically};
+use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
 use crate::shard::Shard;
+use crate::suite::fresh;
 use crate::text::SourceFile;
 
 pub use shared::Found;
@@ -91,6 +92,12 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
     let saved = beside(&output);
     let request = request(args, ops, lane, Shard::WHOLE);
     let mut state = State::new(request.clone());
+    let streamed = fresh::is_stream(&output);
+    anyhow::ensure!(
+        !(args.resume && streamed),
+        "--resume goes on from the state beside the output, and `{}` is no regular file; name a file with -o",
+        output.display()
+    );
     if args.resume && saved.exists() {
         state = read_state(&saved)?.resume(&request)?;
     }
@@ -99,12 +106,15 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
     calibrate::run(lane, &mut state, &mut |state, op| {
         bar.set_message(op.name());
         bar.set_position(state.done());
+        if streamed {
+            return Ok(());
+        }
         let text = serde_json::to_vec(state).map_err(std::io::Error::other)?;
-        write_atomically(&saved, &text)
+        fresh::write(&saved, &text)
     })?;
     bar.finish_and_clear();
     let status = conclude(&state, &output, lane, args.format == Format::Json, out)?;
-    if saved.exists() {
+    if !streamed && saved.exists() {
         fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.display()))?;
     }
     Ok(status)
@@ -140,7 +150,7 @@ fn conclude(
     .context("what was measured cannot be read back, which is a defect of this program")?;
     let definitions = confirmed(lane, &bounds)?;
     let text = Document { definitions: &definitions, ..document }.text();
-    write_atomically(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
+    fresh::write(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
     let report = table::Report { lane: description, state, compute: &compute, vertex };
     if json {
         let mut json = report.json();

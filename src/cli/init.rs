@@ -12,7 +12,7 @@ use crate::cli::status::ExitStatus;
 use crate::glsl::Stage;
 use crate::lane::{self, Lane};
 use crate::suite::draft::{self, Subject};
-use crate::suite::{self, Suite};
+use crate::suite::{self, Suite, fresh};
 use crate::text::SourceFile;
 
 /// Write a first suite for every shader of a folder that can run
@@ -156,17 +156,9 @@ fn one(
         }
     };
     if !args.dry_run {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let context = || format!("cannot write `{}`", target.display());
-        let mut new = tempfile::NamedTempFile::new_in(folder).with_context(context)?;
-        new.write_all(draft.text.as_bytes()).with_context(context)?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            new.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).with_context(context)?;
-        }
         // Another process may have made the file since it was looked for.
-        new.persist_noclobber(&target).map_err(|error| error.error).with_context(context)?;
+        fresh::create(&target, draft.text.as_bytes())
+            .with_context(|| format!("cannot write `{}`", target.display()))?;
     }
     names.insert(name);
     let verb = if args.dry_run { "would write" } else { "wrote" };
@@ -193,9 +185,7 @@ fn configuration(args: &InitArgs, root: &Path, out: &mut dyn Write) -> anyhow::R
         writeln!(out, "would write {}", path.display())?;
         return Ok(());
     }
-    let context = || format!("cannot write `{}`", path.display());
-    let mut file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path).with_context(context)?;
-    file.write_all(CONFIGURATION.as_bytes()).with_context(context)?;
+    fresh::create(&path, CONFIGURATION.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
     writeln!(out, "wrote {}", path.display())?;
     Ok(())
 }

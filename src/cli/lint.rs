@@ -22,6 +22,7 @@ use crate::diagnostic::{Diagnostic, Lang, Safety, Severity};
 use crate::lint::fix::{FixedFile, Outcome};
 use crate::lint::{Input, Level};
 use crate::report::lint::{Context, FORMATS, Format, by_name};
+use crate::suite::fresh;
 use crate::text::Encoding;
 
 use files::Loaded;
@@ -271,7 +272,8 @@ impl Session<'_> {
             None => self.out.write_all(write(format, &context).as_bytes())?,
             Some(path) => {
                 let report = write(format, &Context { color: false, ..context.clone() });
-                std::fs::write(path, report).with_context(|| format!("{}: cannot be written", path.display()))?;
+                fresh::write(path, report.as_bytes())
+                    .with_context(|| format!("{}: cannot be written", path.display()))?;
                 self.out.write_all(write(FORMATS[0], &context).as_bytes())?;
             }
         }

@@ -12,10 +12,10 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::check::Format;
-use super::shard::write_atomically;
 use super::status::ExitStatus;
 use super::{calibrate, check, fuzz, mutate, refdata};
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
+use crate::suite::fresh;
 
 /// Arguments of `shadercheck merge`.
 #[derive(Args, Clone, Debug, Default)]
@@ -155,7 +155,7 @@ impl Merge<'_> {
         if let Some(path) = &self.args.out {
             let (identity, covers) = (self.identity.clone(), self.covers.clone());
             let text = shard::seal(&Sealed { sort: Sort::Result, identity, covers, found: &joined })?;
-            write_atomically(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
+            fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
         }
         if !self.missing.is_empty() {
             writeln!(err, "note: {}", told(&self.missing, &self.identity, self.paths))?;

@@ -1,6 +1,6 @@
 //! `--shard`: which part of a run this process does, and the folder in which the parts meet.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Unavailable};
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
+use crate::suite::fresh;
 
 /// Arguments of every command that can be shared out.
 #[derive(Args, Clone, Debug, Default)]
@@ -87,10 +88,7 @@ impl Store {
     pub fn new(folder: &Path, shard: Shard, identity: Identity) -> anyhow::Result<Self> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
         let store = Self { folder: folder.to_owned(), shard, identity };
-        let probe = store.folder.join(format!(".{}.{}.probe", shard.stem(), std::process::id()));
-        fs::write(&probe, b"").with_context(|| format!("cannot write to the folder `{}`", folder.display()))?;
-        // Left behind, it would do no harm.
-        let _ = fs::remove_file(&probe);
+        fresh::probe(folder).with_context(|| format!("cannot write to the folder `{}`", folder.display()))?;
         Ok(store)
     }
 
@@ -174,7 +172,7 @@ impl Store {
     fn write<T: Serialize>(&self, path: &Path, sort: Sort, found: &T) -> anyhow::Result<()> {
         let sealed = Sealed { sort, identity: self.identity.clone(), covers: vec![self.shard.index()], found };
         let text = shard::seal(&sealed).context("what was found cannot be written down")?;
-        write_atomically(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))
+        fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))
     }
 }
 
@@ -191,28 +189,6 @@ pub(super) fn told(store: &Store, how: &str, json: bool, out: &mut dyn Write) ->
     }
     out.flush()?;
     Ok(ExitStatus::Clean)
-}
-
-/// Writes a file so that at any time either the old or the new one is there, whole: also when the process or
-/// the machine stops. On an error nothing is left behind.
-///
-/// # Errors
-/// When the file cannot be written, as on a full disk.
-pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Not a temporary file of the system's kind: those are readable by their owner alone.
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let fresh = folder.join(format!(".{name}.{}.new", std::process::id()));
-    let written = File::create(&fresh).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    written.and_then(|()| fs::rename(&fresh, path)).inspect_err(|_| {
-        // The error that is told is the first one.
-        let _ = fs::remove_file(&fresh);
-    })?;
-    // The new name is on the disk once the folder is. Not every system lets a folder be opened.
-    File::open(folder).and_then(|folder| folder.sync_all()).or(Ok(()))
 }
 
 #[cfg(test)]
@@ -276,20 +252,6 @@ mod tests {
         fs::write(&file, "").unwrap();
         let error = Store::new(&file, Shard::WHOLE, Identity::new("check", 0, 1)).unwrap_err().to_string();
         assert!(error.starts_with("cannot make the folder"), "{error}");
-    }
-
-    #[test]
-    fn a_file_is_replaced_as_a_whole_and_nothing_is_left_when_that_fails() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("p.toml");
-        write_atomically(&path, b"old").unwrap();
-        write_atomically(&path, b"new").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        // A folder of that name cannot be replaced by a file.
-        let taken = folder.path().join("taken");
-        fs::create_dir_all(taken.join("inside")).unwrap();
-        assert!(write_atomically(&taken, b"x").is_err());
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left behind");
     }
 
     #[test]

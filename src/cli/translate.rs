@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 
-use crate::cli::fresh;
 use crate::cli::status::ExitStatus;
 use crate::diagnostic::Lang;
 use crate::glsl::Stage;
 use crate::lower::Target;
 use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
 use crate::report::diagnostics;
+use crate::suite::{fresh, read_source};
 use crate::text::{SourceFile, decode};
 
 /// Arguments of `shadercheck translate`.
@@ -105,7 +105,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
     if path.is_dir() {
         anyhow::bail!("`{name}` is a folder; name a file in it");
     }
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read `{name}`"))?;
+    let bytes = read_source(path).with_context(|| format!("cannot read `{name}`"))?;
     if bytes.iter().all(u8::is_ascii_whitespace) {
         anyhow::bail!("`{name}` is empty");
     }

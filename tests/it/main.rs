@@ -36,6 +36,7 @@ mod shards;
 mod slurm;
 mod soundness;
 mod sources;
+mod targets;
 mod terminal;
 mod tidy;
 mod translate;

@@ -6,9 +6,9 @@ use anyhow::Context;
 use serde_json::Value;
 
 use crate::bound::profile::Rulings;
-use crate::cli::fresh;
 use crate::lane::{Lane, LaneError, Stage};
 use crate::report::html::{self, Page, Subject};
+use crate::suite::fresh;
 use crate::suite::run::{Gallery, Prepared, Promised, Report, Request, Summary, gallery, promised};
 use crate::text::SourceFile;
 

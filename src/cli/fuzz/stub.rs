@@ -9,6 +9,7 @@ use anyhow::Context;
 use super::Source;
 use crate::fuzz::{FunctionReport, Law};
 use crate::report::fuzz::Summary;
+use crate::suite::fresh;
 use crate::value::{Scalar, Shape};
 
 /// Range of an input for which none is stated.
@@ -32,11 +33,8 @@ pub fn write(sources: &[Source], summary: &Summary, err: &mut dyn Write) -> anyh
             };
             let path = beside(&source.path, name);
             // Made new or not at all, whatever comes in between.
-            match std::fs::OpenOptions::new().write(true).create_new(true).open(&path) {
-                Ok(mut file) => {
-                    file.write_all(text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
-                    writeln!(err, "note: wrote {}", path.display())?;
-                }
+            match fresh::create(&path, text.as_bytes()) {
+                Ok(()) => writeln!(err, "note: wrote {}", path.display())?,
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
                     writeln!(err, "note: `{}` is there already and stays as it is", path.display())?;
                 }

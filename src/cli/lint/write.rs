@@ -1,11 +1,12 @@
 //! Replaces a file as a whole or not at all.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::suite::fresh;
 use crate::text::{EncodeError, Encoding};
 
 /// Why a file was left as it was.
@@ -22,6 +23,9 @@ pub enum WriteError {
     /// It may not be written.
     #[error("{}: is read-only and was left as it was; make it writable first", .0.display())]
     ReadOnly(PathBuf),
+    /// It is a device or a pipe.
+    #[error("{}: is not a regular file, so that there is nothing to repair in place", .0.display())]
+    NoFile(PathBuf),
     /// Someone else has written it meanwhile.
     #[error("{}: has changed since it was read and was left as it is; run again", .0.display())]
     Changed(PathBuf),
@@ -53,21 +57,18 @@ pub enum WriteError {
 pub fn replace(path: &Path, before: &[u8], after: &[u8]) -> Result<(), WriteError> {
     let failed = |source| WriteError::Io { path: path.to_owned(), source };
     let target = fs::canonicalize(path).map_err(failed)?;
-    let permissions = fs::metadata(&target).map_err(failed)?.permissions();
-    if permissions.readonly() {
+    let metadata = fs::metadata(&target).map_err(failed)?;
+    if !metadata.is_file() {
+        // What was read from a pipe is gone from it: reading it again would wait for ever.
+        return Err(WriteError::NoFile(path.to_owned()));
+    }
+    if metadata.permissions().readonly() {
         return Err(WriteError::ReadOnly(path.to_owned()));
     }
     if fs::read(&target).map_err(failed)? != before {
         return Err(WriteError::Changed(path.to_owned()));
     }
-    // In the same folder: a file can only be moved in one step within a file system.
-    let folder = target.parent().unwrap_or(Path::new("."));
-    let mut new = tempfile::Builder::new().prefix(".shadercheck-").tempfile_in(folder).map_err(failed)?;
-    new.write_all(after).map_err(failed)?;
-    new.as_file().set_permissions(permissions).map_err(failed)?;
-    new.as_file().sync_all().map_err(failed)?;
-    new.persist(&target).map_err(|e| failed(e.error))?;
-    Ok(())
+    fresh::write(&target, after).map_err(failed)
 }
 
 #[cfg(test)]

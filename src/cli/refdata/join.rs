@@ -15,6 +15,7 @@ use crate::cli::status::ExitStatus;
 use crate::refdata::read::{Sequence, Source};
 use crate::refdata::write::Format;
 use crate::refdata::{CopyError, Document, copy};
+use crate::suite::fresh;
 
 /// The parts of reference data that these paths name: files, and folders with parts in them or in the folders
 /// of their suites.
@@ -148,7 +149,8 @@ fn targets(out: Option<&Path>, suites: &Suites) -> anyhow::Result<Vec<Option<(Pa
         let known = Format::ALL.into_iter().find(|format| format.name() == ending);
         known.or_else(|| matches!(&*ending, "h" | "hpp").then_some(Format::C))
     };
-    if !out.is_dir() && out.extension().is_some() {
+    let streamed = fresh::is_stream(out);
+    if streamed || (!out.is_dir() && out.extension().is_some()) {
         anyhow::ensure!(
             suites.len() == 1,
             "{} suites do not go into the one file `{}`; name a folder ({})",
@@ -156,7 +158,9 @@ fn targets(out: Option<&Path>, suites: &Suites) -> anyhow::Result<Vec<Option<(Pa
             out.display(),
             suites.keys().map(String::as_str).collect::<Vec<_>>().join(", ")
         );
-        let format = format(out).with_context(|| {
+        // A device has no ending: it gets the format of the parts.
+        let named = suites.values().filter(|_| streamed).find_map(|(paths, _)| paths.first()).map_or(out, |part| part);
+        let format = format(named).with_context(|| {
             format!("the ending of `{}` tells no format; there are npz, parquet, csv, json and h", out.display())
         })?;
         return Ok(vec![Some((out.to_owned(), format))]);

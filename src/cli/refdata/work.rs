@@ -1,10 +1,11 @@
 //! Blocks of a shard that are done, each in a file of its own until the shard is whole.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use crate::refdata::{Block, Generator, Keep, run_key};
+use crate::suite::fresh::Fresh;
 
 /// What a file of a block begins with.
 const MAGIC: &[u8; 16] = b"shadercheck-blk1";
@@ -81,16 +82,12 @@ impl Keep for Work<'_> {
 
     fn save(&self, number: u64, block: &Block) -> io::Result<()> {
         let path = self.path(number);
-        let fresh = path.with_extension(format!("{}.new", std::process::id()));
+        let fresh = Fresh::new(&path)?;
+        let mut file = fresh.file()?;
+        file.write_all(&self.head(number))?;
+        file.write_all(&block.digest)?;
+        block.arrays.iter().try_for_each(|array| file.write_all(array))?;
         // The digest tells a file that did not reach the disk: it need not be waited for.
-        let written = File::create(&fresh).and_then(|mut file| {
-            file.write_all(&self.head(number))?;
-            file.write_all(&block.digest)?;
-            block.arrays.iter().try_for_each(|array| file.write_all(array))
-        });
-        written.and_then(|()| fs::rename(&fresh, &path)).inspect_err(|_| {
-            // The error that is told is the first one.
-            let _ = fs::remove_file(&fresh);
-        })
+        fresh.keep_unsynced()
     }
 }

@@ -180,7 +180,7 @@ fn destination(path: &Named, depth: usize) -> Option<&str> {
 }
 
 /// Modules that exist in test builds alone: declared `mod name;` under `#[cfg(test)]`.
-fn test_modules(files: &[File]) -> Vec<Vec<String>> {
+pub(super) fn test_modules(files: &[File]) -> Vec<Vec<String>> {
     let mut found = Vec::new();
     for file in files.iter().filter(|file| is_source(file)) {
         let lines: Vec<&str> = file.text.lines().map(str::trim).collect();
@@ -195,7 +195,7 @@ fn test_modules(files: &[File]) -> Vec<Vec<String>> {
 }
 
 /// True for a file inside one of these modules.
-fn is_test_file(file: &File, test_modules: &[Vec<String>]) -> bool {
+pub(super) fn is_test_file(file: &File, test_modules: &[Vec<String>]) -> bool {
     let own = modules_of(&file.path);
     test_modules.iter().any(|module| own.len() >= module.len() && own.iter().zip(module).all(|(a, b)| a == b))
 }
@@ -275,7 +275,7 @@ fn crates(manifest: &str) -> BTreeSet<String> {
     sections.into_iter().flatten().flat_map(toml::Table::keys).map(|name| name.replace('-', "_")).collect()
 }
 
-fn is_source(file: &File) -> bool {
+pub(super) fn is_source(file: &File) -> bool {
     file.is_below(&["src"]) && file.path.ends_with(".rs")
 }
 
