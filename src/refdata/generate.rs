@@ -71,6 +71,8 @@ pub struct Block {
 pub struct Generator<'a> {
     pub(super) subject: Subject<'a>,
     pub(super) profile: Option<&'a Profile>,
+    /// The profile without rearrangement, where it is to give the bounds that there are not with it.
+    pub(super) in_order: Option<Profile>,
     inputs: Samples<'a>,
     seed: u64,
     samples: u64,
@@ -183,6 +185,9 @@ impl<'a> Generator<'a> {
         Ok(Self {
             subject,
             profile,
+            in_order: profile
+                .filter(|profile| profile.in_order_where_unbounded && profile.rearrangement)
+                .map(Profile::in_order),
             inputs: subject.samples(seed),
             seed,
             samples,

@@ -31,11 +31,17 @@ pub(super) struct Part<'b> {
     pub flags: &'b mut [Flags],
 }
 
+/// How much wider than in the order of the source a bound is where another order has none: so much may a device
+/// gain or lose by another order of a few terms.
+const WIDER: f64 = 16.0;
+
 /// What one thread computes with.
 pub(super) struct Worker<'g, 'a> {
     generator: &'g Generator<'a>,
     limiter: Option<Limiter<'g>>,
     limits: Limits,
+    /// Bounds in the order of the source, for what has none otherwise.
+    in_order: Option<(Limiter<'g>, Limits)>,
     meant: Option<(Meant<'g>, Option<Roundoff<'g>>)>,
     wanted: Option<Wanted<'g>>,
     values: Vec<f64>,
@@ -53,6 +59,10 @@ impl<'g, 'a> Worker<'g, 'a> {
         Self {
             limiter: generator.profile.map(|profile| Limiter::new(oracle, profile, Stage::Compute)),
             limits: Limits::default(),
+            in_order: generator
+                .in_order
+                .as_ref()
+                .map(|profile| (Limiter::new(oracle, profile, Stage::Compute), Limits::default())),
             meant: matches!(generator.source, Source::Meaning)
                 .then(|| (Meant::new(oracle), bounded.then(|| Roundoff::new(oracle)))),
             wanted: matches!(generator.source, Source::Reference).then(|| Wanted::new(generator.subject.reference())),
@@ -231,6 +241,9 @@ impl<'g, 'a> Worker<'g, 'a> {
         let by_formula = matches!(self.generator.source, Source::Formula(_));
         let mut apart_rows = 0;
         limiter.look(batch, first, &mut self.limits);
+        if let Some(in_order) = &mut self.in_order {
+            fall_back(&mut self.limits, in_order, batch, first);
+        }
         let Limits { values, bounds, reasons, .. } = &self.limits;
         let stride = outputs.words_of_sample();
         for (row, flags) in part.flags.iter_mut().enumerate() {
@@ -273,6 +286,18 @@ impl<'g, 'a> Worker<'g, 'a> {
             apart_rows += u64::from(is_apart);
         }
         self.generator.apart.fetch_add(apart_rows, Ordering::Relaxed);
+    }
+}
+
+/// Bounds where there are none, from the order of the source. Flags still say why there are none otherwise.
+fn fall_back(limits: &mut Limits, in_order: &mut (Limiter<'_>, Limits), batch: &Batch, first: usize) {
+    if limits.bounds.iter().all(|bound| bound.is_finite()) {
+        return;
+    }
+    let (limiter, other) = in_order;
+    limiter.look(batch, first, other);
+    for (bound, other) in limits.bounds.iter_mut().zip(&other.bounds).filter(|(bound, _)| !bound.is_finite()) {
+        *bound = WIDER * other;
     }
 }
 

@@ -13,7 +13,14 @@ pub fn text(report: &Report) -> String {
     let mut text = String::new();
     let Report { suite, samples, rows, matched, .. } = report;
     let profile = report.profile.as_ref().map_or_else(String::new, |p| format!(", bounds of {p}"));
-    let _ = writeln!(text, "{suite}: {samples} samples, {rows} rows matched by {matched}{profile}");
+    let total = report.total();
+    let open = total.undetermined;
+    let all = open + total.agreed + total.deviated + total.not_finite;
+    let unbounded = match open {
+        0 => String::new(),
+        _ => format!(", {open} of {all} elements without a bound ({:.2} %)", open as f64 * 100.0 / all as f64),
+    };
+    let _ = writeln!(text, "{suite}: {samples} samples, {rows} rows matched by {matched}{profile}{unbounded}");
     for (name, counts) in &report.outputs {
         let _ = writeln!(
             text,
@@ -35,7 +42,6 @@ pub fn text(report: &Report) -> String {
     for finding in &report.findings {
         let _ = writeln!(text, "finding: {finding}");
     }
-    let total = report.total();
     let _ = writeln!(
         text,
         "{}: {} elements judged, {} agreed, {} deviated, {} not finite, {} undetermined",

@@ -96,6 +96,9 @@ pub struct Profile {
     pub contraction: bool,
     /// Whether expressions may be rearranged by associativity and distributivity.
     pub rearrangement: bool,
+    /// Whether reference data get a bound from the order of the source where rearrangement leaves none. No promise
+    /// of an API says so.
+    pub in_order_where_unbounded: bool,
     /// What is accepted around the exact value.
     pub acceptance: Acceptance,
     /// Entries by [`Op`] in the order of [`Op::ALL`]. Always one for each operation.
@@ -122,6 +125,12 @@ pub enum Allowed {
 }
 
 impl Profile {
+    /// The same without rearrangement.
+    #[must_use]
+    pub fn in_order(&self) -> Self {
+        Self { rearrangement: false, ..self.clone() }
+    }
+
     /// The error that one operation may make, for use in a propagation of errors: the bound holds
     /// in a neighbourhood of the arguments and does not rely on the exact value being a binary32
     /// number. To judge the result of one operation with known arguments, use [`accept`].

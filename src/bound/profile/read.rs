@@ -44,7 +44,7 @@ struct Reader {
 
 type Value<'a> = Spanned<DeValue<'a>>;
 
-const TOP: [&str; 10] = [
+const TOP: [&str; 11] = [
     "name",
     "revision",
     "extends",
@@ -52,6 +52,7 @@ const TOP: [&str; 10] = [
     "rounding",
     "contraction",
     "rearrangement",
+    "unbounded",
     "subnormals",
     "operations",
     "device",
@@ -164,6 +165,9 @@ impl Reader {
         let vertex = self.word(subnormals, "vertex", &flushes, base.map(|b| b.vertex));
         let contraction = self.word(root_table, "contraction", &allowance, base.map(|b| b.contraction));
         let rearrangement = self.word(root_table, "rearrangement", &allowance, base.map(|b| b.rearrangement));
+        let fallbacks = [("none", false), ("in-order", true)];
+        let fallback = Some(base.is_some_and(|b| b.in_order_where_unbounded));
+        let fallback = self.word(root_table, "unbounded", &fallbacks, fallback);
         let acceptance = self.word(root_table, "acceptance", &acceptances, base.map(|b| b.acceptance));
         let entries = self.entries(table("operations"), base, root.contains_key("device"));
         Some(Profile {
@@ -175,6 +179,7 @@ impl Reader {
             vertex: vertex?,
             contraction: contraction?,
             rearrangement: rearrangement?,
+            in_order_where_unbounded: fallback?,
             acceptance: acceptance?,
             entries: entries?,
         })

@@ -6,12 +6,14 @@ use super::{Identity, Profile, parse};
 use crate::text::SourceFile;
 
 /// Name and text of each promise; one that extends another comes behind it.
-const PROMISES: [(&str, &str); 5] = [
+const PROMISES: [(&str, &str); 6] = [
     ("vulkan-1.4", include_str!("../../../fixtures/profiles/vulkan-1.4.toml")),
     ("vulkan-cts", include_str!("../../../fixtures/profiles/vulkan-cts.toml")),
     ("wgsl", include_str!("../../../fixtures/profiles/wgsl.toml")),
     ("glsl-4.60", include_str!("../../../fixtures/profiles/glsl-4.60.toml")),
     ("binary32", include_str!("../../../fixtures/profiles/binary32.toml")),
+    // No promise, and no lane is judged by it: the default of reference data.
+    ("vulkan-practice", include_str!("../../../fixtures/profiles/vulkan-practice.toml")),
 ];
 
 static PROMISED: LazyLock<Vec<Profile>> = LazyLock::new(|| {

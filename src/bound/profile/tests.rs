@@ -24,6 +24,7 @@ fn every_shipped_profile_has_an_entry_for_every_operation() {
         "wgsl",
         "glsl-4.60",
         "binary32",
+        "vulkan-practice",
         "llvmpipe-22.3.6",
         "softpipe-22.3.6",
         "swiftshader-subzero-5.0",

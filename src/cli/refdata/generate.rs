@@ -12,7 +12,6 @@ use super::item::{self, Item};
 use super::work::Work;
 use crate::bound::profile::Profile;
 use crate::cli::check::profile;
-use crate::cli::fresh::Fresh;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::refdata::read::Sequence;
@@ -20,6 +19,7 @@ use crate::refdata::write::{Format, Spill, Store};
 use crate::refdata::{Document, Forget, Generator, Subject, copy, produce, scene};
 use crate::shard::Shard;
 use crate::suite::Expect;
+use crate::suite::fresh::{self, Fresh};
 use crate::suite::run::{DEFAULT_SEED, prepare};
 
 /// Arguments of `shadercheck refdata generate`.
@@ -42,7 +42,7 @@ pub struct GenerateArgs {
     /// Format of the files
     #[arg(long, value_enum, default_value_t = FormatArg::Npz)]
     pub format: FormatArg,
-    /// A file, or a folder for files that are called as their suites are
+    /// A file, a device or pipe, or a folder for files that are called as their suites are
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: PathBuf,
     /// Samples of each suite; what the suite says without it, or 65536 for a shader without one
@@ -51,8 +51,9 @@ pub struct GenerateArgs {
     /// Seed of the inputs: the same seed gives the same inputs everywhere
     #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
     pub seed: u64,
-    /// What bounds are derived from: a shipped profile by name, a file that `calibrate` wrote, or `none`
-    #[arg(long, value_name = "NAME|FILE", default_value = "vulkan-1.4")]
+    /// What bounds are derived from: a shipped profile by name, a file that `calibrate` wrote, or `none`. The default
+    /// is more than a promise of the API: it bounds what hardware gives where `vulkan-1.4` promises nothing
+    #[arg(long, value_name = "NAME|FILE", default_value = "vulkan-practice")]
     pub profile: String,
     /// Of shaders without a suite, only functions of this name; with the types of the parameters, one of several
     #[arg(long, value_name = "NAME")]
@@ -285,8 +286,8 @@ pub(super) fn spill() -> io::Result<Box<dyn Spill>> {
 /// The file of each suite.
 fn paths(output: &Path, names: &[&str], format: FormatArg, shard: Option<Shard>) -> anyhow::Result<Vec<PathBuf>> {
     let (format, endings) = format.endings();
-    let is_file = !output.is_dir() && output.extension().is_some();
-    if is_file {
+    let streamed = fresh::is_stream(output);
+    if streamed || (!output.is_dir() && output.extension().is_some()) {
         anyhow::ensure!(
             shard.is_none(),
             "--shard writes a file for each part; name a folder in place of `{}`",
@@ -301,7 +302,7 @@ fn paths(output: &Path, names: &[&str], format: FormatArg, shard: Option<Shard>)
         );
         let ending = output.extension().unwrap_or_default().to_string_lossy();
         anyhow::ensure!(
-            endings.contains(&&*ending),
+            streamed || endings.contains(&&*ending),
             "`{}` does not end in `.{}`, which files of the format `{format}` do; --format chooses another",
             output.display(),
             endings[0]

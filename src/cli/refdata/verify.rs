@@ -8,12 +8,11 @@ use clap::{Args, ValueEnum};
 
 use super::files;
 use crate::cli::check::Format;
-use crate::cli::fresh::Fresh;
 use crate::cli::status::ExitStatus;
-use crate::refdata::Role;
-use crate::refdata::read::{self, Dataset, Sequence, Source};
+use crate::refdata::read::{self, Dataset, Sequence, Source, Wanted};
 use crate::refdata::verify::{self, Element, Report, Rule, StreamError};
 use crate::report;
+use crate::suite::fresh::Fresh;
 
 /// Arguments of `shadercheck refdata verify`.
 #[derive(Args, Clone, Debug)]
@@ -22,7 +21,7 @@ Outputs are arrays or columns that are called as in the reference: `gl_Position`
 on; or a single array; or raw binary32 numbers, all words of the first sample, then those of the second. Rows \
 are matched with samples by a column `index`, or by the inputs (`input.NAME`, or NAME), or by their place.
 
-Exit status: 0 everything that has a bound is within it; 1 findings; 2 a file cannot be read, or does not \
+Exit status: 0 everything that has a bound is within it, and few elements have none; 1 findings; 2 a file cannot be read, or does not \
 fit.")]
 pub struct VerifyArgs {
     /// Reference file: json, npz, parquet or csv; or the folder with the parts that `--shard` wrote
@@ -34,6 +33,9 @@ pub struct VerifyArgs {
     /// Every element has to be the nearest binary32 number, bit for bit
     #[arg(long)]
     pub exact: bool,
+    /// Elements without a bound, in percent of all: with more of them, the comparison fails
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * verify::MAX_UNBOUNDED, value_parser = percent)]
+    pub max_unbounded: f64,
     /// Format of ACTUAL, where its ending does not tell
     #[arg(long, value_enum)]
     pub actual_format: Option<SourceArg>,
@@ -46,6 +48,12 @@ pub struct VerifyArgs {
     /// How the result is printed
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+/// A share in percent.
+fn percent(text: &str) -> Result<f64, String> {
+    let share = text.trim_end_matches('%').parse::<f64>().ok().filter(|share| (0.0..=100.0).contains(share));
+    share.ok_or_else(|| format!("`{text}` is no percentage from 0 to 100"))
 }
 
 /// Format of outputs.
@@ -103,12 +111,11 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus>
         })
     };
     let first = sequence()?;
-    let expected = first.document().arrays.iter().filter(|array| array.role == Role::Expected);
-    let width = expected.map(|array| array.words()).sum();
+    let wanted = Wanted::outputs(first.document());
     let actual = files::open(&args.actual)?;
-    let rule = Rule { exact: args.exact };
+    let rule = Rule { exact: args.exact, max_unbounded: args.max_unbounded / 100.0 };
     let streamed = |each: &mut dyn FnMut(&Element)| -> anyhow::Result<Option<Report>> {
-        let mut windows = read::windows(format, &actual, order, width).with_context(of_actual)?;
+        let mut windows = read::windows(format, &actual, order, &wanted).with_context(of_actual)?;
         verify::stream(&mut *sequence()?, &mut *windows, rule, each).map_err(|error| match error {
             StreamError::Reference(error) => anyhow::Error::new(error).context(of_reference()),
             StreamError::Actual(error) => anyhow::Error::new(error).context(of_actual()),
@@ -118,7 +125,7 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus>
     // Rows in another order are looked for in memory.
     let whole = |each: &mut dyn FnMut(&Element)| -> anyhow::Result<Report> {
         let reference = Dataset::of(&mut *sequence()?).with_context(of_reference)?;
-        let actual = read::outputs(format, &actual, order, width).with_context(of_actual)?;
+        let actual = read::outputs(format, &actual, order, &wanted).with_context(of_actual)?;
         verify::verify(&reference, &actual, rule, each).with_context(of_both)
     };
     let report = match &args.verdicts {

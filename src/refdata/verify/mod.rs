@@ -21,10 +21,21 @@ use outputs::Outputs;
 pub use stream::{StreamError, stream};
 
 /// How outputs are compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// Every element has to be the nearest number, bit for bit.
     pub exact: bool,
+    /// Share of the elements that may have nothing that bounds them, from 0 to 1.
+    pub max_unbounded: f64,
+}
+
+/// Share of elements without a bound, at most, where nobody says otherwise.
+pub const MAX_UNBOUNDED: f64 = 0.05;
+
+impl Default for Rule {
+    fn default() -> Self {
+        Self { exact: false, max_unbounded: MAX_UNBOUNDED }
+    }
 }
 
 /// Why outputs cannot be compared with a reference at all.
@@ -189,6 +200,8 @@ pub enum Finding {
     Repeated(u64, u64),
     /// Rows whose inputs are none of the reference's, with the first.
     OtherInputs(u64, u64),
+    /// Elements that nothing bounds, whatever they are: of how many, and in hundredths of a percent how many may be.
+    Unbounded(u64, u64, u64),
     /// Nothing was judged.
     NothingJudged,
     /// The bytes of the numbers seem to be in the other order.
@@ -215,6 +228,12 @@ impl std::fmt::Display for Finding {
             Self::OtherInputs(n, first) => {
                 write!(f, "{n} row{} with inputs that the reference does not have, the first is row {first}", s(n))
             }
+            Self::Unbounded(n, all, most) => write!(
+                f,
+                "{n} of {all} elements have no bound, more than {} %: any value of theirs passes; take a reference with \
+                 bounds for them, or allow more with --max-unbounded",
+                *most as f64 / 100.0
+            ),
             Self::NothingJudged => f.write_str("nothing was judged: no element has a bound"),
             Self::ByteOrder => {
                 f.write_str("the bytes of the numbers are in the other order: with them swapped most elements agree")
@@ -356,7 +375,7 @@ impl Judge {
 
     /// What came out, with what is wrong with the rows.
     fn report(self, matched: &'static str, rows: u64, of_rows: Vec<Finding>) -> Report {
-        let Self { report, missing, swapped, .. } = self;
+        let Self { rule, report, missing, swapped } = self;
         let mut report = Report { matched, rows, ..report };
         let total = report.total();
         let mut findings = Vec::new();
@@ -365,6 +384,9 @@ impl Judge {
         findings.extend((swapped.0 > 2 * swapped.1 && swapped.0 > 0).then_some(Finding::ByteOrder));
         let judged = total.agreed + total.deviated + total.not_finite;
         findings.extend((judged == 0).then_some(Finding::NothingJudged));
+        let (open, most) = (total.undetermined, rule.max_unbounded);
+        let beyond = judged > 0 && open as f64 > most * (judged + open) as f64;
+        findings.extend(beyond.then_some(Finding::Unbounded(open, judged + open, (most * 1e4).round() as u64)));
         findings.extend(missing);
         findings.extend(of_rows);
         report.findings = findings;

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use super::*;
-use crate::refdata::read::{ByteOrder, Column, Numbers, Shared, Source, outputs};
+use crate::refdata::read::{ByteOrder, Column, Numbers, Shared, Source, Wanted, outputs};
 use crate::refdata::tests::{dataset, file};
 use crate::refdata::write::Format;
 
@@ -42,7 +42,7 @@ fn the_nearest_numbers_pass() {
         assert_eq!(report.findings, [], "{name}");
         assert!(report.total().agreed > 1900 && report.total().deviated == 0);
     }
-    let exact = Rule { exact: true };
+    let exact = Rule { exact: true, ..Rule::default() };
     let report = verify(&reference, &table("gl_Position", perfect(&reference)), exact, &mut |_| {}).unwrap();
     assert_eq!((report.total().agreed, report.findings.len()), (2000, 0));
 }
@@ -68,7 +68,9 @@ fn a_flipped_bit_is_found_where_it_exceeds_the_bound() {
             } else {
                 within += 1;
             }
-            let exact = verify(&reference, &table("gl_Position", bits), Rule { exact: true }, &mut |_| {}).unwrap();
+            let exact =
+                verify(&reference, &table("gl_Position", bits), Rule { exact: true, ..Rule::default() }, &mut |_| {})
+                    .unwrap();
             assert_eq!(exact.findings.len(), 1, "bit {bit} of element {at}");
         }
     }
@@ -130,11 +132,12 @@ fn what_is_no_number_is_found() {
 fn bytes_in_the_other_order_are_told() {
     let reference = reference(Some("binary32"), 200);
     let bytes: Vec<u8> = perfect(&reference).iter().flat_map(|bits| bits.to_be_bytes()).collect();
-    let read = |order| outputs(Source::Raw, &memory(&bytes), order, 4).unwrap();
+    let wanted = Wanted::outputs(&reference.document);
+    let read = |order| outputs(Source::Raw, &memory(&bytes), order, &wanted).unwrap();
     let report = run(&reference, &read(ByteOrder::Little));
     assert!(report.findings.contains(&Finding::ByteOrder), "{:?}", report.findings);
     assert_eq!(run(&reference, &read(ByteOrder::Big)).findings, []);
-    let odd = outputs(Source::Raw, &memory(&bytes[..30]), ByteOrder::Big, 4).err().unwrap();
+    let odd = outputs(Source::Raw, &memory(&bytes[..30]), ByteOrder::Big, &wanted).err().unwrap();
     assert!(odd.to_string().starts_with("it has 30 bytes, which is no multiple of 16"), "{odd}");
 }
 
@@ -142,7 +145,7 @@ fn bytes_in_the_other_order_are_told() {
 fn what_cannot_be_compared_is_an_error() {
     let reference = reference(None, 20);
     let good = table("gl_Position", perfect(&reference));
-    let of = |actual: &Table, exact| verify(&reference, actual, Rule { exact }, &mut |_| {});
+    let of = |actual: &Table, exact| verify(&reference, actual, Rule { exact, ..Rule::default() }, &mut |_| {});
     assert_eq!(of(&good, false).unwrap_err(), VerifyError::NoBounds);
     assert!(of(&good, true).is_ok());
     let other = with(table("velocity", perfect(&reference)), "normal", 4, Numbers::F4(perfect(&reference)));
