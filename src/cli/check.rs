@@ -16,7 +16,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
 use crate::bound::profile::Rulings;
-use crate::cli::fresh;
+use crate::cli::paths::relative;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, LaneError, Stage};
@@ -28,7 +28,7 @@ use crate::suite::run::{
     Bundle, DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
     check_translations, hear, most_from, prepare, run as run_suite, run_from, stage_of,
 };
-use crate::suite::{self, save_regressions};
+use crate::suite::{self, fresh, save_regressions};
 use crate::text::SourceFile;
 
 use ledger::Ledgers;
@@ -465,12 +465,22 @@ fn ways(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<(Stage, O
     }
 }
 
+/// A script that goes to the folder in which it was written before it does anything: its paths are relative to that.
+fn from_anywhere(folder: &Path, script: &[u8]) -> Vec<u8> {
+    let here = std::env::current_dir().and_then(|here| here.canonicalize());
+    let (Ok(here), Ok(folder)) = (here, folder.canonicalize()) else { return script.to_vec() };
+    let way = shell_word(&relative(&folder, &here));
+    let text = String::from_utf8_lossy(script);
+    text.replacen("#!/bin/sh\n", &format!("#!/bin/sh\ncd \"$(dirname \"$0\")\"/{way} || exit 2\n"), 1).into_bytes()
+}
+
 fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {
     let folder = folder.join(&bundle.name);
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
     for (name, content) in &bundle.files {
         let path = folder.join(name);
-        fresh::write(&path, content).with_context(|| format!("cannot write `{}`", path.display()))?;
+        let content = if name == "reproduce.sh" { from_anywhere(&folder, content) } else { content.clone() };
+        fresh::write(&path, &content).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     Ok(())
 }

@@ -119,9 +119,18 @@ impl fmt::Debug for SourceFile {
     }
 }
 
+/// A text with its control characters as escapes, such as `\n` and `\u{1b}`.
+pub fn printable(text: &str) -> String {
+    let shown = |c: char| if c.is_control() { c.escape_default().collect() } else { String::from(c) };
+    text.chars().map(shown).collect()
+}
+
 impl SourceFile {
-    /// A file called `name` (shown in messages) that holds `text`.
+    /// A file called `name` (shown in messages) that holds `text`. Control characters of the name are escaped: a line
+    /// break in it would begin a line of a report, which readers of logs take for a command.
     pub fn new(name: impl Into<Arc<str>>, text: impl Into<Arc<str>>) -> Self {
+        let name: Arc<str> = name.into();
+        let name = if name.contains(char::is_control) { printable(&name).into() } else { name };
         let text: Arc<str> = text.into();
         let bytes = text.as_bytes();
         let mut starts = vec![0];
@@ -131,7 +140,7 @@ impl SourceFile {
                 starts.push(i + 1);
             }
         }
-        Self { name: name.into(), text, line_starts: starts.into(), parts: None }
+        Self { name, text, line_starts: starts.into(), parts: None }
     }
 
     pub(super) fn with_parts(self, parts: Vec<Part>) -> Self {

@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
+use crate::cli::paths::relative;
 use crate::diagnostic::Diagnostic;
 use crate::lint::baseline::{Baseline, Covered};
+use crate::suite::fresh;
 
 use super::files::Loaded;
 use super::groups::Groups;
@@ -68,58 +69,12 @@ impl Known {
         Ok(covered)
     }
 
-    /// Replaces the file in one step, so that it is never half written.
     fn save(&self, baseline: &Baseline) -> Result<()> {
-        let failed = || format!("{}: cannot be written", self.path.display());
-        let mut file = tempfile::NamedTempFile::new_in(&self.folder).with_context(failed)?;
-        file.write_all(baseline.to_text().as_bytes()).with_context(failed)?;
-        if let Ok(metadata) = fs::metadata(&self.path) {
-            file.as_file().set_permissions(metadata.permissions()).with_context(failed)?;
-        } else {
-            readable(&file).with_context(failed)?;
-        }
-        file.persist(&self.path).map_err(|error| error.error).with_context(failed)?;
-        Ok(())
+        fresh::write(&self.path, baseline.to_text().as_bytes())
+            .with_context(|| format!("{}: cannot be written", self.path.display()))
     }
-}
-
-/// Temporary files are for their owner alone; a new baseline is for all who read the project.
-fn readable(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
-    }
-    #[cfg(not(unix))]
-    let _ = file;
-    Ok(())
 }
 
 fn real(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
-}
-
-/// The path of `to` as seen from the folder `from`, with `/`. Both are absolute and without `..`.
-fn relative(from: &Path, to: &Path) -> String {
-    let (mut from, mut to) = (from.components().peekable(), to.components().peekable());
-    while from.peek().is_some() && from.peek() == to.peek() {
-        from.next();
-        to.next();
-    }
-    let up = from.map(|_| "..".to_owned());
-    let down = to.filter(|c| !matches!(c, Component::RootDir)).map(|c| c.as_os_str().to_string_lossy().into_owned());
-    up.chain(down).collect::<Vec<_>>().join("/")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_lead_from_the_folder_of_the_baseline() {
-        let from = |a: &str, b: &str| relative(Path::new(a), Path::new(b));
-        assert_eq!(from("/p", "/p/s/a.vert"), "s/a.vert");
-        assert_eq!(from("/p/ci", "/p/s/a.vert"), "../s/a.vert");
-        assert_eq!(from("/p", "/q/a.vert"), "../q/a.vert");
-    }
 }

@@ -59,7 +59,7 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
 }
 
 fn of_finding(on: &str, shader: &str, finding: &Finding) -> Item {
-    let place = finding.case.as_ref().and_then(|case| place(&case.diagnosis)).and_then(|place| parsed(&place.at));
+    let place = finding.case.as_ref().and_then(|case| shown(&case.diagnosis)).and_then(|place| parsed(&place.at));
     let (file, at) = place.map_or_else(|| (shader.to_owned(), None), |(file, at)| (file, Some(at)));
     Item {
         severity: if finding.kind.is_warning() { Severity::Warning } else { Severity::Error },
@@ -77,6 +77,11 @@ pub(super) fn place(diagnosis: &Diagnosis) -> Option<&Place> {
     let no_value = diagnosis.no_value.as_ref().and_then(|no_value| no_value.place.as_ref());
     let divergence = diagnosis.divergence.as_ref().map(|divergence| &divergence.place);
     literal.or(no_value).or(divergence)
+}
+
+/// What a deviation is shown at: where it shows first, or else where the wrong output is computed.
+fn shown(diagnosis: &Diagnosis) -> Option<&Place> {
+    place(diagnosis).or(diagnosis.written.as_ref())
 }
 
 /// `file:line:column` in its parts.
@@ -102,6 +107,18 @@ pub(super) fn relative(file: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::verdict::diagnosis::ShortLiteral;
+
+    #[test]
+    fn a_deviation_is_shown_where_its_output_is_computed() {
+        let at = |at: &str| Place { at: at.into(), text: "x".into(), line: "x".into() };
+        let mut diagnosis = Diagnosis { written: Some(at("a.vert:7:3")), ..Diagnosis::default() };
+        assert_eq!(shown(&diagnosis).map(|place| &*place.at), Some("a.vert:7:3"));
+        let literal = ShortLiteral { place: at("a.vert:2:1"), stands_for: "π".into(), off: 0.1 };
+        diagnosis.literals.push(literal);
+        assert_eq!(shown(&diagnosis).map(|place| &*place.at), Some("a.vert:2:1"));
+        assert_eq!(shown(&Diagnosis::default()), None);
+    }
 
     #[test]
     fn places_are_read_from_the_right() {
