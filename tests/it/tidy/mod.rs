@@ -1,6 +1,7 @@
 //! The project's structure, held by tests. Each check is a function over files that gives the faults
 //! it found; each has a planted fault that it must report.
 
+mod advisories;
 mod architecture;
 mod dependencies;
 mod lengths;
@@ -9,6 +10,7 @@ mod readme;
 mod suites;
 mod unsafe_code;
 mod wording;
+mod writers;
 
 use std::fmt;
 use std::fs;
