@@ -1,6 +1,6 @@
 //! The functions of a file, each made ready to run or told why it cannot be.
 
-use super::domain::Stated;
+use super::domain::{Interval, Law, Stated};
 use super::hint;
 use super::slice::slice;
 use super::wrapper::{self, Wrapped};
@@ -53,6 +53,7 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
     let defined: Vec<(FunctionId, &FunctionInfo)> =
         shader.functions().filter(|(_, f)| f.definition.is_some()).collect();
     let mut subjects = Vec::new();
+    let ranges = crate::program::ranges(shader);
     for &(id, info) in &defined {
         let name = &info.name.name;
         let overloaded = defined.iter().filter(|(_, f)| f.name.name == *name).count() > 1;
@@ -61,10 +62,23 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
             continue;
         }
         let at = shader.file().locate(info.name.span.start);
-        let stated = hints.about(info);
-        subjects.push(Subject { label, at, ready: ready(shader, id, info).map(Box::new), stated });
+        let mut stated = hints.about(info);
+        let ready = ready(shader, id, info).map(Box::new);
+        stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
+        subjects.push(Subject { label, at, ready, stated });
     }
     Ok(subjects)
+}
+
+/// The ranges of inputs that are numbers of the draw, where nothing else is stated of them.
+fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]) -> Vec<Stated> {
+    let reads = |name: &str| ready.kernel.invocation.index_of(name).or(ready.kernel.case.index_of(name)).is_some();
+    let open = |name: &str| !stated.iter().any(|stated| stated.input == name);
+    let within = |(name, most): &(String, u32)| {
+        let interval = Interval { low: 0.0, high: f64::from(*most), open_low: false, open_high: false };
+        Stated { input: name.clone(), law: Law::Within(interval), at: "the draw".to_owned(), whole_file: true }
+    };
+    ranges.iter().filter(|(name, _)| reads(name) && open(name)).map(within).collect()
 }
 
 /// `name(vec3, float)`

@@ -482,8 +482,6 @@ pub struct Executable {
     pub(super) constants: Vec<Constant>,
     /// Variables that start with zeros.
     pub(super) fills: Vec<Fill>,
-    /// Registers that hold the number of the invocation in its batch.
-    pub(super) numbers: Vec<Reg>,
     /// Variables that start as never written, unless they are filled.
     pub(super) poisoned: Vec<Slot>,
     pub(super) outputs: Vec<Slot>,

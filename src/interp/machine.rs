@@ -124,9 +124,6 @@ impl<'e, D: Domain> Machine<'e, D> {
         if lanes > 0 {
             self.fill(batch);
         }
-        for &reg in &self.executable.numbers {
-            self.words[reg as usize] = self.invocations.map(|invocation| invocation as u32);
-        }
         for k in 0..self.executable.poisoned.len() {
             self.poison(self.executable.poisoned[k], Mask::ALL);
         }

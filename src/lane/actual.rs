@@ -25,6 +25,13 @@ impl Marks {
         let bits = RandomState::new().hash_one(0_u8);
         Self { canary: bits as u32, sentinel: 0x7fc0_0001 | ((bits >> 32) as u32 & 0x003f_ffff) }
     }
+
+    /// A random word of the same kind as a sentinel that is another one: what a buffer holds before a dispatch whose
+    /// shader writes the sentinel itself.
+    pub(super) fn blank(sentinel: u32) -> u32 {
+        let word = Self::random().sentinel;
+        if word == sentinel { word ^ 2 } else { word }
+    }
 }
 
 /// Outputs of a batch as a device wrote them: words, bit by bit.

@@ -72,10 +72,12 @@ fn primitives(work: &mut Work<'_>) -> Option<Primitives> {
 /// `gl_in` and `gl_PrimitiveIDIn`, when they are read.
 fn built_in_inputs(work: &mut Work<'_>, vertices: u32) -> Vec<Variable> {
     let shader = work.shader;
-    if shader.builtin("gl_PrimitiveIDIn").is_some() {
+    let number = shader.builtin("gl_PrimitiveIDIn").map(|symbol| {
         work.preamble.push_str("int gl_PrimitiveIDIn;\n");
-    }
-    let Some(symbol) = shader.builtin("gl_in") else { return Vec::new() };
+        let span = shader.uses_of(symbol).next().map_or(Span::at(0), |u| u.span);
+        Variable { name: "gl_PrimitiveIDIn".to_owned(), shape: Shape::INT, span, location: None }
+    });
+    let Some(symbol) = shader.builtin("gl_in") else { return number.into_iter().collect() };
     let span = shader.uses_of(symbol).next().map_or(Span::at(0), |u| u.span);
     let uses_field = |name: &str| {
         let mut all = shader.arena().iter();
@@ -102,6 +104,7 @@ fn built_in_inputs(work: &mut Work<'_>, vertices: u32) -> Vec<Variable> {
             location: None,
         });
     }
+    inputs.extend(number);
     inputs
 }
 

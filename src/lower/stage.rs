@@ -14,7 +14,8 @@ type Parts = (Role, Vec<Variable>, Vec<Variable>);
 
 pub(super) fn vertex(work: &mut Work<'_>) -> Parts {
     let shader = work.shader;
-    let inputs = located(work, &shader.interface().inputs, "in", "attribute");
+    let mut inputs = located(work, &shader.interface().inputs, "in", "attribute");
+    inputs.extend(numbers_of_the_draw(work));
     let mut outputs = built_in_outputs(work);
     outputs.extend(located(work, &shader.interface().outputs, "out", "output"));
     if outputs.is_empty() {
@@ -117,6 +118,19 @@ pub(super) fn built_in_outputs(work: &Work<'_>) -> Vec<Variable> {
             Some(Variable { name: name.to_owned(), shape, span: first.span, location: None })
         })
         .collect()
+}
+
+/// The numbers of the draw, when they are read.
+fn numbers_of_the_draw(work: &Work<'_>) -> Vec<Variable> {
+    let shader = work.shader;
+    let vertex = ["gl_VertexID", "gl_VertexIndex", "gl_BaseVertex"];
+    let others = ["gl_InstanceID", "gl_InstanceIndex", "gl_BaseInstance", "gl_DrawID"];
+    let all = vertex.into_iter().chain(others);
+    all.filter_map(|name| {
+        let first = shader.uses_of(shader.builtin(name)?).next()?;
+        Some(Variable { name: name.to_owned(), shape: Shape::INT, span: first.span, location: None })
+    })
+    .collect()
 }
 
 /// A vertex stage need not write a position (GLSL 4.60, 7.1); naga wants one. It is not captured.

@@ -16,15 +16,9 @@ const GL_IN: &str = "gl_in";
 pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) -> Result<Program, ProgramError> {
     let entry = entry(&module, &lowered.role)?;
     let uniforms = lowered.uniforms.iter().map(|v| uniform(&module, v)).collect::<Result<Vec<_>, _>>()?;
-    let mut built_ins = Vec::new();
     let (inputs, outputs) = match (&lowered.role, entry) {
         (Role::Vertex, Entry::Point(index)) => {
             let function = &module.entry_points[index].function;
-            for (k, argument) in function.arguments.iter().enumerate() {
-                if let Some(Binding::BuiltIn(built_in)) = argument.binding {
-                    built_ins.push((k as u32, built_in));
-                }
-            }
             (
                 lowered
                     .inputs
@@ -61,10 +55,11 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
         inputs,
         uniforms,
         outputs,
-        built_ins,
+        built_ins: Vec::new(),
         textures: Vec::new(),
         stage_module: None,
         unfed: Vec::new(),
+        ranges: Vec::new(),
         memory: Vec::new(),
         lowered,
         texts: Vec::new(),
@@ -127,7 +122,20 @@ fn uniform(module: &Module, variable: &Variable) -> Result<Port, ProgramError> {
 
 /// `None` for an attribute that the module does not take: naga leaves out what is never declared used.
 fn attribute(module: &Module, function: &Function, variable: &Variable) -> Result<Option<Port>, ProgramError> {
+    let number = |built_in: &BuiltIn| match variable.name.as_str() {
+        "gl_VertexID" | "gl_VertexIndex" => *built_in == BuiltIn::VertexIndex,
+        "gl_InstanceID" | "gl_InstanceIndex" => *built_in == BuiltIn::InstanceIndex,
+        "gl_BaseVertex" => *built_in == BuiltIn::BaseVertex,
+        "gl_BaseInstance" => *built_in == BuiltIn::BaseInstance,
+        "gl_DrawID" => *built_in == BuiltIn::DrawIndex,
+        _ => false,
+    };
     for (k, argument) in function.arguments.iter().enumerate() {
+        if matches!(&argument.binding, Some(Binding::BuiltIn(built_in)) if number(built_in)) {
+            // Without sign there, and below the sign here: the same bits.
+            let at = PortAt::Argument(k as u32);
+            return Ok(Some(Port { field: variable.field(), ty: argument.ty, at, backing: None }));
+        }
         if let Some(Binding::Location { location, .. }) = argument.binding
             && Some(location) == variable.location
         {

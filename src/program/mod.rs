@@ -3,6 +3,7 @@
 mod build;
 mod capture;
 mod contain;
+mod drawn;
 mod front;
 mod fuel;
 mod interface;
@@ -35,6 +36,8 @@ pub use capture::{
     uniform_blocks,
 };
 pub use contain::contain;
+pub(crate) use drawn::ranges;
+pub use drawn::{Count, Drawn};
 pub use front::{NAGA, VALIDATOR};
 pub use probe::Probed;
 pub use readback::{Place, ReadBack};
@@ -154,7 +157,8 @@ pub struct Program {
     pub uniforms: Vec<Port>,
     /// What one vertex, primitive vertex or call gives.
     pub outputs: Vec<Port>,
-    /// Built-in arguments of the entry point, by argument index.
+    /// Built-in arguments of the entry point that are no inputs, by argument index: those of a compute stage, which is
+    /// dispatched alone.
     pub built_ins: Vec<(u32, BuiltIn)>,
     /// Samplers, with what they are bound to when the program is run.
     pub textures: Vec<Texture>,
@@ -163,6 +167,8 @@ pub struct Program {
     pub stage_module: Option<Arc<(Module, ModuleInfo)>>,
     /// What the harness has no way to feed or read: such a program is translated, and not run.
     pub unfed: Vec<Diagnostic>,
+    /// Inputs that are numbers of the draw, with the largest value that is tried where nothing is stated.
+    pub ranges: Vec<(String, u32)>,
     /// Storage blocks that are no inputs and outputs yet.
     pub(crate) memory: Vec<memory::Memory>,
     /// The lowered text and the way back.

@@ -58,7 +58,10 @@ impl Program {
         // What edits in place do not make readable to naga is built from the syntax tree.
         let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target));
         match built {
-            Ok(program) => Ok(Self { texts: vec![file.clone()], ..program }),
+            Ok(program) => {
+                let ranges = super::drawn::ranges(&parsed.shader);
+                Ok(Self { texts: vec![file.clone()], ranges, ..program })
+            }
             Err(ProgramError::Source(found)) => {
                 Err(ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()))
             }

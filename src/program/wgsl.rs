@@ -107,6 +107,7 @@ impl Program {
             uniforms: Vec::new(),
             outputs,
             built_ins,
+            ranges: Vec::new(),
             textures: Vec::new(),
             stage_module: None,
             unfed: Vec::new(),

@@ -160,7 +160,8 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         title: "[[inputs]]",
         about: "A group of inputs that one generator fills. Uniforms are inputs like all others: a fixed one has the \
-                generator `constant`.",
+                generator `constant`. Numbers of the draw (`gl_VertexID`, `gl_InstanceID`, `gl_PrimitiveIDIn`, …) are \
+                inputs too; without a group they are whole numbers from 0 that no array of the shader is too short for.",
         keys: &[
             required("names", Form::Texts, "Names in the shader, in the order in which the generator takes them."),
             required("generator", Form::OneOf(generator_names), "How values are made."),

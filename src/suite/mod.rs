@@ -18,11 +18,12 @@ mod textures;
 
 use std::sync::Arc;
 
-use crate::property::generators::Strands;
+use crate::program::Program;
+use crate::property::generators::{self, Options, Strands};
 use crate::property::relations::law::Law;
-use crate::property::{InputGroup, Plan, PlanError};
+use crate::property::{InputGroup, Own, Plan, PlanError};
 use crate::text::SourceFile;
-use crate::value::Record;
+use crate::value::{Field, Record};
 
 pub use error::{LoadError, Problem, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
@@ -180,6 +181,26 @@ impl Suite {
             false => self.inputs.iter().filter(|group| group.names.iter().any(known)).cloned().collect(),
         };
         Plan::new(&groups, invocation.clone(), case.clone())
+    }
+
+    /// The same for a program, whose numbers of the draw have values of their own where the suite says nothing of them.
+    ///
+    /// # Errors
+    /// As of [`Suite::plan`].
+    pub fn plan_for(&self, program: &Program, invocation: &Arc<Record>, case: &Arc<Record>) -> Result<Plan, PlanError> {
+        let stated = |name: &str| self.inputs.iter().any(|group| group.names.iter().any(|n| n == name));
+        let number = |field: &Field| {
+            let most = program.largest(&field.name).filter(|_| !stated(&field.name))?;
+            Some(InputGroup {
+                names: vec![field.name.clone()],
+                generator: Own::Static(generators::by_name("index")?),
+                options: Options { range: Some([0.0, f64::from(most)]), ..Options::default() },
+                at: self.name.clone(),
+            })
+        };
+        let numbers = invocation.fields().iter().filter_map(number);
+        let suite = Self { inputs: self.inputs.iter().cloned().chain(numbers).collect(), ..self.clone() };
+        suite.plan(invocation, case)
     }
 
     /// How many floats the host feeds for an attribute; `None` when the suite does not say, which

@@ -80,7 +80,8 @@ void main() {
   gl_Position = vec4(float(gl_VertexID), float(gl_VertexID + part), 0.0, 1.0);
 }",
     );
-    let outputs = run(&program, &[], &[vec![-7., 1., -2., 3.], vec![8., -3., 4., 5.], vec![0., 0., 0., 0.]], &[]);
+    let outputs =
+        run(&program, &[], &[vec![-7., 1., -2., 3., 0.], vec![8., -3., 4., 5., 1.], vec![0., 0., 0., 0., 2.]], &[]);
     assert_eq!(outputs[0], [0., -7., 0., 1., -14., -2., 1., 48.]);
     assert_eq!(outputs[1], [1., 9., 0., 1., 16., 4., -3., 80.]);
     assert_eq!(outputs[2], [2., 2., 0., 1., 0., 0., 0., 0.]);
@@ -159,7 +160,8 @@ void main() {{ float v = -1.0; {body} gl_Position = vec4(v, before, float(w{}), 
             let own: Vec<f32> = (0..words).map(|k| (100 + k) as f32).collect();
             let behind: Vec<f32> = (0..columns * rows).map(|k| (500 + k) as f32).collect();
             let uniforms = [&[7.][..], &own, &behind].concat();
-            let outputs = run(&program, &[], &vec![vec![0.5]; words], &uniforms);
+            let vertices: Vec<Vec<f32>> = (0..words).map(|k| vec![0.5, k as f32]).collect();
+            let outputs = run(&program, &[], &vertices, &uniforms);
             let expected: Vec<Vec<f32>> = own.iter().map(|&v| vec![v, 7., 500., 0.5]).collect();
             assert_eq!(outputs, expected, "{ty}{dims}");
         }

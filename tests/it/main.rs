@@ -5,6 +5,7 @@ mod alarms;
 mod api;
 mod binary;
 mod blame;
+mod built_ins;
 mod calibrate;
 mod check_cli;
 mod ci;

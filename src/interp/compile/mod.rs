@@ -168,7 +168,6 @@ impl<'m> Compiler<'m> {
                 words: 0,
                 constants: Vec::new(),
                 fills: Vec::new(),
-                numbers: Vec::new(),
                 poisoned: Vec::new(),
                 outputs: Vec::new(),
                 unset: Default::default(),
@@ -211,11 +210,8 @@ impl<'m> Compiler<'m> {
             }
         }
         let _ = word;
-        for &(k, built_in) in self.subject.built_ins {
+        for &(k, _) in self.subject.built_ins {
             let slots = self.variable(function.arguments[k as usize].ty, naga::Span::UNDEFINED)?;
-            if built_in == BuiltIn::VertexIndex {
-                self.executable.numbers.extend(slots.iter().map(|slot| slot.reg));
-            }
             arguments[k as usize] = Some(Value::Slots(slots));
         }
         let result = match &function.result {
@@ -227,7 +223,6 @@ impl<'m> Compiler<'m> {
             outputs.extend(self.place_output(binding, &mut arguments, &result, &filled)?);
         }
         self.executable.outputs = outputs;
-        self.number_primitives()?;
         let arguments: Option<Vec<Value>> = arguments.into_iter().collect();
         let arguments = arguments
             .ok_or_else(|| InterpError::internal("an argument of the entry point is fed by nothing".to_owned()))?;
@@ -360,20 +355,6 @@ impl<'m> Compiler<'m> {
             self.executable.poisoned.extend(slots.iter().copied().filter(|slot| !filled.contains(slot)));
         }
         Ok(slots)
-    }
-
-    /// `gl_PrimitiveIDIn`, which lowering declares as a variable of its own.
-    fn number_primitives(&mut self) -> Result<(), InterpError> {
-        if self.subject.max_vertices.is_none() {
-            return Ok(());
-        }
-        let mut globals = self.module.global_variables.iter();
-        let found = globals.find(|(_, g)| g.name.as_deref() == Some("gl_PrimitiveIDIn"));
-        if let Some((handle, _)) = found {
-            let slots = self.global(handle)?;
-            self.executable.numbers.extend(slots.iter().map(|slot| slot.reg));
-        }
-        Ok(())
     }
 
     /// The registers of a global variable.

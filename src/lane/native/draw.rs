@@ -31,6 +31,8 @@ pub(super) struct Setting<'a> {
     pub stage: vk::ShaderStageFlags,
     /// Most vertices, and most cases, of a batch.
     pub most: (usize, usize),
+    /// Every vertex is a draw of its own, whose numbers are its own.
+    pub alone: bool,
 }
 
 /// One pipeline of a kernel, and what it captures.
@@ -50,6 +52,8 @@ pub(super) struct Drawn {
     pub case: usize,
     pub first: usize,
     pub count: usize,
+    /// The first vertex and the first instance as the stage sees them, for a vertex that is drawn alone.
+    pub numbers: Option<(u32, u32)>,
 }
 
 /// What a device says of the primitives of a draw.
@@ -88,6 +92,7 @@ pub(super) struct Draws {
     passes: Vec<Pipeline>,
     attributes: Vec<Attribute>,
     topology: vk::PrimitiveTopology,
+    alone: bool,
 }
 
 fn api(error: vk::Result) -> LaneError {
@@ -124,6 +129,7 @@ impl Draws {
             passes: Vec::new(),
             attributes: setting.attributes.to_vec(),
             topology: setting.topology,
+            alone: setting.alone,
         };
         let align = limits.min_uniform_buffer_offset_alignment.max(16) as u32;
         let mut blocks = setting.blocks;
@@ -203,7 +209,8 @@ impl Draws {
             return Err(LaneError::Unsupported(format!("{} bytes of a vertex; {most} are captured", 4 * pass.words)));
         }
         let usage = vk::BufferUsageFlags::TRANSFORM_FEEDBACK_BUFFER_EXT;
-        let captured = Buffer::new(&self.gpu, pass.words * pass.most, usage)?;
+        // One vertex of room behind them shows what is written there.
+        let captured = Buffer::new(&self.gpu, pass.words * (pass.most + 1), usage)?;
         let device = &self.gpu.device;
         let mut modules = Vec::new();
         let mut made = Ok(vk::Pipeline::null());
@@ -249,7 +256,9 @@ impl Draws {
             described.push(at.format(attribute.format));
             offset += 4 * attribute.words;
         }
-        let bindings = [vk::VertexInputBindingDescription::default().stride(offset)];
+        // Whatever the number of a vertex that is drawn alone, its attributes are at the start of what is bound.
+        let stride = if self.alone { 0 } else { offset };
+        let bindings = [vk::VertexInputBindingDescription::default().stride(stride)];
         let bindings = if self.attributes.is_empty() { &[][..] } else { &bindings };
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(bindings)
@@ -298,12 +307,12 @@ impl Draws {
     }
 
     /// Draws, and gives what the device counted: for each draw by itself, or for all of them together. What is
-    /// captured overwrites `sentinel`.
-    pub fn run(&mut self, pass: usize, draws: &[Drawn], each: bool, sentinel: u32) -> Result<Vec<Counts>, LaneError> {
+    /// captured overwrites `blank`, a word of this run alone.
+    pub fn run(&mut self, pass: usize, draws: &[Drawn], each: bool, blank: u32) -> Result<Vec<Counts>, LaneError> {
         let (device, feedback) = (&self.gpu.device, self.gpu.feedback.fp());
         let Pipeline { handle, captured, queries, counted, .. } = &mut self.passes[pass];
         let queries = *queries;
-        captured.words().fill(sentinel);
+        captured.words().fill(blank);
         let count = if each { draws.len() } else { 1 };
         if count > *counted {
             return Err(LaneError::Unsupported(format!("{count} draws that are counted; {counted} are")));
@@ -315,6 +324,7 @@ impl Draws {
             .src_access_mask(vk::AccessFlags::TRANSFORM_FEEDBACK_WRITE_EXT)
             .dst_access_mask(vk::AccessFlags::HOST_READ);
         let graphics = vk::PipelineBindPoint::GRAPHICS;
+        let bytes: u64 = self.attributes.iter().map(|a| 4 * u64::from(a.words)).sum();
         self.gpu.submit(|to| {
             // SAFETY: the commands are being recorded, everything that they name belongs to `self`, which outlives
             // their execution, and draws stay inside of the buffers, which their sizes see to.
@@ -336,7 +346,11 @@ impl Draws {
                     if each || k == 0 {
                         (feedback.cmd_begin_query_indexed_ext)(to, queries, k, vk::QueryControlFlags::empty(), 0);
                     }
-                    device.cmd_draw(to, draw.count as u32, 1, draw.first as u32, 0);
+                    let (first, instance) = draw.numbers.unwrap_or((draw.first as u32, 0));
+                    if draw.numbers.is_some() {
+                        device.cmd_bind_vertex_buffers(to, 0, &[self.vertices.handle], &[bytes * draw.first as u64]);
+                    }
+                    device.cmd_draw(to, draw.count as u32, 1, first, instance);
                     if each {
                         (feedback.cmd_end_query_indexed_ext)(to, queries, k, 0);
                     }
@@ -359,12 +373,32 @@ impl Draws {
         Ok(counts.into_iter().map(|[written, needed]| Counts { written, needed }).collect())
     }
 
+    /// Proves that the last run wrote so many vertices and nothing behind them. Gives the first one that it did not.
+    ///
+    /// # Errors
+    /// [`LaneError::Api`] where something stands behind the last one.
+    pub fn unwritten(&mut self, pass: usize, vertices: usize, blank: u32) -> Result<Option<usize>, LaneError> {
+        let Pipeline { captured, words, .. } = &mut self.passes[pass];
+        unwritten(captured.words(), *words, vertices, blank)
+    }
+
     /// The vertices that a pass captured in its last run, one behind the other.
     pub fn captured(&mut self, pass: usize) -> std::slice::ChunksExact<'_, u32> {
         let Pipeline { captured, words, .. } = &mut self.passes[pass];
         let words = (*words).max(1);
         captured.words().chunks_exact(words)
     }
+}
+
+/// The first of so many vertices with a word that was there before.
+fn unwritten(captured: &[u32], size: usize, vertices: usize, blank: u32) -> Result<Option<usize>, LaneError> {
+    let size = size.max(1);
+    let (written, behind) = captured.split_at((vertices * size).min(captured.len()));
+    if let Some(at) = behind.iter().take(size).position(|&word| word != blank) {
+        let at = vertices * size + at;
+        return Err(LaneError::Api(format!("the driver wrote behind what it captured, at word {at}")));
+    }
+    Ok(written.chunks(size).position(|vertex| vertex.contains(&blank)))
 }
 
 impl Drop for Draws {
@@ -384,5 +418,27 @@ impl Drop for Draws {
                 device.destroy_descriptor_set_layout(layout, None);
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::unwritten;
+
+    const BLANK: u32 = 0x7fc1_2345;
+
+    #[test]
+    fn a_vertex_that_the_driver_left_is_found_in_whatever_word() {
+        let captured = [1, 2, 3, 4, BLANK, BLANK];
+        assert_eq!(unwritten(&captured, 2, 2, BLANK).unwrap(), None);
+        // One that it counts and did not write, and one of which a word is left.
+        assert_eq!(unwritten(&captured, 2, 3, BLANK).unwrap(), Some(2));
+        assert_eq!(unwritten(&[1, 2, 3, BLANK, BLANK, BLANK], 2, 2, BLANK).unwrap(), Some(1));
+    }
+
+    #[test]
+    fn what_the_driver_writes_behind_the_last_vertex_is_an_error() {
+        let error = unwritten(&[1, 2, 3, 4, BLANK, 9], 2, 2, BLANK).unwrap_err().to_string();
+        assert!(error.ends_with("the driver wrote behind what it captured, at word 5"), "{error}");
     }
 }

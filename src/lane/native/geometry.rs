@@ -103,7 +103,7 @@ impl Front {
 pub(super) fn front(module: &[u32], record: &Record, primitives: Primitives) -> Result<String, LaneError> {
     let reflection = Reflection::of(module);
     if interface::reads_primitive_id(&reflection) {
-        let what = "`gl_PrimitiveIDIn`: each primitive is drawn by itself";
+        let what = "`gl_PrimitiveIDIn` cannot be set on this lane, where each primitive is drawn by itself";
         return Err(LaneError::Unsupported(what.to_owned()));
     }
     Front::new(&reflection, record, primitives.input_vertices() as usize).map(|front| front.text)
@@ -154,8 +154,14 @@ impl GeometryRunner {
         let capacity = capacity.min(fit).clamp(1, MOST);
         let stage = vk::ShaderStageFlags::GEOMETRY;
         let topology = topology(input);
-        let setting =
-            Setting { attributes: &front.attributes, topology, blocks, stage, most: (capacity * input, capacity) };
+        let setting = Setting {
+            attributes: &front.attributes,
+            topology,
+            blocks,
+            stage,
+            most: (capacity * input, capacity),
+            alone: false,
+        };
         let mut draws = Draws::new(gpu, setting)?;
         let passes: &[bool] = if corners == 1 { &[true] } else { &[true, false] };
         for &points in passes {
@@ -165,6 +171,23 @@ impl GeometryRunner {
             draws.add(&Pass { modules: &modules, words: size, most, counted: capacity })?;
         }
         Ok(Self { draws, layout: job.output.clone(), fed: front.fed, filled, input, corners, sentinel, capacity })
+    }
+}
+
+impl GeometryRunner {
+    /// Proves that what the device counted was written in this run.
+    fn written(
+        &mut self,
+        pass: usize,
+        counts: &[Counts],
+        corners: usize,
+        (marks, blank): (Marks, u32),
+    ) -> Result<(), LaneError> {
+        let vertices = |counts: &[Counts]| counts.iter().map(|c| c.written as usize * corners).sum::<usize>();
+        let Some(vertex) = self.draws.unwritten(pass, vertices(counts), blank)? else { return Ok(()) };
+        let invocation = (1..=counts.len()).find(|&k| vertices(&counts[..k]) > vertex).map_or(0, |k| k - 1);
+        let (found, expected) = (blank, marks.canary ^ invocation as u32);
+        Err(LaneError::NotWritten { invocation, count: counts.len(), found, expected })
     }
 }
 
@@ -178,11 +201,13 @@ impl Runner for GeometryRunner {
         let fed = &self.fed;
         self.draws.upload((0..count).flat_map(|i| fed.iter().map(move |&k| batch.invocation(i)[k])), batch);
         let input = self.input;
-        let drawn = |i: usize| Drawn { case: i / batch.per_case.max(1), first: i * input, count: input };
+        let drawn = |i: usize| Drawn { case: i / batch.per_case.max(1), first: i * input, count: input, numbers: None };
         let draws: Vec<Drawn> = (0..count).map(drawn).collect();
         let marks = Marks { sentinel: self.sentinel, ..Marks::random() };
-        let points = self.draws.run(POINTS, &draws, true, marks.sentinel)?;
+        let blank = Marks::blank(marks.sentinel);
+        let points = self.draws.run(POINTS, &draws, true, blank)?;
         whole(&points)?;
+        self.written(POINTS, &points, 1, (marks, blank))?;
         let mut emitted: Vec<u32> = Vec::new();
         let size = self.filled.iter().map(Range::len).sum::<usize>() + 1;
         let total: u64 = points.iter().map(|c| c.written).sum();
@@ -190,8 +215,11 @@ impl Runner for GeometryRunner {
             emitted.extend(captured);
         }
         let mut emitted = emitted.chunks_exact(size);
-        let strips = if self.corners > 1 { self.draws.run(STRIPS, &draws, true, marks.sentinel)? } else { Vec::new() };
+        let strips = if self.corners > 1 { self.draws.run(STRIPS, &draws, true, blank)? } else { Vec::new() };
         whole(&strips)?;
+        if self.corners > 1 {
+            self.written(STRIPS, &strips, self.corners, (marks, blank))?;
+        }
         let (corners, filled) = (self.corners, &self.filled);
         let mut records = Records::new(&self.layout, count, marks);
         let mut primitives = (corners > 1).then(|| self.draws.captured(STRIPS));

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 use super::remote::{self, Engine, Front, Here, Work};
 use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
-use crate::program::{Attribute, Form, Kernel, OutputLayout, Primitives, Program, Role};
+use crate::program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role};
 use crate::value::Record;
 
 use glslang::{Kind, Translator};
@@ -108,6 +108,8 @@ pub enum Kinds {
     Vertex {
         /// Its attributes, in the order of the invocation record.
         attributes: Vec<Attribute>,
+        /// Numbers of the draw that it reads.
+        drawn: Vec<Drawn>,
     },
     /// A geometry stage.
     Geometry {
@@ -131,8 +133,8 @@ impl Engine for Native {
     fn prepare(&self, work: &Work, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         let Work::Native(job) = work else { return Err(LaneError::Api("work of another lane".to_owned())) };
         match &job.stage {
-            Kinds::Vertex { attributes } => {
-                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, attributes, capacity)?))
+            Kinds::Vertex { attributes, drawn } => {
+                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, (attributes, drawn), capacity)?))
             }
             Kinds::Geometry { .. } if !self.gpu.geometry => {
                 Err(LaneError::Unsupported("geometry stages, which this device lacks".to_owned()))
@@ -161,8 +163,9 @@ impl Front for Glslang {
             return unsupported("textures");
         }
         let (stage, module) = match (&kernel.form, &program.role) {
-            (Form::Vertex { attributes, .. }, Role::Vertex) => {
-                (Kinds::Vertex { attributes: attributes.clone() }, self.module(program, Kind::Vertex)?)
+            (Form::Vertex { attributes, drawn, .. }, Role::Vertex) => {
+                let (attributes, drawn) = (attributes.clone(), drawn.clone());
+                (Kinds::Vertex { attributes, drawn }, self.module(program, Kind::Vertex)?)
             }
             (Form::Geometry, Role::Geometry(primitives)) => {
                 let module = self.module(program, Kind::Geometry)?;

@@ -99,7 +99,10 @@ void main() { number = gl_VertexID; lit = light.turn * light.color * x; gl_Posit
 ";
     let turn = [0., 1., 0., 0., 0., 1., 1., 0., 0.];
     let case = [&[2., 3., 5.][..], &turn].concat();
-    let actual = vertices(text, &[1], 2, &[1., 1., 7., 10.], &[&case[..], &case[..]].concat());
+    // Numbers of vertices that no place in the batch has.
+    let number = f32::from_bits;
+    let fed = [1., number(900), 1., number(4), 7., number(4), 10., number(70_000)];
+    let actual = vertices(text, &[1], 2, &fed, &[&case[..], &case[..]].concat());
     let lit = |v: usize| {
         let index = actual.layout().vertex.index_of("lit").unwrap();
         floats(&actual.vertex(v, 0)[actual.layout().vertex.range(index)])
@@ -108,7 +111,7 @@ void main() { number = gl_VertexID; lit = light.turn * light.color * x; gl_Posit
     assert_eq!((lit(0), lit(3)), (vec![5., 2., 3.], vec![50., 20., 30.]));
     let number = actual.layout().vertex.index_of("number").unwrap();
     let number = actual.layout().vertex.range(number).start;
-    assert_eq!((0..4).map(|v| actual.vertex(v, 0)[number]).collect::<Vec<_>>(), [0, 1, 2, 3]);
+    assert_eq!((0..4).map(|v| actual.vertex(v, 0)[number]).collect::<Vec<_>>(), [900, 4, 4, 70_000]);
 }
 
 #[test]

@@ -13,17 +13,21 @@ use super::interface;
 use super::spirv::Reflection;
 use super::strips::Records;
 use crate::lane::{Actual, LaneError, Marks, Runner};
-use crate::program::{self, OutputLayout};
+use crate::program::{self, Count, OutputLayout};
 use crate::value::{Batch, Scalar};
 
 /// Words of all captured vertices of a batch: 64 MiB.
 const CAPTURED: usize = 1 << 24;
+/// Most vertices of a batch that are draws of their own.
+const DRAWS: usize = 1 << 14;
 
 pub(super) struct VertexRunner {
     draws: Draws,
     layout: OutputLayout,
     /// For each word of the vertex buffer, the word of the invocation record that it holds.
     fed: Vec<usize>,
+    /// Where the stage reads numbers of the draw.
+    numbers: Option<Numbers>,
     /// Words of records that the words of a captured vertex fill, in order.
     filled: Vec<Range<usize>>,
     sentinel: u32,
@@ -60,10 +64,11 @@ impl VertexRunner {
     pub fn new(
         gpu: &Rc<Gpu>,
         job: &Job,
-        attributes: &[program::Attribute],
+        (attributes, drawn): (&[program::Attribute], &[program::Drawn]),
         capacity: usize,
     ) -> Result<Self, LaneError> {
         let reflection = Reflection::of(&job.module);
+        let numbers = Numbers::new(drawn)?;
         let (mut described, mut fed) = (Vec::new(), Vec::new());
         for (k, attribute) in attributes.iter().enumerate() {
             let Some(location) = interface::location(&reflection, &attribute.field)? else { continue };
@@ -94,12 +99,22 @@ impl VertexRunner {
         let blocks = interface::blocks(&reflection, &job.case)?;
         let bytes: usize = blocks.iter().map(|block| block.bytes as usize + 256).sum();
         let capacity = capacity.min((4 * CAPTURED / bytes.max(1)).max(1));
+        let alone = !drawn.is_empty();
+        let capacity = if alone { capacity.min(DRAWS) } else { capacity };
         let (stage, topology) = (vk::ShaderStageFlags::VERTEX, vk::PrimitiveTopology::POINT_LIST);
-        let setting = Setting { attributes: &described, topology, blocks, stage, most: (capacity, capacity) };
+        let setting = Setting { attributes: &described, topology, blocks, stage, most: (capacity, capacity), alone };
         let mut draws = Draws::new(gpu, setting)?;
         let pass = Pass { modules: &[(stage, &module)], words: size, most: capacity, counted: 1 };
         draws.add(&pass)?;
-        Ok(Self { draws, layout: job.output.clone(), fed, filled, sentinel, capacity })
+        Ok(Self {
+            draws,
+            layout: job.output.clone(),
+            fed,
+            numbers: alone.then_some(numbers),
+            filled,
+            sentinel,
+            capacity,
+        })
     }
 }
 
@@ -112,14 +127,24 @@ impl Runner for VertexRunner {
         let count = self.count_of(batch, "vertices")?;
         let fed = &self.fed;
         self.draws.upload((0..count).flat_map(|i| fed.iter().map(move |&k| batch.invocation(i)[k])), batch);
-        let draws: Vec<Drawn> = if self.draws.is_uniform() {
-            vec![Drawn { case: 0, first: 0, count }]
-        } else {
-            let per_case = batch.per_case;
-            (0..batch.case_count()).map(|case| Drawn { case, first: case * per_case, count: per_case }).collect()
+        let per_case = batch.per_case;
+        let draws: Vec<Drawn> = match &self.numbers {
+            Some(numbers) => {
+                let alone = |k: usize| -> Result<Drawn, LaneError> {
+                    let numbers = Some(numbers.of(batch.invocation(k)).map_err(LaneError::Unsupported)?);
+                    Ok(Drawn { case: k / per_case.max(1), first: k, count: 1, numbers })
+                };
+                (0..count).map(alone).collect::<Result<_, _>>()?
+            }
+            None if self.draws.is_uniform() => vec![Drawn { case: 0, first: 0, count, numbers: None }],
+            None => {
+                let drawn = |case: usize| Drawn { case, first: case * per_case, count: per_case, numbers: None };
+                (0..batch.case_count()).map(drawn).collect()
+            }
         };
         let marks = Marks { sentinel: self.sentinel, ..Marks::random() };
-        let counts = self.draws.run(0, &draws, false, marks.sentinel)?.first().copied().unwrap_or_default();
+        let blank = Marks::blank(marks.sentinel);
+        let counts = self.draws.run(0, &draws, false, blank)?.first().copied().unwrap_or_default();
         if counts.written < count as u64 {
             let invocation = counts.written as usize;
             let (found, expected) = (marks.sentinel, marks.canary ^ invocation as u32);
@@ -131,6 +156,10 @@ impl Runner for VertexRunner {
                 "{count} vertices drawn, {needed} captured, {written} of them written"
             )));
         }
+        if let Some(invocation) = self.draws.unwritten(0, count, blank)? {
+            let (found, expected) = (blank, marks.canary ^ invocation as u32);
+            return Err(LaneError::NotWritten { invocation, count, found, expected });
+        }
         let mut records = Records::new(&self.layout, count, marks);
         for (invocation, captured) in self.draws.captured(0).take(count).enumerate() {
             if let Some(words) = records.vertex(invocation, 0, 0) {
@@ -139,6 +168,43 @@ impl Runner for VertexRunner {
             records.end(invocation, 1, 0);
         }
         records.accept()
+    }
+}
+
+/// How a vertex is drawn so that the stage reads the numbers of its sample.
+struct Numbers {
+    vertex: Option<program::Drawn>,
+    instance: Option<program::Drawn>,
+    /// What each of these draws has as 0.
+    zero: Vec<program::Drawn>,
+}
+
+impl Numbers {
+    /// # Errors
+    /// [`LaneError::Unsupported`] by name for numbers that are one and the same in a draw of one vertex.
+    fn new(drawn: &[program::Drawn]) -> Result<Self, LaneError> {
+        let of = |counts: [Count; 2]| -> Result<Option<program::Drawn>, LaneError> {
+            let found: Vec<&program::Drawn> = drawn.iter().filter(|d| counts.contains(&d.count)).collect();
+            match found[..] {
+                [one, other, ..] => Err(LaneError::Unsupported(format!(
+                    "`{}` and `{}` cannot be set apart on this lane, which draws one vertex at a time",
+                    one.name, other.name
+                ))),
+                [one] => Ok(Some(one.clone())),
+                [] => Ok(None),
+            }
+        };
+        let vertex = of([Count::Vertex, Count::BaseVertex])?;
+        let instance = of([Count::Instance, Count::BaseInstance])?;
+        let zero = drawn.iter().filter(|d| d.count == Count::Draw).cloned().collect();
+        Ok(Self { vertex, instance, zero })
+    }
+
+    /// First vertex and first instance for an invocation.
+    fn of(&self, invocation: &[u32]) -> Result<(u32, u32), String> {
+        self.zero.iter().try_for_each(|drawn| drawn.must_be_zero(invocation))?;
+        let of = |drawn: &Option<program::Drawn>| drawn.as_ref().map_or(Ok(0), |drawn| drawn.of(invocation));
+        Ok((of(&self.vertex)?, of(&self.instance)?))
     }
 }
 

@@ -4,7 +4,7 @@ use crate::glsl::interface::{Interface, Storage};
 use crate::glsl::{Profile, Shader};
 use crate::lane::LaneError;
 use crate::lower::Role;
-use crate::program::{Attribute, Form, Kernel, Program};
+use crate::program::{Attribute, Count, Form, Kernel, Program};
 use crate::value::{Field, Record};
 
 use super::job::{self, Bound, Job, Kind, Named, Text};
@@ -20,6 +20,11 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
         return Err(unsupported("a program that is not written in GLSL"));
     }
     let shader = Shader::parse_with(&program.lowered.file, program.lowered.stage, &program.lowered.defines).shader;
+    for (name, instead) in [("gl_VertexIndex", "gl_VertexID"), ("gl_InstanceIndex", "gl_InstanceID")] {
+        if shader.builtin(name).is_some() {
+            return Err(unsupported(format!("`{name}` of Vulkan; OpenGL has `{instead}`")));
+        }
+    }
     let interface = shader.interface();
     let mut texts: Vec<Text> = texts(program)?;
     let mut outputs = None;
@@ -29,7 +34,8 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
             (Kind::Vertex, None, attributes, vec![fed])
         }
         (Form::Compute, Role::Vertex) => {
-            let (attributes, fed) = plain(&whole(&kernel.invocation)?, &kernel.invocation)?;
+            let drawn = program.drawn().len();
+            let (attributes, fed) = plain(&whole(&kernel.invocation, drawn)?, &kernel.invocation)?;
             (Kind::Vertex, None, attributes, vec![fed])
         }
         // The vectors of its inputs are the same words in the same order, whatever the record calls them.
@@ -42,7 +48,9 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
         (Form::Geometry | Form::Compute, Role::Geometry(primitives)) => {
             if program.module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some("gl_PrimitiveIDIn")) {
                 // Every primitive is a draw of its own, in which it has the number 0.
-                return Err(unsupported("`gl_PrimitiveIDIn`"));
+                return Err(unsupported(
+                    "`gl_PrimitiveIDIn` cannot be set on this lane, where each primitive is drawn by itself",
+                ));
             }
             let pass::Pass { text, attributes, fed } = pass::pass(&shader, *primitives, &kernel.invocation)?;
             (pass::kind(*primitives), Some(text), attributes, fed)
@@ -67,12 +75,19 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
         pass,
         attributes,
         fed,
+        vertex: number(program, Count::Vertex),
+        instance: number(program, Count::Instance),
         invocation_words: kernel.invocation.words(),
         case_words: kernel.case.words(),
         uniforms,
         outputs,
         textures: program.textures.iter().map(bound).collect(),
     })
+}
+
+/// The word of the record of an invocation that is a number of the draw.
+fn number(program: &Program, count: Count) -> Option<u32> {
+    program.drawn().iter().find(|d| d.count == count).map(|d| d.word)
 }
 
 pub(super) fn unsupported(what: impl Into<String>) -> LaneError {
@@ -113,15 +128,16 @@ fn texts(program: &Program) -> Result<Vec<Text>, LaneError> {
     program.texts.iter().map(one).collect()
 }
 
-/// The attributes of a record, each with all its components.
-fn whole(record: &Record) -> Result<Vec<Attribute>, LaneError> {
+/// The attributes of a record, each with all its components; behind them are so many numbers of the draw.
+fn whole(record: &Record, drawn: usize) -> Result<Vec<Attribute>, LaneError> {
     let one = |(k, field): (usize, &Field)| {
         if field.shape.columns > 1 || field.shape.array.is_some() {
             return Err(unsupported(format!("attribute `{}` of type `{}`", field.name, field.shape)));
         }
         Ok(Attribute { field: field.clone(), location: k as u32, components: field.shape.rows })
     };
-    record.fields().iter().enumerate().map(one).collect()
+    let attributes = record.fields().len().saturating_sub(drawn);
+    record.fields()[..attributes].iter().enumerate().map(one).collect()
 }
 
 /// Attributes of a vertex stage, and the words that they are fed with.

@@ -26,11 +26,12 @@ impl Ready {
         if inputs.cases.len() != cases * self.job.case_words && self.job.case_words > 0 {
             return Err(LaneError::Api(format!("{} words for {cases} cases", inputs.cases.len())));
         }
+        let vertices = self.vertices_of(inputs)?;
+        let room = self.room(vertices.unwrap_or(inputs.count));
         // SAFETY: the context is current; the buffers are sized below for what is drawn.
         let (captured, read) = unsafe {
-            self.upload(inputs);
+            self.upload(inputs, room);
             let done = self.draw(inputs, begins)?;
-            let room = self.room(inputs.count);
             let mut read = vec![0_u32; room];
             let gl = &self.context.gl;
             gl.bind_buffer(glow::TRANSFORM_FEEDBACK_BUFFER, Some(self.captured));
@@ -38,7 +39,40 @@ impl Ready {
             (done, read)
         };
         self.context.checked("the draws").map_err(LaneError::Api)?;
-        proven(self.job.width(), captured, read, inputs)
+        let captured = proven(self.job.width(), (captured, vertices), read, inputs)?;
+        Ok(if vertices.is_some() { self.last_instances(captured, inputs) } else { captured })
+    }
+
+    /// Vertices that are captured of all invocations, where an instance is drawn together with all before it.
+    fn vertices_of(&self, inputs: &Inputs<'_>) -> Result<Option<usize>, LaneError> {
+        if self.job.instance.is_none() {
+            return Ok(None);
+        }
+        let vertices: usize = (0..inputs.count).map(|k| self.number(inputs, k, self.job.instance) as usize + 1).sum();
+        if vertices.saturating_mul(4 * self.job.width()) > CAPTURED {
+            let what =
+                format!("instances of {vertices} vertices, which OpenGL draws to reach those of `gl_InstanceID`");
+            return Err(LaneError::Unsupported(what));
+        }
+        Ok(Some(vertices))
+    }
+
+    /// A number of the draw for an invocation; 0 for one that the stage does not read.
+    fn number(&self, inputs: &Inputs<'_>, invocation: usize, word: Option<u32>) -> u32 {
+        let at = |word: u32| invocation * self.job.invocation_words + word as usize;
+        word.and_then(|word| inputs.invocations.get(at(word))).copied().unwrap_or(0)
+    }
+
+    /// Keeps of each invocation the instance that is meant: the last one.
+    fn last_instances(&self, captured: Captured, inputs: &Inputs<'_>) -> Captured {
+        let width = self.job.width();
+        let mut words = Vec::with_capacity(width * inputs.count);
+        let mut end = 0;
+        for k in 0..inputs.count {
+            end += (self.number(inputs, k, self.job.instance) as usize + 1) * width;
+            words.extend_from_slice(&captured.words[end - width..end]);
+        }
+        Captured { words, ..captured }
     }
 
     /// Words of the buffer: what can be captured, and one vertex more that must stay as it is.
@@ -46,14 +80,14 @@ impl Ready {
         self.job.most_words() * count + self.job.width()
     }
 
-    unsafe fn upload(&self, inputs: &Inputs<'_>) {
+    unsafe fn upload(&self, inputs: &Inputs<'_>, room: usize) {
         let gl = &self.context.gl;
         let mut words = Vec::with_capacity(inputs.count * self.job.fed.iter().map(Vec::len).sum::<usize>());
         for invocation in 0..inputs.count {
             let record = &inputs.invocations[invocation * self.job.invocation_words..];
             self.job.fed.iter().for_each(|fed| words.extend(fed.iter().map(|&k| record[k as usize])));
         }
-        let blank = vec![inputs.sentinel; self.room(inputs.count)];
+        let blank = vec![inputs.sentinel; room];
         // SAFETY: the context is current.
         unsafe {
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
@@ -90,7 +124,10 @@ impl Ready {
             }
             gl.begin_transform_feedback(capture_as);
             let vertices = self.job.vertices() as i32;
-            let alone = geometry || inputs.one_by_one;
+            let alone = geometry || inputs.one_by_one || self.job.reads_numbers();
+            if self.job.reads_numbers() {
+                gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
+            }
             let varies = self.job.case_words > 0;
             let cases = if varies || alone { inputs.count.div_ceil(inputs.per_case) } else { 1 };
             let per_case = if varies || alone { inputs.per_case } else { inputs.count };
@@ -112,7 +149,13 @@ impl Ready {
                     if geometry {
                         gl.begin_query(glow::TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written[k]);
                     }
-                    gl.draw_arrays(draw_as, k as i32 * vertices, vertices);
+                    if self.job.reads_numbers() {
+                        self.point(k);
+                        let [first, instance] = [self.job.vertex, self.job.instance].map(|w| self.number(inputs, k, w));
+                        gl.draw_arrays_instanced(draw_as, first as i32, 1, instance as i32 + 1);
+                    } else {
+                        gl.draw_arrays(draw_as, k as i32 * vertices, vertices);
+                    }
                     if geometry {
                         gl.end_query(glow::TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
                     }
@@ -142,6 +185,9 @@ impl Ready {
     }
 }
 
+/// Bytes of captured instances.
+const CAPTURED: usize = 1 << 27;
+
 /// What the driver counted.
 struct Drawn {
     generated: usize,
@@ -152,15 +198,22 @@ struct Drawn {
 
 /// Takes the captured words when driver and buffer agree on what was written: as many primitives as were made, no vertex
 /// that still holds what the buffer held before, and nothing behind the last one.
-fn proven(width: usize, drawn: Drawn, read: Vec<u32>, inputs: &Inputs<'_>) -> Result<Captured, LaneError> {
+/// `vertices` of them are drawn where that is not one for each invocation.
+fn proven(
+    width: usize,
+    (drawn, vertices): (Drawn, Option<usize>),
+    read: Vec<u32>,
+    inputs: &Inputs<'_>,
+) -> Result<Captured, LaneError> {
     let written: usize = drawn.written.iter().map(|&n| n as usize).sum();
     if written != drawn.generated {
         let made = drawn.generated;
         return Err(LaneError::Api(format!("transform feedback wrote {written} primitives of {made}")));
     }
     let count = inputs.count;
-    if !drawn.geometry && written != count {
-        return Err(LaneError::Api(format!("{count} points were drawn, and {written} captured")));
+    let points = vertices.unwrap_or(count);
+    if !drawn.geometry && written != points {
+        return Err(LaneError::Api(format!("{points} points were drawn, and {written} captured")));
     }
     let words = written * drawn.vertices * width;
     if words > read.len() {
@@ -202,17 +255,17 @@ mod tests {
     fn what_was_written_is_taken() {
         let read = vec![1, 2, 3, SENTINEL, SENTINEL, SENTINEL];
         // One word that happens to be the sentinel is an output like any other.
-        let taken = proven(2, points(2, 2), read, &inputs(2)).unwrap();
+        let taken = proven(2, (points(2, 2), None), read, &inputs(2)).unwrap();
         assert_eq!(taken.words, [1, 2, 3, SENTINEL]);
     }
 
     #[test]
     fn a_vertex_that_was_not_written_is_an_error() {
         let read = vec![1, 2, SENTINEL, SENTINEL, 5, 6, SENTINEL, SENTINEL];
-        let error = proven(2, points(3, 3), read, &inputs(3)).unwrap_err();
+        let error = proven(2, (points(3, 3), None), read, &inputs(3)).unwrap_err();
         assert!(matches!(error, LaneError::NotWritten { invocation: 1, count: 3, .. }));
         let lines = Drawn { generated: 2, written: vec![1, 1], vertices: 2, geometry: true };
-        let error = proven(1, lines, vec![1, 2, 3, SENTINEL, SENTINEL], &inputs(2)).unwrap_err();
+        let error = proven(1, (lines, None), vec![1, 2, 3, SENTINEL, SENTINEL], &inputs(2)).unwrap_err();
         assert!(matches!(error, LaneError::NotWritten { invocation: 1, .. }));
     }
 
@@ -224,7 +277,7 @@ mod tests {
             (points(2, 2), vec![1, 2, 3]),
             (points(2, 2), vec![1]),
         ] {
-            assert!(matches!(proven(1, drawn, read, &inputs(2)), Err(LaneError::Api(_))));
+            assert!(matches!(proven(1, (drawn, None), read, &inputs(2)), Err(LaneError::Api(_))));
         }
     }
 }

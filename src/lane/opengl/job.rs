@@ -19,6 +19,10 @@ pub struct Job {
     pub attributes: Vec<Attribute>,
     /// For each vertex of an invocation, the words of the invocation's record that its attributes are, side by side.
     pub fed: Vec<Vec<u32>>,
+    /// The word of that record that is `gl_VertexID`, where the stage reads it: each vertex is a draw of its own.
+    pub vertex: Option<u32>,
+    /// The word that is `gl_InstanceID`.
+    pub instance: Option<u32>,
     /// Words of the record of an invocation.
     pub invocation_words: usize,
     /// Words of the record of a case.
@@ -138,6 +142,11 @@ pub struct Bound {
 }
 
 impl Job {
+    /// True for a stage that reads numbers of the draw.
+    pub fn reads_numbers(&self) -> bool {
+        self.vertex.is_some() || self.instance.is_some()
+    }
+
     /// Words of the outputs of one vertex.
     pub fn width(&self) -> usize {
         self.outputs.iter().map(|o| o.shape.words()).sum()

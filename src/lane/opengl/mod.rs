@@ -26,7 +26,7 @@ use super::worker::with_inputs;
 use super::{Actual, Description, Lane, LaneError, Marks, Runner};
 use crate::interp::{self, Binary32, Executable, Meaning};
 use crate::lower::Role;
-use crate::program::{Kernel, OutputLayout};
+use crate::program::{Count, Drawn, Kernel, OutputLayout};
 use crate::value::Batch;
 
 use ask::unsupported;
@@ -96,8 +96,8 @@ impl Lane for OpenGl {
         let compile = || interp::compile(&kernel.program).map_err(|error| unsupported(error.locate(&kernel.program)));
         let meaning = interpreted.then(compile).transpose()?;
         let session = self.backend.prepare(&job, capacity.max(1)).map_err(|refusal| told(refusal, kernel, &job))?;
-        let layout = kernel.output.clone();
-        Ok(Box::new(GlRunner { session, job, layout, meaning, guarded: self.guarded }))
+        let (layout, drawn) = (kernel.output.clone(), kernel.program.drawn());
+        Ok(Box::new(GlRunner { session, job, layout, drawn, meaning, guarded: self.guarded }))
     }
 }
 
@@ -106,6 +106,8 @@ struct GlRunner {
     session: Box<dyn Session>,
     job: Job,
     layout: OutputLayout,
+    /// Numbers of the draw that the stage reads.
+    drawn: Vec<Drawn>,
     /// What the shader means to emit, and whether it ends.
     meaning: Option<Executable>,
     guarded: bool,
@@ -142,6 +144,12 @@ impl Runner for GlRunner {
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
         let count = self.count_of(batch, "invocations")?;
+        for drawn in &self.drawn {
+            // The others are 0 in what is drawn here.
+            let set = matches!(drawn.count, Count::Vertex | Count::Instance);
+            let fits = |of: &[u32]| if set { drawn.of(of).map(drop) } else { drawn.must_be_zero(of) };
+            (0..count).try_for_each(|k| fits(batch.invocation(k))).map_err(unsupported)?;
+        }
         let mut meaning = None;
         if self.guarded {
             meaning = self.meaning(batch)?;

@@ -51,6 +51,8 @@ pub struct Ready {
     pub(super) captured: glow::Buffer,
     pub(super) uniforms: Uniforms,
     pub(super) textures: Textures,
+    /// Attributes that the program reads: location, components, type, and byte in the record of a vertex.
+    pub(super) pointers: Vec<(u32, i32, u32, i32)>,
     pub(super) queries: Vec<glow::Query>,
     /// Invocations that fit into one run.
     pub capacity: usize,
@@ -80,6 +82,7 @@ impl Ready {
                 captured,
                 uniforms: Uniforms::default(),
                 textures: Textures::default(),
+                pointers: Vec::new(),
                 queries: Vec::new(),
                 capacity: 0,
             };
@@ -89,7 +92,7 @@ impl Ready {
             ready.uniforms = Uniforms::new(context, program, job, &ready.textures)?;
             let bytes = 4 * job.most_words().max(job.vertices() * job.fed.first().map_or(0, Vec::len)).max(1);
             let mut most = (BYTES / bytes).min(BYTES / ready.uniforms.case_bytes().max(1));
-            if let Kind::Geometry { .. } = job.stage {
+            if matches!(job.stage, Kind::Geometry { .. }) || job.reads_numbers() {
                 most = most.min(DRAWS);
             }
             ready.capacity = capacity.min(most).max(1);
@@ -115,7 +118,7 @@ impl Ready {
     }
 
     /// Binds attributes to the vertex buffer, and refuses those that nothing feeds.
-    unsafe fn attributes(&self) -> Result<(), LaneError> {
+    unsafe fn attributes(&mut self) -> Result<(), LaneError> {
         let gl = &self.context.gl;
         // SAFETY: as above; offsets are inside of the record that `draw` uploads for each vertex.
         unsafe {
@@ -129,23 +132,40 @@ impl Ready {
             }
             gl.bind_vertex_array(Some(self.array));
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.vertices));
-            let stride = 4 * self.job.fed.first().map_or(0, Vec::len) as i32;
             let mut offset = 0;
+            let mut pointers = Vec::new();
             for attribute in &self.job.attributes {
                 let components = i32::from(attribute.components);
                 if let Some(at) = gl.get_attrib_location(self.program, &attribute.name) {
                     gl.enable_vertex_attrib_array(at);
-                    match types::base(attribute.scalar) {
-                        glow::FLOAT => {
-                            gl.vertex_attrib_pointer_f32(at, components, glow::FLOAT, false, stride, offset);
-                        }
-                        base => gl.vertex_attrib_pointer_i32(at, components, base, stride, offset),
+                    pointers.push((at, components, types::base(attribute.scalar), offset));
+                    if self.job.reads_numbers() {
+                        // Whatever its numbers, a vertex that is drawn alone has the attributes that are pointed at.
+                        gl.vertex_attrib_divisor(at, i32::MAX as u32);
                     }
                 }
                 offset += 4 * components;
             }
+            self.pointers = pointers;
+            self.point(0);
         }
         Ok(())
+    }
+
+    /// Points the attributes at those of a vertex. The context must be current, with the buffer of the vertices bound.
+    pub(super) unsafe fn point(&self, vertex: usize) {
+        let gl = &self.context.gl;
+        let stride = 4 * self.job.fed.first().map_or(0, Vec::len) as i32;
+        for &(at, components, base, offset) in &self.pointers {
+            let offset = offset + stride * vertex as i32;
+            // SAFETY: as above.
+            unsafe {
+                match base {
+                    glow::FLOAT => gl.vertex_attrib_pointer_f32(at, components, base, false, stride, offset),
+                    _ => gl.vertex_attrib_pointer_i32(at, components, base, stride, offset),
+                }
+            }
+        }
     }
 }
 

@@ -252,7 +252,8 @@ fn emission_past_the_limit_is_counted() {
 fn what_stands_for_a_number_of_the_draw_is_refused_by_name() {
     let body = "v = float(gl_PrimitiveIDIn); i = 1; gl_Position = vec4(v); EmitVertex();";
     let error = run_geometry(&geometry("points", 1, body)).unwrap_err();
-    assert_eq!(error, LaneError::Unsupported("`gl_PrimitiveIDIn`".to_owned()));
+    let said = "`gl_PrimitiveIDIn` cannot be set on this lane, where each primitive is drawn by itself";
+    assert_eq!(error, LaneError::Unsupported(said.to_owned()));
 }
 
 #[test]

@@ -184,8 +184,8 @@ impl Engine for Vulkan {
                 Err(LaneError::Unsupported("this device cannot write storage buffers in the vertex stage".to_owned()))
             }
             Form::Geometry => Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned())),
-            Form::Vertex { attributes, blocks } => {
-                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, attributes, blocks, capacity)?))
+            Form::Vertex { attributes, blocks, drawn } => {
+                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, (attributes, blocks, drawn), capacity)?))
             }
         }
     }

@@ -125,14 +125,19 @@ void main() {{ {body} }}"
     );
     let primitives = Primitives { input: InputPrimitive::Triangles, output: OutputPrimitive::LineStrip, max_vertices };
     let mut lowered = lowered(&text, Stage::Geometry, Role::Geometry(primitives));
-    lowered.inputs = vec![var("gl_Position", Shape::VEC4.array_of(3), None), var("n", Shape::FLOAT.array_of(3), None)];
+    lowered.inputs = vec![
+        var("gl_Position", Shape::VEC4.array_of(3), None),
+        var("n", Shape::FLOAT.array_of(3), None),
+        var("gl_PrimitiveIDIn", Shape::INT, None),
+    ];
     lowered.outputs = vec![var("gl_Position", Shape::VEC4, None), var("v", Shape::FLOAT, None)];
     Program::new(lowered).unwrap()
 }
 
 fn run_geometry(program: &Program) -> crate::lane::Actual {
-    let one: Vec<f32> = (0..15).map(|k| k as f32).collect();
-    let two: Vec<f32> = (100..115).map(|k| k as f32).collect();
+    // The number of the primitive stands behind the others.
+    let one: Vec<f32> = (0..15).map(|k| k as f32).chain([f32::from_bits(0)]).collect();
+    let two: Vec<f32> = (100..115).map(|k| k as f32).chain([f32::from_bits(7)]).collect();
     let kernel = program.compute_kernel().unwrap();
     lane().prepare(&kernel, 2).unwrap().run(&batch(program, 1, &[one, two].concat(), &[])).unwrap()
 }
@@ -146,7 +151,7 @@ fn emitted_vertices_and_strips_are_recorded() {
     ));
     assert_eq!((actual.emitted(1), actual.ended_strips(1)), (3, 1));
     assert_eq!(floats(actual.vertex(0, 2)), [8., 9., 10., 11., 14.]);
-    assert_eq!(floats(actual.vertex(1, 1)), [104., 105., 106., 107., 114.]);
+    assert_eq!(floats(actual.vertex(1, 1)), [104., 105., 106., 107., 120.]);
     assert_eq!([actual.strip(1, 0), actual.strip(1, 1), actual.strip(1, 2)], [0, 0, 1]);
 }
 

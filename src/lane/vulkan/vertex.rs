@@ -4,7 +4,7 @@ use super::Job;
 use super::gpu::{Gpu, Outputs, as_bytes};
 use super::texture::Textures;
 use crate::lane::{Actual, LaneError, Runner};
-use crate::program::{Attribute, ENTRY_POINT, UniformBlock, binding};
+use crate::program::{Attribute, Count, Drawn, ENTRY_POINT, UniformBlock, binding};
 use crate::value::{Batch, Scalar};
 
 /// Size of the target that nothing is drawn to.
@@ -25,6 +25,8 @@ pub(super) struct VertexRunner {
     record_words: usize,
     blocks: Vec<Uniforms>,
     outputs: Outputs,
+    /// The number of the draw that the shader reads: each vertex is a draw of its own.
+    number: Option<Drawn>,
     capacity: usize,
 }
 
@@ -40,10 +42,10 @@ impl VertexRunner {
     pub fn new(
         gpu: &Gpu,
         job: &Job,
-        attributes: &[Attribute],
-        blocks: &[UniformBlock],
+        (attributes, blocks, drawn): (&[Attribute], &[UniformBlock], &[Drawn]),
         capacity: usize,
     ) -> Result<Self, LaneError> {
+        let number = number(drawn)?;
         let limits = gpu.device.limits();
         if blocks.len() > limits.max_dynamic_uniform_buffers_per_pipeline_layout as usize {
             return Err(LaneError::Unsupported(format!(
@@ -107,7 +109,10 @@ impl VertexRunner {
             });
             let buffer_layout = wgpu::VertexBufferLayout {
                 array_stride: 4 * fed.len() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
+                step_mode: match &number {
+                    Some(Drawn { count: Count::Vertex, .. }) => wgpu::VertexStepMode::Instance,
+                    Some(_) | None => wgpu::VertexStepMode::Vertex,
+                },
                 attributes: &wgpu_attributes,
             };
             let module = gpu.shader(job);
@@ -150,6 +155,7 @@ impl VertexRunner {
                 fed,
                 blocks,
                 outputs,
+                number,
                 capacity,
             })
         })?
@@ -185,6 +191,11 @@ impl Runner for VertexRunner {
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
         let count = self.count_of(batch, "vertices")?;
         let gpu = self.gpu.clone();
+        let of = |number: &Drawn| -> Result<Numbers, LaneError> {
+            let all = (0..count).map(|k| number.of(batch.invocation(k))).collect::<Result<_, _>>();
+            Ok((number.count, all.map_err(LaneError::Unsupported)?))
+        };
+        let numbers = self.number.as_ref().map(of).transpose()?;
         gpu.checked(|| {
             self.upload(batch, count);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -211,18 +222,53 @@ impl Runner for VertexRunner {
                 }
                 if self.blocks.is_empty() {
                     pass.set_bind_group(1, &self.uniforms, &[]);
-                    pass.draw(0..count as u32, 0..1);
+                    draw(&mut pass, &numbers, 0..count as u32);
                 }
                 let cases = if self.blocks.is_empty() { 0 } else { batch.case_count() };
                 for case in 0..cases as u32 {
                     let offsets: Vec<u32> = self.blocks.iter().map(|u| u.stride * case).collect();
                     pass.set_bind_group(1, &self.uniforms, &offsets);
                     let first = case * batch.per_case as u32;
-                    pass.draw(first..first + batch.per_case as u32, 0..1);
+                    draw(&mut pass, &numbers, first..first + batch.per_case as u32);
                 }
             }
             self.outputs.finish(encoder, count, marks)
         })?
+    }
+}
+
+/// For each vertex of a batch, the number that the shader reads.
+type Numbers = (Count, Vec<u32>);
+
+/// Draws vertices, each by itself where the shader reads a number: one of vertex and instance is what the sample says,
+/// and the other one the place of the record.
+fn draw(pass: &mut wgpu::RenderPass<'_>, numbers: &Option<Numbers>, vertices: std::ops::Range<u32>) {
+    let Some((count, numbers)) = numbers else { return pass.draw(vertices, 0..1) };
+    for k in vertices {
+        let number = numbers[k as usize];
+        let (number, place) = (number..number + 1, k..k + 1);
+        match count {
+            Count::Vertex => pass.draw(number, place),
+            _ => pass.draw(place, number),
+        }
+    }
+}
+
+/// The number of the draw that a shader reads.
+///
+/// # Errors
+/// [`LaneError::Unsupported`] by name for what the draws here do not set.
+fn number(drawn: &[Drawn]) -> Result<Option<Drawn>, LaneError> {
+    if let Some(other) = drawn.iter().find(|d| !matches!(d.count, Count::Vertex | Count::Instance)) {
+        return Err(LaneError::Unsupported(other.refusal()));
+    }
+    match drawn {
+        [] => Ok(None),
+        [one] => Ok(Some(one.clone())),
+        [one, other, ..] => Err(LaneError::Unsupported(format!(
+            "`{}` and `{}` at once: one of them tells where the outputs go",
+            one.name, other.name
+        ))),
     }
 }
 

@@ -11,6 +11,7 @@ use crate::glsl::Stage;
 use crate::glsl::ast::ExprKind;
 use crate::glsl::symbols::SymbolId;
 use crate::glsl::types::{ArraySize, ScalarType, StructType, Type};
+use crate::program::PortAt;
 use crate::text::Span;
 
 /// An input of a stage that is no variable of the author: what naga calls it, and its type there.
@@ -185,7 +186,12 @@ impl Build<'_> {
                 Ok(handle)
             }
             (Stage::Fragment, "gl_NumSamples") => self.uniform(name, ty, span),
-            (Stage::Geometry, "gl_PrimitiveIDIn" | "gl_InvocationID") => self.private(name, ty, span),
+            (Stage::Geometry, "gl_InvocationID") => self.private(name, ty, span),
+            (Stage::Geometry, "gl_PrimitiveIDIn") => {
+                let handle = self.private(name, ty, span)?;
+                self.port_in(name, ty, PortAt::Global(handle), span)?;
+                Ok(handle)
+            }
             (Stage::Geometry, "gl_in") => {
                 let handle = self.private(name, ty, span)?;
                 let others = std::mem::take(&mut self.inputs);

@@ -104,6 +104,7 @@ impl Build<'_> {
             task_payload: None,
             incoming_ray_payload: None,
         });
+        self.inputs.append(&mut self.drawn);
         self.settle_outputs();
         self.discard_output();
         Ok(())

@@ -255,7 +255,7 @@ impl<'s> Build<'s> {
         Ok(())
     }
 
-    fn port_in(&mut self, name: &str, ty: &Type, at: PortAt, span: Span) -> Result<()> {
+    pub(super) fn port_in(&mut self, name: &str, ty: &Type, at: PortAt, span: Span) -> Result<()> {
         if let Some(shape) = ty.shape() {
             let ty = self.value_type(ty, span)?;
             self.inputs.push(Port { field: Field { name: name.to_owned(), shape }, ty, at, backing: None });
@@ -576,12 +576,19 @@ impl<'s> Build<'s> {
         let index = u32::try_from(self.incoming.len()).unwrap_or(0);
         let argument = FunctionArgument { name: Some(name.to_owned()), ty, binding };
         self.incoming.push(Incoming { argument, to: handle, path, ty: kept.clone() });
-        use naga::BuiltIn as B;
-        let fed = matches!(built_in, B::Position { .. } | B::FrontFacing | B::PointCoord);
-        if fed && self.run && self.shader.stage() == Stage::Fragment {
-            return self.port_in(name, given, PortAt::Argument(index), span);
+        // A compute stage is dispatched alone, and a host decides for itself.
+        if !self.run || !matches!(self.shader.stage(), Stage::Vertex | Stage::Fragment) {
+            self.built_ins.push((index, built_in));
+            return Ok(());
         }
-        self.built_ins.push((index, built_in));
+        let before = self.inputs.len();
+        self.port_in(name, kept, PortAt::Argument(index), span)?;
+        for port in &mut self.inputs[before..] {
+            port.ty = ty;
+        }
+        if self.shader.stage() == Stage::Vertex {
+            self.drawn.extend(self.inputs.drain(before..));
+        }
         Ok(())
     }
 }

@@ -89,6 +89,8 @@ struct Build<'s> {
     built_in_outputs: Vec<Port>,
     outputs: Vec<Port>,
     built_ins: Vec<(u32, BuiltIn)>,
+    /// Numbers of the draw, which stand behind all attributes.
+    drawn: Vec<Port>,
     /// Inputs of the stage, which a function alone does not get.
     stage_inputs: Vec<(String, Handle<GlobalVariable>, Span)>,
     /// What the harness has no way to feed or read.
@@ -150,6 +152,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         built_in_outputs: Vec::new(),
         outputs: Vec::new(),
         built_ins: Vec::new(),
+        drawn: Vec::new(),
         stage_inputs: Vec::new(),
         unfed: Vec::new(),
         memory: Vec::new(),
@@ -211,6 +214,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         uniforms,
         outputs,
         built_ins,
+        ranges: Vec::new(),
         textures,
         stage_module: None,
         unfed,

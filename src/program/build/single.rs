@@ -32,6 +32,7 @@ impl Build<'_> {
             handle = self.around(handle, (id, name))?;
         }
         self.built_ins.clear();
+        self.drawn.clear();
         self.built_in_outputs.clear();
         self.inputs.clear();
         self.outputs.clear();

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use naga::{
-    AddressSpace, BinaryOperator, BuiltIn, EntryPoint, Expression, GlobalVariable, Handle, Module, ResourceBinding,
-    ScalarKind, ShaderStage, Span, Statement, StorageAccess,
+    AddressSpace, BinaryOperator, EntryPoint, Expression, GlobalVariable, Handle, Module, ResourceBinding, ScalarKind,
+    ShaderStage, Span, Statement, StorageAccess,
 };
 
 use super::builder::{Builder, Types, add_global};
@@ -155,15 +155,10 @@ pub(super) fn kernel(program: &Program, feed: Feed<'_>) -> Result<Kernel, Progra
                 references.push((k, local));
             }
         }
-        for &(k, built_in) in &program.built_ins {
-            arguments[k as usize] = Some(match built_in {
-                BuiltIn::VertexIndex => index,
-                // Instances are not drawn: the first one is meant.
-                _ => {
-                    let ty = module.functions[function].arguments[k as usize].ty;
-                    b.name(Expression::ZeroValue(ty))
-                }
-            });
+        for &(k, _) in &program.built_ins {
+            // The first invocation of a dispatch is meant.
+            let ty = module.functions[function].arguments[k as usize].ty;
+            arguments[k as usize] = Some(b.name(Expression::ZeroValue(ty)));
         }
         let record = scaled(b, index, layout.words());
         poison(b, &harness, program, &module);
@@ -171,7 +166,7 @@ pub(super) fn kernel(program: &Program, feed: Feed<'_>) -> Result<Kernel, Progra
             direct.begin(b, record);
         }
         if let Some(emission) = &emission {
-            emission.begin(b, record, index);
+            emission.begin(b, record);
         }
         let Some(arguments) = arguments.into_iter().collect::<Option<Vec<_>>>() else {
             failure = Some("an argument of the entry point".to_owned());

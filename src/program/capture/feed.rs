@@ -210,7 +210,7 @@ impl<'a> Feeding<'a> {
                 let slots = (0..self.case_words as u32).map(|word| UniformSlot { word, byte: 4 * word }).collect();
                 let bytes = 4 * self.case_words.next_multiple_of(4) as u32;
                 let blocks = if self.case_words > 0 { vec![UniformBlock { bytes, slots }] } else { Vec::new() };
-                Form::Vertex { attributes: self.attributes.clone(), blocks }
+                Form::Vertex { attributes: self.attributes.clone(), blocks, drawn: Vec::new() }
             }
         }
     }

@@ -16,8 +16,6 @@ pub(super) struct Emission {
     strip: Handle<GlobalVariable>,
     /// Index of the first word of the invocation's record.
     record: Handle<GlobalVariable>,
-    /// `gl_PrimitiveIDIn`, when the shader reads it.
-    primitive: Option<Handle<GlobalVariable>>,
 }
 
 impl Emission {
@@ -32,12 +30,7 @@ impl Emission {
         let u32 = harness.types.u32;
         let mut private = |name: &str| add_global(module, name, AddressSpace::Private, None, u32);
         let (count, strip, record) = (private("sc_count"), private("sc_strip"), private("sc_record"));
-        let primitive = module
-            .global_variables
-            .iter()
-            .find(|(_, v)| v.name.as_deref() == Some("gl_PrimitiveIDIn"))
-            .map(|(handle, _)| handle);
-        let this = Self { count, strip, record, primitive };
+        let this = Self { count, strip, record };
 
         let emit = this.emit_vertex(program, module, harness, primitives.max_vertices);
         let end = this.end_primitive();
@@ -97,14 +90,9 @@ impl Emission {
     }
 
     /// Resets the state for the invocation whose record starts at `record`.
-    pub(super) fn begin(&self, b: &mut Builder, record: Handle<naga::Expression>, index: Handle<naga::Expression>) {
+    pub(super) fn begin(&self, b: &mut Builder, record: Handle<naga::Expression>) {
         let zero = b.u32(0);
         for (variable, value) in [(self.count, zero), (self.strip, zero), (self.record, record)] {
-            let pointer = b.global(variable);
-            b.store(pointer, value);
-        }
-        if let Some(variable) = self.primitive {
-            let value = b.bitcast(index, naga::ScalarKind::Sint);
             let pointer = b.global(variable);
             b.store(pointer, value);
         }

@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use naga::valid::ModuleInfo;
 
-use super::{Program, ProgramError};
+use super::{Drawn, Program, ProgramError};
 use crate::value::{Batch, Field, Record};
 
 pub(super) use builder::add_global;
@@ -173,6 +173,9 @@ pub enum Form {
         attributes: Vec<Attribute>,
         /// Uniform blocks, bound in group 1 by index.
         blocks: Vec<UniformBlock>,
+        /// Numbers of the draw that the shader reads. Where the vertex is one of them, the number of the record is that
+        /// of the instance.
+        drawn: Vec<Drawn>,
     },
     /// For a lane that runs the geometry stage of its API; the module is that of [`Form::Compute`].
     Geometry,

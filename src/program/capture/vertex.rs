@@ -15,7 +15,7 @@ use super::words::{self, WordsAt};
 use super::{ENTRY_POINT, Form, Kernel};
 use crate::lower::Role;
 use crate::program::layout::byte_offsets;
-use crate::program::{Entry, PortAt, Program, ProgramError, validate};
+use crate::program::{Count, Entry, PortAt, Program, ProgramError, validate};
 use crate::value::{Field, Scalar};
 
 /// A vertex attribute as the host feeds it.
@@ -69,12 +69,16 @@ pub(super) fn kernel(program: &Program, components: &[u8]) -> Result<Kernel, Pro
     let mut b = Builder::new();
     let mut arguments = original;
     let call: Vec<_> = (0..arguments.len() as u32).map(|k| b.argument(k)).collect();
-    let is_index = |a: &FunctionArgument| a.binding == Some(Binding::BuiltIn(BuiltIn::VertexIndex));
+    let drawn = program.drawn();
+    // The draw sets the number that the shader reads, and the other one is that of the record.
+    let reads_vertex = drawn.iter().any(|d| d.count == Count::Vertex);
+    let counter = if reads_vertex { BuiltIn::InstanceIndex } else { BuiltIn::VertexIndex };
+    let is_index = |a: &FunctionArgument| a.binding == Some(Binding::BuiltIn(counter));
     let index_at = arguments.iter().position(is_index).unwrap_or_else(|| {
         arguments.push(FunctionArgument {
             name: Some("sc_index".to_owned()),
             ty: harness.types.u32,
-            binding: Some(Binding::BuiltIn(BuiltIn::VertexIndex)),
+            binding: Some(Binding::BuiltIn(counter)),
         });
         arguments.len() - 1
     });
@@ -110,7 +114,7 @@ pub(super) fn kernel(program: &Program, components: &[u8]) -> Result<Kernel, Pro
         case: Arc::new(program.case_record()),
         output: layout,
         program: Arc::new(program.clone()),
-        form: Form::Vertex { attributes, blocks },
+        form: Form::Vertex { attributes, blocks, drawn },
         module,
         info,
     })
@@ -131,8 +135,11 @@ fn attributes(
         let PortAt::Argument(k) = port.at else {
             return Err(ProgramError::internal(format!("attribute at {:?}", port.at)));
         };
-        let Some(Binding::Location { location, .. }) = arguments[k as usize].binding else {
-            return Err(ProgramError::internal(format!("attribute `{}` has no location", port.field.name)));
+        let location = match arguments[k as usize].binding {
+            Some(Binding::Location { location, .. }) => location,
+            // Numbers of the draw stand behind all attributes.
+            Some(Binding::BuiltIn(_)) => continue,
+            None => return Err(ProgramError::internal(format!("attribute `{}` has no location", port.field.name))),
         };
         let shape = port.field.shape;
         if shape.array.is_some() || shape.columns > 1 || shape.scalar == Scalar::Bool {

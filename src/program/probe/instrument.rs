@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use naga::valid::FunctionInfo;
 use naga::{
-    AddressSpace, ArraySize, BinaryOperator, Block, Expression, Function, FunctionArgument, GlobalVariable, Handle,
-    Literal, MathFunction, Module, Range, Scalar, ScalarKind, Span, Statement, Type, TypeInner,
+    AddressSpace, ArraySize, BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal,
+    MathFunction, Module, Range, Scalar, Span, Statement, Type, TypeInner,
 };
 
 use super::operands::{Leaves, Scope, path};
@@ -280,26 +280,13 @@ fn flatten(program: &mut Program, points: &mut Vec<Point>, store: Store) -> Resu
         module.functions[named.ok_or_else(|| strange("that cannot emit"))?] = function;
     }
     let main = module.functions.append(main, Span::UNDEFINED);
-    let u32 = module.types.insert(Type { name: None, inner: TypeInner::Scalar(Scalar::U32) }, Span::UNDEFINED);
-    let mut entry = Function {
-        name: Some("sc_primitive".to_owned()),
-        arguments: vec![FunctionArgument { name: Some("sc_index".to_owned()), ty: u32, binding: None }],
-        ..Function::default()
-    };
+    let mut entry = Function { name: Some("sc_primitive".to_owned()), ..Function::default() };
     let mut writer = Writer { function: &mut entry, body: Block::new() };
     writer.reset(store);
-    let numbered = module.global_variables.iter().find(|(_, g)| g.name.as_deref() == Some("gl_PrimitiveIDIn"));
-    if let Some((global, _)) = numbered {
-        let expr = writer.name(Expression::FunctionArgument(0));
-        let pointer = writer.name(Expression::GlobalVariable(global));
-        let value = writer.compute(Expression::As { expr, kind: ScalarKind::Sint, convert: None });
-        writer.push(Statement::Store { pointer, value });
-    }
     writer.push(Statement::Call { function: main, arguments: Vec::new(), result: None });
     entry.body = writer.body;
     program.entry = Entry::Function(module.functions.append(entry, Span::UNDEFINED));
     program.role = Role::Function { name: "main".to_owned() };
-    program.built_ins = vec![(0, naga::BuiltIn::VertexIndex)];
     Ok(())
 }
 

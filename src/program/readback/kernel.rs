@@ -11,7 +11,6 @@ use crate::program::{Entry, Language, Port, PortAt, Program, TranslateError};
 
 /// Functions and variables of a geometry stage that mean something by their name.
 const EMISSION: [&str; 2] = ["EmitVertex", "EndPrimitive"];
-const PRIMITIVE: &str = "gl_PrimitiveIDIn";
 
 pub(super) fn resolve(
     program: &Program,
@@ -29,10 +28,6 @@ pub(super) fn resolve(
             if let Ok(function) = function(&back.module, name) {
                 back.module.functions[function].name = Some(name.to_owned());
             }
-        }
-        let uses = program.module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some(PRIMITIVE));
-        if let Some(number) = nearest(privates(&back.module), PRIMITIVE).filter(|_| uses) {
-            back.module.global_variables[number].name = Some(PRIMITIVE.to_owned());
         }
     }
     Ok(back)

@@ -22,13 +22,21 @@ pub(super) fn resolve(
     };
     let own = &program.module.entry_points[index].function;
     let Some(entry) = module.entry_points.first() else { return Err(other("it has no entry point".to_owned())) };
-    let (mut inputs, mut invocation, mut built_ins) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut inputs, mut invocation) = (Vec::new(), Vec::new());
     let mut arguments = entry.function.arguments.iter().enumerate();
     let of_argument = |(k, argument): (usize, &naga::FunctionArgument)| -> Result<(), String> {
         match &argument.binding {
-            Some(Binding::BuiltIn(built_in)) => built_ins.push((k as u32, *built_in)),
+            Some(Binding::BuiltIn(built_in)) => match input(program, own, &Binding::BuiltIn(*built_in)) {
+                Some((port, first)) => {
+                    invocation.push(Some(first as u32));
+                    let at = PortAt::Argument(k as u32);
+                    inputs.push(Place { name: port.field.name.clone(), ty: argument.ty, at });
+                }
+                None => return Err(format!("it takes {built_in:?}, which the shader does not")),
+            },
             Some(Binding::Location { location, .. }) => {
-                let (port, first) = attribute(program, own, *location).ok_or_else(|| {
+                let found = argument.binding.as_ref().and_then(|binding| input(program, own, binding));
+                let (port, first) = found.ok_or_else(|| {
                     format!("it takes an attribute at location {location}, which the shader does not")
                 })?;
                 same_shape(program, port, &module, argument.ty)?;
@@ -55,7 +63,7 @@ pub(super) fn resolve(
         inputs,
         uniforms,
         outputs,
-        built_ins,
+        built_ins: Vec::new(),
         textures: super::textures(program, &module),
         max_vertices: None,
         invocation,
@@ -65,13 +73,12 @@ pub(super) fn resolve(
     })
 }
 
-/// The attribute at a location, with its first word in the invocation record.
-fn attribute<'p>(program: &'p Program, own: &Function, location: u32) -> Option<(&'p Port, usize)> {
+/// The attribute at a location, or the number of the draw, with its first word in the invocation record.
+fn input<'p>(program: &'p Program, own: &Function, binding: &Binding) -> Option<(&'p Port, usize)> {
     let mut word = 0;
     for port in &program.inputs {
         if let PortAt::Argument(k) = port.at
-            && let Some(Binding::Location { location: here, .. }) = own.arguments[k as usize].binding
-            && here == location
+            && own.arguments[k as usize].binding.as_ref().is_some_and(|here| same_binding(here, binding))
         {
             return Some((port, word));
         }

@@ -74,6 +74,11 @@ const WORDS: &[(&[&str], Guess)] = &[
     ),
 ];
 
+/// The values of a number that the draw decides: the vertex, the instance, the primitive.
+pub fn number_of_the_draw(most: u32) -> Guess {
+    guess("index", Some([0.0, f64::from(most)]), "a number of the draw")
+}
+
 /// The values that an input takes.
 pub fn of(field: &Field) -> Guess {
     let words = words(&field.name);

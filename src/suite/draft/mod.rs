@@ -97,7 +97,7 @@ pub fn draft(
         return Err("it takes nothing that could be varied".to_owned());
     }
     let head = head(subject, name, shader);
-    let groups = groups(&inputs, case.fields().len());
+    let groups = groups(&inputs, case.fields().len(), &program);
     let candidates = laws(subject.stage, &inputs, outputs.fields());
     let assemble = |laws: &[String], floors: &str| {
         let mut text = head.clone();
@@ -204,10 +204,13 @@ fn head(subject: &Subject, name: &str, shader: &str) -> String {
 }
 
 /// The groups of inputs: those that are filled alike stand together, uniforms apart from the others.
-fn groups(inputs: &[&Field], uniforms: usize) -> String {
+fn groups(inputs: &[&Field], uniforms: usize, program: &Program) -> String {
     let mut groups: Vec<(bool, guess::Guess, Vec<&str>)> = Vec::new();
     for (k, field) in inputs.iter().enumerate() {
-        let guess = guess::of(field);
+        let guess = match program.largest(&field.name) {
+            Some(most) => guess::number_of_the_draw(most),
+            None => guess::of(field),
+        };
         let uniform = k < uniforms;
         // Bones and weights keep laws between the inputs of a group; others only share a range.
         let joins = |g: &&mut (bool, guess::Guess, Vec<&str>)| {

@@ -180,7 +180,7 @@ pub fn prepare_with(
     let plan = if suite.inputs.is_empty() && !rows.is_empty() {
         Plan::of_given(compute.invocation.clone(), compute.case.clone())
     } else {
-        suite.plan(&compute.invocation, &compute.case).map_err(|source| RunError::Plan {
+        suite.plan_for(&program, &compute.invocation, &compute.case).map_err(|source| RunError::Plan {
             suite: name(),
             shader: shader_name(),
             source: Box::new(source),

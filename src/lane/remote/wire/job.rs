@@ -6,7 +6,7 @@ use super::{Reader, Wire, Writer, tag, wire};
 use crate::glsl::interface::{InputPrimitive, OutputPrimitive};
 use crate::lane::{native, vulkan};
 use crate::program::texture::{Dimension, Image, Texel, TextureKind};
-use crate::program::{Attribute, Form, OutputLayout, Primitives, Texture, UniformBlock, UniformSlot};
+use crate::program::{Attribute, Count, Drawn, Form, OutputLayout, Primitives, Texture, UniformBlock, UniformSlot};
 use crate::value::{Field, Record, Scalar, Shape};
 
 wire! { enum Scalar { F32, I32, U32, Bool } }
@@ -14,9 +14,11 @@ wire! { struct Shape { scalar, columns, rows, array } }
 wire! { struct Field { name, shape } }
 wire! { struct OutputLayout { vertex, max_vertices } }
 wire! { struct Attribute { field, location, components } }
+wire! { enum Count { Vertex, Instance, BaseVertex, BaseInstance, Draw } }
+wire! { struct Drawn { name, count, word } }
 wire! { struct UniformSlot { word, byte } }
 wire! { struct UniformBlock { bytes, slots } }
-wire! { enum Form { Compute, Uniforms, Constants, Vertex { attributes, blocks }, Geometry } }
+wire! { enum Form { Compute, Uniforms, Constants, Vertex { attributes, blocks, drawn }, Geometry } }
 wire! { enum Dimension { D1, D2, D3, Cube } }
 wire! { enum Texel { Float, Int, Uint, Depth } }
 wire! { struct TextureKind { dimension, arrayed, texel } }
@@ -26,7 +28,7 @@ wire! { enum OutputPrimitive { Points, LineStrip, TriangleStrip } }
 wire! { struct Primitives { input, output, max_vertices } }
 // The module comes first: others have handles of it.
 wire! { struct vulkan::Job { module, form, invocation, case, output, textures } }
-wire! { enum native::Kinds { Vertex { attributes }, Geometry { primitives, front } } }
+wire! { enum native::Kinds { Vertex { attributes, drawn }, Geometry { primitives, front } } }
 wire! { struct native::Job { stage, module, invocation, case, output } }
 
 impl Wire for Arc<Record> {
