@@ -15,7 +15,7 @@ use crate::lane::{opengl, remote, worker};
 pub struct WorkerArgs {
     /// Which lanes are served
     side: String,
-    /// What the engine does wrong on purpose: garbage, lost-device, crash or hang
+    /// What the engine does wrong on purpose: garbage, lost-device, out-of-memory, crash or hang
     #[arg(long)]
     plant: Option<Fault>,
 }

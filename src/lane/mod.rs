@@ -179,7 +179,7 @@ pub struct Unavailable {
 #[derive(Clone, Debug, Error, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LaneError {
     /// The device's API reported an error.
-    #[error("the device reported an error: {0}")]
+    #[error("{}", api(.0))]
     Api(String),
     /// The kernel needs something that the lane lacks.
     #[error("not supported on this lane: {0}")]
@@ -223,10 +223,45 @@ pub enum LaneError {
 }
 
 impl LaneError {
+    /// True where the executor or what drives it failed outright: it crashed, hung, lost the device or wrote nothing.
+    pub fn is_failure(&self) -> bool {
+        match self {
+            Self::Lost { .. } | Self::NotWritten { .. } => true,
+            Self::Api(text) => is_lost(text),
+            Self::Unsupported(_) | Self::Endless { .. } => false,
+        }
+    }
+
     /// A kernel has a texture to which it gives no binding.
     pub(crate) fn unbound() -> Self {
         Self::Api("a texture without a binding".to_owned())
     }
+}
+
+/// An error of the API, with the two that say most about a device in words that are the same on every lane.
+fn api(text: &str) -> String {
+    if is_lost(text) {
+        format!("device lost: {text}")
+    } else if is_out_of_memory(text) {
+        format!("out of memory: {text}")
+    } else {
+        format!("the device reported an error: {text}")
+    }
+}
+
+/// What drivers, loaders and wgpu say of a device that is gone.
+fn is_lost(text: &str) -> bool {
+    let text = text.to_ascii_lowercase();
+    let gone =
+        ["device is lost", "device has been lost", "device lost", "device was lost", "context_lost", "context lost"];
+    gone.iter().any(|words| text.contains(words)) || text.contains("error_device_lost") || text.contains("0x0507")
+}
+
+/// The same of memory that is used up.
+fn is_out_of_memory(text: &str) -> bool {
+    let text = text.to_ascii_lowercase();
+    let full = ["out of memory", "out_of_memory", "outofmemory", "memory allocation has failed", "0x0505"];
+    full.iter().any(|words| text.contains(words))
 }
 
 fn at(invocation: &Option<usize>, count: usize, inputs: &str) -> String {
@@ -327,5 +362,25 @@ pub(crate) fn interned(name: &str) -> LaneName {
             names.insert(name);
             name
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LaneError;
+
+    #[test]
+    fn a_lost_device_and_full_memory_are_told_in_the_same_words_on_every_lane() {
+        let told = |text: &str| LaneError::Api(text.to_owned()).to_string();
+        // As ash, wgpu and the lanes of OpenGL say it.
+        for text in ["The logical or physical device has been lost", "Parent device is lost", "GL_CONTEXT_LOST"] {
+            assert_eq!(told(text), format!("device lost: {text}"));
+            assert!(LaneError::Api(text.to_owned()).is_failure());
+        }
+        for text in ["A host memory allocation has failed", "Out of Memory", "GL_OUT_OF_MEMORY in the draws"] {
+            assert_eq!(told(text), format!("out of memory: {text}"));
+            assert!(!LaneError::Api(text.to_owned()).is_failure());
+        }
+        assert_eq!(told("anything else"), "the device reported an error: anything else");
     }
 }

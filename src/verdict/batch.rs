@@ -187,6 +187,18 @@ pub fn judge_each(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Verd
     chunks.concat()
 }
 
+/// Judges one invocation of a batch.
+///
+/// # Panics
+/// When `actual` is not of this batch: a defect of the caller.
+pub fn judge_at(court: &Court<'_>, batch: &Batch, actual: &Actual, invocation: usize) -> Verdict {
+    assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
+    let mut bench = Bench::new(court);
+    let (suspects, _) = bench.scan(batch, actual, invocation..invocation + 1);
+    let judged = bench.suspects.judge(batch, actual, &suspects).into_iter().next();
+    judged.map_or(Verdict::Agree(Promise::Text), |(_, verdict)| verdict)
+}
+
 /// An invocation that the first look leaves open.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Suspect {

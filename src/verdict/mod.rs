@@ -19,7 +19,7 @@ mod translation;
 mod undefined;
 mod used;
 
-pub use batch::{BatchVerdict, Doubts, Failure, judge_batch, judge_each};
+pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
 pub use closeup::{Closeup, Seen, closeups};
 pub use expectations::{Movement, movement, shader_deviation};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};

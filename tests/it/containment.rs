@@ -81,7 +81,8 @@ fn garbage_is_no_result_and_the_other_lanes_finish() {
 
 #[test]
 fn a_lost_device_is_told_and_the_other_lanes_finish() {
-    told("lost-device", "the device is lost");
+    told("lost-device", "device lost: the device is lost");
+    told("out-of-memory", "out of memory: A device memory allocation has failed");
 }
 
 #[test]

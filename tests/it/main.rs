@@ -26,6 +26,7 @@ mod mutate;
 mod own;
 mod page;
 mod piglit;
+mod planted;
 mod positions;
 mod probe;
 mod refdata;

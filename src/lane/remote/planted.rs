@@ -14,6 +14,8 @@ pub enum Fault {
     Garbage,
     /// The device is lost in the first run, and stays so.
     LostDevice,
+    /// Every run uses up the memory of the device.
+    OutOfMemory,
     /// The process ends in a crash where the first input is above a half.
     Crash,
     /// The process does not come back where the first input is above a half.
@@ -27,9 +29,10 @@ impl FromStr for Fault {
         Ok(match name {
             "garbage" => Self::Garbage,
             "lost-device" => Self::LostDevice,
+            "out-of-memory" => Self::OutOfMemory,
             "crash" => Self::Crash,
             "hang" => Self::Hang,
-            _ => return Err(format!("`{name}` is no fault; use garbage, lost-device, crash or hang")),
+            _ => return Err(format!("`{name}` is no fault; use garbage, lost-device, out-of-memory, crash or hang")),
         })
     }
 }
@@ -76,6 +79,8 @@ impl Runner for Wrong {
                 self.runner.run(batch).map(|actual| actual.altered(noise))
             }
             Fault::LostDevice => Err(LaneError::Api("the device is lost".to_owned())),
+            // In the words of Vulkan's loader.
+            Fault::OutOfMemory => Err(LaneError::Api("A device memory allocation has failed".to_owned())),
             Fault::Crash if hit => std::process::abort(),
             Fault::Hang if hit => loop {
                 std::thread::sleep(Duration::from_secs(1));

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::text::Style;
 use crate::suite::run::{Case, Finding, InputValue};
 use crate::value::{F32Bits, Scalar};
-use crate::verdict::diagnosis::{Diagnosis, Place, Stand};
+use crate::verdict::diagnosis::{Diagnosis, Hearing, Place, Stand};
 use crate::verdict::{Blame, Deviation, MEANING, Value};
 
 /// Characters of a line after its label.
@@ -90,6 +90,8 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     origins(text, &case.diagnosis);
     if let Some(deviation) = &case.deviation {
         fault(text, &case.against, deviation, &case.diagnosis);
+    } else if let Some(hearing) = &case.diagnosis.hearing {
+        heard(text, hearing);
     }
     if case.tried > 0 && !told {
         let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
@@ -133,14 +135,20 @@ fn fault(text: &mut String, against: &str, deviation: &Deviation, diagnosis: &Di
             labelled(text, "fault", &said);
         }
         (Blame::Lane, Some(hearing)) => {
-            labelled(text, "fault", &hearing.fault.to_string());
-            let said = [Stand::Wrong, Stand::Right, Stand::Open].map(|stand| (stand, hearing.with(stand)));
-            let said = said.iter().filter(|(_, lanes)| !lanes.is_empty());
-            let said: Vec<String> =
-                said.map(|(stand, lanes)| format!("{}: {}", stand.name(), lanes.join(", "))).collect();
-            labelled(text, "witnesses", &said.join("; "));
+            heard(text, hearing);
         }
         (Blame::Lane, None) => {}
+    }
+}
+
+/// Whose fault it is as the lanes of the run show it, and what each of them says.
+fn heard(text: &mut String, hearing: &Hearing) {
+    labelled(text, "fault", &hearing.fault.to_string());
+    let said = Stand::ALL.map(|stand| (stand, hearing.with(stand)));
+    let said = said.iter().filter(|(_, lanes)| !lanes.is_empty());
+    let said: Vec<String> = said.map(|(stand, lanes)| format!("{}: {}", stand.name(), lanes.join(", "))).collect();
+    if !said.is_empty() {
+        labelled(text, "witnesses", &said.join("; "));
     }
 }
 
@@ -163,7 +171,7 @@ fn labelled(text: &mut String, label: &str, said: &str) {
 
 /// Where a deviation comes from.
 fn origins(text: &mut String, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence, written: _, hearing: _ } = diagnosis;
+    let Diagnosis { literals, no_value, origin, divergence, .. } = diagnosis;
     for literal in literals {
         let _ = writeln!(text, "  because    {literal}");
     }

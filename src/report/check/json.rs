@@ -213,7 +213,7 @@ fn doubtful(doubtful: &Doubtful) -> Value {
 
 /// Adds what is known about the origin of a deviation, where anything is.
 fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence, written, hearing } = diagnosis;
+    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position, hearing } = diagnosis;
     let place = |place: &Place| json!({"at": place.at, "text": place.text});
     if !literals.is_empty() {
         let literal = |l: &crate::verdict::diagnosis::ShortLiteral| json!({"place": place(&l.place), "stands_for": l.stands_for, "off": l.off, "message": l.to_string()});
@@ -238,6 +238,14 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
     if let Some(written) = written {
         value["computed_at"] = place(written);
     }
+    if let Some(position) = position {
+        value["position"] = json!({
+            "invocation": position.invocation,
+            "invocations": position.count,
+            "wrong": position.many,
+            "message": position.to_string(),
+        });
+    }
     if let Some(hearing) = hearing {
         let witness = |w: &Witness| {
             json!({
@@ -249,7 +257,7 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
                 "agrees": match w.stand {
                     Stand::Right => Some(true),
                     Stand::Wrong => Some(false),
-                    Stand::Open => None,
+                    Stand::Failed | Stand::Open => None,
                 },
                 "actual_bits": w.word.map(|word| format!("0x{word:08x}")),
             })

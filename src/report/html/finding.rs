@@ -56,6 +56,9 @@ fn fault(finding: &Finding) -> Option<String> {
         Fault::OneGroup { executor, front_end } => format!("{executor}, {front_end} or our bound"),
         Fault::Everyone { .. } => "our own meaning or bound, perhaps".to_owned(),
         Fault::Mixed { .. } => "no single part".to_owned(),
+        Fault::Position { executor, .. } => format!("memory or readback of {executor}"),
+        Fault::Unsteady { executor, front_end } => format!("chance in {executor} or {front_end}"),
+        Fault::Shader => "the shader".to_owned(),
     })
 }
 
@@ -160,7 +163,7 @@ fn off(deviation: &Deviation, value: &Value) -> Option<String> {
 
 /// Where a deviation comes from.
 fn because(text: &mut String, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence, written, hearing } = diagnosis;
+    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position: _, hearing } = diagnosis;
     let reasons = literals.iter().map(ToString::to_string).chain(no_value.iter().map(ToString::to_string));
     let reasons: Vec<String> = reasons.chain(origin.iter().map(ToString::to_string)).collect();
     if !reasons.is_empty() {
@@ -174,7 +177,7 @@ fn because(text: &mut String, diagnosis: &Diagnosis) {
     }
     if let Some(hearing) = hearing {
         let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Told(hearing.fault.to_string()));
-        for stand in [Stand::Wrong, Stand::Right, Stand::Open] {
+        for stand in Stand::ALL {
             let lanes = hearing.with(stand);
             if !lanes.is_empty() {
                 let _ = write!(text, "<div class=\"mono\">{}: {}</div>", stand.name(), Escaped(lanes.join(", ")));

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::part::{Failing, Shown, Terms};
+use super::position::{self, Place, Tied};
 use super::trial::Trial;
 use super::{Report, Request, repeat};
 use crate::lane::{Lane, LaneError, Stage as LaneStage};
@@ -173,16 +174,46 @@ pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
 
 /// The command that runs one sample again.
 pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> String {
-    let way = match report.source {
+    let inputs = regressions::inputs_text(sample);
+    format!("shadercheck check {} --lane {} {} --case '{inputs}'", request.arguments, report.lane, way(report))
+}
+
+/// The arguments that choose the stage or the source of inputs.
+fn way(report: &Report) -> String {
+    match report.source {
         Some(source) if source != Source::Storage => format!("--sources {}", source.name()),
         Some(_) | None => format!("--stage {}", report.stage),
-    };
-    let inputs = regressions::inputs_text(sample);
-    format!("shadercheck check {} --lane {} {way} --case '{inputs}'", request.arguments, report.lane)
+    }
 }
 
 /// Flaky samples are told once.
 const FLAKY: &str = "flaky";
+
+/// Samples that fail by their place are told once.
+const POSITION: &str = "position";
+
+/// A finding about a sample that deviates by its place in a buffer. It takes the whole batch to show it again.
+pub(super) fn tied(request: &Request, report: &Report, sample: &Sample, tied: Tied, against: &'static str) -> Finding {
+    let Tied { position, deviation, .. } = tied;
+    let message = deviation.told(against);
+    let shrunk = unshrunk(sample.clone());
+    let diagnosis = Diagnosis { position: Some(position), ..Diagnosis::default() };
+    let samples = request.samples.map_or_else(String::new, |samples| format!(" --samples {samples}"));
+    let quick = if request.quick { " --quick" } else { "" };
+    Finding {
+        kind: FindingKind::Deviation,
+        message,
+        case: Some(Case { diagnosis, against: against.into(), ..case(&shrunk, Some(deviation)) }),
+        count: 0,
+        reproduce: Some(format!(
+            "shadercheck check {} --lane {} {} --seed {}{samples}{quick}",
+            request.arguments,
+            report.lane,
+            way(report),
+            request.seed
+        )),
+    }
+}
 
 /// Samples that were asked for one by one: they are reported as they are.
 pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
@@ -210,6 +241,7 @@ pub(super) fn deviations(
     let first: Vec<Sample> = failing.iter().map(|failing| failing.sample(&plan)).collect();
     let prints: Vec<u64> = failing.iter().map(|failing| failing.print).collect();
     let mut shown: Vec<Shown> = Vec::new();
+    let mut tied: Option<Tied> = None;
     let (mut steady, mut numbers) = (Vec::new(), Vec::new());
     for ((sample, failing), again) in first.iter().zip(failing).zip(repeat::again(trial, &first, &prints)?) {
         let number = failing.number;
@@ -217,6 +249,20 @@ pub(super) fn deviations(
         if !again.is_flaky() || again.is_shader() {
             steady.push(sample.clone());
             numbers.push(number);
+        }
+        if again.is_flaky() && !again.is_shader() {
+            let place = Place::of(failing);
+            if place.is_some_and(|place| tied.as_ref().is_some_and(|tied| tied.explains(place))) {
+                continue;
+            }
+            let found = place.map(|place| position::probe(trial, request, sample, place)).transpose()?.flatten();
+            if let Some(found) = found {
+                let words = [&sample.case[..], &sample.invocation[..]].concat();
+                let finding = self::tied(request, report, sample, found.clone(), against);
+                shown.push(Shown { number, alike: Some(POSITION.to_owned()), words, finding, sample: None });
+                tied = Some(found);
+                continue;
+            }
         }
         if again.is_flaky() {
             let words = [&sample.case[..], &sample.invocation[..]].concat();

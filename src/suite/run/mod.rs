@@ -6,6 +6,7 @@ mod doubts;
 mod finding;
 mod gallery;
 mod part;
+mod position;
 mod prepare;
 mod relate;
 mod repeat;

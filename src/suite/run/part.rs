@@ -94,6 +94,13 @@ pub(super) struct Failing {
     pub case: Vec<u32>,
     /// What it gave, see [`repeat::print`].
     pub print: u64,
+    /// Its index in the batch in which it failed, with the invocations of the batch and those that share uniforms.
+    #[serde(default)]
+    pub at: usize,
+    #[serde(default)]
+    pub count: usize,
+    #[serde(default)]
+    pub per_case: usize,
 }
 
 /// A failing sample, shrunk.
@@ -139,7 +146,8 @@ impl Counted {
             if self.failing.len() < SHRUNK {
                 let Sample { invocation, case, .. } = Sample::of(batch, failure.invocation);
                 let (number, print) = (first + failure.invocation as u64, repeat::print(actual, failure.invocation));
-                self.failing.push(Failing { number, invocation, case, print });
+                let (at, count, per_case) = (failure.invocation, batch.invocation_count(), batch.per_case);
+                self.failing.push(Failing { number, invocation, case, print, at, count, per_case });
             }
         }
         for invocation in std::mem::take(&mut verdict.undefined) {

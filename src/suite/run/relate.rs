@@ -2,11 +2,13 @@
 //! means and on the lane's own values.
 
 use super::finding::{self, Finding, FindingKind};
-use super::trial::Trial;
+use super::position::{self, Place, Tied};
+use super::trial::{Among, Trial};
 use super::{Prepared, Report, Request};
 use crate::lane::LaneError;
 use crate::property::{Claim, Observed, Own, Relation, Sample, Sampler, shrink};
 use crate::value::Batch;
+use crate::verdict::diagnosis::{Diagnosis, Hearing, Stand};
 use crate::verdict::{Court, dependences, meaning, observe};
 
 /// Samples for which each relation is checked. Each takes a few runs and an evaluation of the
@@ -17,6 +19,10 @@ pub(super) const QUICK_SAMPLES: u64 = 96;
 /// What the arithmetic of a relation may add, relative to the largest output: some tens of operations
 /// in binary64.
 const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
+/// Places in which inputs are run again: at both ends of a batch of some work groups.
+const AMONG: [Among; 2] = [Among { before: 0, behind: 192 }, Among { before: 192, behind: 0 }];
+/// Failing samples of a relation that are looked at again.
+const LOOKED: usize = 32;
 /// Failing samples of a relation that are shrunk.
 const SHRUNK: usize = 4;
 
@@ -34,7 +40,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, report: &mut R
     let samples = all;
     for relation in &prepared.relations {
         let relation = &**relation;
-        let outcomes = outcomes(trial, relation, &samples)?;
+        let outcomes = outcomes(trial, relation, &samples, None)?;
         let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
         report.relations.push((relation.name().to_owned(), checked));
         let failing: Vec<Sample> = samples
@@ -136,15 +142,18 @@ enum Outcome {
 }
 
 /// What a relation says of samples: of what the shader means, and where that keeps it or says nothing,
-/// of the lane's values.
-fn outcomes(trial: &mut Trial<'_>, relation: &dyn Relation, samples: &[Sample]) -> Result<Vec<Outcome>, LaneError> {
+/// of the lane's values, which stand among other invocations where that is asked for.
+fn outcomes(
+    trial: &mut Trial<'_>,
+    relation: &dyn Relation,
+    samples: &[Sample],
+    among: Option<Among>,
+) -> Result<Vec<Outcome>, LaneError> {
     let (inputs, batch) = related(relation, samples);
     let Some(batch) = batch else { return Ok(samples.iter().map(|_| Outcome::Silent).collect()) };
     let court = trial.court();
     let meant = verdicts(relation, &inputs, meaning(&court, &batch));
-    let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let mut seen: Vec<Observed> = Vec::with_capacity(flat.len());
-    trial.run_samples(&flat, |_, batch, actual| seen.extend(observe(&court, batch, actual)))?;
+    let seen = observed(trial, &inputs, among)?;
     let both = meant.zip(verdicts(relation, &inputs, seen));
     // Undefined values are a finding of their own, and need not be related.
     let undefined = |inputs: &[Sample]| {
@@ -160,6 +169,40 @@ fn outcomes(trial: &mut Trial<'_>, relation: &dyn Relation, samples: &[Sample]) 
             (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
         })
         .collect())
+}
+
+/// What a lane gives for the inputs of a relation, one after the other, among other invocations.
+fn observed(trial: &mut Trial<'_>, inputs: &[Vec<Sample>], among: Option<Among>) -> Result<Vec<Observed>, LaneError> {
+    let court = trial.court();
+    let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
+    let mut seen: Vec<Observed> = Vec::with_capacity(flat.len());
+    let (all, before) = among.map_or_else(|| (flat.clone(), 0), |among| trial.among(&flat, among));
+    trial.run_samples(&all, |_, batch, actual| seen.extend(observe(&court, batch, actual)))?;
+    seen.drain(..before.min(seen.len()));
+    seen.truncate(flat.len());
+    Ok(seen)
+}
+
+/// What the values of a lane for a sample say of a relation, wherever in a batch they stand.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails.
+pub(super) fn stand_of(trial: &mut Trial<'_>, name: &str, sample: &Sample) -> Result<Stand, LaneError> {
+    let prepared = trial.prepared;
+    let Some(relation) = prepared.relations.iter().find(|relation| relation.name() == name) else {
+        return Ok(Stand::Open);
+    };
+    let inputs = [relation.inputs(sample)];
+    let mut stand = Stand::Open;
+    for among in AMONG {
+        let seen = observed(trial, &inputs, Some(among))?;
+        match verdicts(&**relation, &inputs, seen).next() {
+            Some(Outcome::Holds) => return Ok(Stand::Right),
+            Some(Outcome::Fails(_)) => stand = Stand::Wrong,
+            Some(Outcome::Silent) | None => {}
+        }
+    }
+    Ok(stand)
 }
 
 fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Outcome {
@@ -186,6 +229,18 @@ fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Ou
     outcome
 }
 
+/// Whether the lane errs by place in batches like those in which relations run.
+fn by_place(
+    trial: &mut Trial<'_>,
+    relation: &dyn Relation,
+    request: &Request,
+    sample: &Sample,
+) -> Result<Option<Tied>, LaneError> {
+    let many = relation.inputs(sample).len().max(1) * if request.quick { QUICK_SAMPLES } else { SAMPLES } as usize;
+    let count = many.min(trial.capacity());
+    position::probe(trial, request, sample, Place { at: 0, count, per_case: 1 })
+}
+
 fn fail(
     trial: &mut Trial<'_>,
     relation: &dyn Relation,
@@ -195,17 +250,37 @@ fn fail(
 ) -> Result<(), LaneError> {
     let count = failing.len() as u64;
     let plan = trial.prepared.plan.clone();
-    let first: Vec<Sample> = failing.into_iter().take(SHRUNK).collect();
+    let mut first: Vec<Sample> = Vec::new();
+    // What holds in another place is no matter of the inputs.
+    let mut moved: Vec<Sample> = failing.into_iter().take(LOOKED).collect();
+    for among in AMONG {
+        let again = outcomes(trial, relation, &moved, Some(among))?;
+        let (steady, others): (Vec<_>, Vec<_>) =
+            moved.into_iter().zip(again).partition(|(_, outcome)| matches!(outcome, Outcome::Fails(_)));
+        first.extend(others.into_iter().map(|(sample, _)| sample));
+        moved = steady.into_iter().map(|(sample, _)| sample).collect();
+    }
+    // What is not to be made simpler: it is wrong by its place, or by chance.
+    let as_given = request.replay_only || moved.is_empty();
+    let first: Vec<Sample> = moved.into_iter().chain(first).take(SHRUNK).collect();
     let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
-        let outcomes = outcomes(trial, relation, samples)?;
+        let outcomes = outcomes(trial, relation, samples, None)?;
         Ok(outcomes.iter().map(|o| matches!(o, Outcome::Fails(_))).collect())
     };
-    let shrunk =
-        if request.replay_only { finding::as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
+    let shrunk = if as_given { finding::as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(()) };
-    let outcome = outcomes(trial, relation, std::slice::from_ref(&simplest.sample))?.into_iter().next();
+    let one = std::slice::from_ref(&simplest.sample);
+    let mut outcome = outcomes(trial, relation, one, Some(AMONG[0]))?.into_iter().next();
+    if matches!(outcome, Some(Outcome::Fails(_))) {
+        outcome = outcomes(trial, relation, one, Some(AMONG[1]))?.into_iter().next();
+    }
     let Some(Outcome::Fails(claim)) = outcome else {
         // The same inputs gave another answer: nothing that was found may get lost over it.
+        if let Some(tied) = by_place(trial, relation, request, &simplest.sample)? {
+            let against = trial.prepared.reference.noun();
+            report.findings.push(finding::tied(request, report, &simplest.sample, tied, against));
+            return Ok(());
+        }
         report.findings.push(Finding {
             kind: FindingKind::Flaky,
             message: format!(
@@ -217,6 +292,14 @@ fn fail(
             case: Some(finding::case(&simplest, None)),
         });
         return Ok(());
+    };
+    let inputs = [relation.inputs(&simplest.sample)];
+    let meant = meaning(&trial.court(), &Sample::batch(&inputs[0]));
+    let of_the_shader = matches!(verdicts(relation, &inputs, meant).next(), Some(Outcome::Fails(_)));
+    let diagnosis = Diagnosis {
+        relation: Some(relation.name().to_owned()),
+        hearing: of_the_shader.then(Hearing::of_the_shader),
+        ..Diagnosis::default()
     };
     report.findings.push(Finding {
         kind: FindingKind::Relation,
@@ -231,7 +314,7 @@ fn fail(
         ),
         count,
         reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
-        case: Some(finding::case(&simplest, None)),
+        case: Some(finding::Case { diagnosis, ..finding::case(&simplest, None) }),
     });
     report.failing.push(simplest.sample);
     Ok(())

@@ -6,16 +6,17 @@
 use serde::{Deserialize, Serialize};
 
 use super::finding::{self, Finding, FindingKind};
-use super::trial::Trial;
+use super::position::{self, Place};
+use super::trial::{Among, Trial};
 use super::{Report, Request};
 use crate::lane::{Actual, LaneError};
 use crate::property::shrink::Shrunk;
 use crate::property::{Sample, Sampler};
 use crate::value::{Batch, Scalar};
-use crate::verdict::{Blame, Deviation, Verdict, dependences, judge_each};
+use crate::verdict::{Blame, Deviation, Verdict, dependences, judge_at};
 
 /// How often a failing sample is run again.
-const RUNS: u64 = 5;
+const RUNS: u64 = Among::ALL.len() as u64;
 /// Samples of each run that are run twice, whatever their verdict.
 const CHECKED: usize = 256;
 
@@ -97,13 +98,12 @@ pub(super) fn again(trial: &mut Trial<'_>, samples: &[Sample], first: &[u64]) ->
     let court = trial.court();
     let mut runs: Vec<Vec<u64>> = vec![Vec::new(); samples.len()];
     let mut deviations: Vec<Option<Deviation>> = vec![None; samples.len()];
-    for _ in 0..RUNS {
-        trial.run_samples(samples, |at, batch, actual| {
-            for (k, verdict) in judge_each(&court, batch, actual).into_iter().enumerate() {
-                runs[at + k].push(print(actual, k));
-                if let Verdict::Deviate(deviation) = verdict {
-                    deviations[at + k].get_or_insert(deviation);
-                }
+    // Each time in other places: what depends on the place is no property of the inputs.
+    for among in Among::ALL {
+        trial.run_among(samples, among, |sample, place, batch, actual| {
+            runs[sample].push(print(actual, place));
+            if let Verdict::Deviate(deviation) = judge_at(&court, batch, actual, place) {
+                deviations[sample].get_or_insert(deviation);
             }
         })?;
     }
@@ -148,7 +148,14 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Repor
     }
     report.repeated = Some(Repeated { samples: count as u64, different: other.len() as u64 });
     let Some(&first) = other.first() else { return Ok(()) };
-    let shrunk = finding::unshrunk(Sample::of(&batch, first));
+    let sample = Sample::of(&batch, first);
+    let place = Place { at: first, count, per_case: batch.per_case };
+    if let Some(tied) = position::probe(trial, request, &sample, place)? {
+        let against = prepared.reference.noun();
+        report.findings.push(finding::tied(request, report, &sample, tied, against));
+        return Ok(());
+    }
+    let shrunk = finding::unshrunk(sample);
     report.findings.push(Finding {
         kind: FindingKind::Flaky,
         message: format!(

@@ -59,6 +59,29 @@ impl Runner for Literals<'_> {
     }
 }
 
+/// Copies of a sample that are run beside others where each is a dispatch.
+const FEW: usize = 3;
+
+/// Other invocations in the batch of some samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Among {
+    /// Before them.
+    pub before: usize,
+    /// Behind them.
+    pub behind: usize,
+}
+
+impl Among {
+    /// At both ends of a batch, near them, and between: each in other work groups than most others.
+    pub const ALL: [Self; 5] = [
+        Self { before: 0, behind: 1024 },
+        Self { before: 1024, behind: 0 },
+        Self { before: 3, behind: 1021 },
+        Self { before: 581, behind: 443 },
+        Self { before: 67, behind: 957 },
+    ];
+}
+
 /// A kernel of a suite on a lane.
 pub struct Trial<'a> {
     /// The suite.
@@ -198,6 +221,41 @@ impl<'a> Trial<'a> {
             each(k * capacity, &batch, &actual);
         }
         Ok(())
+    }
+
+    /// Samples with copies of the first of them at both ends, and how many stand before them.
+    pub(super) fn among(&self, samples: &[Sample], Among { before, behind }: Among) -> (Vec<Sample>, usize) {
+        // A shader without inputs has one invocation.
+        let constant = samples.first().is_none_or(|s| s.invocation.is_empty() && s.case.is_empty());
+        let alone = matches!(self.source, Some(Source::Constants | Source::Uniforms));
+        let (before, behind) = match (constant, alone) {
+            (true, _) => (0, 0),
+            (false, true) => (before.min(FEW), 0),
+            (false, false) => (before, behind),
+        };
+        let copies = |many: usize| samples.first().into_iter().cycle().take(many);
+        (copies(before).chain(samples).chain(copies(behind)).cloned().collect(), before)
+    }
+
+    /// Runs samples behind and before copies of the first of them, and hands each to `each` with its index and its
+    /// place in its dispatch. Where each sample takes a dispatch or a copy of the shader, there are few copies.
+    ///
+    /// # Errors
+    /// [`LaneError`]; the outputs of the failing dispatch are then gone.
+    pub fn run_among(
+        &mut self,
+        samples: &[Sample],
+        among: Among,
+        mut each: impl FnMut(usize, usize, &Batch, &Actual),
+    ) -> Result<(), LaneError> {
+        let (all, before) = self.among(samples, among);
+        self.run_samples(&all, |first, batch, actual| {
+            for place in 0..batch.invocation_count() {
+                if let Some(sample) = (first + place).checked_sub(before).filter(|&k| k < samples.len()) {
+                    each(sample, place, batch, actual);
+                }
+            }
+        })
     }
 
     /// For each sample, whether it deviates in a way that counts.

@@ -2,14 +2,17 @@
 
 use super::bundle::sample;
 use super::finding::{Case, Finding};
-use super::trial::Trial;
-use super::{Part, Prepared, Report};
+use super::trial::{Among, Trial};
+use super::{DEFAULT_SEED, Part, Prepared, Report, position, relate};
 use crate::bound::profile::Rulings;
-use crate::lane::{Lane, LaneError, LaneName, Stage};
+use crate::lane::{Actual, Lane, LaneError, LaneName, Stage};
 use crate::program::Source;
 use crate::property::Sample;
-use crate::verdict::diagnosis::{Hearing, Stand, Witness, stand};
-use crate::verdict::{Blame, Deviation, judge_each};
+use crate::verdict::diagnosis::{Hearing, Position, Stand, Witness, stand};
+use crate::verdict::{Blame, Deviation, Verdict, judge_at};
+
+/// Invocations beside the samples.
+const MOVED: usize = Among::ALL[0].behind;
 
 /// A lane of the run, with what its results are held against.
 #[derive(Clone, Copy)]
@@ -40,7 +43,8 @@ fn accused<'f>(
     (lane, stage, source): (LaneName, Stage, Option<Source>),
 ) -> impl Iterator<Item = Accused<'f>> {
     let blamed = |case: &&mut Case| {
-        case.diagnosis.hearing.is_none() && case.deviation.as_ref().is_some_and(|d| d.blame == Blame::Lane)
+        let deviates = case.deviation.as_ref().is_some_and(|d| d.blame == Blame::Lane);
+        case.diagnosis.hearing.is_none() && (deviates || case.diagnosis.relation.is_some())
     };
     let cases = findings.filter_map(|finding| finding.case.as_mut()).filter(blamed);
     cases.map(move |case| Accused { lane, stage, source, case })
@@ -95,13 +99,9 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
                 }
                 // What it cannot run it says nothing about.
                 Err(LaneError::Unsupported(_)) => {}
-                Err(
-                    LaneError::Api(_)
-                    | LaneError::Endless { .. }
-                    | LaneError::NotWritten { .. }
-                    | LaneError::Lost { .. },
-                ) => {
-                    heard.iter_mut().for_each(|h| h.push(Witness::new(described, stage, Stand::Open, None)));
+                Err(error) => {
+                    let stand = if error.is_failure() { Stand::Failed } else { Stand::Open };
+                    heard.iter_mut().for_each(|h| h.push(Witness::new(described, stage, stand, None)));
                 }
             }
         }
@@ -109,9 +109,10 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
     for (accused, mut witnesses) in accused.iter_mut().zip(heard) {
         let own = |w: &Witness| w.lane == accused.lane && w.stage == accused.stage;
         let word = accused.deviation().and_then(Deviation::value).map(|value| value.actual);
-        // The lane that is accused comes first, with what was found of it.
+        // The lane that is accused comes first, with what it gave when it was asked like the others.
         witnesses.sort_by_key(|w| !own(w));
         match witnesses.first_mut().filter(|w| own(w)) {
+            Some(first) if matches!(first.stand, Stand::Right | Stand::Failed) => {}
             Some(first) => (first.stand, first.word) = (Stand::Wrong, word),
             None => {
                 let Some(peer) = peers.iter().find(|peer| peer.lane.description().name == accused.lane) else {
@@ -120,7 +121,11 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
                 witnesses.insert(0, Witness::new(peer.lane.description(), accused.stage, Stand::Wrong, word));
             }
         }
-        accused.case.diagnosis.hearing = Some(Hearing::of(witnesses));
+        let diagnosis = &mut accused.case.diagnosis;
+        diagnosis.hearing = Some(match &diagnosis.position {
+            Some(position) => Hearing::at(witnesses, position),
+            None => Hearing::of(witnesses),
+        });
     }
 }
 
@@ -135,30 +140,97 @@ fn stages(prepared: &Prepared, peer: Peer<'_>, source: Option<Source>) -> Vec<St
 /// What a lane says of each sample.
 fn given(
     prepared: &Prepared,
-    Peer { lane, rulings }: Peer<'_>,
+    peer: Peer<'_>,
     stage: Stage,
     source: Option<Source>,
     samples: &[Sample],
     accused: &[Accused<'_>],
 ) -> Result<Vec<(Stand, Option<u32>)>, LaneError> {
-    let mut trial = match (source, prepared.kernel(stage)) {
-        (Some(source), _) => Trial::from_source(prepared, lane, source, rulings, samples.len())?,
-        (None, Some(kernel)) => Trial::with_capacity(prepared, lane, kernel, rulings, samples.len())?,
-        (None, None) => return Err(LaneError::Unsupported(format!("the {stage} stage"))),
-    };
+    let mut trial = trial(prepared, peer, stage, source, samples.len() + MOVED)?;
+    let mut all = Vec::with_capacity(samples.len());
+    // In two places each: a lane that errs by place says nothing about the inputs there.
+    let first = plain(&mut trial, samples, accused, Among::ALL[0])?;
+    let second = plain(&mut trial, samples, accused, Among::ALL[1])?;
+    for ((k, one), other) in first.into_iter().enumerate().zip(second) {
+        let Case { diagnosis, .. } = &*accused[k].case;
+        all.push(match (&diagnosis.relation, &diagnosis.position) {
+            (Some(relation), _) => (relate::stand_of(&mut trial, relation, &samples[k])?, None),
+            (None, Some(position)) => in_place(prepared, (peer, stage, source), &samples[k], position, &accused[k])?,
+            (None, None) => {
+                if one.0 == Stand::Right || other.0 == Stand::Open {
+                    one
+                } else {
+                    other
+                }
+            }
+        });
+    }
+    Ok(all)
+}
+
+/// What a lane says of samples, each in some place of one batch.
+fn plain(
+    trial: &mut Trial<'_>,
+    samples: &[Sample],
+    accused: &[Accused<'_>],
+    among: Among,
+) -> Result<Vec<(Stand, Option<u32>)>, LaneError> {
     let court = trial.court();
     let mut all = Vec::with_capacity(samples.len());
-    trial.run_samples(samples, |at, batch, actual| {
-        for (k, verdict) in judge_each(&court, batch, actual).iter().enumerate() {
-            let Some(deviation) = accused[at + k].deviation() else { continue };
-            let word = deviation.value().and_then(|value| {
-                let record = &actual.layout().vertex;
-                let word = (0..record.words()).find(|&word| record.word_name(word) == value.component)?;
-                let vertex = value.vertex.unwrap_or(0);
-                (vertex < actual.stored(k)).then(|| actual.vertex(k, vertex)[word])
-            });
-            all.push((stand(deviation, verdict, word), word));
-        }
+    trial.run_among(samples, among, |sample, place, batch, actual| {
+        all.push(said(&accused[sample], actual, place, &judge_at(&court, batch, actual, place)));
     })?;
     Ok(all)
+}
+
+/// What follows from the outputs of an invocation.
+fn said(accused: &Accused<'_>, actual: &Actual, at: usize, verdict: &Verdict) -> (Stand, Option<u32>) {
+    let Some(deviation) = accused.deviation() else { return (Stand::Open, None) };
+    let word = deviation.value().and_then(|value| {
+        let record = &actual.layout().vertex;
+        let word = (0..record.words()).find(|&word| record.word_name(word) == value.component)?;
+        let vertex = value.vertex.unwrap_or(0);
+        (vertex < actual.stored(at)).then(|| actual.vertex(at, vertex)[word])
+    });
+    (stand(deviation, verdict, word), word)
+}
+
+/// What a lane says of a sample in the place in which it failed, behind a batch of other samples.
+fn in_place(
+    prepared: &Prepared,
+    (peer, stage, source): (Peer<'_>, Stage, Option<Source>),
+    sample: &Sample,
+    position: &Position,
+    accused: &Accused<'_>,
+) -> Result<(Stand, Option<u32>), LaneError> {
+    let Position { invocation, count, per_case, ref wrong, .. } = *position;
+    let mut trial = trial(prepared, peer, stage, source, count)?;
+    if trial.capacity() < count {
+        return Ok((Stand::Open, None));
+    }
+    let mut batch = position::others(&trial, DEFAULT_SEED, sample, count, per_case);
+    trial.run(&batch)?;
+    if wrong.is_empty() {
+        position::put(&mut batch, invocation, sample);
+    } else {
+        batch = position::filled(sample, count, per_case);
+    }
+    let actual = trial.run(&batch)?;
+    let verdict = judge_at(&trial.court(), &batch, &actual, invocation);
+    Ok(said(accused, &actual, invocation, &verdict))
+}
+
+/// A lane ready for so many samples.
+fn trial<'a>(
+    prepared: &'a Prepared,
+    Peer { lane, rulings }: Peer<'a>,
+    stage: Stage,
+    source: Option<Source>,
+    most: usize,
+) -> Result<Trial<'a>, LaneError> {
+    match (source, prepared.kernel(stage)) {
+        (Some(source), _) => Trial::from_source(prepared, lane, source, rulings, most),
+        (None, Some(kernel)) => Ok(Trial::with_capacity(prepared, lane, kernel, rulings, most)?.in_stage(stage)),
+        (None, None) => Err(LaneError::Unsupported(format!("the {stage} stage"))),
+    }
 }

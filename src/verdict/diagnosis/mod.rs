@@ -2,6 +2,7 @@
 //! What is found is put into words here; nothing here decides whether something is wrong.
 
 mod lane;
+mod position;
 mod shader;
 mod witness;
 
@@ -13,6 +14,7 @@ use crate::bound::profile::Op;
 use crate::value::F32Bits;
 
 pub use lane::{Suspected, lane};
+pub use position::Position;
 pub use shader::shader;
 pub use witness::{Fault, Hearing, NONE, Stand, Witness, stand};
 
@@ -123,6 +125,12 @@ pub struct Diagnosis {
     pub divergence: Option<Divergence>,
     /// Where the wrong output is computed.
     pub written: Option<Place>,
+    /// The relation that the values of the lane break, where it is about one.
+    #[serde(default)]
+    pub relation: Option<String>,
+    /// The place in its batch on which it depends, where that and not the inputs makes it deviate.
+    #[serde(default)]
+    pub position: Option<Position>,
     /// What the other lanes of the run say; `None` before they were asked, and where no lane has a say.
     pub hearing: Option<Hearing>,
 }

@@ -8,6 +8,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::Position;
 use crate::lane::{Description, LaneName, Stage};
 use crate::value::Scalar;
 use crate::verdict::judge::{Blame, Deviation, Verdict, real};
@@ -19,16 +20,22 @@ pub enum Stand {
     Right,
     /// It deviates as well.
     Wrong,
-    /// It gave something that decides nothing, or failed.
+    /// It crashed, hung, lost its device or wrote nothing.
+    Failed,
+    /// It gave something that decides nothing, or could not be asked.
     Open,
 }
 
 impl Stand {
+    /// All of them, as reports list them.
+    pub const ALL: [Self; 4] = [Self::Wrong, Self::Failed, Self::Right, Self::Open];
+
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Right => "right",
             Self::Wrong => "deviates",
+            Self::Failed => "failed",
             Self::Open => "undecided",
         }
     }
@@ -141,6 +148,26 @@ pub enum Fault {
         /// The front end.
         front_end: String,
     },
+    /// It would be so on any device.
+    Shader,
+    /// The same inputs are right in other places of the batch.
+    Position {
+        /// The executor.
+        executor: String,
+        /// Front ends through which it deviates.
+        through: Vec<String>,
+        /// Executors that are right in the same place.
+        right: Vec<String>,
+        /// The place.
+        position: Position,
+    },
+    /// The lane that deviates did not when it was asked again.
+    Unsteady {
+        /// The executor.
+        executor: String,
+        /// The front end.
+        front_end: String,
+    },
     /// Every group deviates.
     Everyone {
         /// Number of groups.
@@ -171,6 +198,38 @@ impl Hearing {
         Self { witnesses, fault }
     }
 
+    /// The same for a deviation that depends on the place in a batch, in which all were asked: it is in the memory that
+    /// the executor writes or that is read back, but where every executor behind one front end errs there.
+    pub fn at(witnesses: Vec<Witness>, position: &Position) -> Self {
+        let fault = match (Fault::of(&witnesses), witnesses.first()) {
+            // Every place is as wrong: only the shape of the batch matters, and that is for all parts to get right.
+            (fault, _) if position.many == position.count => fault,
+            (Fault::Translator { front_end, on, right, own }, _) if on.len() > 1 => {
+                Fault::Translator { front_end, on, right, own }
+            }
+            (fault @ Fault::Unsteady { .. }, _) | (fault, None) => fault,
+            (_, Some(first)) => {
+                let of = |own: bool, stand: Stand, part: fn(&Witness) -> &String| -> Vec<String> {
+                    let here = |w: &&Witness| w.stand == stand && (w.executor == first.executor) == own;
+                    let names: BTreeSet<&String> = witnesses.iter().filter(here).map(part).collect();
+                    names.into_iter().cloned().collect()
+                };
+                Fault::Position {
+                    executor: first.executor.clone(),
+                    through: of(true, Stand::Wrong, |w| &w.front_end),
+                    right: of(false, Stand::Right, |w| &w.executor),
+                    position: position.clone(),
+                }
+            }
+        };
+        Self { witnesses, fault }
+    }
+
+    /// For what the shader's own meaning breaks, whatever runs it.
+    pub fn of_the_shader() -> Self {
+        Self { witnesses: Vec::new(), fault: Fault::Shader }
+    }
+
     /// Lanes with this stand, as `lane/stage`.
     pub fn with(&self, stand: Stand) -> Vec<String> {
         self.witnesses.iter().filter(|w| w.stand == stand).map(|w| format!("{}/{}", w.lane, w.stage)).collect()
@@ -189,6 +248,9 @@ impl Fault {
             Self::Translator { .. } => "translator",
             Self::Either { .. } => "executor_or_translator",
             Self::Pair { .. } => "pair",
+            Self::Shader => "shader",
+            Self::Position { .. } => "position",
+            Self::Unsteady { .. } => "unsteady",
             Self::Everyone { .. } => "meaning",
             Self::Mixed { .. } => "mixed",
         }
@@ -199,10 +261,16 @@ impl Fault {
             return Self::OneGroup { executor: String::new(), front_end: String::new() };
         };
         let told = told(witnesses, first.stage);
+        if first.stand == Stand::Right {
+            let (executor, front_end) = (first.executor.clone(), first.front_end.clone());
+            return Self::Unsteady { executor, front_end };
+        }
         let groups = |stand: Stand| -> BTreeSet<Group<'_>> {
             told.iter().filter(|w| w.stand == stand).map(|w| (w.executor.as_str(), w.front_end.as_str())).collect()
         };
-        let wrong = groups(Stand::Wrong);
+        let mut wrong = groups(Stand::Wrong);
+        // A lane that failed is evidence against what it shares with the one that deviates.
+        wrong.extend(groups(Stand::Failed).into_iter().filter(|group| group.0 == first.executor));
         // A group with two answers has one that is wrong.
         let right: BTreeSet<Group<'_>> = groups(Stand::Right).difference(&wrong).copied().collect();
         let (executor, front_end) = (first.executor.clone(), first.front_end.clone());
@@ -311,6 +379,24 @@ impl fmt::Display for Fault {
             Self::Pair { executor, front_end } => write!(
                 f,
                 "the executor `{executor}` with what `{front_end}` makes of the shader: each is right with others"
+            ),
+            Self::Shader => f.write_str("the shader: it would be so on any device"),
+            Self::Position { executor, through, right, position } => {
+                write!(
+                    f,
+                    "the memory or the readback of the executor `{executor}`, behind {}: it depends on the position and \
+                     not on the inputs: {position}",
+                    listed(through)
+                )?;
+                match &right[..] {
+                    [] => Ok(()),
+                    right => write!(f, "; {} {} right there", listed(right), are(right)),
+                }
+            }
+            Self::Unsteady { executor, front_end } => write!(
+                f,
+                "the lane itself, `{executor}` behind `{front_end}`: asked again for the same inputs in the same place, it \
+                 did not deviate"
             ),
             Self::Everyone { groups, alike: true } => write!(
                 f,

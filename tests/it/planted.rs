@@ -1,0 +1,444 @@
+//! Faults of many kinds, planted between a device and what is accepted from it, and who is blamed for each: an executor,
+//! a translator, the memory, chance, or nobody.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use shadercheck::bound::profile::Rulings;
+use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, embedded};
+use shadercheck::program::{Kernel, OutputLayout};
+use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Peer, Prepared, Report, Request, hear, prepare, run};
+use shadercheck::suite::{Suite, find, parse};
+use shadercheck::text::SourceFile;
+use shadercheck::value::Batch;
+use shadercheck::verdict::diagnosis::Fault;
+
+use crate::alarms::{prepared, raw};
+
+/// What one dispatch left, before anyone reads it.
+struct Run<'a> {
+    batch: &'a Batch,
+    layout: &'a OutputLayout,
+    words: &'a mut Vec<u32>,
+    /// The words of the dispatch before, whatever it ran.
+    before: &'a [u32],
+    dispatch: usize,
+    marks: Marks,
+}
+
+impl Run<'_> {
+    fn count(&self) -> usize {
+        self.batch.invocation_count()
+    }
+
+    /// Outputs of an invocation.
+    fn out(&mut self, k: usize) -> &mut [u32] {
+        let (size, head) = (self.layout.words(), self.layout.header_words());
+        &mut self.words[k * size + head..(k + 1) * size]
+    }
+
+    /// The first input of an invocation.
+    fn first(&self, k: usize) -> f32 {
+        f32::from_bits(self.batch.invocation(k)[0])
+    }
+
+    /// Changes the first output of these invocations.
+    fn each(&mut self, wrong: impl Fn(&Self, usize) -> bool, change: impl Fn(f32) -> f32) {
+        for k in (0..self.count()).filter(|&k| wrong(self, k)).collect::<Vec<_>>() {
+            let word = &mut self.out(k)[0];
+            *word = change(f32::from_bits(*word)).to_bits();
+        }
+    }
+
+    /// Whatever the inputs, in these places.
+    fn places(&mut self, wrong: impl Fn(usize, usize) -> bool) {
+        let count = self.count();
+        self.each(|_, k| wrong(k, count), |x| x + 0.75);
+    }
+
+    /// The records of these invocations are those of the dispatch before.
+    fn stale(&mut self, places: std::ops::Range<usize>) {
+        let (size, head) = (self.layout.words(), self.layout.header_words());
+        for k in places.start..places.end.min(self.count()) {
+            if let Some(old) = self.before.get(k * size + head..(k + 1) * size) {
+                self.words[k * size + head..(k + 1) * size].copy_from_slice(old);
+            }
+        }
+    }
+}
+
+type Plant = fn(&mut Run<'_>);
+
+/// The interpreter under another name, with a fault.
+struct Device {
+    lane: Box<dyn Lane>,
+    description: Description,
+    plant: Option<Plant>,
+    fails: bool,
+    layout: OutputLayout,
+    dispatches: Rc<Cell<usize>>,
+    before: Rc<RefCell<Vec<u32>>>,
+}
+
+struct DeviceRunner {
+    runner: Box<dyn Runner>,
+    plant: Plant,
+    layout: OutputLayout,
+    dispatches: Rc<Cell<usize>>,
+    before: Rc<RefCell<Vec<u32>>>,
+}
+
+struct Crashing;
+
+impl Lane for Device {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        if self.fails {
+            return Ok(Box::new(Crashing));
+        }
+        let runner = self.lane.prepare(kernel, capacity)?;
+        // What looks into a failure is another kernel.
+        let (Some(plant), true) = (self.plant, kernel.output == self.layout) else { return Ok(runner) };
+        let (dispatches, before) = (self.dispatches.clone(), self.before.clone());
+        Ok(Box::new(DeviceRunner { runner, plant, layout: kernel.output.clone(), dispatches, before }))
+    }
+}
+
+impl Runner for DeviceRunner {
+    fn capacity(&self) -> usize {
+        self.runner.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let actual = self.runner.run(batch)?;
+        let marks = Marks::random();
+        let mut words = raw(&actual, &self.layout, marks);
+        let before = self.before.replace(words.clone());
+        let dispatch = self.dispatches.replace(self.dispatches.get() + 1);
+        (self.plant)(&mut Run { batch, layout: &self.layout, words: &mut words, before: &before, dispatch, marks });
+        Actual::accept(&self.layout, words, actual.count(), marks)
+    }
+}
+
+impl Runner for Crashing {
+    fn capacity(&self) -> usize {
+        1 << 16
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let count = batch.invocation_count();
+        Err(LaneError::Lost { how: "crashed".to_owned(), invocation: None, count, inputs: String::new() })
+    }
+}
+
+/// Names of a lane, its executor and its front end.
+const LANES: [(&str, &str, &str); 4] =
+    [("a", "X", "naga"), ("b", "X", "glslang"), ("c", "Y", "naga"), ("d", "Y", "glslang")];
+
+fn device(prepared: &Prepared, name: &str, plant: Option<Plant>) -> Device {
+    let &(name, executor, front_end) = LANES.iter().find(|lane| lane.0 == name).unwrap();
+    Device {
+        lane: embedded::open().unwrap(),
+        description: Description {
+            name,
+            driver: format!("{executor} 1.0"),
+            executor: executor.to_owned(),
+            front_end: front_end.to_owned(),
+            api: Api::Binary32,
+            stages: vec![Stage::Compute],
+        },
+        plant,
+        fails: false,
+        layout: prepared.program.output_layout(),
+        dispatches: Rc::default(),
+        before: Rc::default(),
+    }
+}
+
+/// Runs a suite on some devices, and hears them on what deviates. None for one that fails.
+fn reports(prepared: &Prepared, devices: &[Device]) -> Vec<Option<Report>> {
+    let rulings: Vec<Rulings> = devices.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
+    let one = |lane: &Device| {
+        let request = Request {
+            samples: Some(512),
+            seed: DEFAULT_SEED,
+            quick: true,
+            replay: Vec::new(),
+            replay_only: false,
+            rulings: Rulings::of_lane(lane.description()),
+            arguments: prepared.suite.name.clone(),
+        };
+        run(prepared, lane, Stage::Compute, &request, &mut |_| {}).ok()
+    };
+    let mut reports: Vec<Option<Report>> = devices.iter().map(one).collect();
+    let peers: Vec<Peer<'_>> = devices.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
+    hear(prepared, &peers, &mut reports.iter_mut().flatten().collect::<Vec<_>>());
+    reports
+}
+
+/// Who was blamed on a lane, each once: the kind of fault with its part, or the kind of finding.
+fn blamed(report: &Report) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for finding in report.errors() {
+        let hearing = finding.case.as_ref().and_then(|case| case.diagnosis.hearing.as_ref());
+        all.push(match hearing.map(|hearing| &hearing.fault) {
+            Some(Fault::Executor { executor, .. }) => format!("executor {executor}"),
+            Some(Fault::Translator { front_end, .. }) => format!("translator {front_end}"),
+            Some(Fault::Position { executor, .. }) => format!("position {executor}"),
+            Some(other) => other.name().to_owned(),
+            None if finding.kind == FindingKind::Flaky => "chance".to_owned(),
+            None => format!("{:?}: {}", finding.kind, finding.message),
+        });
+    }
+    all.sort();
+    all.dedup();
+    all
+}
+
+/// Faults that follow from the inputs, each on all invocations that have them.
+const BY_INPUT: [(&str, Plant); 18] = [
+    ("off by a constant", |r| r.each(|_, _| true, |x| x + 0.01)),
+    ("off by a factor", |r| r.each(|_, _| true, |x| x * 1.01 + 1e-3)),
+    ("the wrong sign", |r| r.each(|_, _| true, |x| -x - 0.5)),
+    ("NaN above a half", |r| r.each(|r, k| r.first(k) > 0.5, |_| f32::NAN)),
+    ("infinite above a half", |r| r.each(|r, k| r.first(k) > 0.5, |_| f32::INFINITY)),
+    ("NaN below zero", |r| r.each(|r, k| r.first(k) < 0.0, |_| f32::NAN)),
+    ("few digits", |r| r.each(|_, _| true, |x| f32::from_bits(x.to_bits() & 0xffff_0000 ^ 0x0010_0000))),
+    ("clamped to one", |r| r.each(|_, _| true, |x| x.clamp(-0.125, 0.125) + 0.3)),
+    ("whole numbers", |r| r.each(|_, _| true, |x| x.round() + 0.4)),
+    ("a stuck bit", |r| r.each(|_, _| true, |x| f32::from_bits(x.to_bits() ^ 1 << 21))),
+    ("an odd word of input", |r| r.each(|r, k| r.batch.invocation(k)[0] & 1 == 1, |x| x + 0.5)),
+    ("a rare input", |r| r.each(|r, k| r.batch.invocation(k)[0] % 32 == 5, |x| x + 0.5)),
+    ("a range of inputs", |r| r.each(|r, k| (0.25..0.5).contains(&r.first(k)), |x| x + 0.5)),
+    ("two components exchanged", |r| {
+        (0..r.count()).for_each(|k| r.out(k).swap(0, 1));
+        r.each(|_, _| true, |x| x + 0.01);
+    }),
+    ("the last component", |r| {
+        for k in 0..r.count() {
+            let last = r.out(k).last_mut().unwrap();
+            *last = (f32::from_bits(*last) + 0.5).to_bits();
+        }
+    }),
+    ("an output that is not written", |r| {
+        let sentinel = r.marks.sentinel;
+        (0..r.count()).for_each(|k| r.out(k)[1] = sentinel);
+    }),
+    ("all of them zero", |r| (0..r.count()).for_each(|k| r.out(k).fill(0))),
+    ("one number for all", |r| (0..r.count()).for_each(|k| r.out(k)[2] = 7.5_f32.to_bits())),
+];
+
+/// Faults of memory and readback, whatever the inputs.
+const BY_PLACE: [(&str, Plant); 18] = [
+    ("one word of each readback", |r| r.places(|k, _| k == 200)),
+    ("the first word", |r| r.places(|k, _| k == 0)),
+    ("the last invocation", |r| r.places(|k, n| k + 1 == n)),
+    ("the first group", |r| r.places(|k, _| k < 64)),
+    ("the last group", |r| r.places(|k, n| k + 64 >= n)),
+    ("the last group of large batches", |r| r.places(|k, n| n > 256 && k + 64 >= n)),
+    ("every 64th", |r| r.places(|k, _| k % 64 == 63)),
+    ("every 64th from the first", |r| r.places(|k, _| k % 64 == 0)),
+    ("one group", |r| r.places(|k, _| (128..192).contains(&k))),
+    ("the second half", |r| r.places(|k, n| 2 * k >= n && n > 64)),
+    ("the first half", |r| r.places(|k, n| 2 * k < n && n > 64)),
+    ("behind a page", |r| r.places(|k, _| k >= 256)),
+    ("powers of two", |r| r.places(|k, _| k > 8 && k.is_power_of_two())),
+    ("a stale block", |r| r.stale(128..256)),
+    ("a stale record", |r| r.stale(77..78)),
+    ("a stale first group", |r| r.stale(0..64)),
+    ("zeros in one group", |r| {
+        for k in 192..256.min(r.count()) {
+            r.out(k).fill(0x4100_0000);
+        }
+    }),
+    ("a bit of one word", |r| {
+        if r.count() > 300 {
+            r.out(300)[3] ^= 1 << 23;
+        }
+    }),
+];
+
+/// Faults that follow from how a batch is made up: each invocation of it is wrong.
+const BY_SHAPE: [(&str, Plant); 2] = [
+    ("uniforms that are shared", |r| {
+        if r.batch.per_case > 1 {
+            r.each(|_, _| true, |x| x + 0.5);
+        }
+    }),
+    ("uniforms that are shared, and a range of inputs", |r| {
+        if r.batch.per_case > 1 {
+            r.each(|r, k| r.first(k) > 1.0, |x| x + 0.5);
+        }
+    }),
+];
+
+/// Faults that come and go.
+const BY_CHANCE: [(&str, Plant); 3] = [
+    ("every third dispatch", |r| {
+        if r.dispatch % 3 == 0 {
+            r.each(|_, _| true, |x| x + 0.5);
+        }
+    }),
+    ("once", |r| {
+        if r.dispatch == 0 {
+            r.each(|_, k| k == 40, |x| x + 0.5);
+        }
+    }),
+    ("another place in each dispatch", |r| {
+        let place = r.dispatch * 37 % r.count().max(1);
+        r.each(|_, k| k == place, |x| x + 0.5);
+    }),
+];
+
+/// Which lanes have the fault, and who is to be blamed on each of them.
+type Plan = (&'static str, &'static [&'static str], &'static str);
+
+/// The suite with its samples alone: a relation would be looked into for every fault as well.
+fn without_relations() -> Prepared {
+    let shipped = find("morph").unwrap();
+    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
+    let suite = Suite { relations: Vec::new(), ..suite };
+    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text)).unwrap()
+}
+
+/// What is blamed wrongly of the faults of a table, and how many faults were looked at.
+fn wrongly(table: &[(&str, Plant)], plans: &[Plan]) -> (Vec<String>, usize) {
+    let prepared = without_relations();
+    let (mut wrong, mut all) = (Vec::new(), 0);
+    for &(name, plant) in table {
+        for &(part, faulty, expected) in plans {
+            let devices: Vec<Device> =
+                LANES.iter().map(|l| device(&prepared, l.0, faulty.contains(&l.0).then_some(plant))).collect();
+            let reports = reports(&prepared, &devices);
+            all += 1;
+            let found: Vec<(&str, Vec<String>)> =
+                LANES.iter().zip(&reports).map(|(lane, report)| (lane.0, blamed(report.as_ref().unwrap()))).collect();
+            let right = |(lane, said): &(&str, Vec<String>)| match faulty.contains(lane) {
+                true => said[..] == [expected.to_owned()],
+                false => said.is_empty(),
+            };
+            if !found.iter().all(right) {
+                wrong.push(format!("{name} in {part}: {found:?}"));
+            }
+        }
+    }
+    (wrong, all)
+}
+
+/// All faults of a table are blamed on the part that has them.
+#[track_caller]
+fn rightly(table: &[(&str, Plant)], plans: &[Plan], least: usize) {
+    let (wrong, all) = wrongly(table, plans);
+    assert!(all >= least, "{all}");
+    assert!(wrong.is_empty(), "{} of {all} blamed wrongly:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn a_fault_that_follows_from_inputs_is_blamed_on_the_part_that_has_it() {
+    let plans: [Plan; 3] = [
+        ("an executor", &["a", "b"], "executor X"),
+        ("a translator", &["a", "c"], "translator naga"),
+        ("a pair", &["a"], "pair"),
+    ];
+    rightly(&BY_INPUT, &plans, 54);
+    rightly(&BY_SHAPE, &plans, 6);
+}
+
+#[test]
+fn a_fault_of_a_place_is_blamed_on_the_memory_of_its_executor() {
+    let plans: [Plan; 2] = [("one lane", &["a"], "position X"), ("an executor", &["a", "b"], "position X")];
+    rightly(&BY_PLACE, &plans, 36);
+}
+
+#[test]
+fn a_fault_that_comes_and_goes_is_chance() {
+    rightly(&BY_CHANCE, &[("one lane", &["a"], "chance")], 3);
+}
+
+#[test]
+fn devices_without_a_fault_are_not_blamed() {
+    let still: [(&str, Plant); 2] =
+        [("nothing", |_| {}), ("outputs written as they are", |r| r.each(|_, _| true, |x| x))];
+    let (wrong, _) = wrongly(&still, &[("every lane", &[], "")]);
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+#[test]
+fn a_fault_of_a_place_is_told_as_one_and_takes_the_whole_run_to_show() {
+    let prepared = prepared("morph");
+    let devices = [device(&prepared, "a", Some(BY_PLACE[6].1)), device(&prepared, "d", None)];
+    let report = reports(&prepared, &devices).remove(0).unwrap();
+    let finding = report.errors()[0];
+    let case = finding.case.as_ref().unwrap();
+    let fault = case.diagnosis.hearing.as_ref().unwrap().fault.to_string();
+    assert!(
+        fault.starts_with(
+            "the memory or the readback of the executor `X`, behind `naga`: it depends on the position and not on the \
+             inputs: of "
+        ) && fault.contains("deviate: 63, 127, ")
+            && fault.ends_with("; `Y` is right there"),
+        "{fault}"
+    );
+    assert_eq!(case.diagnosis.position.as_ref().unwrap().invocation % 64, 63);
+    let reproduce = finding.reproduce.as_ref().unwrap();
+    assert!(reproduce.contains("--seed ") && !reproduce.contains("--case"), "{reproduce}");
+}
+
+#[test]
+fn a_lane_that_fails_is_evidence_against_its_executor() {
+    let prepared = prepared("morph");
+    let plant = BY_INPUT[0].1;
+    let with = |fails: bool| {
+        let failing = Device { fails, ..device(&prepared, "a", None) };
+        let mut devices = vec![device(&prepared, "b", Some(plant))];
+        devices.extend(fails.then_some(failing));
+        // Another executor behind another front end: what is right shares nothing.
+        let mut other = device(&prepared, "d", None);
+        other.description.front_end = "Mesa".to_owned();
+        devices.push(other);
+        blamed(reports(&prepared, &devices)[0].as_ref().unwrap())
+    };
+    assert_eq!(with(false), ["executor_or_translator"]);
+    assert_eq!(with(true), ["executor X"]);
+}
+
+#[test]
+fn a_witness_that_errs_by_place_does_not_change_who_is_blamed() {
+    let prepared = prepared("morph");
+    for place in [1, 3, 4] {
+        let devices = [
+            device(&prepared, "a", Some(BY_PLACE[place].1)),
+            device(&prepared, "c", Some(BY_INPUT[0].1)),
+            device(&prepared, "d", Some(BY_INPUT[0].1)),
+        ];
+        let said: Vec<Vec<String>> =
+            reports(&prepared, &devices).iter().map(|report| blamed(report.as_ref().unwrap())).collect();
+        assert_eq!(said, [["position X"], ["executor Y"], ["executor Y"]], "{}", BY_PLACE[place].0);
+    }
+}
+
+#[test]
+fn relations_name_whose_fault_it_is() {
+    // Wrong only where each invocation has uniforms of its own, which is how relations run.
+    let prepared = prepared("morph");
+    let plant: Plant = |r| {
+        if r.batch.per_case == 1 {
+            r.each(|r, k| r.batch.invocation(k)[0] % 2 == 0, |x| x + 0.5);
+        }
+    };
+    for (faulty, expected) in [(["a", "b"], "executor X"), (["a", "c"], "translator naga")] {
+        let devices: Vec<Device> =
+            LANES.iter().map(|l| device(&prepared, l.0, faulty.contains(&l.0).then_some(plant))).collect();
+        for (lane, report) in LANES.iter().zip(reports(&prepared, &devices)) {
+            let report = report.unwrap();
+            let relations: Vec<_> = report.findings.iter().filter(|f| f.kind == FindingKind::Relation).collect();
+            assert_eq!(!relations.is_empty(), faulty.contains(&lane.0), "{}: {:?}", lane.0, report.findings);
+            if faulty.contains(&lane.0) {
+                assert_eq!(blamed(&report), [expected], "{}", lane.0);
+            }
+        }
+    }
+}
