@@ -7,8 +7,8 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::Lang;
-use crate::glsl::Stage;
+use crate::diagnostic::{Diagnostic, Lang};
+use crate::glsl::{Shader, Stage};
 use crate::lower::Target;
 use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
 use crate::report::diagnostics;
@@ -30,6 +30,9 @@ pub struct TranslateArgs {
     /// Folder in which included files are looked for, after that of the file that includes them
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
+    /// Go on where the language refuses code that the translation does not use; its errors are printed all the same
+    #[arg(long)]
+    pub lenient: bool,
     /// File to write; standard output without it
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -48,13 +51,24 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
             file.name()
         );
     };
-    let program = match program(file, stage, args.entry.as_deref()) {
+    let target = |shader: &Shader| target(shader, stage, args.entry.as_deref());
+    let mut told = |found: Vec<Diagnostic>| -> std::io::Result<()> {
+        found.into_iter().try_for_each(|diagnostic| {
+            write!(err, "{}", diagnostics::text(&source.explained(diagnostic), Lang::En, false))
+        })
+    };
+    let program = match Program::from_source(file, stage, target) {
         Ok(program) => program,
         Err(ProgramError::Source(found)) => {
-            for diagnostic in found {
-                write!(err, "{}", diagnostics::text(&source.explained(diagnostic), Lang::En, false))?;
+            told(found)?;
+            match Program::from_faulty(file, stage, target) {
+                Ok(program) if args.lenient => program,
+                Ok(_) => {
+                    writeln!(err, "help: `--lenient` translates the rest, which does not use this")?;
+                    return Ok(ExitStatus::Findings);
+                }
+                Err(_) => return Ok(ExitStatus::Findings),
             }
-            return Ok(ExitStatus::Findings);
         }
         Err(error) => return Err(error).with_context(|| file.name().to_owned()),
     };
@@ -78,8 +92,9 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     Ok(ExitStatus::Clean)
 }
 
-fn program(file: &SourceFile, stage: Stage, entry: Option<&str>) -> Result<Program, ProgramError> {
-    Program::from_source(file, stage, |shader| match (entry, stage) {
+/// What is translated of a shader.
+fn target(shader: &Shader, stage: Stage, entry: Option<&str>) -> Result<Target, ProgramError> {
+    match (entry, stage) {
         (Some(name), _) => Ok(Target::Function(name.to_owned())),
         (None, Stage::Library) => {
             let mut names = shader.functions().map(|(_, f)| f.name.name.clone());
@@ -96,7 +111,7 @@ fn program(file: &SourceFile, stage: Stage, entry: Option<&str>) -> Result<Progr
             }
         }
         (None, _) => Ok(Target::Stage),
-    })
+    }
 }
 
 /// Reads a text file for a command.

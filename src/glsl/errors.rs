@@ -74,6 +74,8 @@ pub const REDECLARATION: Code = Code("E049");
 
 // Codes of rules of the lint tool: the rule has the page and adds the fix.
 
+/// A constructor gets an argument behind the last component that it needs.
+pub const TOO_MANY: Code = Code("T001");
 /// A constructor gets too few components.
 pub const TOO_FEW: Code = Code("T002");
 /// A vector or scalar is assigned to one of another size.

@@ -317,6 +317,17 @@ impl Type {
         }
     }
 
+    /// True for `void`, and for arrays of it.
+    pub fn is_void(&self) -> bool {
+        match self {
+            Self::Void => true,
+            Self::Array(element, _) => element.is_void(),
+            Self::Error | Self::Scalar(_) | Self::Vector(..) | Self::Matrix(..) | Self::Opaque(_) | Self::Struct(_) => {
+                false
+            }
+        }
+    }
+
     /// Number of components of a scalar, vector or matrix.
     pub fn components(&self) -> Option<usize> {
         match self {

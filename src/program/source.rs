@@ -2,11 +2,28 @@
 
 use naga::valid::ShaderStages;
 
-use super::{Entry, Program, ProgramError};
-use crate::diagnostic::{Diagnostic, Severity};
-use crate::glsl::{Shader, Stage, link};
+use super::{Entry, Program, ProgramError, contain};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::glsl::{Parsed, Shader, Stage, errors, link};
 use crate::lower::{Target, lower};
 use crate::text::SourceFile;
+
+/// Errors about one expression each, which is refused where a program uses it.
+const OF_TYPES: [Code; 13] = [
+    errors::UNKNOWN_NAME,
+    errors::UNKNOWN_FUNCTION,
+    errors::NO_OVERLOAD,
+    errors::ASSIGN_TYPE,
+    errors::OPERAND_TYPE,
+    errors::UNKNOWN_FIELD,
+    errors::CONSTRUCTOR,
+    errors::TOO_MANY,
+    errors::TOO_FEW,
+    errors::ASSIGN_SIZE,
+    errors::MATRIX_SIZE,
+    errors::SCALAR_SWIZZLE,
+    errors::SWIZZLE,
+];
 
 impl Program {
     /// Reads a text, lowers what `target` chooses of it, and makes a program. Nothing is lowered when
@@ -53,10 +70,37 @@ impl Program {
         if !errors.is_empty() {
             return Err(ProgramError::Source(errors));
         }
-        let target = target(&parsed.shader)?;
-        let by_edits = lower(&parsed.shader, &target).map_err(ProgramError::Source).and_then(Self::new);
+        Self::of(&parsed.shader, file, &target(&parsed.shader)?)
+    }
+
+    /// The program of a text that the language refuses, as far as what is refused is not part of it.
+    ///
+    /// # Errors
+    /// What is refused or cannot be translated in the code that the program uses.
+    pub fn from_faulty(
+        file: &SourceFile,
+        stage: Stage,
+        target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
+    ) -> Result<Self, ProgramError> {
+        let Parsed { shader, diagnostics } = Shader::parse(file, stage);
+        // An error of the grammar may have taken more of the text along than it stands at.
+        let errors = diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
+        let fatal: Vec<Diagnostic> =
+            errors.filter(|d| !OF_TYPES.contains(&d.code)).map(Diagnostic::at_origin).collect();
+        if !fatal.is_empty() {
+            return Err(ProgramError::Source(fatal));
+        }
+        let target = target(&shader)?;
+        // The syntax tree alone: it has no type for what is refused, and naga's reader takes some of it in another sense.
+        let built = contain(|| Self::build(&shader, &target));
+        let program = built.unwrap_or_else(|panic| Err(ProgramError::Internal(panic)))?;
+        Ok(Self { texts: vec![file.clone()], ..program })
+    }
+
+    fn of(shader: &Shader, file: &SourceFile, target: &Target) -> Result<Self, ProgramError> {
+        let by_edits = lower(shader, target).map_err(ProgramError::Source).and_then(Self::new);
         // What edits in place do not make readable to naga is built from the syntax tree.
-        let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&parsed.shader, &target));
+        let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(shader, target));
         match built {
             Ok(program) => {
                 let ranges = super::drawn::ranges(&parsed.shader);

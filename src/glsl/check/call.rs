@@ -98,11 +98,13 @@ impl Checker<'_> {
                         good = false;
                     }
                 }
-                // Too many components are told by a lint rule; what depends on the value stays silent.
                 good && self.matrix_rules(&ty, args, &types)
                     && match Constructor::new(&ty, &types).fit {
                         Fit::Fits | Fit::Unknown => true,
-                        Fit::TooMany { .. } => false,
+                        Fit::TooMany { first_extra } => {
+                            self.too_many(&ty, span, first_extra, args, &types);
+                            false
+                        }
                         Fit::TooFew { given } => {
                             self.too_few(&ty, span, given);
                             false
@@ -135,6 +137,38 @@ impl Checker<'_> {
             _ => None,
         };
         (ty, value)
+    }
+
+    /// The arguments of a constructor from `first` on give nothing.
+    fn too_many(&mut self, ty: &Type, span: Span, first: usize, args: &[ExprId], types: &[Type]) {
+        // What depends on something unknown stays silent.
+        let given: Option<Vec<usize>> = types.iter().map(Type::components).collect();
+        let (Some(given), [.., last]) = (given, args) else { return };
+        let (needs, given) = (ty.components().unwrap_or_default(), given.iter().sum::<usize>());
+        let surplus = self.arena.get(args[first]).span.to(self.arena.get(*last).span);
+        let has = if needs == 1 { "1 component".to_owned() } else { format!("{needs} components") };
+        let file = self.sink.file.clone();
+        let d = self
+            .sink
+            .start(
+                errors::TOO_MANY,
+                span,
+                told!(
+                    "`{ty}` has {has}, but is given {given}",
+                    "`{ty}` の成分は {needs} 個ですが、{given} 個与えられています"
+                ),
+            )
+            .with_label(told!("makes a `{ty}`", "`{ty}` を作る"))
+            .with_related(&file, surplus, told!("too many", "余分です"))
+            .with_why(told!(
+                "a constructor takes no argument behind the last component that it needs: the shader does not compile",
+                "コンストラクタは、必要な最後の成分より後ろの引数を受け取りません。このシェーダはコンパイルできません",
+            ))
+            .with_help(told!(
+                "give {has}, or construct a larger type",
+                "成分を {needs} 個にするか、より大きい型にしてください"
+            ));
+        self.sink.push(d);
     }
 
     fn too_few(&mut self, ty: &Type, span: Span, given: usize) {

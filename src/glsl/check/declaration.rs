@@ -129,7 +129,7 @@ impl Checker<'_> {
             for (name, ty, declarator) in self.member_types(member) {
                 self.reserved_name(&name, false);
                 self.array_rules(&ty, declarator.span, false, false);
-                if ty == Type::Void {
+                if ty.is_void() {
                     let message = told!("a member cannot be `void`", "メンバーは `void` にできません");
                     self.sink.error(errors::VARIABLE_TYPE, name.span, message, told!("this member", "このメンバー"));
                 }
@@ -312,7 +312,7 @@ impl Checker<'_> {
 
     fn declarator(&mut self, base: &Type, declarator: &Declarator) -> (Type, Option<Const>) {
         let ty = self.declared_type(base, &declarator.dims);
-        if ty == Type::Void {
+        if ty.is_void() {
             let message = format!("`{}` cannot be `void`", declarator.name.name);
             self.sink.error(errors::UNKNOWN_TYPE, declarator.name.span, message, "a variable needs a type with values");
             return (Type::Error, None);

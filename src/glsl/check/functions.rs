@@ -110,7 +110,7 @@ impl Checker<'_> {
             self.need(Feature::ArrayValues, param.span);
         }
         self.precision_type(&param.qualifiers, &info.ty);
-        if info.ty == Type::Void {
+        if info.ty.is_void() {
             let message = told!("a parameter cannot be `void`", "引数は `void` にできません");
             self.sink.error(errors::VARIABLE_TYPE, param.span, message, here.clone());
         }

@@ -113,6 +113,18 @@ impl Checker<'_> {
         }
     }
 
+    /// The body of a loop whose head may declare something: one scope holds both (GLSL 4.60 specification, section 6.3).
+    fn body(&mut self, body: &Stmt) {
+        match &body.kind {
+            StmtKind::Block(block) => {
+                let around = self.around.enter_nested();
+                self.statements(block);
+                self.around = around;
+            }
+            _ => self.statement(body),
+        }
+    }
+
     fn statement(&mut self, statement: &Stmt) {
         match &statement.kind {
             StmtKind::Empty | StmtKind::Error => {}
@@ -163,11 +175,11 @@ impl Checker<'_> {
                 if let Some(step) = step {
                     this.expression(*step);
                 }
-                this.in_loop(|this| this.scoped(|this| this.statement(body)));
+                this.in_loop(|this| this.body(body));
             }),
             StmtKind::While { condition, body } => self.scoped(|this| {
                 this.condition(condition, "the condition of `while`");
-                this.in_loop(|this| this.scoped(|this| this.statement(body)));
+                this.in_loop(|this| this.body(body));
             }),
             StmtKind::DoWhile { body, condition } => {
                 self.in_loop(|this| this.scoped(|this| this.statement(body)));

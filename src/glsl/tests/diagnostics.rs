@@ -112,12 +112,15 @@ fn unknown_types_are_told() {
     let parsed = parse(&in_main("retrun x;"), Stage::Vertex);
     assert_eq!(parsed.diagnostics[0].help.as_deref(), Some("did you mean `return`?"));
     one("void x;", "E023 5:6 `x` cannot be `void`");
+    one("void x[3];", "E023 5:6 `x` cannot be `void`");
 }
 
 #[test]
 fn redefinitions_are_told() {
     one("float a; float a;", "E024 5:16 `a` is declared twice in this scope");
     whole("int f(int a) { float a = 1.0; return 1; }", "E024 1:22 `a` is declared twice in this scope");
+    // The head of a loop and its body are one scope.
+    one("for (int k = 0; k < 2; k++) { float k; }", "E024 5:37 `k` is declared twice in this scope");
     whole("void f() {}\nvoid f() {}", "E024 2:6 `f` has two bodies for the same parameters");
     whole("int f();\nfloat f();", "E024 2:7 `f` returns `float` here and `int` before");
     whole("struct S { int a; };\nstruct S { int a; };", "E024 2:8 `S` is declared twice in this scope");
@@ -148,10 +151,16 @@ fn type_mismatches_are_told_in_words() {
 }
 
 #[test]
-fn an_ill_formed_constructor_is_left_to_the_lint() {
-    // The printed defect: four components for three, and that assigned to four.
-    clean(&in_main("vec4 q = vec3(cos(1.0), 0.0, sin(1.0), 1.0);"), Stage::Vertex);
-    // Too few are told by the front end, and nothing follows from it.
+fn an_ill_formed_constructor_is_told_once() {
+    // The printed defect: four components for three, and that assigned to four. Nothing follows from it.
+    let four = "T001 5:10 `vec3` has 3 components, but is given 4";
+    one("vec4 q = vec3(cos(1.0), 0.0, sin(1.0), 1.0);", four);
+    one("float q = float(1.0, 2.0);", "T001 5:11 `float` has 1 component, but is given 2");
+    one("vec3 a = vec3(1.0, 1.0, 1.0, undefinedThing);", "E020 5:30 `undefinedThing` is not declared");
+    clean(
+        &in_main("vec3 a = vec3(p); vec3 b = vec3(1.0, p); mat2 c = mat2(p); mat2 d = mat2(mat3(1.0));"),
+        Stage::Vertex,
+    );
     one("vec4 q = 2.0 * vec4(1.0, 1.0, 1.0);", "T002 5:16 `vec4` needs 4 components, but gets 3");
     one("gl_Position = m * vec3(1.0, 2.0);", "T002 5:19 `vec3` needs 3 components, but gets 2");
     one("vec3 a = vec3(undefinedThing, 1.0);", "E020 5:15 `undefinedThing` is not declared");

@@ -6,7 +6,7 @@ use crate::glsl::ast::{Callee, ExprId, ExprKind};
 use crate::glsl::symbols::CallTarget;
 use crate::glsl::types::Type;
 use crate::lint::project::ShaderFile;
-use crate::lint::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::lint::rule::{Check, Example, Japanese, Level, Page, Rule};
 use crate::text::{Edit, Span};
 
 use super::walk::declarators;
@@ -45,45 +45,22 @@ pub const RULE: Rule = Rule {
             fix: "値が、与えた数と同じ成分数のベクトルの初期化や代入に使われる場合は、コンストラクタの型をそれに合わせます。元の文はコンパイルできず、妥当な読み方が一つなので safe です。それ以外では余分な引数を削除します。こちらは unsafe です。",
         },
     },
-    check: Check::Shader(check),
+    check: Check::FrontEnd(complete),
 };
 
-fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
     let shader = &file.shader;
-    for (id, expr) in shader.arena().iter() {
-        let ExprKind::Call { callee: Callee::Type(written), args } = &expr.kind else { continue };
-        let Some(CallTarget::Constructor(ty)) = shader.callee(id) else { continue };
-        let Some(extra) = extra_arguments(shader, ty, args) else { continue };
-        let (first, given) = (extra.first, extra.given);
-        let needed = ty.components().unwrap_or_default();
-        let has = components(needed);
-        let surplus = shader.expr(args[first]).span.to(shader.expr(args[args.len() - 1]).span);
-        let mut found = findings
-            .at(
-                &file.file,
-                written.name_span,
-                told!(
-                    "`{ty}` has {has}, but is given {given}",
-                    "`{ty}` の成分は {needed} 個ですが、{given} 個与えられています"
-                ),
-            )
-            .with_label(told!("makes a `{ty}`", "`{ty}` を作る"))
-            .with_related(&file.file, surplus, told!("too many", "余分です"))
-            .with_why(told!(
-                "a constructor takes no argument behind the last component that it needs: the shader does not compile",
-                "コンストラクタは、必要な最後の成分より後ろの引数を受け取りません。このシェーダはコンパイルできません",
-            ));
-        if !expr.from_macro {
-            found = fix(shader, id, ty, given, found, written.name_span, || {
-                let last_needed = shader.expr(args[first - 1]).span;
-                Span::new(last_needed.end, surplus.end)
-            });
+    let call = shader.arena().iter().find_map(|(id, e)| match &e.kind {
+        ExprKind::Call { callee: Callee::Type(written), args } if written.span == found.span && !e.from_macro => {
+            Some((id, written, args))
         }
-        findings.push(found.with_help(told!(
-            "give {has}, or construct a larger type",
-            "成分を {needed} 個にするか、より大きい型にしてください"
-        )));
-    }
+        _ => None,
+    });
+    let Some((id, written, args)) = call else { return Some(found) };
+    let Some(CallTarget::Constructor(ty)) = shader.callee(id) else { return Some(found) };
+    let Some(Extra { first, given }) = extra_arguments(shader, ty, args) else { return Some(found) };
+    let surplus = || Span::new(shader.expr(args[first - 1]).span.end, shader.expr(args[args.len() - 1]).span.end);
+    Some(fix(shader, id, ty, given, found, written.name_span, surplus))
 }
 
 fn fix(
@@ -154,10 +131,6 @@ fn destination(shader: &Shader, call: ExprId) -> Option<Type> {
         }
     });
     found
-}
-
-fn components(n: usize) -> String {
-    if n == 1 { "1 component".to_owned() } else { format!("{n} components") }
 }
 
 #[cfg(test)]
