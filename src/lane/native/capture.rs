@@ -1,9 +1,9 @@
 //! What is added to a module so that its outputs can be captured. Bodies stay as the translator made them, but for
-//! the count of vertices and strips beside each `EmitVertex` and `EndPrimitive`.
+//! the count of vertices and strips beside each `EmitVertex` and `EndPrimitive`. Uniform blocks may become storage buffers.
 
 use std::collections::HashMap;
 
-use super::spirv::{HEADER, Reflection, Type, decoration, instruction, instructions, op, storage};
+use super::spirv::{HEADER, Reflection, Type, branches, decoration, instruction, instructions, op, storage};
 
 /// Numbers of SPIR-V that are written here alone.
 const CAPABILITY_TRANSFORM_FEEDBACK: u32 = 53;
@@ -14,6 +14,31 @@ const MODE_OUTPUT_TRIANGLE_STRIP: u32 = 29;
 
 /// Bits of a mark that hold the number of the vertex; the others hold that of the strip.
 pub(super) const VERTEX_BITS: u32 = 16;
+
+/// The buffers that uniform blocks are read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Feed {
+    /// Uniform buffers.
+    Uniform,
+    /// Storage buffers that are only read, with the same layout. Lavapipe writes the values of uniform buffers on which
+    /// a branch depends into the shader as constants and compiles it anew whenever they change, which is for every case:
+    /// 450 times for the short run of `skinning`, where a storage buffer takes one compilation.
+    Storage,
+}
+
+impl Feed {
+    /// What is best for a module.
+    pub fn of(module: &[u32]) -> Self {
+        if branches(module) { Self::Storage } else { Self::Uniform }
+    }
+
+    fn storage(self, written: u32) -> u32 {
+        match self {
+            Self::Storage if written == storage::UNIFORM => storage::STORAGE_BUFFER,
+            Self::Uniform | Self::Storage => written,
+        }
+    }
+}
 
 /// An output that is captured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +62,8 @@ pub(super) struct Capture {
     pub mark: Option<u32>,
     /// True to hand on emitted vertices one by one.
     pub points: bool,
+    /// How uniform blocks are fed.
+    pub feed: Feed,
 }
 
 /// The module with what captures it.
@@ -77,9 +104,16 @@ pub(super) fn insert(words: &[u32], reflection: &Reflection, capture: &Capture) 
             op::EXECUTION_MODE if capture.points && is_strip(operands) => {
                 pass.add(opcode, &[operands[0], MODE_OUTPUT_POINTS]);
             }
+            op::TYPE_POINTER if operands.len() == 3 => {
+                pass.decorate(mark);
+                pass.add(opcode, &[operands[0], capture.feed.storage(operands[1]), operands[2]]);
+            }
             19..=39 => {
                 pass.decorate(mark);
                 pass.add(opcode, operands);
+            }
+            op::VARIABLE if operands.len() == 3 && operands[2] == storage::UNIFORM => {
+                pass.add(opcode, &[operands[0], operands[1], capture.feed.storage(operands[2])]);
             }
             op::VARIABLE if operands.len() == 3 && operands[2] == storage::OUTPUT => {
                 let start = pass.start(operands[1]);
@@ -179,6 +213,11 @@ impl Pass<'_> {
             self.add(op::DECORATE, &[id, decoration::LOCATION, location]);
             self.add(op::DECORATE, &[id, decoration::OFFSET, 4 * self.capture.words]);
             variables.push(id);
+        }
+        if self.capture.feed == Feed::Storage {
+            for variable in self.reflection.of_storage(storage::UNIFORM) {
+                self.add(op::DECORATE, &[variable.id, decoration::NON_WRITABLE]);
+            }
         }
         for id in variables {
             self.add(op::DECORATE, &[id, decoration::XFB_BUFFER, 0]);

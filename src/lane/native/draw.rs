@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use ash::vk;
 
+use super::capture::Feed;
 use super::gpu::{Buffer, Gpu};
 use super::interface::Block;
 use crate::lane::LaneError;
@@ -26,8 +27,9 @@ pub(super) struct Attribute {
 pub(super) struct Setting<'a> {
     pub attributes: &'a [Attribute],
     pub topology: vk::PrimitiveTopology,
-    /// Uniform buffers of the stage under test.
+    /// Uniform blocks of the stage under test.
     pub blocks: Vec<Block>,
+    pub feed: Feed,
     pub stage: vk::ShaderStageFlags,
     /// Most vertices, and most cases, of a batch.
     pub most: (usize, usize),
@@ -102,14 +104,26 @@ fn api(error: vk::Result) -> LaneError {
 impl Draws {
     pub fn new(gpu: &Rc<Gpu>, setting: Setting<'_>) -> Result<Self, LaneError> {
         let limits = &gpu.limits;
-        let dynamic = limits.max_descriptor_set_uniform_buffers_dynamic as usize;
+        let (dynamic, range, align, fed_by) = match setting.feed {
+            Feed::Uniform => (
+                limits.max_descriptor_set_uniform_buffers_dynamic as usize,
+                limits.max_uniform_buffer_range,
+                limits.min_uniform_buffer_offset_alignment,
+                vk::BufferUsageFlags::UNIFORM_BUFFER,
+            ),
+            Feed::Storage => (
+                limits.max_descriptor_set_storage_buffers_dynamic as usize,
+                limits.max_storage_buffer_range,
+                limits.min_storage_buffer_offset_alignment,
+                vk::BufferUsageFlags::STORAGE_BUFFER,
+            ),
+        };
         let refuse = |what: String| Err(LaneError::Unsupported(what));
         if setting.blocks.len() > dynamic {
             return refuse(format!("{} uniform blocks; the device takes {dynamic}", setting.blocks.len()));
         }
-        if let Some(block) = setting.blocks.iter().find(|block| block.bytes > limits.max_uniform_buffer_range) {
-            let most = limits.max_uniform_buffer_range;
-            return refuse(format!("{} bytes of uniforms in a block; the device takes {most}", block.bytes));
+        if let Some(block) = setting.blocks.iter().find(|block| block.bytes > range) {
+            return refuse(format!("{} bytes of uniforms in a block; the device takes {range}", block.bytes));
         }
         if setting.attributes.iter().any(|a| a.location >= limits.max_vertex_input_attributes) {
             return refuse(format!("more than {} vertex attributes", limits.max_vertex_input_attributes));
@@ -131,24 +145,27 @@ impl Draws {
             topology: setting.topology,
             alone: setting.alone,
         };
-        let align = limits.min_uniform_buffer_offset_alignment.max(16) as u32;
+        let align = align.max(16) as u32;
         let mut blocks = setting.blocks;
         // Offsets are given in the order of sets and bindings.
         blocks.sort_by_key(|block| (block.set, block.binding));
         for block in blocks {
             let stride = block.bytes.next_multiple_of(align) as usize / 4;
-            let buffer = Buffer::new(gpu, stride * setting.most.1, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
+            let buffer = Buffer::new(gpu, stride * setting.most.1, fed_by)?;
             this.uniforms.push(Uniforms { block, buffer, stride });
         }
-        this.describe(setting.stage)?;
+        this.describe(setting.stage, setting.feed)?;
         this.target()?;
         Ok(this)
     }
 
     /// Layouts and sets of the uniform buffers.
-    fn describe(&mut self, stage: vk::ShaderStageFlags) -> Result<(), LaneError> {
+    fn describe(&mut self, stage: vk::ShaderStageFlags, feed: Feed) -> Result<(), LaneError> {
         let device = &self.gpu.device;
-        let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
+        let kind = match feed {
+            Feed::Uniform => vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC,
+            Feed::Storage => vk::DescriptorType::STORAGE_BUFFER_DYNAMIC,
+        };
         let sets = self.uniforms.iter().map(|u| u.block.set + 1).max().unwrap_or(0);
         for set in 0..sets {
             let binding = |u: &Uniforms| {

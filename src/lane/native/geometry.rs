@@ -10,7 +10,7 @@ use std::rc::Rc;
 use ash::vk;
 
 use super::Job;
-use super::capture::{self, Capture, VERTEX_BITS};
+use super::capture::{self, Capture, Feed, VERTEX_BITS};
 use super::draw::{Attribute, Counts, Drawn, Draws, Pass, Setting};
 use super::gpu::Gpu;
 use super::interface;
@@ -144,9 +144,10 @@ impl GeometryRunner {
         if most * size > total {
             return refuse(format!("{most} vertices with {size} components each; the device takes {total} in all"));
         }
+        let feed = Feed::of(&job.module);
         let sentinel = Marks::random().sentinel;
         let mark = Some(interface::free_location(&reflection));
-        let capture = Capture { outputs: captured, words: size as u32 - 1, sentinel, mark, points: true };
+        let capture = Capture { outputs: captured, words: size as u32 - 1, sentinel, mark, points: true, feed };
         let room = (most * corners).max(1);
         let blocks = interface::blocks(&reflection, &job.case)?;
         let bytes: usize = blocks.iter().map(|block| block.bytes as usize + 256).sum();
@@ -158,6 +159,7 @@ impl GeometryRunner {
             attributes: &front.attributes,
             topology,
             blocks,
+            feed,
             stage,
             most: (capacity * input, capacity),
             alone: false,

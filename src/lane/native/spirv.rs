@@ -1,6 +1,6 @@
 //! SPIR-V as words: what a translator made of a shader, read as far as feeding and capturing need it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Instructions that are looked at, by number.
 pub(super) mod op {
@@ -22,6 +22,7 @@ pub(super) mod op {
     pub const CONSTANT_NULL: u32 = 46;
     pub const FUNCTION: u32 = 54;
     pub const FUNCTION_END: u32 = 56;
+    pub const FUNCTION_CALL: u32 = 57;
     pub const VARIABLE: u32 = 59;
     pub const LOAD: u32 = 61;
     pub const STORE: u32 = 62;
@@ -32,6 +33,8 @@ pub(super) mod op {
     pub const BITWISE_OR: u32 = 197;
     pub const EMIT_VERTEX: u32 = 218;
     pub const END_PRIMITIVE: u32 = 219;
+    pub const BRANCH_CONDITIONAL: u32 = 250;
+    pub const SWITCH: u32 = 251;
 }
 
 /// Storage classes.
@@ -40,6 +43,7 @@ pub(super) mod storage {
     pub const UNIFORM: u32 = 2;
     pub const OUTPUT: u32 = 3;
     pub const PRIVATE: u32 = 6;
+    pub const STORAGE_BUFFER: u32 = 12;
 }
 
 /// Decorations.
@@ -48,6 +52,7 @@ pub(super) mod decoration {
     pub const ARRAY_STRIDE: u32 = 6;
     pub const MATRIX_STRIDE: u32 = 7;
     pub const BUILT_IN: u32 = 11;
+    pub const NON_WRITABLE: u32 = 24;
     pub const LOCATION: u32 = 30;
     pub const BINDING: u32 = 33;
     pub const DESCRIPTOR_SET: u32 = 34;
@@ -78,6 +83,11 @@ pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])>
         rest = behind;
         Some((first & 0xffff, &this[1..]))
     })
+}
+
+/// True for a module that decides anything when it runs.
+pub(super) fn branches(words: &[u32]) -> bool {
+    instructions(words).any(|(opcode, _)| matches!(opcode, op::BRANCH_CONDITIONAL | op::SWITCH))
 }
 
 /// A string at the start of operands, and the operands behind it.
@@ -257,7 +267,22 @@ pub(super) fn module_in(output: &[u8]) -> Option<Vec<u32>> {
             (inside, last) = (false, Some(end));
         }
     }
-    last.map(|end| words[..end].to_vec())
+    let module = &words[..last.filter(|_| !inside)?];
+    is_whole(module).then(|| module.to_vec())
+}
+
+/// True when every function of a module is there that is called, or that an entry point names.
+fn is_whole(module: &[u32]) -> bool {
+    let mut defined = HashSet::new();
+    let mut named = Vec::new();
+    for (opcode, operands) in instructions(module) {
+        match (opcode, operands) {
+            (op::FUNCTION, [_, result, ..]) => drop(defined.insert(*result)),
+            (op::FUNCTION_CALL, [_, _, function, ..]) | (op::ENTRY_POINT, [_, function, ..]) => named.push(*function),
+            _ => {}
+        }
+    }
+    named.iter().all(|function| defined.contains(function))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 
-use super::capture::{self, Capture};
+use super::capture::{self, Capture, Feed};
 use super::glslang::{Kind, Translator};
 use super::spirv::Reflection;
 use super::{interface, open};
@@ -217,8 +217,9 @@ fn what_is_added_keeps_modules_valid() {
         let outputs = interface::outputs(&reflection, &program(name, text).output_layout().vertex).unwrap();
         let outputs = outputs.into_iter().map(|(captured, _)| captured).collect();
         let mark = (kind == Kind::Geometry).then(|| interface::free_location(&reflection));
-        for points in [false, true] {
-            let capture = Capture { outputs: Vec::clone(&outputs), words: 6, sentinel: 0x7fc0_1234, mark, points };
+        for (points, feed) in [(false, Feed::Uniform), (true, Feed::Uniform), (false, Feed::Storage)] {
+            let outputs = Vec::clone(&outputs);
+            let capture = Capture { outputs, words: 6, sentinel: 0x7fc0_1234, mark, points, feed };
             assert_eq!(complaint(&capture::insert(&words, &reflection, &capture)).as_deref(), Some(""), "{name}");
         }
         let mut broken = words.to_vec();

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use ash::vk;
 
 use super::Job;
-use super::capture::{self, Capture};
+use super::capture::{self, Capture, Feed};
 use super::draw::{Attribute, Drawn, Draws, Pass, Setting};
 use super::gpu::Gpu;
 use super::interface;
@@ -92,8 +92,9 @@ impl VertexRunner {
         if size == 0 {
             return Err(LaneError::Unsupported("a stage that writes no output".to_owned()));
         }
+        let feed = Feed::of(&job.module);
         let sentinel = Marks::random().sentinel;
-        let capture = Capture { outputs: captured, words: size as u32, sentinel, mark: None, points: false };
+        let capture = Capture { outputs: captured, words: size as u32, sentinel, mark: None, points: false, feed };
         let module = capture::insert(&job.module, &reflection, &capture);
         let capacity = capacity.min(CAPTURED / size.max(fed.len())).max(1);
         let blocks = interface::blocks(&reflection, &job.case)?;
@@ -102,7 +103,8 @@ impl VertexRunner {
         let alone = !drawn.is_empty();
         let capacity = if alone { capacity.min(DRAWS) } else { capacity };
         let (stage, topology) = (vk::ShaderStageFlags::VERTEX, vk::PrimitiveTopology::POINT_LIST);
-        let setting = Setting { attributes: &described, topology, blocks, stage, most: (capacity, capacity), alone };
+        let most = (capacity, capacity);
+        let setting = Setting { attributes: &described, topology, blocks, feed, stage, most, alone };
         let mut draws = Draws::new(gpu, setting)?;
         let pass = Pass { modules: &[(stage, &module)], words: size, most: capacity, counted: 1 };
         draws.add(&pass)?;
