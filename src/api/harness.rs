@@ -100,9 +100,9 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
             Run::Refused(_) | Run::LaneFailed(_) | Run::KnownFailure { .. } => Vec::new(),
         })
         .collect();
-    if !failing.is_empty() {
-        suite::save_regressions(&regressions, &suite.name, &failing)?;
-    }
+    // What was found is told in any case: a folder that takes no file is no reason to lose it.
+    let saved = if failing.is_empty() { Ok(()) } else { suite::save_regressions(&regressions, &suite.name, &failing) };
+    let unsaved = saved.err().map_or_else(String::new, |error| format!("failing cases are not saved: {error}\n"));
     for entry in &mut entries {
         let lane =
             lanes.iter().map(|lane| lane.description()).find(|lane| entry.on.is_some_and(|on| on.0 == lane.name));
@@ -111,7 +111,7 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
         }
     }
     let outcome = run::outcome(entries);
-    if outcome.passed() { Ok(()) } else { Err(Failed::from(outcome.report())) }
+    if outcome.passed() { Ok(()) } else { Err(Failed::from(format!("{}{unsaved}", outcome.report()))) }
 }
 
 /// What is expected to fail of a suite.

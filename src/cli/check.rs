@@ -19,7 +19,7 @@ use crate::bound::profile::Rulings;
 use crate::cli::paths::relative;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Lane, LaneError, Stage};
+use crate::lane::{self, Lane, LaneError, Stage, interrupt};
 use crate::program::Source;
 use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
@@ -49,10 +49,10 @@ pub struct CheckArgs {
     /// Run this shader instead of the suite's own; needs exactly one suite
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
-    /// Only these lanes
+    /// Only these lanes; exit status 2 when one of them is unavailable
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
-    /// Fail when one of these lanes cannot be had
+    /// Fail, with exit status 2, when one of these lanes is unavailable or judges no sample
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub require_lane: Vec<String>,
     /// Only this stage of each lane
@@ -219,26 +219,27 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let mut pages = Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?;
     let mut screen = Screen::new(args, &selected, &lanes, color);
     let all = Peers { lanes: &lanes, rulings: &rulings, ledgers: &ledgers };
+    let mut unfit: Vec<&str> = Vec::new();
     for (number, suite) in selected.iter().enumerate() {
         let before = summary.entries.len();
-        one_suite(args, (number, suite), &all, &mut summary, (&mut progress, &mut pages), &screen, out)?;
+        one_suite(args, (number, suite), &all, &mut summary, (&mut progress, &mut pages), &screen, (out, err))?;
         progress.suspend(|| screen.suite(&suite.suite.name, &summary.entries[before..], out))?;
         pages.next(summary.entries.len());
+        if interrupt::asked() {
+            break;
+        }
         if summary.entries.len() == before {
-            let name = &suite.suite.name;
-            let why = match args.stage {
-                Some(StageArg::Vertex) => "it is no vertex suite, and runs with --stage compute",
-                Some(StageArg::Compute | StageArg::Geometry) => "no lane of this run has this stage for it",
-                None => "no lane of this run has a stage for it",
-            };
-            writeln!(err, "note: suite `{name}` did not run: {why}")?;
+            unfit.push(suite.suite.name.as_str());
         }
     }
     progress.finish();
+    without_stage(args.stage, &unfit, err)?;
+    summary.interrupted = interrupt::signal();
     summary.stale = ledgers.stale();
     if let Some(folder) = &args.report_dir {
-        write_reports(folder, &summary)?;
-        pages.write(folder, &summary, &rulings)?;
+        pages.attempt(write_reports(folder, &summary));
+        let written = pages.write(folder, &summary, &rulings);
+        pages.attempt(written);
         for note in &pages.notes {
             writeln!(err, "note: {note}")?;
         }
@@ -248,7 +249,31 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         Some(format) => out.write_all((format.write)(&summary).map_err(anyhow::Error::msg)?.as_bytes())?,
     }
     out.flush()?;
-    Ok(status_of(&summary))
+    pages.failed.map_or(Ok(()), Err)?;
+    concluded(&summary, err)
+}
+
+/// Names the suites that no lane had a stage for.
+fn without_stage(stage: Option<StageArg>, suites: &[&str], err: &mut dyn Write) -> std::io::Result<()> {
+    let (word, them, vertex) = match suites.len() {
+        0 => return Ok(()),
+        1 => ("suite", "it", "it is no vertex suite, and runs"),
+        _ => ("suites", "them", "they are no vertex suites, and run"),
+    };
+    let why = match stage {
+        Some(StageArg::Vertex) => format!("{vertex} with --stage compute"),
+        Some(StageArg::Compute | StageArg::Geometry) => format!("no lane of this run has this stage for {them}"),
+        None => format!("no lane of this run has a stage for {them}"),
+    };
+    writeln!(err, "note: {word} `{}` did not run: {why}", suites.join("`, `"))
+}
+
+/// Says why the run is not the one that was asked for, and gives its status.
+fn concluded(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    for (_, shortcoming) in summary.shortcomings() {
+        writeln!(err, "error: {shortcoming}")?;
+    }
+    Ok(summary.interrupted.map_or_else(|| status_of(summary), ExitStatus::Interrupted))
 }
 
 /// Prints what follows the lines of the suites.
@@ -284,6 +309,7 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
             anyhow::bail!("there is no lane `{asked}`; {hint}");
         }
     }
+    (summary.asked, summary.required) = (args.lane.clone(), args.require_lane.clone());
     let (mut lanes, mut rulings) = (Vec::new(), Vec::new());
     for candidate in lane::registry() {
         let named = |list: &[String]| list.iter().any(|n| n == candidate.name);
@@ -347,7 +373,7 @@ fn one_suite(
     summary: &mut Summary,
     (progress, pages): (&mut Progress, &mut Pages),
     screen: &Screen,
-    out: &mut dyn Write,
+    (out, err): (&mut dyn Write, &mut dyn Write),
 ) -> anyhow::Result<()> {
     let shader = shader_of(args, selected)?;
     let suite = &selected.suite;
@@ -373,6 +399,9 @@ fn one_suite(
         let request = request(args, selected, &prepared, rulings.clone())?;
         let name = lane.description().name;
         for (stage, source) in ways(args, lane.as_ref(), &prepared) {
+            if interrupt::asked() {
+                break;
+            }
             let most = source.map_or(u64::MAX, |source| most_from(&prepared, source));
             progress.start((number, &suite.name), name, stage, request.samples_of(suite).min(most));
             let mut at = |done| progress.at(done);
@@ -381,13 +410,16 @@ fn one_suite(
                 Some(source) => run_from(&prepared, lane.as_ref(), source, &request, &mut at),
             };
             let outcome = match result {
+                // A device that is given up because the run ends has not failed.
+                Err(_) if interrupt::asked() => break,
+                Ok(report) if interrupt::asked() => Outcome::Ran(Box::new(report)),
                 Ok(mut report) => {
                     if std::mem::take(&mut untold) {
                         check_translations(&prepared, &request, &mut report);
                     }
                     if let Some(folder) = &args.report_dir {
                         for bundle in bundles(&prepared, lane.as_ref(), stage, &request.rulings, &report)? {
-                            write_bundle(folder, &bundle)?;
+                            pages.attempt(write_bundle(folder, &bundle));
                         }
                     }
                     pages.look(&prepared, lane.as_ref(), stage, &request, &report);
@@ -417,11 +449,16 @@ fn one_suite(
         Outcome::Ran(report) => Some(&mut **report),
         Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
     });
-    hear(&prepared, &peers, &mut ran.collect::<Vec<&mut Report>>());
+    if !interrupt::asked() {
+        hear(&prepared, &peers, &mut ran.collect::<Vec<&mut Report>>());
+    }
     // Another shader's failures are no regressions of the suite's own.
     if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some())
     {
-        save_regressions(path, &suite.name, &failing)?;
+        // What was found is told in any case: a folder that takes no file is no reason to lose it.
+        if let Err(error) = save_regressions(path, &suite.name, &failing) {
+            progress.suspend(|| writeln!(err, "warning: failing cases are not saved: {error}"))?;
+        }
     }
     Ok(())
 }

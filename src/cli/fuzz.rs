@@ -17,7 +17,7 @@ use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::diagnostic::{Diagnostic, Lang, Severity};
 use crate::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
-use crate::lane::{self, Lane, Stage};
+use crate::lane::{self, Lane, Stage, interrupt};
 use crate::property::nearest;
 use crate::report;
 use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
@@ -48,7 +48,8 @@ stated range that are nearer to 0 than 2^-64 of it, or beyond 1024 where it has 
 too large, indices, integers and loops without end are findings only where every input has a stated \
 domain. A function that loses digits (ill-conditioned) gets a warning.
 
-Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, or nothing could be run.")]
+Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
+unavailable, or nothing could be run.")]
 pub struct FuzzArgs {
     /// Shader files; the extension tells the stage, and a file without `main` is a library
     #[arg(value_name = "FILE", required = true)]
@@ -91,7 +92,7 @@ pub struct FuzzArgs {
 /// Runs the command: the result goes to `out`, progress and complaints to `err`.
 ///
 /// The status is [`ExitStatus::Findings`] when a function or lane is at fault or a file does not compile,
-/// and [`ExitStatus::Error`] when nothing could be run.
+/// and [`ExitStatus::Error`] when nothing could be run, or a lane that was asked for cannot be had.
 ///
 /// # Errors
 /// When a file cannot be read, a name is unknown, a domain cannot be read, no lane can be had, or output
@@ -133,12 +134,18 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         let mut printed = Printed { out, args, color, many: sources.len() > 1 };
         let report = one_file(args, source, &lanes, &mut inputs, &mut known, &mut progress, &mut printed)?;
         summary.files.push(report);
+        if interrupt::asked() {
+            break;
+        }
     }
     progress.finish();
-    if summary.totals().broken == 0 {
+    summary.interrupted = interrupt::signal();
+    if summary.totals().broken == 0 && summary.interrupted.is_none() {
         all_known(&args.function, &known)?;
     }
-    inputs.all_used()?;
+    if summary.interrupted.is_none() {
+        inputs.all_used()?;
+    }
     match args.format {
         Format::Text => {
             for file in &summary.files {
@@ -158,7 +165,15 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
 
 fn status_of(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let totals = summary.totals();
-    Ok(if totals.findings + totals.broken > 0 {
+    let shortcomings = summary.shortcomings();
+    for shortcoming in &shortcomings {
+        writeln!(err, "error: {shortcoming}")?;
+    }
+    Ok(if let Some(signal) = summary.interrupted {
+        ExitStatus::Interrupted(signal)
+    } else if !shortcomings.is_empty() {
+        ExitStatus::Error
+    } else if totals.findings + totals.broken > 0 {
         ExitStatus::Findings
     } else if totals.run == 0 {
         writeln!(err, "error: nothing could be run")?;
@@ -214,6 +229,9 @@ fn one_file(
             progress.suspend(|| printed.out.write_all(line(&function, printed.color).as_bytes()))?;
         }
         report.functions.push(function);
+        if interrupt::asked() {
+            break;
+        }
     }
     Ok(report)
 }
@@ -345,6 +363,7 @@ fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<
             anyhow::bail!("there is no lane `{asked}`; {hint}");
         }
     }
+    summary.asked.clone_from(&args.lane);
     let mut lanes = Vec::new();
     for candidate in lane::registry() {
         if !args.lane.is_empty() && !args.lane.iter().any(|n| n == candidate.name) {

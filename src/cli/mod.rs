@@ -8,6 +8,8 @@ pub mod explain;
 pub mod fuzz;
 mod includes;
 pub mod init;
+#[cfg(unix)]
+mod interrupt;
 pub mod lanes;
 pub mod lint;
 pub mod merge;
@@ -52,7 +54,8 @@ fn lang(given: Option<LangName>) -> Lang {
 
 /// Test shaders like other code, on a machine without a GPU
 ///
-/// Exit status: 0 clean; 1 findings or failed cases; 2 usage, configuration or internal error.
+/// Exit status: 0 clean; 1 findings or failed cases; 2 usage, configuration or internal error; 130 and 143 when
+/// SIGINT or SIGTERM ended the run.
 #[derive(Parser, Debug)]
 #[command(name = "shadercheck", version, max_term_width = 100)]
 pub struct Cli {
@@ -96,6 +99,11 @@ impl Command {
     pub fn opens_devices(&self) -> bool {
         matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_))
     }
+
+    /// True when the command reports what it found so far when a signal asks it to end.
+    fn ends_early(&self) -> bool {
+        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Mutate(_))
+    }
 }
 
 /// Runs the command line.
@@ -105,6 +113,10 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let color = stdout.is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let mut out = std::io::BufWriter::new(WhileRead::new(stdout.lock()));
     let mut err = WhileRead::new(&stderr);
+    #[cfg(unix)]
+    if let Err(error) = if cli.command.ends_early() { interrupt::listen() } else { interrupt::clean_up() } {
+        let _ = writeln!(err, "note: signals end the program at once: {error}");
+    }
     let result = match &cli.command {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),

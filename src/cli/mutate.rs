@@ -13,13 +13,15 @@ use super::check::Format;
 use super::check::select::{self, Selected};
 use crate::cli::shard::{ShardArgs, Store, told};
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Lane, Stage};
+use crate::diagnostic::Lang;
+use crate::lane::{self, Lane, Stage, interrupt};
 use crate::mutate::operators::{by_name, registry};
-use crate::mutate::{Operator, Request, run as run_suite};
+use crate::mutate::{MutateError, Operator, Request, run as run_suite};
 use crate::property::nearest;
+use crate::report::diagnostics;
 use crate::report::mutate::{Summary, json, text};
 use crate::shard::Shard;
-use crate::suite::run::DEFAULT_SEED;
+use crate::suite::run::{DEFAULT_SEED, RunError, signal_name};
 use crate::text::fingerprint;
 
 pub use shared::Found;
@@ -128,25 +130,64 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
             }
             progress.at(done as u64);
         });
+        let stopped = interrupt::signal();
         match (result, &store) {
+            // Mutants that a signal left out are missing from a part; a whole run tells what it has.
+            (_, Some(_)) | (Err(_), None) if stopped.is_some() => {}
             (Ok(result), None) => summary.suites.push(result),
             (Ok(result), Some(_)) => found.add(request.shard, result),
             (Err(error), Some(_)) => found.fail(suite.name.clone(), error.to_string()),
             (Err(error), None) => {
-                progress.suspend(|| writeln!(err, "error: {error}"))?;
+                progress.suspend(|| {
+                    diagnostics_of(&error).try_for_each(|text| err.write_all(text.as_bytes()))?;
+                    writeln!(err, "error: {error}")
+                })?;
                 summary.failed.push((suite.name.clone(), error.to_string()));
             }
+        }
+        if stopped.is_some() {
+            break;
         }
         if let Some(store) = &store {
             store.save(&found)?;
         }
     }
     progress.finish();
+    if let Some(signal) = interrupt::signal() {
+        return interrupted(&summary, signal, (args.format, store.is_some()), (out, err));
+    }
     if let Some(store) = &store {
         store.finish(&found)?;
         return told(store, "is done", args.format == Format::Json, out);
     }
     conclude(&summary, args.floor, args.format == Format::Json, out)
+}
+
+/// What is wrong with a shader that does not compile, as `lint` tells it.
+fn diagnostics_of(error: &MutateError) -> impl Iterator<Item = String> {
+    let found = match error {
+        MutateError::Suite(RunError::Shader { diagnostics, .. }) => &diagnostics[..],
+        _ => &[],
+    };
+    found.iter().map(|diagnostic| diagnostics::text(diagnostic, Lang::En, false))
+}
+
+/// Prints what was found until a signal came; a part of a run goes on from its checkpoint.
+fn interrupted(
+    summary: &Summary,
+    signal: u8,
+    (format, part): (Format, bool),
+    (out, err): (&mut dyn Write, &mut dyn Write),
+) -> anyhow::Result<ExitStatus> {
+    let rest = if part { "the shard goes on when it is run again" } else { "these are the mutants until then" };
+    if !part && format == Format::Json {
+        out.write_all(json(summary).as_bytes())?;
+    } else if !part && !summary.suites.is_empty() {
+        out.write_all(text(summary).as_bytes())?;
+    }
+    out.flush()?;
+    writeln!(err, "error: the run was interrupted by {}; {rest}", signal_name(signal))?;
+    Ok(ExitStatus::Interrupted(signal))
 }
 
 /// Prints the result and gives the status.

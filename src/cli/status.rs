@@ -11,15 +11,18 @@ pub enum ExitStatus {
     Findings,
     /// Usage, configuration, unreadable input, or a defect of our own; exit code 2.
     Error,
+    /// The run was ended by this signal and reported what it had found; exit code 128 and its number.
+    Interrupted(u8),
 }
 
 impl ExitStatus {
-    /// 0, 1 or 2.
+    /// 0, 1 or 2; 130 after SIGINT and 143 after SIGTERM.
     pub fn code(self) -> u8 {
         match self {
             Self::Clean => 0,
             Self::Findings => 1,
             Self::Error => 2,
+            Self::Interrupted(signal) => 128_u8.saturating_add(signal),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::finding::{Finding, Kind, LaneReport, Severity};
 use super::shrinking::inputs;
 use super::subject::Ready;
 use crate::bound::profile::Rulings;
-use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
+use crate::lane::{Actual, Lane, LaneError, Runner, Stage, interrupt};
 use crate::program::Program;
 use crate::property::Sample;
 use crate::property::shrink::shrink;
@@ -39,7 +39,12 @@ impl<'a> OnLane<'a> {
         (reference, oracle): (&'a Reference, &'a Oracle),
         capacity: usize,
     ) -> Self {
-        let runner = lane.prepare(&ready.kernel, capacity).map_err(|error| error.to_string());
+        let (runner, failed) = match lane.prepare(&ready.kernel, capacity) {
+            Ok(runner) => (Ok(runner), None),
+            Err(error @ LaneError::Unsupported(_)) => (Err(error.to_string()), None),
+            // A lane that fails before it runs anything fails all the same.
+            Err(error) => (Err(error.to_string()), Some(error.to_string())),
+        };
         Self {
             lane,
             rulings,
@@ -51,7 +56,7 @@ impl<'a> OnLane<'a> {
             failing: Vec::new(),
             unstable: Vec::new(),
             unstable_count: 0,
-            failed: None,
+            failed,
         }
     }
 
@@ -63,6 +68,8 @@ impl<'a> OnLane<'a> {
         let runner = self.runner.as_mut().ok()?;
         match runner.run(batch) {
             Ok(actual) => Some(actual),
+            // A device that is given up because the run ends has not failed.
+            Err(_) if interrupt::asked() => None,
             Err(error) => {
                 self.failed.get_or_insert(error.to_string());
                 None
@@ -134,6 +141,10 @@ impl<'a> OnLane<'a> {
         if !self.failing.is_empty() {
             match self.deviations(domain, reproduce, &blank) {
                 Ok(found) => findings.extend(found),
+                Err(_) if interrupt::asked() => {
+                    let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
+                    findings.push(Finding { count: self.verdicts.deviated, ..blank(Kind::LaneDeviation, message) });
+                }
                 Err(error) => {
                     self.failed.get_or_insert(error.to_string());
                 }

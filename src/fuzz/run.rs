@@ -11,7 +11,7 @@ use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
 use super::shrinking::{inputs, smallest};
 use super::subject::{Ready, Subject};
 use crate::bound::profile::Rulings;
-use crate::lane::Lane;
+use crate::lane::{Lane, interrupt};
 use crate::property::{Sample, Stream, regressions};
 use crate::value::{Batch, Record};
 use crate::verdict::{Oracle, Reference};
@@ -102,7 +102,7 @@ pub fn run(
     let key = stream_key(request.seed, &subject.label);
     let mut groups: HashMap<Key, Group> = HashMap::new();
     let mut first = 0;
-    while first < samples {
+    while first < samples && !interrupt::asked() {
         let count = (samples - first).min(size as u64) as usize;
         let mut batch = match &case {
             Some(sample) => Sample::batch(std::slice::from_ref(sample)),

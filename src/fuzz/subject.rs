@@ -120,6 +120,9 @@ fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
 
 fn made(program: Program) -> Result<Ready, String> {
     let kernel = program.compute_kernel().map_err(|e| reason(&e))?;
+    if kernel.output.is_empty() {
+        return Err("it writes no output".to_owned());
+    }
     let executable = interp::compile(&program).map_err(|e| e.locate(&program))?;
     Ok(Ready { program, kernel, executable })
 }

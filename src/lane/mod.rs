@@ -3,6 +3,7 @@
 
 mod actual;
 pub mod embedded;
+pub mod interrupt;
 pub mod native;
 pub mod opengl;
 pub mod remote;
@@ -208,6 +209,9 @@ pub enum LaneError {
         /// The word that proves the writing.
         expected: u32,
     },
+    /// The translator in front of the device crashed, hung or gave no module: a fault of it, and not of the text.
+    #[error("the translator {0}")]
+    Translator(String),
     /// The process in which the lane runs crashed, hung or gave no sense; it is started again for what comes after.
     #[error("the process of the driver {how}{}", at(.invocation, *.count, .inputs))]
     Lost {
@@ -228,7 +232,7 @@ impl LaneError {
         match self {
             Self::Lost { .. } | Self::NotWritten { .. } => true,
             Self::Api(text) => is_lost(text),
-            Self::Unsupported(_) | Self::Endless { .. } => false,
+            Self::Unsupported(_) | Self::Endless { .. } | Self::Translator(_) => false,
         }
     }
 

@@ -15,7 +15,7 @@ use crate::diagnostic::Severity;
 use crate::glsl::interface::Storage;
 use crate::glsl::symbols::SymbolKind;
 use crate::glsl::{self, Shader};
-use crate::lane::{Lane, LaneError, Stage as LaneStage};
+use crate::lane::{Lane, LaneError, Stage as LaneStage, interrupt};
 use crate::program::Kernel;
 use crate::program::OutputLayout;
 use crate::property::Sampler;
@@ -105,12 +105,19 @@ pub fn run(
     let mut tested = Vec::with_capacity(mutants.len());
     progress(0, mutants.len());
     for chunk in mutants.chunks(CHUNK) {
+        if interrupt::asked() {
+            break;
+        }
         let ready: Vec<Result<(Prepared, Kernel), Outcome>> =
             chunk.par_iter().map(|m| ready(suite, m, stage, &written)).collect();
         for (mutant, ready) in chunk.iter().zip(ready) {
             let (outcome, samples) = match ready {
                 Ok((mutated, kernel)) if same_interface(&kernel, &prepared.compute) => {
-                    outcome(&mutated, &kernel, lane, &bench, mutant.identity).map_err(lane_error)?
+                    match outcome(&mutated, &kernel, lane, &bench, mutant.identity) {
+                        // A device that is given up because the run ends has not failed.
+                        Err(_) if interrupt::asked() => break,
+                        outcome => outcome.map_err(lane_error)?,
+                    }
                 }
                 Ok(_) => (Outcome::Invalid("the interface of the shader changes".to_owned()), 0),
                 Err(outcome) => (outcome, 0),
@@ -259,7 +266,11 @@ fn outcome(
     }
     let mut trial = match Trial::with_capacity(prepared, lane, kernel, bench.rulings, STEPS[2]) {
         Ok(trial) => trial,
-        Err(error) => return Ok((Outcome::Invalid(error.to_string()), 0)),
+        Err(error @ (LaneError::Unsupported(_) | LaneError::Api(_))) => {
+            return Ok((Outcome::Invalid(error.to_string()), 0));
+        }
+        // A driver or a translator that is lost says nothing of the mutant.
+        Err(error) => return Err(error),
     };
     let kill = match related(&mut trial, bench) {
         Ok(kill) => kill,

@@ -4,6 +4,8 @@
 
 mod target;
 
+pub use target::abandon;
+
 use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::Path;

@@ -197,7 +197,7 @@ fn parts_of_a_run_are_heard_as_the_run_is() {
     let peers: Vec<Peer<'_>> = lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
     let request = request(&prepared, &lanes[0]);
     let mut save = |_: &_| std::ops::ControlFlow::Continue(());
-    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save };
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: false };
     let part = run_part(&prepared, &lanes[0], Stage::Compute, &request, share, &mut |_| {}).unwrap().unwrap();
     let mut parts = [part];
     hear_parts(&prepared, &peers, &mut parts);

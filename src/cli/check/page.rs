@@ -22,6 +22,8 @@ pub struct Pages {
     galleries: Vec<Option<Gallery>>,
     /// Why something is not shown.
     pub notes: Vec<String>,
+    /// The first file that could not be written.
+    pub failed: Option<anyhow::Error>,
 }
 
 impl Pages {
@@ -44,6 +46,13 @@ impl Pages {
             None => None,
         };
         Ok(Self { folder: folder.map(Path::to_owned), mutations, ..Self::default() })
+    }
+
+    /// Keeps why a file could not be written: what was found is reported before that ends the run.
+    pub fn attempt(&mut self, written: anyhow::Result<()>) {
+        if let Err(error) = written {
+            self.failed.get_or_insert(error);
+        }
     }
 
     /// Takes over what a suite is about.

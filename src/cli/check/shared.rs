@@ -1,5 +1,6 @@
 //! `check --shard`: one part of the samples of every suite, and what the parts are together.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::ops::ControlFlow;
 
@@ -9,15 +10,17 @@ use serde::{Deserialize, Serialize};
 use super::ledger::{Ledgers, Written};
 use super::progress::Progress;
 use super::select::Selected;
-use super::{CheckArgs, request, shader_of, stages, status_of};
+use super::{CheckArgs, request, shader_of, stages};
 use crate::bound::profile::Rulings;
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
-use crate::lane::Lane;
+use crate::lane::{Lane, interrupt};
 use crate::report;
 use crate::shard::{Identity, Shard};
-use crate::suite::run::{Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, hear_parts, prepare, run_part};
+use crate::suite::run::{
+    Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, hear_parts, prepare, run_part, signal_name,
+};
 use crate::text::fingerprint;
 
 /// What some shards found.
@@ -26,6 +29,11 @@ pub struct Found {
     lanes: Vec<LaneUsed>,
     /// Lanes that were wanted and could not be had, on some machine.
     unavailable: Absent,
+    /// Lanes that were asked for by name, and those that have to judge something.
+    #[serde(default)]
+    asked: BTreeSet<String>,
+    #[serde(default)]
+    required: BTreeSet<String>,
     parts: Vec<Part>,
     /// What is expected to fail; applied when everything is joined.
     ledgers: Written,
@@ -129,6 +137,7 @@ pub fn run(
                 let mut save = |sampled: &Sampled| {
                     let state = StateRef { done: &state.done, under_way: Some((place, sampled)) };
                     match store.save(&state) {
+                        Ok(()) if interrupt::asked() => ControlFlow::Break(()),
                         Ok(()) => ControlFlow::Continue(()),
                         Err(error) => {
                             failed = Some(error);
@@ -136,9 +145,12 @@ pub fn run(
                         }
                     }
                 };
-                let share = Share { shard, resume, save: &mut save };
-                let part = run_part(&prepared, lane.as_ref(), stage, &request, share, &mut |n| progress.at(n))
-                    .with_context(|| format!("suite `{name}` on {}/{stage}", lane.description().name))?;
+                let share = Share { shard, resume, save: &mut save, partial: false };
+                let part = run_part(&prepared, lane.as_ref(), stage, &request, share, &mut |n| progress.at(n));
+                if let (Err(_) | Ok(None), Some(signal), None) = (&part, interrupt::signal(), &failed) {
+                    return stopped(shard, signal, err);
+                }
+                let part = part.with_context(|| format!("suite `{name}` on {}/{stage}", lane.description().name))?;
                 let Some(mut part) = part else {
                     return Err(failed.unwrap_or_else(|| anyhow::anyhow!("stopped")));
                 };
@@ -147,6 +159,9 @@ pub fn run(
                 }
                 state.done.push(part);
                 store.save(&StateRef { done: &state.done, under_way: None })?;
+                if let Some(signal) = interrupt::signal() {
+                    return stopped(shard, signal, err);
+                }
             }
         }
         let peers: Vec<Peer<'_>> =
@@ -156,8 +171,17 @@ pub fn run(
     progress.finish();
     let unavailable = Absent::new(summary.unavailable);
     let ledgers = ledgers.written(&of);
-    store.finish(&Found { lanes: summary.lanes, unavailable, parts: state.done, ledgers })?;
+    let Summary { lanes, asked, required, .. } = summary;
+    let (asked, required) = (asked.into_iter().collect(), required.into_iter().collect());
+    store.finish(&Found { lanes, unavailable, asked, required, parts: state.done, ledgers })?;
     told(&store, "is done", args.is_json(), out)
+}
+
+/// A shard that a signal ends has its checkpoint.
+fn stopped(shard: Shard, signal: u8, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let name = signal_name(signal);
+    writeln!(err, "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again")?;
+    Ok(ExitStatus::Interrupted(signal))
 }
 
 impl Joined for Found {
@@ -165,6 +189,8 @@ impl Joined for Found {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
         anyhow::ensure!(self.ledgers == other.ledgers, "the shards expect different failures");
         self.unavailable.join(other.unavailable);
+        self.asked.extend(other.asked);
+        self.required.extend(other.required);
         let same = self.parts.len() == other.parts.len()
             && self.parts.iter().zip(&other.parts).all(|(one, other)| one.is_like(other));
         anyhow::ensure!(same, "the shards ran different suites");
@@ -178,9 +204,11 @@ impl Joined for Found {
         json: bool,
         color: bool,
         out: &mut dyn Write,
-        _: &mut dyn Write,
+        err: &mut dyn Write,
     ) -> anyhow::Result<ExitStatus> {
-        let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
+        let (seed, lanes, asked, required) = (identity.seed, self.lanes, self.asked, self.required);
+        let [asked, required] = [asked, required].map(|names| names.into_iter().collect());
+        let mut summary = Summary { seed, lanes, asked, required, ..Summary::default() };
         summary.unavailable = self.unavailable.known();
         let ledgers = self.ledgers.read()?;
         for (number, part) in self.parts.into_iter().enumerate() {
@@ -195,6 +223,6 @@ impl Joined for Found {
         }
         summary.stale = ledgers.stale();
         super::print(&summary, json, color, out)?;
-        Ok(status_of(&summary))
+        super::concluded(&summary, err)
     }
 }

@@ -1,5 +1,6 @@
 //! `fuzz --shard`: some of the functions, and what all of them are together.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use serde::{Deserialize, Serialize};
@@ -12,9 +13,10 @@ use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
 use crate::fuzz::{FunctionReport, Subject};
-use crate::lane::{Description, Lane};
+use crate::lane::{Description, Lane, interrupt};
 use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
 use crate::shard::{Identity, Shard};
+use crate::suite::run::signal_name;
 use crate::text::fingerprint;
 
 /// What some shards found.
@@ -22,6 +24,8 @@ use crate::text::fingerprint;
 pub struct Found {
     lanes: Vec<Description>,
     unavailable: Absent,
+    #[serde(default)]
+    asked: BTreeSet<String>,
     files: Vec<Shared>,
 }
 
@@ -75,6 +79,7 @@ pub fn run(
     let fresh = || Found {
         lanes: summary.lanes,
         unavailable,
+        asked: summary.asked.into_iter().collect(),
         files: files.iter().map(|(s, _)| Shared { file: s.name.clone(), functions: Vec::new() }).collect(),
     };
     let mut found = match store.checkpoint(err)? {
@@ -93,6 +98,10 @@ pub fn run(
             let mine = number % shard.count() == shard.index();
             if mine && found.files[at].functions.iter().all(|(done, _)| *done != number) {
                 let function = one_function(args, source, subject, &domain, lanes, &mut progress)?;
+                // What a signal cut short is run again.
+                if let Some(signal) = interrupt::signal() {
+                    return stopped(shard, signal, err);
+                }
                 found.files[at].functions.push((number, function));
                 store.save(&found)?;
             }
@@ -105,10 +114,18 @@ pub fn run(
     told(&store, "is done", args.format == Format::Json, out)
 }
 
+/// A shard that a signal ends has saved the functions that are done.
+fn stopped(shard: Shard, signal: u8, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    let name = signal_name(signal);
+    writeln!(err, "error: interrupted by {name}; shard {shard} goes on when it is run again")?;
+    Ok(ExitStatus::Interrupted(signal))
+}
+
 impl Joined for Found {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
         self.unavailable.join(other.unavailable);
+        self.asked.extend(other.asked);
         let names = |found: &[Shared]| found.iter().map(|file| file.file.clone()).collect::<Vec<_>>();
         anyhow::ensure!(names(&self.files) == names(&other.files), "the shards ran different files");
         for (one, other) in self.files.iter_mut().zip(other.files) {
@@ -129,6 +146,7 @@ impl Joined for Found {
         let notes = identity.parameters.get(NOTES).is_some_and(|notes| notes == "true");
         let mut summary = Summary { seed: identity.seed, lanes: self.lanes, ..Summary::default() };
         summary.unavailable = self.unavailable.known();
+        summary.asked = self.asked.into_iter().collect();
         let many = self.files.len() > 1;
         for Shared { file, functions } in self.files {
             if many && !as_json {

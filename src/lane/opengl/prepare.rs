@@ -194,6 +194,9 @@ fn limits(context: &Context, job: &Job) -> Result<(), LaneError> {
         let of = |n: u32| format!("{}.{:02}", n / 100, n % 100);
         return Err(unsupported(format!("GLSL {}; the driver has {}", of(text.version), of(context.glsl))));
     }
+    if job.width() == 0 {
+        return Err(unsupported("a stage that writes no output: transform feedback captures nothing".to_owned()));
+    }
     let most = context.number(glow::MAX_VERTEX_ATTRIBS);
     if job.attributes.len() > most {
         return Err(unsupported(format!("{} vertex attributes; the driver takes {most}", job.attributes.len())));

@@ -11,7 +11,9 @@ use super::{Front, SIDE, Work};
 use crate::interp::{self, Binary32};
 use crate::lane::vulkan::{self, Naga};
 use crate::lane::worker::{Loss, Program as Executable, Worker, with_inputs};
-use crate::lane::{Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Unavailable, interned};
+use crate::lane::{
+    Actual, Candidate, Description, Lane, LaneError, PATIENCE, Runner, Unavailable, interned, interrupt,
+};
 use crate::program::{Form, Kernel, OutputLayout, Program};
 use crate::value::Batch;
 
@@ -183,7 +185,10 @@ impl Session {
         if self.start.is_some() && self.start == line.worker.start() {
             return Ok(());
         }
-        let lost = |loss: Loss| loss.error(None, 0, "while the shader was made ready");
+        let lost = |loss: Loss| match loss.is_late() {
+            true => compiling(),
+            false => loss.error(None, 0, "while the shader was made ready"),
+        };
         if line.worker.start().is_none() {
             // It was lost before.
             line.open(&self.lane).map_err(|missing| LaneError::Api(missing.to_string()))?;
@@ -241,28 +246,60 @@ impl Session {
         }
     }
 
-    /// Looks for the invocation that takes the process along, in pieces.
-    fn narrowed(&mut self, first: &Loss, batch: &Batch, count: usize) -> LaneError {
-        let apart = || first.error(None, count, "and did not when parts of the batch were run by themselves");
-        if self.fixed {
-            return first.error(None, count, "");
+    /// Looks for the invocation that takes the process along, in pieces. A batch that was given up for its time, and of
+    /// which every piece comes back, is not hung but slow, and is run again with the time that it needs.
+    fn narrowed(&mut self, first: &Loss, batch: &Batch, count: usize) -> Result<Actual, LaneError> {
+        let apart = || Err(first.error(None, count, "and did not when parts of the batch were run by themselves"));
+        if self.fixed || interrupt::asked() {
+            return Err(first.error(None, count, ""));
         }
+        let begun = Instant::now();
         let mut of = 0..count;
         let mut last = None;
         for size in [COARSE, 1] {
+            if first.is_late() {
+                self.compiled(batch)?;
+            }
             let pieces = Pieces { of: of.clone(), size };
             match self.once(batch, Some(pieces), PIECE, &mut || Duration::ZERO) {
                 Err(Failure::Lost(loss, Some(at))) => {
                     of = at..(at + size).min(count);
                     last = Some(loss);
                 }
-                Err(Failure::Lost(loss, None)) => return loss.error(None, count, ""),
-                Err(Failure::Told(error)) if last.is_none() => return error,
+                Err(Failure::Lost(loss, None)) => return Err(loss.error(None, count, "")),
+                Err(Failure::Told(error)) if last.is_none() => return Err(error),
+                Ok(_) if last.is_none() && first.is_late() => {
+                    let patience = BATCH + 4 * begun.elapsed();
+                    return match self.once(batch, None, patience, &mut || Duration::ZERO) {
+                        Err(Failure::Lost(loss, _)) => Err(loss.error(None, count, "")),
+                        Err(Failure::Told(error)) => Err(error),
+                        Ok(actual) => Ok(actual),
+                    };
+                }
                 Ok(_) | Err(Failure::Told(_)) => return apart(),
             }
         }
-        last.map_or_else(apart, |loss| loss.error(Some(of.start), count, ""))
+        last.map_or_else(apart, |loss| Err(loss.error(Some(of.start), count, "")))
     }
+
+    /// Has the driver compile the shader for a single invocation, for as long as that takes: what takes longer later is
+    /// the shader.
+    ///
+    /// # Errors
+    /// [`LaneError::Unsupported`] where the driver does not come back from an invocation that ends in the interpreter.
+    fn compiled(&mut self, batch: &Batch) -> Result<(), LaneError> {
+        let one = Pieces { of: 0..1, size: 1 };
+        match self.once(batch, Some(one), PREPARING, &mut || Duration::ZERO) {
+            Err(Failure::Lost(loss, _)) if loss.is_late() => Err(compiling()),
+            // Others are found where they are looked for.
+            Ok(_) | Err(Failure::Told(_) | Failure::Lost(..)) => Ok(()),
+        }
+    }
+}
+
+/// A driver that compiles for longer than anybody waits has not failed, and has given nothing.
+fn compiling() -> LaneError {
+    LaneError::Unsupported(format!("the driver was still compiling the shader after {} s", PREPARING.as_secs()))
 }
 
 /// A device that reports an error may be lost, or busy for good with what does not end: the process is ended, and the
@@ -299,11 +336,11 @@ impl Runner for Session {
             Err(Failure::Told(error)) => Err(error),
             Err(Failure::Lost(loss, _)) => {
                 self.line.borrow_mut().slow |= late && named.is_none();
-                let error = match named {
-                    Some(at) => loss.error(Some(at), count, ""),
+                let result = match named {
+                    Some(at) => Err(loss.error(Some(at), count, "")),
                     None => self.narrowed(&loss, batch, count),
                 };
-                Err(with_inputs(error, batch))
+                result.map_err(|error| with_inputs(error, batch))
             }
         }
     }

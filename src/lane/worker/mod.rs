@@ -5,6 +5,7 @@
 //! like any other.
 
 mod frame;
+pub mod tool;
 
 #[cfg(test)]
 mod tests;
@@ -17,18 +18,25 @@ use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::LaneError;
+use super::{LaneError, interrupt};
 use crate::value::{Batch, Record};
 
 pub use frame::{Frame, read_frame, write_frame};
 
 /// Bytes of the error output of a process that are kept.
 const KEPT: usize = 2048;
+/// Words of a message that a pipe holds whether or not anybody reads; a longer one waits for the process.
+const PIPED: usize = 4096;
+/// Longest wait for a process to take a message: it answers all but a few small ones before the next is sent.
+const TAKING: Duration = Duration::from_secs(60);
+
+/// How often a wait looks whether the run was asked to end.
+const LOOK: Duration = Duration::from_millis(200);
 
 /// How a process is started that serves a lane.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,6 +74,8 @@ pub fn program() -> Option<&'static Program> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loss {
     how: String,
+    /// True for a process that was ended because it took too long.
+    late: bool,
 }
 
 impl fmt::Display for Loss {
@@ -77,7 +87,12 @@ impl fmt::Display for Loss {
 impl Loss {
     /// A loss in words that continue "the process".
     pub fn new(how: impl Into<String>) -> Self {
-        Self { how: how.into() }
+        Self { how: how.into(), late: false }
+    }
+
+    /// True for a process that was ended because it took too long, whatever it was busy with.
+    pub fn is_late(&self) -> bool {
+        self.late
     }
 
     /// An answer that is not one to what was asked.
@@ -151,11 +166,35 @@ impl Worker {
     /// Sends a message; starts the process when it does not run.
     ///
     /// # Errors
-    /// [`Loss`] when it cannot be started or does not take it; it is ended then.
+    /// [`Loss`] when it cannot be started, or does not take the message in time; it is ended then.
     pub fn send<M: Serialize>(&mut self, message: &M, words: &[&[u32]]) -> Result<(), Loss> {
-        let running = self.running()?;
-        let sent = write_frame(&mut running.to, message, words).and_then(|()| running.to.flush());
-        sent.map_err(|error| self.lost(None, &error.to_string()))
+        self.send_within(message, words, TAKING)
+    }
+
+    fn send_within<M: Serialize>(&mut self, message: &M, words: &[&[u32]], limit: Duration) -> Result<(), Loss> {
+        let Running { child, to, .. } = self.running()?;
+        let long = words.iter().map(|words| words.len()).sum::<usize>() > PIPED;
+        let mut hung = false;
+        let sent = std::thread::scope(|scope| {
+            let (done, sent) = channel::<()>();
+            let hung = &mut hung;
+            if long {
+                // A pipe has no time limit: where nobody reads, the end of the process ends the writing.
+                scope.spawn(move || {
+                    if sent.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+                        *hung = true;
+                        let _ = child.kill();
+                    }
+                });
+            }
+            let written = write_frame(to, message, words).and_then(|()| to.flush());
+            drop(done);
+            written
+        });
+        sent.map_err(|error| match hung {
+            true => self.lost(Some(&format!("took no message within {} s", limit.as_secs())), ""),
+            false => self.lost(None, &error.to_string()),
+        })
     }
 
     /// Waits for a message, for so long at most.
@@ -176,11 +215,11 @@ impl Worker {
         more: &mut dyn FnMut() -> Duration,
     ) -> Result<(M, Vec<u32>), Loss> {
         let Some(running) = &mut self.running else { return Err(Loss::new("does not run")) };
-        let mut received = running.from.recv_timeout(limit);
-        if matches!(received, Err(RecvTimeoutError::Timeout)) {
+        let mut received = waited(&running.from, limit);
+        if matches!(received, Err(RecvTimeoutError::Timeout)) && !interrupt::asked() {
             let longer = more();
             limit += longer;
-            received = running.from.recv_timeout(longer);
+            received = waited(&running.from, longer);
         }
         let frame = match received {
             Ok(Ok(Some(frame))) => frame,
@@ -190,8 +229,11 @@ impl Worker {
             }
             Ok(Err(error)) => return Err(self.lost(Some("gave an answer that cannot be read"), &error.to_string())),
             Err(RecvTimeoutError::Timeout) => {
-                let how = format!("gave no answer within {} s", limit.as_secs());
-                return Err(self.lost(Some(&how), ""));
+                let how = match interrupt::asked() {
+                    true => "gave no answer before the run was interrupted".to_owned(),
+                    false => format!("gave no answer within {} s", limit.as_secs()),
+                };
+                return Err(Loss { late: !interrupt::asked(), ..self.lost(Some(&how), "") });
             }
             Err(RecvTimeoutError::Disconnected) => return Err(self.lost(None, "")),
         };
@@ -242,7 +284,7 @@ impl Drop for Worker {
 impl Running {
     fn start(program: &Program, environment: &[(&str, &str)]) -> Result<Self, Loss> {
         let failed = |what: &str| Loss::new(format!("cannot be started: {what}"));
-        let mut child = Command::new(&program.path)
+        let mut child = apart(&mut Command::new(&program.path))
             .args(&program.arguments)
             .envs(environment.iter().copied())
             .stdin(Stdio::piped())
@@ -307,6 +349,37 @@ impl Running {
         let complaints = complaints.lock().unwrap_or_else(PoisonError::into_inner);
         (status, String::from_utf8_lossy(&complaints).into_owned())
     }
+}
+
+/// Waits for so long at most, and not much longer once the run was asked to end.
+fn waited<T>(from: &Receiver<T>, limit: Duration) -> Result<T, RecvTimeoutError> {
+    let begun = Instant::now();
+    let mut until = limit;
+    loop {
+        let left = until.saturating_sub(begun.elapsed());
+        let received = from.recv_timeout(left.min(LOOK));
+        if interrupt::asked() {
+            until = until.min(begun.elapsed() + interrupt::GRACE);
+            return match received {
+                Err(RecvTimeoutError::Timeout) => from.recv_timeout(until.saturating_sub(begun.elapsed())),
+                other => other,
+            };
+        }
+        if !matches!(received, Err(RecvTimeoutError::Timeout)) || begun.elapsed() >= until {
+            return received;
+        }
+    }
+}
+
+/// Keeps signals of the terminal from a child process, which its parent ends.
+#[cfg(unix)]
+fn apart(command: &mut Command) -> &mut Command {
+    std::os::unix::process::CommandExt::process_group(command, 0)
+}
+
+#[cfg(not(unix))]
+fn apart(command: &mut Command) -> &mut Command {
+    command
 }
 
 /// How a process ended, in words that continue "the process".

@@ -55,6 +55,18 @@ fn a_process_that_hangs_is_ended_after_its_time() {
 }
 
 #[test]
+fn a_process_that_takes_no_message_is_ended_after_its_time() {
+    // More than a pipe holds.
+    let words = vec![0; 1 << 20];
+    let mut deaf = worker("exec sleep 60");
+    let error = deaf.send_within(&"ask", &[&words], Duration::from_secs(1)).unwrap_err().to_string();
+    assert_eq!(error, "took no message within 1 s");
+    assert!(deaf.start().is_none());
+    let mut slow = worker("sleep 0.3; cat > /dev/null");
+    slow.send_within(&"ask", &[&words], Duration::from_secs(20)).unwrap();
+}
+
+#[test]
 fn a_program_that_is_not_there_is_told() {
     let program = Program { path: "/nowhere/shadercheck".into(), arguments: Vec::new() };
     let error = Worker::new(&program, &[]).send(&"ask", &[]).unwrap_err().to_string();

@@ -83,6 +83,11 @@ pub struct OutputLayout {
 }
 
 impl OutputLayout {
+    /// True where nothing is written that could be judged; a geometry stage at least says how much it emits.
+    pub fn is_empty(&self) -> bool {
+        self.vertex.words() == 0 && self.max_vertices.is_none()
+    }
+
     /// Words before the first vertex.
     pub fn header_words(&self) -> usize {
         if self.max_vertices.is_some() { 3 } else { 1 }

@@ -6,7 +6,7 @@ use super::Format;
 use crate::lane::Stage;
 use crate::program::Source;
 use crate::suite::run::{
-    Case, Doubtful, Entry, Expectation, Finding, LaneUsed, Outcome, Repeated, RunError, Status, Summary,
+    Case, Doubtful, Entry, Expectation, Finding, LaneUsed, Outcome, Repeated, RunError, Standing, Status, Summary,
 };
 use crate::verdict::diagnosis::{Diagnosis, Origin, Place, Stand, Witness};
 use crate::verdict::{Promise, Reason};
@@ -29,7 +29,7 @@ pub fn json(summary: &Summary) -> String {
         .iter()
         .map(|(name, why)| json!({"name": name, "why": why.why, "remedy": why.remedy}))
         .collect();
-    let value = json!({
+    let mut value = json!({
         "status": status,
         "seed": summary.seed,
         "lanes": lanes,
@@ -45,6 +45,11 @@ pub fn json(summary: &Summary) -> String {
         },
         "stale_expectations": summary.stale,
     });
+    let shortcomings: Vec<Value> =
+        summary.shortcomings().into_iter().map(|(lane, why)| json!({"lane": lane, "message": why})).collect();
+    if !shortcomings.is_empty() {
+        value["incomplete"] = shortcomings.into();
+    }
     format!("{value:#}\n")
 }
 
@@ -117,6 +122,12 @@ fn entry(entry: &Entry) -> Value {
             }
             value["translations"] = super::translations::json(&report.translations);
             value["survey"] = report.survey.as_ref().map(super::survey::json).into();
+            if let Some(why) = entry.not_run() {
+                value["not_run"] = why.into();
+            }
+            if entry.standing() == Standing::Weak {
+                value["weak"] = true.into();
+            }
             value["findings"] = report.findings.iter().map(finding).collect();
             value["known"] = report.known.iter().map(|k| known(finding(&k.finding), &k.expectation)).collect();
             if let Some(Repeated { samples, different }) = report.repeated {

@@ -5,7 +5,7 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite, X
 use super::Format;
 use super::items;
 use crate::diagnostic::Severity;
-use crate::suite::run::{Expectation, Outcome, Summary};
+use crate::suite::run::{Expectation, Outcome, Standing, Summary};
 
 /// The format.
 pub const FORMAT: Format =
@@ -23,10 +23,9 @@ fn junit(summary: &Summary) -> Result<String, String> {
         let all = items::of_entry(entry);
         let (errors, warnings): (Vec<_>, Vec<_>) = all.into_iter().partition(|item| item.severity == Severity::Error);
         let status = match (errors.first(), &entry.outcome) {
-            (None, Outcome::Ran(report)) if report.judged() == 0 && report.unsupported > 0 => {
+            (None, Outcome::Ran(_)) if entry.standing() == Standing::NotRun => {
                 let mut skipped = TestCaseStatus::skipped();
-                let why = report.unsupported_because.as_deref().map_or_else(String::new, |why| format!(": {why}"));
-                skipped.set_message(format!("{} samples are not supported on this lane{why}", report.unsupported));
+                skipped.set_message(format!("not run: {}", entry.not_run().unwrap_or_default()));
                 skipped
             }
             (None, Outcome::Ran(report)) if !report.known.is_empty() => expected(&report.known[0].expectation),
@@ -51,8 +50,9 @@ fn junit(summary: &Summary) -> Result<String, String> {
         case.extra.insert(XmlString::new("file"), XmlString::new(items::relative(&entry.shader)));
         if let Outcome::Ran(report) = &entry.outcome {
             let verdicts = &report.verdicts;
+            let weak = if entry.standing() == Standing::Weak { "weak: " } else { "" };
             case.set_system_out(format!(
-                "{} judged, {} agreed, {} deviated, {} undetermined",
+                "{weak}{} judged, {} agreed, {} deviated, {} undetermined",
                 report.judged(),
                 verdicts.agreed,
                 verdicts.deviated,
@@ -68,6 +68,13 @@ fn junit(summary: &Summary) -> Result<String, String> {
             suites.len() - 1
         });
         suites[at].add_test_case(case);
+    }
+    for (lane, shortcoming) in summary.shortcomings() {
+        let mut failed = TestCaseStatus::non_success(NonSuccessKind::Error);
+        failed.set_message(shortcoming).set_type("lane");
+        let mut suite = TestSuite::new(lane);
+        suite.add_test_case(TestCase::new("the lane", failed));
+        suites.push(suite);
     }
     report.add_test_suites(suites);
     report.to_string().map_err(|error| error.to_string())

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use super::Format;
 use super::items;
+use super::not_run::NotRun;
 use crate::diagnostic::Severity;
-use crate::suite::run::{Outcome, Status, Summary};
+use crate::suite::run::{Outcome, Standing, Status, Summary};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -24,6 +25,7 @@ fn markdown(summary: &Summary) -> String {
     let word = match summary.status() {
         Status::Pass => "passed",
         Status::Fail => "failed",
+        Status::Broken if totals.judged > 0 => "is incomplete",
         Status::Broken => "could not run",
     };
     let mut text = format!(
@@ -35,20 +37,19 @@ fn markdown(summary: &Summary) -> String {
     text.push_str("|---|---|---|---:|---:|---:|---:|\n");
     for entry in &summary.entries {
         let on = entry.on.map_or_else(|| "-".to_owned(), |(lane, stage)| format!("{lane}/{stage}"));
-        let (mark, rest) = match &entry.outcome {
+        let rest = match &entry.outcome {
+            Outcome::Ran(_) if entry.standing() == Standing::NotRun => "- | - | - | -".to_owned(),
             Outcome::Ran(report) => {
                 let verdicts = &report.verdicts;
                 let worst = if verdicts.agreed > 0 { format!("{:.1} ULP", verdicts.max_ulp) } else { "-".to_owned() };
-                let mark = match report.errors().is_empty() {
-                    true if report.known.is_empty() => "ok",
-                    true => "known",
-                    false => "**FAIL**",
-                };
                 let undetermined = verdicts.undetermined_count();
-                (mark, format!("{} | {} | {undetermined} | {worst}", report.judged(), verdicts.deviated))
+                format!("{} | {} | {undetermined} | {worst}", report.judged(), verdicts.deviated)
             }
-            Outcome::Refused(_) | Outcome::LaneFailed(_) => ("**FAIL**", "- | - | - | -".to_owned()),
-            Outcome::KnownFailure { .. } => ("known", "- | - | - | -".to_owned()),
+            Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => "- | - | - | -".to_owned(),
+        };
+        let mark = match entry.standing() {
+            standing @ (Standing::Failed | Standing::LaneFailed) => format!("**{}**", standing.word()),
+            standing => standing.word().to_owned(),
         };
         let _ = writeln!(text, "| {mark} | `{}` | {on} | {rest} |", entry.suite.replace('|', "\\|"));
     }
@@ -87,10 +88,27 @@ fn markdown(summary: &Summary) -> String {
             );
         }
     }
+    not_run(&mut text, summary);
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "\nLane `{name}` did not run: {why}");
     }
+    for (_, shortcoming) in summary.shortcomings() {
+        let _ = writeln!(text, "\n**Incomplete**: {}", escaped(&shortcoming));
+    }
     text
+}
+
+/// Suites of which a lane judged no sample, by lane and reason.
+fn not_run(text: &mut String, summary: &Summary) {
+    let all = super::not_run::by_cause(summary);
+    if all.is_empty() {
+        return;
+    }
+    let _ = write!(text, "\n### Not run\n\n");
+    for NotRun { lane, why, suites } in all {
+        let suites: Vec<String> = suites.iter().map(|suite| format!("`{suite}`")).collect();
+        let _ = writeln!(text, "- on {lane}: {}: {}", escaped(&why), suites.join(", "));
+    }
 }
 
 fn escaped(text: &str) -> String {

@@ -6,6 +6,8 @@ mod items;
 mod json;
 mod junit;
 mod markdown;
+mod not_run;
+mod notes;
 mod sarif;
 mod survey;
 mod table;

@@ -1,7 +1,7 @@
 //! The table that a terminal shows: suites down, lanes across. The stages of a lane share a cell.
 
-use super::text::{Style, is_known};
-use crate::suite::run::{Entry, Outcome, Report};
+use super::text::Style;
+use crate::suite::run::{Entry, Outcome, Report, Standing};
 
 /// Most characters of the name of a suite.
 const SUITE: usize = 20;
@@ -19,36 +19,11 @@ pub struct Table {
     cell: usize,
 }
 
-/// What a cell says in a word, the worst last.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Mark {
-    Skipped,
-    Good,
-    Known,
-    Failed,
-    Lost,
-}
-
-impl Mark {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Skipped => "skip",
-            Self::Good => "ok",
-            Self::Known => "known",
-            Self::Failed => "FAIL",
-            Self::Lost => "LOST",
-        }
-    }
-
-    fn of(entry: &Entry) -> Self {
-        match &entry.outcome {
-            Outcome::Ran(report) if !report.errors().is_empty() => Self::Failed,
-            Outcome::LaneFailed(_) => Self::Lost,
-            Outcome::Refused(_) => Self::Failed,
-            Outcome::Ran(_) | Outcome::KnownFailure { .. } if is_known(entry) => Self::Known,
-            Outcome::Ran(report) if report.judged() == 0 && report.unsupported > 0 => Self::Skipped,
-            Outcome::Ran(_) | Outcome::KnownFailure { .. } => Self::Good,
-        }
+/// The word of a cell.
+fn word(standing: Standing) -> &'static str {
+    match standing {
+        Standing::LaneFailed => "LOST",
+        other => other.word(),
     }
 }
 
@@ -102,9 +77,8 @@ impl Table {
                 entries.iter().filter(|entry| entry.on.is_some_and(|(name, _)| name == *lane)).collect();
             let (mark, text) = self.cell(&of);
             let paint = match mark {
-                None | Some(Mark::Skipped | Mark::Known) => "",
-                Some(Mark::Good) => style.good,
-                Some(Mark::Failed | Mark::Lost) => style.bad,
+                None | Some(Standing::NotRun | Standing::Known) => "",
+                Some(standing) => style.of(standing),
             };
             let off = if paint.is_empty() { "" } else { style.off };
             row.push_str(&format!("  {paint}{}{off}", fitted(&text, self.cell)));
@@ -113,8 +87,8 @@ impl Table {
     }
 
     /// What came of a suite on a lane, in all of its stages.
-    fn cell(&self, entries: &[&Entry]) -> (Option<Mark>, String) {
-        let Some(mark) = entries.iter().map(|entry| Mark::of(entry)).max() else { return (None, "-".to_owned()) };
+    fn cell(&self, entries: &[&Entry]) -> (Option<Standing>, String) {
+        let Some(mark) = entries.iter().map(|entry| entry.standing()).max() else { return (None, "-".to_owned()) };
         let reports = || {
             entries.iter().filter_map(|entry| match &entry.outcome {
                 Outcome::Ran(report) => Some(&**report),
@@ -125,10 +99,10 @@ impl Table {
         let judged = short(sum(&|report| report.judged()));
         let worst = reports().filter(|r| r.verdicts.agreed > 0).map(|r| r.verdicts.max_ulp).fold(None, most);
         let worst = worst.map_or_else(|| "-".to_owned(), ulp);
-        let word = mark.word();
+        let word = word(mark);
         let text = match (self.detail(), mark) {
-            (Detail::Mark, _) | (_, Mark::Skipped | Mark::Lost) => word.to_owned(),
-            (Detail::Judged | Detail::All, Mark::Failed) => {
+            (Detail::Mark, _) | (_, Standing::NotRun | Standing::LaneFailed) => word.to_owned(),
+            (Detail::Judged | Detail::All, Standing::Failed) => {
                 let deviated = sum(&|report| report.verdicts.deviated);
                 let kind = reports().flat_map(Report::errors).map(|finding| finding.kind.name()).next();
                 match (deviated, kind) {

@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 
 use super::block::one;
 use crate::diagnostic::Lang;
-use crate::program::Source;
 use crate::report::diagnostics;
-use crate::suite::run::{Apart, Entry, Finding, InputValue, LaneUsed, Outcome, Report, RunError, Status, Summary};
+use crate::suite::run::{Entry, Finding, InputValue, Outcome, Report, RunError, Standing, Status, Summary};
 use crate::verdict::Reason;
 
 /// Colours of a terminal; empty strings elsewhere.
 pub(super) struct Style {
     pub good: &'static str,
+    pub weak: &'static str,
     pub bad: &'static str,
     pub bold: &'static str,
     pub off: &'static str,
@@ -20,9 +20,19 @@ pub(super) struct Style {
 impl Style {
     pub(super) fn new(color: bool) -> Self {
         if color {
-            Self { good: "\u{1b}[32m", bad: "\u{1b}[31m", bold: "\u{1b}[1m", off: "\u{1b}[0m" }
+            let (good, weak, bad) = ("\u{1b}[32m", "\u{1b}[33m", "\u{1b}[31m");
+            Self { good, weak, bad, bold: "\u{1b}[1m", off: "\u{1b}[0m" }
         } else {
-            Self { good: "", bad: "", bold: "", off: "" }
+            Self { good: "", weak: "", bad: "", bold: "", off: "" }
+        }
+    }
+
+    /// The colour of what a suite came to.
+    pub(super) fn of(&self, standing: Standing) -> &'static str {
+        match standing {
+            Standing::Passed | Standing::Known => self.good,
+            Standing::NotRun | Standing::Weak => self.weak,
+            Standing::Failed | Standing::LaneFailed => self.bad,
         }
     }
 }
@@ -40,49 +50,38 @@ pub fn line(entry: &Entry, color: bool) -> String {
         (Some((lane, stage)), None) => format!("{lane}/{stage}"),
         (None, _) => String::new(),
     };
-    let (good, text) = match &entry.outcome {
-        Outcome::Ran(report) if report.judged() == 0 && report.unsupported > 0 => {
-            let why = report.unsupported_because.as_deref().map_or_else(String::new, |why| format!(": {why}"));
-            (true, format!("{} samples not supported on this lane{why}", report.unsupported))
-        }
-        Outcome::Ran(report) => {
-            let verdicts = &report.verdicts;
-            // Without a sample that agrees there is no error to tell.
-            let worst = if verdicts.agreed > 0 { format!("{:.1}", verdicts.max_ulp) } else { "-".to_owned() };
-            let checked: u64 = report.relations.iter().map(|(_, n)| n).sum();
-            (
-                report.errors().is_empty(),
-                format!(
-                    "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {worst:>5} ULP  {} relations ({checked})",
-                    report.judged(),
-                    verdicts.agreed,
-                    verdicts.deviated,
-                    verdicts.undetermined_count(),
-                    report.relations.len(),
-                ),
-            )
-        }
-        Outcome::Refused(error) => (false, error.to_string()),
-        Outcome::LaneFailed(message) => (false, message.clone()),
-        Outcome::KnownFailure { message, .. } => (true, message.clone()),
+    let text = match &entry.outcome {
+        Outcome::Ran(report) => entry.not_run().unwrap_or_else(|| counts(report)),
+        Outcome::Refused(error) => error.to_string(),
+        Outcome::LaneFailed(message) | Outcome::KnownFailure { message, .. } => message.clone(),
     };
-    let (mark, paint) = match good {
-        true if is_known(entry) => ("known", style.good),
-        true => ("ok  ", style.good),
-        false => ("FAIL", style.bad),
-    };
-    // A mark of five letters takes one of the two blanks.
-    let blank = if mark.len() > 4 { " " } else { "  " };
-    format!("{paint}{mark}{}{blank}{:<16} {on:<15}  {text}\n", style.off, entry.suite)
+    let standing = entry.standing();
+    let mark = standing.word();
+    // A mark that is longer than usual takes its room from the blanks behind the name.
+    let room = MARK.max(mark.len() + 1);
+    let name = (MARK + NAME).saturating_sub(room);
+    let blanks = room - mark.len();
+    format!("{}{mark}{}{:blanks$}{:<name$} {on:<15}  {text}\n", style.of(standing), style.off, "", entry.suite)
 }
 
-/// True when a failure was expected.
-pub(super) fn is_known(entry: &Entry) -> bool {
-    match &entry.outcome {
-        Outcome::Ran(report) => !report.known.is_empty(),
-        Outcome::KnownFailure { .. } => true,
-        Outcome::Refused(_) | Outcome::LaneFailed(_) => false,
-    }
+/// Characters of a mark and the blanks behind it, and of the name of a suite.
+const MARK: usize = 6;
+const NAME: usize = 16;
+
+/// Verdicts of a suite on a lane, counted.
+fn counts(report: &Report) -> String {
+    let verdicts = &report.verdicts;
+    // Without a sample that agrees there is no error to tell.
+    let worst = if verdicts.agreed > 0 { format!("{:.1}", verdicts.max_ulp) } else { "-".to_owned() };
+    let checked: u64 = report.relations.iter().map(|(_, n)| n).sum();
+    format!(
+        "{:>8} judged  {:>8} agreed  {:>6} deviated  {:>6} undetermined  max {worst:>5} ULP  {} relations ({checked})",
+        report.judged(),
+        verdicts.agreed,
+        verdicts.deviated,
+        verdicts.undetermined_count(),
+        report.relations.len(),
+    )
 }
 
 /// Everything that is wrong with the suite and lane of `entries[at]`; empty when nothing is. Findings
@@ -143,11 +142,15 @@ pub fn not_run(summary: &Summary, color: bool) -> String {
         };
         let _ = writeln!(text, "\n{}{}{on}: {why}{}", style.bold, entry.suite, style.off);
     }
+    let notes = super::notes::not_run(summary);
+    if !notes.is_empty() {
+        let _ = write!(text, "\n{notes}");
+    }
     text
 }
 
 /// Lane, stage and source of a report.
-fn place(report: &Report) -> String {
+pub(super) fn place(report: &Report) -> String {
     let source = report.source.map_or_else(String::new, |source| format!(", {}", source.phrase()));
     format!("{}/{}{source}", report.lane, report.stage)
 }
@@ -167,50 +170,11 @@ fn same_findings<'e>(entry: &'e Entry, report: &Report) -> Option<&'e Report> {
     (same && !report.errors().is_empty()).then_some(&**earlier)
 }
 
-/// How outputs differ from those of inputs in storage.
-fn differs(apart: &Apart) -> String {
-    let Apart { samples, different, ulp, component } = apart;
-    let most =
-        if ulp.is_finite() && *ulp > 0.0 { format!(", by {ulp} ULP of `{component}` at most") } else { String::new() };
-    format!("{different} of {samples} samples have other bits than with inputs in storage{most}")
-}
-
-/// Kinds of doubt that are told for each suite.
-const DOUBTS: usize = 3;
-
 /// The last lines: what lanes were held against, lanes that are missing, facts about coverage, totals.
 pub fn totals(summary: &Summary, color: bool) -> String {
     let style = Style::new(color);
     let mut text = super::survey::warnings(summary);
-    for entry in &summary.entries {
-        if let Outcome::Ran(report) = &entry.outcome
-            && let Some(coverage) = &report.coverage
-            && coverage.is_complete()
-        {
-            let _ = writeln!(text, "note: {}: {coverage}", on(report));
-        }
-        if let Outcome::Ran(report) = &entry.outcome {
-            let on = on(report);
-            // A few more samples of the same inputs are in doubt for the same reasons.
-            let few = matches!(report.source, Some(Source::Constants | Source::Uniforms));
-            if let Some(apart) = report.apart.as_ref().filter(|a| a.different > 0) {
-                let _ = writeln!(text, "note: {on}: {}", differs(apart));
-            }
-            for texture in &report.textures {
-                let _ = writeln!(text, "note: {on}: texture {texture}");
-            }
-            for doubtful in report.doubts.iter().take(if few { 0 } else { DOUBTS }) {
-                let _ = writeln!(text, "note: {on}: {doubtful}");
-            }
-        }
-        if let Outcome::Ran(report) = &entry.outcome
-            && report.replayed > 0
-            && report.verdicts.seen() > report.replayed
-        {
-            let on = on(report);
-            let _ = writeln!(text, "note: {on}: saved cases that ran first: {}", report.replayed);
-        }
-    }
+    text.push_str(&super::notes::of_suites(summary));
     text.push_str(&end(summary, &style));
     text
 }
@@ -237,16 +201,7 @@ pub fn brief(summary: &Summary, color: bool) -> String {
 
 /// The last lines of both.
 fn end(summary: &Summary, style: &Style) -> String {
-    let mut text = String::new();
-    for LaneUsed { description, against } in &summary.lanes {
-        let promises: Vec<&str> =
-            [&against.promise].into_iter().chain(&against.conformance).map(String::as_str).collect();
-        let measured = match &against.measured {
-            Some(measured) => format!("measured profile {measured}"),
-            None => "no measured profile".to_owned(),
-        };
-        let _ = writeln!(text, "note: lane `{}`: promises of {}; {measured}", description.name, promises.join(", "));
-    }
+    let mut text = super::notes::of_lanes(summary);
     text.push_str(&super::translations::notes(summary));
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` did not run: {why}");
@@ -263,6 +218,7 @@ fn end(summary: &Summary, style: &Style) -> String {
     let (word, paint) = match summary.status() {
         Status::Pass => ("pass", style.good),
         Status::Fail => ("fail", style.bad),
+        Status::Broken if t.judged > 0 => ("incomplete", style.bad),
         Status::Broken => ("not run", style.bad),
     };
     let failures = match known.len() {

@@ -19,21 +19,17 @@ pub(super) fn notes(summary: &Summary) -> String {
 fn lines(suites: &[(&str, &[Translated])]) -> String {
     // Languages, with samples and suites on which they agree, in the order in which they turn up.
     let mut agreeing: Vec<(Vec<&str>, u64, u64)> = Vec::new();
-    let mut open = String::new();
+    let mut open: Vec<Open<'_>> = Vec::new();
     let mut counts: Vec<(&str, u64, u64)> = Vec::new();
     for (suite, translations) in suites {
+        let mut own: Vec<Open<'_>> = Vec::new();
         for translated in *translations {
             let language = translated.language.name();
             if let Some(why) = &translated.unsupported {
-                let _ = writeln!(open, "note: {suite}: the {language} translation was not compared: {why}");
+                Open::add(&mut own, suite, language, What::NotCompared(why), 0);
             }
             if translated.undetermined > 0 {
-                let _ = writeln!(
-                    open,
-                    "note: {suite}: the {language} translation differs on {} samples where the shader leaves the range \
-                     of a type",
-                    translated.undetermined
-                );
+                Open::add(&mut own, suite, language, What::Differs, translated.undetermined);
             }
             if translated.agreed == 0 || translated.deviated > 0 {
                 continue;
@@ -43,6 +39,7 @@ fn lines(suites: &[(&str, &[Translated])]) -> String {
                 None => counts.push((language, translated.agreed, 1)),
             }
         }
+        own.into_iter().for_each(|own| own.join(&mut open));
     }
     for (language, samples, suites) in counts {
         match agreeing.iter_mut().find(|(_, known, of)| (*known, *of) == (samples, suites)) {
@@ -59,7 +56,62 @@ fn lines(suites: &[(&str, &[Translated])]) -> String {
             "note: translations agree with the shader: {languages} ({samples} samples, {suites} {many})"
         );
     }
-    text + &open
+    open.iter().for_each(|open| text.push_str(&open.line()));
+    text
+}
+
+/// What is left open of some translations.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum What<'a> {
+    /// They were not compared, for this reason.
+    NotCompared(&'a str),
+    /// They differ where the shader has no meaning to keep.
+    Differs,
+}
+
+/// Suites and languages of which the same is left open.
+struct Open<'a> {
+    suites: Vec<&'a str>,
+    languages: Vec<&'a str>,
+    what: What<'a>,
+    samples: u64,
+}
+
+impl<'a> Open<'a> {
+    /// Adds a language of a suite.
+    fn add(own: &mut Vec<Self>, suite: &'a str, language: &'a str, what: What<'a>, samples: u64) {
+        match own.iter_mut().find(|known| known.what == what) {
+            Some(known) => {
+                known.languages.push(language);
+                known.samples += samples;
+            }
+            None => own.push(Self { suites: vec![suite], languages: vec![language], what, samples }),
+        }
+    }
+
+    /// Joins what is the same of the same languages in other suites.
+    fn join(self, all: &mut Vec<Self>) {
+        match all.iter_mut().find(|known| known.what == self.what && known.languages == self.languages) {
+            Some(known) => {
+                known.suites.extend(self.suites);
+                known.samples += self.samples;
+            }
+            None => all.push(self),
+        }
+    }
+
+    fn line(&self) -> String {
+        let one = self.languages.len() == 1;
+        let (word, verb, were) =
+            if one { ("translation", "differs", "was") } else { ("translations", "differ", "were") };
+        let what = match self.what {
+            What::NotCompared(why) => format!("{were} not compared: {why}"),
+            What::Differs => {
+                format!("{verb} on {} samples where the shader leaves the range of a type", self.samples)
+            }
+        };
+        format!("note: {}: the {} {word} {what}\n", self.suites.join(", "), self.languages.join(", "))
+    }
 }
 
 /// The same for programs.
@@ -98,6 +150,17 @@ mod tests {
              note: translations agree with the shader: glsl450 (10 samples, 1 suite)\n\
              note: b: the glsl450 translation was not compared: no `mat2` in blocks\n"
         );
+    }
+
+    #[test]
+    fn what_several_translations_share_is_one_line() {
+        use Language::{Glsl450, SpirV, Wgsl};
+        let none = |language| Translated { unsupported: Some("discards".to_owned()), ..agrees(language, 0) };
+        let all = [none(SpirV), none(Wgsl), none(Glsl450)];
+        let line = "note: a, b: the spirv, wgsl, glsl450 translations were not compared: discards\n";
+        assert_eq!(lines(&[("a", &all), ("b", &all)]), line);
+        // Another language alone is another line.
+        assert_eq!(lines(&[("a", &all), ("b", &all[..1])]).lines().count(), 2);
     }
 
     #[test]

@@ -102,7 +102,7 @@ struct Input<'a> {
 pub fn json(summary: &Summary) -> String {
     let totals = summary.totals();
     let root = Root {
-        status: if totals.findings + totals.broken > 0 { "fail" } else { "pass" },
+        status: if totals.findings + totals.broken > 0 || !summary.shortcomings().is_empty() { "fail" } else { "pass" },
         seed: summary.seed,
         lanes: summary.lanes.iter().map(|d| Lane { name: d.name, driver: &d.driver }).collect(),
         files: summary

@@ -6,6 +6,7 @@ mod text;
 use crate::diagnostic::Diagnostic;
 use crate::fuzz::{FunctionReport, Severity};
 use crate::lane::{Description, Unavailable};
+use crate::suite::run::signal_name;
 
 pub use json::json;
 pub use text::{findings, line, totals};
@@ -19,6 +20,10 @@ pub struct Summary {
     pub lanes: Vec<Description>,
     /// Lanes that could not be had, by name.
     pub unavailable: Vec<(&'static str, Unavailable)>,
+    /// Lanes that were asked for by name: a run without one of them is incomplete.
+    pub asked: Vec<String>,
+    /// The signal that ended the run before its time.
+    pub interrupted: Option<u8>,
     /// The files, in the order of the command line.
     pub files: Vec<FileReport>,
 }
@@ -52,6 +57,15 @@ pub struct Totals {
 }
 
 impl Summary {
+    /// Why the run is not the one that was asked for, a line each: a lane that is missing, or a signal.
+    pub fn shortcomings(&self) -> Vec<String> {
+        let asked = |name: &str| self.asked.iter().any(|asked| asked == name);
+        let missing = self.unavailable.iter().filter(|(name, _)| asked(name));
+        let missing = missing.map(|(name, why)| format!("the lane `{name}` was asked for and cannot be had: {why}"));
+        let interrupted = self.interrupted.map(signal_name);
+        missing.chain(interrupted.map(|signal| format!("the run was interrupted by {signal}"))).collect()
+    }
+
     /// Everything counted.
     pub fn totals(&self) -> Totals {
         let mut totals = Totals::default();

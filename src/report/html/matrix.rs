@@ -6,7 +6,7 @@ use super::escape::{Escaped, count};
 use super::finding::blamed;
 use super::known::{expected, failures};
 use super::{Page, anchor, fails, suite_anchor, suites, way};
-use crate::suite::run::{Entry, Outcome};
+use crate::suite::run::{Entry, Outcome, Standing};
 
 /// The table with its filters.
 pub(super) fn matrix(text: &mut String, page: &Page<'_>) {
@@ -52,7 +52,8 @@ pub(super) fn matrix(text: &mut String, page: &Page<'_>) {
          <span><i style=\"background:var(--good)\"></i>agree</span>\
          <span><i style=\"background:var(--open)\"></i>undetermined: the sample decides nothing</span>\
          <span><i style=\"background:var(--bad)\"></i>deviate</span>\
-         <span><b>≈</b> fails as a ledger expects</span></p>\n",
+         <span><b>≈</b> fails as a ledger expects</span>\
+         <span><b>∼</b> weak: more than half undetermined</span><span><b>–</b> not run</span></p>\n",
     );
 }
 
@@ -97,11 +98,13 @@ fn row(text: &mut String, page: &Page<'_>, name: &str, numbers: &[usize], ways: 
 
 fn cell(text: &mut String, entry: &Entry, number: usize, lane: &str) {
     let known = expected(entry);
-    let (state, mark) = match (fails(entry), known) {
-        (true, _) => ("fail", "✕"),
-        (false, 0) => ("ok", "✓"),
+    let (state, mark) = match entry.standing() {
+        Standing::Failed | Standing::LaneFailed => ("fail", "✕"),
+        Standing::Passed => ("ok", "✓"),
         // It does not fail the run, and it is not right.
-        (false, _) => ("known", "≈"),
+        Standing::Known => ("known", "≈"),
+        Standing::Weak => ("known", "∼"),
+        Standing::NotRun => ("known", "–"),
     };
     let _ = write!(
         text,
@@ -110,15 +113,16 @@ fn cell(text: &mut String, entry: &Entry, number: usize, lane: &str) {
         anchor(entry, number)
     );
     match &entry.outcome {
-        Outcome::Ran(report) if report.verdicts.seen() == 0 => {
-            let _ =
-                write!(text, "<b>not supported</b><span class=\"rest\">{} samples</span>", count(report.unsupported));
+        Outcome::Ran(_) if entry.standing() == Standing::NotRun => {
+            let why = entry.not_run().unwrap_or_default();
+            let _ = write!(text, "<b>not run</b><span class=\"rest\">{}</span>", Escaped(why));
         }
         Outcome::Ran(report) => {
             let verdicts = &report.verdicts;
             let (deviated, open) = (verdicts.deviated, verdicts.undetermined_count());
             let headline = match (deviated, report.errors().len()) {
                 (_, 0) if known > 0 => failures(known),
+                (0, 0) if entry.standing() == Standing::Weak => format!("weak: {} agree", count(verdicts.agreed)),
                 (0, 0) => format!("{} agree", count(verdicts.agreed)),
                 (0, 1) => "1 finding".to_owned(),
                 (0, n) => format!("{n} findings"),

@@ -17,6 +17,7 @@ pub(super) fn page(page: &Page<'_>) -> String {
     let title = match page.summary.status() {
         Status::Pass => "passed",
         Status::Fail => "failed",
+        Status::Broken if page.summary.totals().judged > 0 => "is incomplete",
         Status::Broken => "could not run",
     };
     // Writing into a String does not fail. Nothing outside of the page is ever asked for.
@@ -70,6 +71,7 @@ fn hero(text: &mut String, page: &Page<'_>) {
         (Status::Fail, 1) if all.len() == 1 => (" fail", "The suite fails".to_owned()),
         (Status::Fail, 1) => (" fail", format!("1 of {} {} fails", all.len(), suites(all.len()))),
         (Status::Fail, n) => (" fail", format!("{n} of {} {} fail", all.len(), suites(all.len()))),
+        (Status::Broken, _) if !summary.shortcomings().is_empty() => (" fail", "The run is incomplete".to_owned()),
         (Status::Broken, 0) => (" fail", "Nothing was judged".to_owned()),
         (Status::Broken, n) => (" fail", format!("{n} of {} {} could not run", all.len(), suites(all.len()))),
     };
@@ -100,6 +102,9 @@ fn hero(text: &mut String, page: &Page<'_>) {
     text.push_str("</dl>\n</header>\n");
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "<p class=\"quiet\">Lane <b>{}</b> did not run: {}.</p>", Escaped(name), Escaped(why));
+    }
+    for (_, shortcoming) in summary.shortcomings() {
+        let _ = writeln!(text, "<p><b>Incomplete</b>: {}.</p>", Escaped(shortcoming));
     }
 }
 

@@ -132,6 +132,9 @@ fn panel(text: &mut String, entry: &Entry, number: usize, gallery: Option<&Galle
     match &entry.outcome {
         Outcome::Ran(report) => {
             facts(text, report);
+            if let Some(why) = entry.not_run() {
+                let _ = writeln!(text, "<p>Not run: {}.</p>", Told(&why));
+            }
             let deviates = report.findings.iter().any(|f| f.kind == FindingKind::Deviation);
             for (k, one) in report.findings.iter().enumerate() {
                 // Relations that break follow from outputs that deviate.

@@ -3,11 +3,23 @@
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Seek};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::TempPath;
 
 /// Links that are followed before a path counts as a loop; Linux follows as many.
 const LINKS: usize = 40;
+
+/// Temporary files that this process made. Their names are random: one that was renamed or removed is not there.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the temporary files that nobody will finish.
+pub fn abandon() {
+    for path in std::mem::take(&mut *UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)) {
+        // There is nobody to report to, and most of them were finished.
+        let _ = fs::remove_file(path);
+    }
+}
 
 /// The target of an output.
 pub enum Target {
@@ -113,7 +125,9 @@ pub fn beside(folder: &Path) -> io::Result<(File, TempPath)> {
         // The umask takes its part, as for any new file.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    Ok(builder.tempfile_in(folder)?.into_parts())
+    let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).push(temporary.to_path_buf());
+    Ok((file, temporary))
 }
 
 /// The folder of a file.

@@ -24,7 +24,7 @@ mod witness;
 use std::ops::ControlFlow;
 
 use crate::bound::profile::Rulings;
-use crate::lane::{Lane, LaneError, Stage};
+use crate::lane::{Lane, LaneError, Stage, interrupt};
 use crate::program::{Kernel, Source};
 use crate::property::Sample;
 use crate::shard::Shard;
@@ -44,7 +44,9 @@ pub use relate::Probes;
 pub use repeat::Repeated;
 pub use sampling::Sampled;
 pub use sources::{Apart, most as most_from, run_from};
-pub use summary::{Against, Entry, Expectation, Known, LaneUsed, Outcome, Status, Summary, Totals};
+pub use summary::{
+    Against, Entry, Expectation, Known, LaneUsed, Outcome, Standing, Status, Summary, Totals, signal_name,
+};
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 pub use trial::stage_of;
@@ -52,6 +54,9 @@ pub use witness::{Peer, hear, hear_parts};
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;
+
+/// Why a shader like `void main() { }` is not run.
+const NO_OUTPUT: &str = "the shader writes no output";
 
 /// What a run is asked for.
 #[derive(Clone, Debug)]
@@ -160,6 +165,8 @@ pub struct Share<'a> {
     pub resume: Option<Sampled>,
     /// Told after each batch; may stop the run.
     pub save: &'a mut dyn FnMut(&Sampled) -> ControlFlow<()>,
+    /// True where what was judged until the run is interrupted is of use; a part that is handed over has to be whole.
+    pub partial: bool,
 }
 
 /// Runs a prepared suite on one stage of a lane. `progress` is told the number of samples done.
@@ -185,7 +192,7 @@ fn usual(
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
     let mut save = |_: &Sampled| ControlFlow::Continue(());
-    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save };
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
     let part = part_of(prepared, lane, (stage, source), request, share, progress)?;
     let report = part.map_or_else(|| Report::empty(prepared, lane.description().name, stage), Part::report);
     Ok(Report { source, ..report })
@@ -221,6 +228,9 @@ fn part_of(
     let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let unsupported = || Part::new(prepared, name, stage, if once { wanted } else { 0 });
     let Some(kernel) = prepared.kernel(stage) else { return Ok(Some(unsupported())) };
+    if kernel.output.is_empty() {
+        return Ok(Some(unsupported().because(NO_OUTPUT.to_owned())));
+    }
     match on_kernel(prepared, lane, (kernel, stage, source), (wanted, once), request, share, progress) {
         // Some lanes see only what comes out whether they can run it.
         Err(LaneError::Unsupported(why)) => Ok(Some(unsupported().because(why))),
@@ -257,9 +267,13 @@ fn on_kernel(
             let Some(sampled) = sampled else { return Ok(None) };
             counted.join(sampled);
         }
-        if let Some(strands) = prepared.suite.strands.filter(|_| once) {
+        let whole = !(share.partial && interrupt::asked());
+        if let Some(strands) = prepared.suite.strands.filter(|_| once && whole) {
             report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }
+    }
+    if share.partial && interrupt::asked() {
+        return Ok(Some(interrupted(&mut trial, lane, (report, counted), request)));
     }
     if once {
         let related = if request.quick { relate::QUICK_SAMPLES } else { relate::SAMPLES };
@@ -277,5 +291,28 @@ fn on_kernel(
         makes_samples,
         replay_only: request.replay_only,
     };
-    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, shown, terms)))
+    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, shown, Some(terms))))
+}
+
+/// What a run found until it was interrupted. Failing samples are reported as they are, and what a whole run has to
+/// reach is not asked for.
+fn interrupted(
+    trial: &mut Trial<'_>,
+    lane: &dyn Lane,
+    (mut report, counted): (Report, Counted),
+    request: &Request,
+) -> Part {
+    let part = Part::new(trial.prepared, report.lane, report.stage, 0);
+    let request = Request { replay_only: true, ..request.clone() };
+    let shown = finding::deviations(trial, lane, &counted.failing, &request, &report).unwrap_or_else(|_| {
+        let deviated = counted.verdicts.deviated;
+        let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
+        let kind = FindingKind::Deviation;
+        report.findings.push(Finding { kind, message, case: None, count: deviated, reproduce: None });
+        Vec::new()
+    });
+    let shown = [shown, undefined::findings(trial.prepared, &counted.undefined, &request, &report)];
+    let terms = part::Terms { least: 0, undetermined: 1.0, makes_samples: false, replay_only: true };
+    let terms = (counted.verdicts.agreed + counted.verdicts.deviated > 0).then_some(terms);
+    part.of(report, counted, shown, terms)
 }

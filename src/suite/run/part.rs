@@ -224,11 +224,17 @@ impl Part {
     }
 
     /// What a run has found once it is through: `report` holds what is looked at once.
-    pub(super) fn of(mut self, report: Report, counted: Counted, shown: [Vec<Shown>; 2], terms: Terms) -> Self {
+    pub(super) fn of(
+        mut self,
+        report: Report,
+        counted: Counted,
+        shown: [Vec<Shown>; 2],
+        terms: Option<Terms>,
+    ) -> Self {
         self.replayed = report.replayed;
         self.add_once(report);
         let [shown, undefined] = shown;
-        Self { counted, shown, undefined, terms: Some(terms), ..self }
+        Self { counted, shown, undefined, terms, ..self }
     }
 
     fn add_once(&mut self, report: Report) {

@@ -8,7 +8,7 @@ use super::part::Counted;
 use super::survey::MOST;
 use super::trial::Trial;
 use super::{Request, Share};
-use crate::lane::{Actual, LaneError};
+use crate::lane::{Actual, LaneError, interrupt};
 use crate::program::Source;
 use crate::property::{Sample, Sampler};
 use crate::value::Batch;
@@ -94,8 +94,16 @@ pub fn sample(
                 return Ok(None);
             }
         }
+        if interrupt::asked() && share.partial {
+            break;
+        }
         if let (Some(batch), Some(actual)) = (running.take(), actual) {
-            finished = Some((batch, actual?));
+            match actual {
+                Ok(actual) => finished = Some((batch, actual)),
+                // A device that is given up because the run ends has not failed.
+                Err(_) if interrupt::asked() && share.partial => break,
+                Err(error) => return Err(error),
+            }
         }
         running = next;
         first = after;

@@ -90,6 +90,9 @@ fn other(
     let makes_samples = prepared.plan.makes_samples();
     let all = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let wanted = all.min(most(prepared, source));
+    if prepared.compute.output.is_empty() {
+        return Ok(Report { unsupported: wanted, unsupported_because: Some(super::NO_OUTPUT.to_owned()), ..report });
+    }
     let mut trial = match Trial::from_source(prepared, lane, source, &request.rulings, wanted as usize) {
         Ok(trial) => trial,
         Err(LaneError::Unsupported(why)) => {
@@ -105,7 +108,7 @@ fn other(
         counted.join(sampling::replay(&mut trial, rows, given)?);
         if makes_samples {
             let mut save = |_: &Sampled| ControlFlow::Continue(());
-            let mut share = Share { shard: Shard::WHOLE, resume: None, save: &mut save };
+            let mut share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
             let before = given + rows.len() as u64;
             let sampled = sampling::sample(&mut trial, request, (wanted, before), &mut share, progress)?;
             sampled.into_iter().for_each(|sampled| counted.join(sampled));
@@ -121,7 +124,7 @@ fn other(
     ];
     // A handful of samples need not keep the shares of a whole run; but something has to be judged.
     let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
-    let report = Part::new(prepared, name, stage, 0).of(report, counted, shown, terms).report();
+    let report = Part::new(prepared, name, stage, 0).of(report, counted, shown, Some(terms)).report();
     Ok(Report { source: Some(source), ..report })
 }
 

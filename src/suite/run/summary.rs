@@ -17,6 +17,12 @@ pub struct Summary {
     pub lanes: Vec<LaneUsed>,
     /// Lanes that were wanted and could not be had, by name.
     pub unavailable: Vec<(&'static str, Unavailable)>,
+    /// Lanes that were asked for by name: a run without one of them is incomplete.
+    pub asked: Vec<String>,
+    /// Lanes that have to judge something.
+    pub required: Vec<String>,
+    /// The signal that ended the run before its time.
+    pub interrupted: Option<u8>,
     /// Suites in order, once for each lane and stage.
     pub entries: Vec<Entry>,
     /// Entries of ledgers that are about nothing that ran, although their lane and driver did, one line each.
@@ -66,6 +72,90 @@ pub struct Entry {
     pub on: Option<(&'static str, Stage)>,
     /// What came of it.
     pub outcome: Outcome,
+}
+
+/// `SIGINT`, `SIGTERM`, or the number of another signal.
+pub fn signal_name(signal: u8) -> String {
+    match signal {
+        2 => "SIGINT".to_owned(),
+        15 => "SIGTERM".to_owned(),
+        other => format!("signal {other}"),
+    }
+}
+
+/// What a suite came to on a stage of a lane, the worst last. Every report tells it in its own words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Standing {
+    /// No sample was judged, and nothing is wrong: the lane cannot run it.
+    NotRun,
+    /// Samples were judged, and nothing is wrong.
+    Passed,
+    /// The same, and more than half of the samples are undetermined.
+    Weak,
+    /// It fails as a ledger expects.
+    Known,
+    /// Something is wrong.
+    Failed,
+    /// The lane failed.
+    LaneFailed,
+}
+
+impl Standing {
+    /// The word for it in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NotRun => "not run",
+            Self::Passed => "ok",
+            Self::Weak => "weak",
+            Self::Known => "known",
+            Self::Failed | Self::LaneFailed => "FAIL",
+        }
+    }
+}
+
+impl Entry {
+    /// What it came to.
+    pub fn standing(&self) -> Standing {
+        match &self.outcome {
+            Outcome::Ran(report) => report.standing(),
+            Outcome::Refused(_) => Standing::Failed,
+            Outcome::LaneFailed(_) => Standing::LaneFailed,
+            Outcome::KnownFailure { .. } => Standing::Known,
+        }
+    }
+
+    /// Why no sample was judged, for an entry that did not run.
+    pub fn not_run(&self) -> Option<String> {
+        match &self.outcome {
+            Outcome::Ran(report) if self.standing() == Standing::NotRun => Some(report.not_run()),
+            Outcome::Ran(_) | Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
+        }
+    }
+}
+
+impl Report {
+    fn standing(&self) -> Standing {
+        let undetermined = self.verdicts.undetermined_count();
+        if !self.errors().is_empty() {
+            Standing::Failed
+        } else if !self.known.is_empty() {
+            Standing::Known
+        } else if self.judged() == 0 {
+            Standing::NotRun
+        } else if undetermined > self.judged() {
+            Standing::Weak
+        } else {
+            Standing::Passed
+        }
+    }
+
+    fn not_run(&self) -> String {
+        match (self.unsupported, &self.unsupported_because) {
+            (0, _) => "no sample was run".to_owned(),
+            (n, Some(why)) => format!("{n} samples not supported on this lane: {why}"),
+            (n, None) => format!("{n} samples not supported on this lane"),
+        }
+    }
 }
 
 /// What came of a suite.
@@ -136,7 +226,8 @@ pub enum Status {
     Pass,
     /// Something is wrong with a shader or a lane.
     Fail,
-    /// The run itself could not be made: no lane, or a suite that does not fit its shader.
+    /// The run itself could not be made as it was asked for: a lane is missing or judged nothing, or a suite does not
+    /// fit its shader.
     Broken,
 }
 
@@ -175,7 +266,31 @@ impl Summary {
         totals
     }
 
-    /// How the run ended. A run that judged nothing has not passed.
+    /// Why the run is not the one that was asked for: a lane that is missing, or that judged nothing.
+    pub fn shortcomings(&self) -> Vec<(&str, String)> {
+        let mut all = Vec::new();
+        for (name, missing) in &self.unavailable {
+            if self.asked.iter().any(|asked| asked == name) {
+                all.push((*name, format!("the lane `{name}` was asked for and cannot be had: {missing}")));
+            }
+        }
+        if let Some(signal) = self.interrupted {
+            let name = signal_name(signal);
+            all.push(("run", format!("the run was interrupted by {name}; this is what was found until then")));
+            return all;
+        }
+        for name in &self.required {
+            let own = || self.entries.iter().filter(|entry| entry.on.is_some_and(|(lane, _)| lane == name));
+            if own().all(|entry| entry.standing() == Standing::NotRun) {
+                let why = own().find_map(Entry::not_run).unwrap_or_else(|| "no suite runs on it".to_owned());
+                all.push((name, format!("the required lane `{name}` judged no sample: {why}")));
+            }
+        }
+        all
+    }
+
+    /// How the run ended. A run that judged nothing has not passed, and neither has one without a lane that was asked
+    /// for.
     pub fn status(&self) -> Status {
         let mut failed = false;
         for entry in &self.entries {
@@ -196,7 +311,9 @@ impl Summary {
                 }
             }
         }
-        if failed {
+        if !self.shortcomings().is_empty() {
+            Status::Broken
+        } else if failed {
             Status::Fail
         } else if self.totals().judged == 0 {
             Status::Broken

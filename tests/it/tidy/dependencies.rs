@@ -146,6 +146,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("encoding_rs", &["src/text"]),
     ("chardetng", &["src/text"]),
     ("ignore", &["src/cli"]),
+    ("signal_hook", &["src/cli"]),
     ("globset", &["src/cli"]),
     ("libtest_mimic", &["src/api"]),
     ("std::fs", &["src/cli", "src/suite"]),
