@@ -103,7 +103,7 @@ impl Program {
         let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(shader, target));
         match built {
             Ok(program) => {
-                let ranges = super::drawn::ranges(&parsed.shader);
+                let ranges = super::drawn::ranges(shader);
                 Ok(Self { texts: vec![file.clone()], ranges, ..program })
             }
             Err(ProgramError::Source(found)) => {

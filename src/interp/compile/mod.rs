@@ -228,7 +228,7 @@ impl<'m> Compiler<'m> {
             .ok_or_else(|| InterpError::internal("an argument of the entry point is fed by nothing".to_owned()))?;
         // What is fed, or marked as never written, keeps that.
         let fed = self.executable.fills.iter().map(|fill| fill.to).chain(self.executable.poisoned.iter().copied());
-        let own: HashSet<(File, Reg)> = fed.map(key).chain(self.numbered()).collect();
+        let own: HashSet<(File, Reg)> = fed.map(key).collect();
         self.unset.retain(|variable, _| !own.contains(variable));
         let body = self.function(handle, function, info, arguments, result)?;
         for (file, reg) in self.unset.keys() {
@@ -485,11 +485,6 @@ impl<'m> Compiler<'m> {
         let sites = &mut self.executable.sites;
         sites.push(Place { function, expression: None, span });
         Site((sites.len() - 1) as u32)
-    }
-
-    /// Registers that hold the number of the invocation.
-    fn numbered(&self) -> impl Iterator<Item = (File, Reg)> {
-        self.executable.numbers.iter().map(|reg| (File::Word, *reg))
     }
 
     fn zero(&mut self, scalar: Scalar) -> Slot {

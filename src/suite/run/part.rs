@@ -153,7 +153,9 @@ impl Counted {
         for invocation in std::mem::take(&mut verdict.undefined) {
             if self.undefined.len() < SHRUNK {
                 let Sample { invocation: words, case, .. } = Sample::of(batch, invocation);
-                self.undefined.push(Failing { number: first + invocation as u64, invocation: words, case, print: 0 });
+                let (number, at) = (first + invocation as u64, invocation);
+                let (count, per_case) = (batch.invocation_count(), batch.per_case);
+                self.undefined.push(Failing { number, invocation: words, case, print: 0, at, count, per_case });
             }
         }
         self.verdicts.merge(verdict);
