@@ -80,7 +80,7 @@ pub(super) fn skinning<R: Real>(words: &impl Words<R>, out: &mut [R], marks: &mu
         marks.segment_end(R::and(exists, own.segment_end));
         marks.degenerate(R::and(exists, own.degenerate));
     }
-    let none = R::or(count.less(R::exact(1.0)), R::exact(MAXBONES as f64).less(count));
+    let none = R::or(count.less(R::exact(0.0)), R::exact(MAXBONES as f64).less(count));
     for (out, u) in out.iter_mut().zip(matrix_times(words, 20, &u)) {
         *out = R::select(none, R::exact(f64::NAN), u);
     }

@@ -31,7 +31,8 @@ pub static TWO_BONES: Formula = Formula {
 };
 
 /// A vertex blended between up to [`MAXBONES`] bones, weighted by its distances to them. The weights
-/// are not normalised: their sum stays in w (81). NaN when `numberOfBones` is not in `1..=MAXBONES`.
+/// are not normalised: their sum stays in w (81). NaN when `numberOfBones` is not in `0..=MAXBONES`;
+/// without a bone the sum is zero.
 pub static SKINNING: Formula = Formula {
     name: "skinning",
     source: "(76), (79), (80), (81): u = Σ (d_i + 1)^-16 B_i M_i⁻¹ P, with blendMatrix[i] = B_i M_i⁻¹",
@@ -75,7 +76,7 @@ fn two_bones(args: &Args<'_>, out: &mut [f64]) {
 
 fn skinning(args: &Args<'_>, out: &mut [f64]) {
     let count = args.float(3);
-    if !(1.0..=MAXBONES as f64).contains(&count) {
+    if !(0.0..=MAXBONES as f64).contains(&count) {
         out.fill(f64::NAN);
         return;
     }
@@ -193,9 +194,11 @@ mod tests {
     fn bones_that_do_not_exist_give_no_position() {
         let mut words = random_words(&SKINNING, &mut Rng::new(8));
         assert!(evaluate(&SKINNING, &words).iter().all(|w| !w.is_nan()));
-        for count in [-1.0, 0.0, 9.0] {
+        for count in [-1.0, 9.0] {
             words[36] = count;
             assert!(evaluate(&SKINNING, &words).iter().all(|w| w.is_nan()));
         }
+        words[36] = 0.0;
+        assert_eq!(evaluate(&SKINNING, &words), [0.0; 4], "a sum of nothing");
     }
 }

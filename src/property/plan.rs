@@ -106,6 +106,11 @@ fn hint(suggestion: &Option<String>) -> String {
     suggestion.as_ref().map(|s| format!("; did you mean `{s}`?")).unwrap_or_default()
 }
 
+/// Number of the case from which samples at edges take their other groups: no run comes that far.
+const EDGES: u64 = 1 << 62;
+/// Samples from which they take them: few, so that what is at an edge stands out.
+const BASES: usize = 4;
+
 /// A group with its place in the records.
 #[derive(Debug)]
 pub(super) struct Planned {
@@ -244,6 +249,24 @@ impl Plan {
         super::sampler::fill_cases(self, seed, case, &mut sample.case);
         super::sampler::fill_invocations(self, seed, case, lane, usize::MAX, &mut sample.invocation);
         sample
+    }
+
+    /// Samples at the edges of each group, the other groups being ordinary; they depend on the seed alone.
+    pub fn edges(&self, seed: u64) -> Vec<Sample> {
+        let mut all = Vec::new();
+        for (in_case, groups) in [(true, &self.case), (false, &self.invocation)] {
+            for planned in groups {
+                let ordinary = |nth: usize| self.sample(seed, EDGES + (nth % BASES) as u64, nth % BASES);
+                let base = ordinary(all.len());
+                let words = planned.gather(if in_case { &base.case } else { &base.invocation });
+                for words in planned.generator.edges(&planned.group, &words) {
+                    let mut sample = ordinary(all.len());
+                    planned.scatter(&words, if in_case { &mut sample.case } else { &mut sample.invocation });
+                    all.push(sample);
+                }
+            }
+        }
+        all
     }
 
     fn sides<'a>(&'a self, sample: &'a Sample) -> [(&'a [Planned], &'a [u32]); 2] {

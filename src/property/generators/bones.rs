@@ -15,7 +15,7 @@ use super::{Generator, Group, Options, Place, Range, RangeRule, Role, SPECIAL, S
 ///
 /// Special: a bone of length zero, a bone of some thousandths of the range, all bones
 /// equal, lattice points as roots and tips (which the special points of `point` meet), a rest pose
-/// (all blend matrices the identity), one bone, all.
+/// (all blend matrices the identity), one bone, all. At the edges also: no bone, and bones of some millionths.
 pub struct Bones;
 
 /// Where the parts of the group lie.
@@ -134,6 +134,9 @@ fn special(range: &Range, parts: &Parts, how: Kind, stream: &mut Stream, out: &m
 /// Length of a special bone, relative to an ordinary one.
 const NEAR: f64 = 1.0 / 1024.0;
 
+/// Lengths of bones at the edge of having none.
+const SHORT: [f32; 4] = [0.0, 2e-6, 8e-6, 1.2e-5];
+
 /// Bones that a picture shows.
 const SHOWN: usize = 3;
 
@@ -194,9 +197,51 @@ impl Generator for Bones {
         let is_point = |p: &[u32]| {
             p[..3].iter().all(|&c| group.range().contains(float(c))) && p.get(3).is_none_or(|&w| float(w) == 1.0)
         };
-        (1..=count as u32).contains(&words[0])
+        words[0] <= count as u32
             && words[roots..matrices].chunks_exact(rows).all(is_point)
             && words[matrices..].chunks_exact(16).all(|m| matrix::is_rigid(&matrix::read(m), &wide))
+    }
+
+    /// No bone, one, all; the last bone of length zero and of some millionths; all bones short; all alike; zeros with a
+    /// sign.
+    fn edges(&self, group: &Group, base: &[u32]) -> Vec<Vec<u32>> {
+        let parts = parts(group);
+        let Parts { count, roots, tips, matrices, rows } = parts;
+        let with = |number: usize, change: &dyn Fn(&mut [u32])| {
+            let mut words = base.to_vec();
+            words[0] = number as u32;
+            change(&mut words);
+            words
+        };
+        // The tip of a bone beside its root, along one axis.
+        let short = |words: &mut [u32], bone: usize, by: f32| {
+            words.copy_within(roots + bone * rows..roots + (bone + 1) * rows, tips + bone * rows);
+            let at = tips + bone * rows + bone % 3;
+            let inside = group.range().contains(float(words[at]) + by);
+            words[at] = (float(words[at]) + if inside { by } else { -by }).to_bits();
+        };
+        let mut all = vec![with(0, &|_| {}), with(1, &|_| {}), with(count, &|_| {})];
+        for by in SHORT {
+            all.push(with(count, &|words| short(words, count - 1, by)));
+            all.push(with(1, &|words| short(words, 0, by)));
+            all.push(with(count, &|words| (0..count).for_each(|bone| short(words, bone, by))));
+        }
+        all.push(with(count, &|words| {
+            for bone in 1..count {
+                words.copy_within(roots..roots + rows, roots + bone * rows);
+                words.copy_within(tips..tips + rows, tips + bone * rows);
+                words.copy_within(matrices..matrices + 16, matrices + bone * 16);
+            }
+        }));
+        for c in 0..3 {
+            all.push(with(count, &|words| {
+                for bone in 0..count {
+                    words[roots + bone * rows + c] = (-0.0_f32).to_bits();
+                }
+            }));
+        }
+        all.retain(|words| self.admits(group, words));
+        all
     }
 
     fn role(&self) -> Role {

@@ -143,6 +143,11 @@ impl Generator for Drawn {
         self.known().contains_key(words)
     }
 
+    fn edges(&self, _group: &Group, _base: &[u32]) -> Vec<Vec<u32>> {
+        // Only a strategy knows what belongs to it.
+        Vec::new()
+    }
+
     fn simplest(&self, group: &Group, out: &mut [u32]) {
         let Some((seed, mut tree)) = self.draw(FIRST) else { return };
         let mut steps = Steps { seed, back: Vec::new() };

@@ -18,6 +18,7 @@ mod bones;
 mod constant;
 mod direction;
 mod drawn;
+mod edges;
 mod group;
 mod index;
 mod interval;
@@ -190,6 +191,13 @@ pub trait Generator: Send + Sync {
     /// be made plainer together.
     fn simpler(&self, _group: &Group, _words: &[u32], _k: usize, _out: &mut [u32]) -> bool {
         false
+    }
+
+    /// Samples at the edges of the group, made from an ordinary one, `base`: ends of ranges and what lies beside them,
+    /// zeros with either sign, coincident points. All are admitted. They come beside those of `fill`, which leaves the
+    /// bits of these as they are.
+    fn edges(&self, group: &Group, base: &[u32]) -> Vec<Vec<u32>> {
+        edges::of(self, group, base)
     }
 
     /// What it is in a picture.

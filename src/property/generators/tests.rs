@@ -521,3 +521,48 @@ fn ranges_that_make_no_sense_are_refused() {
     assert!(with("raw_weights", Some([-1.0, 1.0])).contains("0 <= lo"));
     assert!(with("index", Some([0.5, 1.0])).contains("whole numbers"));
 }
+
+#[test]
+fn edges_are_admitted_and_reach_the_ends_zeros_and_coincident_points() {
+    for generator in all() {
+        let (generator, group) = group(generator.name());
+        let base = draw(generator, &group, 1).remove(0);
+        let edges = generator.edges(&group, &base);
+        assert!(edges.iter().all(|words| generator.admits(&group, words)), "{}", generator.name());
+        assert_eq!(edges, generator.edges(&group, &base), "{}", generator.name());
+    }
+    let floats = |name: &str| -> Vec<Vec<f32>> {
+        let (generator, group) = group(name);
+        let base = draw(generator, &group, 1).remove(0);
+        generator.edges(&group, &base).iter().map(|words| words.iter().map(|&w| float(w)).collect()).collect()
+    };
+    let interval = floats("interval");
+    for value in [0.0, 1.0, 5e-5, 1.0 - 5e-5, 0.5 + 5e-5, 1.0_f32.next_down(), 3e-6] {
+        assert!(interval.iter().any(|v| v[0].to_bits() == value.to_bits()), "{value}");
+    }
+    assert!(interval.iter().any(|v| v[0].to_bits() == 1 << 31), "negative zero");
+    for pair in [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0]] {
+        assert!(interval.iter().any(|v| v[0] == pair[0] && v[1..] == [pair[1]; 2]), "{pair:?}");
+    }
+    let nodes = floats("nodes");
+    assert!(nodes.iter().any(|v| v[..3] == v[3..6]), "coincident points");
+    let apart = |v: &[f32]| (0..3).map(|c| (v[c] - v[3 + c]).abs()).sum::<f32>();
+    assert!(nodes.iter().any(|v| (1e-7..1e-5).contains(&apart(v))), "nearly coincident points");
+}
+
+#[test]
+fn edges_of_bones_have_none_and_all_and_bones_of_some_millionths() {
+    let (generator, group) = group("bones");
+    let base = draw(generator, &group, 1).remove(0);
+    let edges = generator.edges(&group, &base);
+    for count in [0, 1, 4] {
+        assert!(edges.iter().any(|words| words[0] == count), "{count}");
+    }
+    let length = |words: &[u32], bone: usize| {
+        let point = |at: usize| DVec3::from_array(std::array::from_fn(|c| f64::from(float(words[at + 4 * bone + c]))));
+        point(1).distance(point(17))
+    };
+    let last = |words: &&Vec<u32>| words[0] == 4 && (1e-7..1e-5).contains(&length(words, 3)) && length(words, 0) > 0.01;
+    assert!(edges.iter().any(|words| last(&words)), "the last bone alone is short");
+    assert!(edges.iter().any(|words| (0..4).all(|bone| length(words, bone) == 0.0)), "all have length zero");
+}

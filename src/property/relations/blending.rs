@@ -30,6 +30,10 @@ const BONE: [(&str, usize); 3] = [("p0", 4), ("p1", 4), ("blendMatrix", 16)];
 
 /// The sample with the same matrix for all bones and the identity elsewhere, its position on the grid.
 fn all_bones(sample: &Sample, matrix: [f64; 16]) -> Option<Sample> {
+    // Without a bone nothing is blended.
+    if sample.words("numberOfBones").is_some() {
+        bones(sample)?;
+    }
     with(&plain(sample)?, |s| {
         let count = s.words("blendMatrix")?.len() / 16;
         put(s, "blendMatrix", &matrix.repeat(count))?;
