@@ -99,6 +99,41 @@ pub(super) enum Word2 {
     Index,
 }
 
+impl Word2 {
+    /// For a question, what it asks and whether its numbers are signed.
+    pub(super) fn question(self) -> Option<(Comparison, bool)> {
+        Some(match self {
+            Self::Equal => (Comparison::Equal, true),
+            Self::NotEqual => (Comparison::NotEqual, true),
+            Self::LessSigned => (Comparison::Less, true),
+            Self::LessUnsigned => (Comparison::Less, false),
+            Self::LessEqualSigned => (Comparison::LessEqual, true),
+            Self::LessEqualUnsigned => (Comparison::LessEqual, false),
+            Self::AddSigned
+            | Self::AddUnsigned
+            | Self::SubtractSigned
+            | Self::SubtractUnsigned
+            | Self::MultiplySigned
+            | Self::MultiplyUnsigned
+            | Self::DivideSigned
+            | Self::DivideUnsigned
+            | Self::RemainderSigned
+            | Self::RemainderUnsigned
+            | Self::And
+            | Self::Or
+            | Self::Xor
+            | Self::ShiftLeft
+            | Self::ShiftRightSigned
+            | Self::ShiftRightUnsigned
+            | Self::MinSigned
+            | Self::MinUnsigned
+            | Self::MaxSigned
+            | Self::MaxUnsigned
+            | Self::Index => return None,
+        })
+    }
+}
+
 /// Operations on bit fields: (value, offset, count), or (value, new bits, offset, count).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Field {

@@ -311,6 +311,12 @@ pub trait Domain {
         b: &Self::Column,
         out: &mut Words,
     );
+    /// Notes a question about two whole numbers, which the interpreter answers itself. Only the lanes of `active`
+    /// ask it.
+    #[inline]
+    fn compare_words(&mut self, site: Site, op: Comparison, signed: bool, active: &Mask, a: &Words, b: &Words) {
+        let _ = (site, op, signed, active, a, b);
+    }
     /// Asks what kind of number it is. Answers matter in the lanes of `active` alone.
     fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Self::Column, out: &mut Words);
     /// Converts to words. Gives the lanes whose value does not fit. Results matter in the lanes of

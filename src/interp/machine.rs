@@ -256,6 +256,9 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::Word2 { op, to, a: a_reg, b: b_reg, site } => {
                 let (a, b) = (&self.words[*a_reg as usize], &self.words[*b_reg as usize]);
+                if let Some((question, signed)) = op.question() {
+                    self.domain.compare_words(*site, question, signed, &self.active, a, b);
+                }
                 let (out, doubts) = (integer::word2(*op, a, b), integer::doubts2(*op, a, b));
                 self.words[*to as usize] = out;
                 let args = integer::operands(*op, (*a_reg, *b_reg));

@@ -86,6 +86,17 @@ impl BatchVerdict {
         self.agreed + self.deviated + self.undetermined_count()
     }
 
+    /// The deviations alone, of samples that are no part of what is counted.
+    #[must_use]
+    pub fn deviations(&mut self) -> Self {
+        Self {
+            deviated: self.deviated,
+            shader_deviated: self.shader_deviated,
+            failures: std::mem::take(&mut self.failures),
+            ..Self::default()
+        }
+    }
+
     /// Adds the verdicts on what comes after.
     pub fn merge(&mut self, later: Self) {
         let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, .. } = later;

@@ -4,6 +4,7 @@
 mod batch;
 mod closeup;
 pub mod diagnosis;
+mod edges;
 mod expectations;
 mod judge;
 mod limits;
@@ -21,6 +22,7 @@ mod used;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
 pub use closeup::{Closeup, Seen, closeups};
+pub use edges::{Edges, Question, Reached, edges};
 pub use expectations::{Movement, movement, shader_deviation};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};

@@ -8,9 +8,13 @@ use crate::interp::{self, Binary64, Executable, FUEL, InterpError, Machine};
 use crate::lane::Stage;
 use crate::program::Program;
 
+use super::edges::Watch;
 use super::judge::Promise;
 use super::literals;
 use super::reference::Reference;
+
+/// Rounds of loops of a sample that is watched: edges are sought with many samples.
+const WATCHED: u32 = 1 << 12;
 
 /// The meaning of a program.
 #[derive(Clone, Debug)]
@@ -69,6 +73,12 @@ impl Oracle {
     /// A machine for what the author wrote, whether or not the module means just that.
     pub(super) fn ideal_or_meaning(&self) -> Machine<'_, Binary64> {
         self.ideal().unwrap_or_else(|| self.meaning())
+    }
+
+    /// A machine for what the author wrote that remembers what is asked of numbers.
+    pub(super) fn watch(&self) -> Machine<'_, Watch> {
+        let plain = self.ideal.clone().map_or_else(Binary64::default, Binary64::with_literals);
+        Machine::new(&self.executable, Watch::new(plain), self.fuel.min(WATCHED))
     }
 
     /// A machine for what the author wrote, with bounds on the error of binary64.

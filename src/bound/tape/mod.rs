@@ -264,7 +264,11 @@ impl Domain for Tape<'_> {
         let (relative, absolute) = if texel { self.model.texel_slack() } else { (0.0, 0.0) };
         let flushes = self.flushed(a);
         let reach = |lane: usize| kernels::reach(x[lane], e[lane], flushes) + relative * x[lane].abs() + absolute;
-        let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| x[lane] + sign * reach(lane)) };
+        // In real numbers the bits of an input are those that were given, the sign of a zero among them. The sign of a
+        // computed zero is promised by nobody.
+        let given = matches!(self.model, Model::Binary64) && matches!(self.arena.nodes[a].kind, Kind::Leaf);
+        let end = |lane: usize, sign: f64| if given { x[lane] } else { x[lane] + sign * reach(lane) };
+        let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| end(lane, sign)) };
         crate::interp::to_words(op, &ends(-1.0), &mut low);
         crate::interp::to_words(op, &ends(1.0), &mut high);
         // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
