@@ -224,6 +224,8 @@ pub struct FunctionReport {
     pub at: String,
     /// Samples that were looked at.
     pub samples: u64,
+    /// Samples beside these that lie at edges of what the function decides.
+    pub edges: u64,
     /// Why it was not run.
     pub not_run: Option<String>,
     /// Each input, type and name, with what is stated of it.

@@ -77,6 +77,14 @@ impl<'a> OnLane<'a> {
         }
     }
 
+    /// Runs samples at edges: those that deviate count, and no others.
+    pub fn run_edges(&mut self, batch: &Batch) {
+        let before = self.verdicts.clone();
+        self.run(batch, &[]);
+        let BatchVerdict { deviated, shader_deviated, .. } = self.verdicts;
+        self.verdicts = BatchVerdict { deviated, shader_deviated, ..before };
+    }
+
     /// Runs a batch. Each pair of samples in `twins` has the same inputs.
     pub fn run(&mut self, batch: &Batch, twins: &[(usize, usize)]) {
         let Ok(runner) = &self.runner else { return };

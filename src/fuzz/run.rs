@@ -14,13 +14,15 @@ use crate::bound::profile::Rulings;
 use crate::lane::{Lane, interrupt};
 use crate::property::{Sample, Stream, regressions};
 use crate::value::{Batch, Record};
-use crate::verdict::{Oracle, Reference};
+use crate::verdict::{Oracle, Reference, edges};
 
 /// Samples of one batch, and words of its largest record in all.
 const BATCH: usize = 1 << 16;
 const BATCH_WORDS: usize = 1 << 22;
 /// Every sixteenth sample is one that the batch has elsewhere already.
 const TWIN: usize = 16;
+/// Samples among which edges are sought.
+const PILOT: u64 = 512;
 /// Places that are told for one function; the rest is counted.
 const TOLD: usize = 8;
 
@@ -64,6 +66,7 @@ pub fn run(
         function: subject.label.clone(),
         at: subject.at.clone(),
         samples: 0,
+        edges: 0,
         not_run: None,
         inputs: Vec::new(),
         textures: Vec::new(),
@@ -119,6 +122,24 @@ pub fn run(
         }
         first += count as u64;
         report.samples += count as u64;
+    }
+    if case.is_none() && !constant {
+        let count = samples.min(PILOT) as usize;
+        let pilot = generate::batch(invocation, uniforms, domain, key, 0, count);
+        let found = edges(&oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
+        report.edges = found.len() as u64;
+        if !found.is_empty() {
+            let batch = Sample::batch(&found);
+            let mut looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+            let (kept, _) = without_endless(batch.clone(), &looks, Vec::new());
+            // Beside a jump rounding takes the other side, whatever the function.
+            looks.iter_mut().filter(|look| look.trouble == Some(Trouble::Moved)).for_each(|look| *look = Look::default());
+            looks.iter_mut().for_each(|look| look.error = 0.0);
+            sort(ready, domain, &batch, &looks, &mut groups, &mut report);
+            if kept.invocation_count() > 0 {
+                on.iter_mut().for_each(|lane| lane.run_edges(&kept));
+            }
+        }
     }
     let reproduce = |sample: &Sample| {
         let inputs = regressions::inputs_text(sample);

@@ -18,9 +18,9 @@ use crate::glsl::{self, Shader};
 use crate::lane::{Lane, LaneError, Stage as LaneStage, interrupt};
 use crate::program::Kernel;
 use crate::program::OutputLayout;
-use crate::property::Sampler;
+use crate::property::{Sample, Sampler};
 use crate::shard::Shard;
-use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, prepare};
+use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, edges_of, prepare};
 use crate::suite::{Stage, Suite};
 use crate::text::SourceFile;
 use crate::value::Batch;
@@ -61,6 +61,8 @@ struct Bench<'a> {
     steps: Vec<Step>,
     probes: Probes,
     seed: u64,
+    /// Samples of a mutant that nothing kills.
+    samples: u64,
     /// The original.
     court: Court<'a>,
     layout: &'a OutputLayout,
@@ -89,7 +91,7 @@ pub fn run(
     let steps = original(&mut trial, &probes, request)?;
     let (court, layout) = (trial.court(), &kernel.output);
     drop(trial);
-    let bench = Bench { steps, probes, seed: request.seed, court, layout, rulings: &rulings };
+    let bench = Bench { steps, probes, seed: request.seed, samples: request.samples, court, layout, rulings: &rulings };
 
     let stage = match suite.stage {
         Stage::Vertex => glsl::Stage::Vertex,
@@ -220,6 +222,9 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
     if judged == 0 {
         return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
     }
+    if let Some(failure) = at_edges(prepared, &trial.court(), &prepared.compute.output, (request.seed, request.samples)) {
+        return Err(fails(failure.deviation.to_string()));
+    }
     if let Some(relation) = probes.first_broken(&trial.court()) {
         return Err(fails(format!("the relation `{relation}` does not hold")));
     }
@@ -250,16 +255,16 @@ fn outcome(
     let (mut moved, mut samples) = (Movement::default(), 0);
     for Step { batch, before } in &bench.steps {
         samples = before + batch.invocation_count() as u64;
-        if let Some(Failure { invocation, deviation }) = shader_deviation(&court, bench.layout, batch) {
-            let told = deviation.to_string();
-            let kill = match deviation.what {
-                What::Value(_) | What::NotWritten { .. } => Kill::Formula(told),
-                What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => Kill::Shape(told),
-                What::Endless => Kill::NotFinished,
-            };
-            return Ok((Outcome::Killed(kill), before + invocation as u64 + 1));
+        if let Some(failure) = shader_deviation(&court, bench.layout, batch) {
+            let at = failure.invocation as u64 + 1;
+            return Ok((Outcome::Killed(kill(&failure)), before + at));
         }
         moved.merge(movement(&bench.court, &court, bench.layout, batch));
+    }
+    // A fault may bring an edge of its own, which only the mutant shows.
+    if let Some(failure) = at_edges(prepared, &court, bench.layout, (bench.seed, bench.samples)) {
+        let at = failure.invocation as u64 + 1;
+        return Ok((Outcome::Killed(kill(&failure)), samples + at));
     }
     if moved.samples == 0 {
         return Ok((identity.map_or(Outcome::Unmoved, |why| Outcome::Equivalent(why.into())), samples));
@@ -279,6 +284,28 @@ fn outcome(
         Err(error) => return Err(error),
     };
     Ok((kill.map_or(Outcome::Survived(moved), Outcome::Killed), samples))
+}
+
+/// How a deviation of the shader kills.
+fn kill(failure: &Failure) -> Kill {
+    let told = failure.deviation.to_string();
+    match failure.deviation.what {
+        What::Value(_) | What::NotWritten { .. } => Kill::Formula(told),
+        What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => Kill::Shape(told),
+        What::Endless => Kill::NotFinished,
+    }
+}
+
+/// The first deviation among the samples at the edges of a shader.
+fn at_edges(
+    prepared: &Prepared,
+    court: &Court<'_>,
+    layout: &OutputLayout,
+    (seed, samples): (u64, u64),
+) -> Option<Failure> {
+    let edges = edges_of(prepared, seed, samples);
+    let batch = (!edges.samples.is_empty()).then(|| Sample::batch(&edges.samples))?;
+    shader_deviation(court, layout, &batch)
 }
 
 /// What relations and coverage say of a mutant.

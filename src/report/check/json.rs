@@ -120,6 +120,7 @@ fn entry(entry: &Entry) -> Value {
                     "drawn": coverage.drawn,
                 });
             }
+            value["reach"] = report.reach.as_ref().map(super::reach::json).into();
             value["translations"] = super::translations::json(&report.translations);
             value["survey"] = report.survey.as_ref().map(super::survey::json).into();
             if let Some(why) = entry.not_run() {

@@ -8,6 +8,7 @@ mod junit;
 mod markdown;
 mod not_run;
 mod notes;
+mod reach;
 mod sarif;
 mod survey;
 mod table;

@@ -203,6 +203,7 @@ pub fn brief(summary: &Summary, color: bool) -> String {
 fn end(summary: &Summary, style: &Style) -> String {
     let mut text = super::notes::of_lanes(summary);
     text.push_str(&super::translations::notes(summary));
+    text.push_str(&super::reach::notes(summary));
     for (name, why) in &summary.unavailable {
         let _ = writeln!(text, "note: lane `{name}` did not run: {why}");
     }

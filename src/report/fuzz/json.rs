@@ -39,6 +39,7 @@ struct Function<'a> {
     function: &'a str,
     at: &'a str,
     samples: u64,
+    edges: u64,
     not_run: Option<&'a str>,
     inputs: Vec<Domain<'a>>,
     textures: &'a [String],
@@ -130,6 +131,7 @@ fn function(report: &FunctionReport) -> Function<'_> {
         function: &report.function,
         at: &report.at,
         samples: report.samples,
+        edges: report.edges,
         not_run: report.not_run.as_deref(),
         inputs: report
             .inputs

@@ -3,6 +3,7 @@
 mod bundle;
 mod coverage;
 mod doubts;
+mod edges;
 mod finding;
 mod gallery;
 mod part;
@@ -36,6 +37,7 @@ use part::Counted;
 pub use bundle::{Bundle, bundles};
 pub use coverage::{Coverage, check as coverage};
 pub use doubts::Doubtful;
+pub use edges::{Asked, Reach, of as edges_of};
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use gallery::{Axis, Cell, Errors, Gallery, LARGEST, Promised, SMALLEST, Scene, State, Worst, gallery, promised};
 pub use part::Part;
@@ -119,6 +121,8 @@ pub struct Report {
     pub relations: Vec<(String, u64)>,
     /// Which segments of strands are drawn, for a suite with strands.
     pub coverage: Option<Coverage>,
+    /// What was reached of the questions that the shader asks; `None` where no samples were made.
+    pub reach: Option<Reach>,
     /// What the shader's translations mean, on the first report of a suite; empty on the others.
     pub translations: Vec<Translated>,
     /// What came of running the first samples twice; `None` where that was not done.
@@ -268,6 +272,13 @@ fn on_kernel(
             counted.join(sampled);
         }
         let whole = !(share.partial && interrupt::asked());
+        if makes_samples && once && whole {
+            // Behind all samples of the run, the last case of which may be longer than asked for.
+            let first = given + prepared.rows.len() as u64 + wanted.next_multiple_of(1 << 20);
+            let (deviations, reach) = edges::judge(&mut trial, request, (wanted, first))?;
+            counted.join(deviations);
+            report.reach = Some(reach);
+        }
         if let Some(strands) = prepared.suite.strands.filter(|_| once && whole) {
             report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }

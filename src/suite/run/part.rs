@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::finding::{self, Finding};
-use super::{Coverage, Doubtful, Prepared, Repeated, Report, Request, Translated, doubts, repeat, survey};
+use super::{Coverage, Doubtful, Prepared, Reach, Repeated, Report, Request, Translated, doubts, repeat, survey};
 use crate::lane::{Actual, LaneName, Stage};
 use crate::property::{Plan, Sample};
 use crate::verdict::{BatchVerdict, Reason, Survey};
@@ -32,6 +32,8 @@ pub struct Part {
     /// What is looked at once for a run, by its first part.
     relations: Vec<(String, u64)>,
     coverage: Option<Coverage>,
+    #[serde(default)]
+    reach: Option<Reach>,
     translations: Vec<Translated>,
     repeated: Option<Repeated>,
     findings: Vec<Finding>,
@@ -209,6 +211,7 @@ impl Part {
             replayed: 0,
             relations: Vec::new(),
             coverage: None,
+            reach: None,
             translations: Vec::new(),
             repeated: None,
             findings: Vec::new(),
@@ -242,6 +245,7 @@ impl Part {
     fn add_once(&mut self, report: Report) {
         self.relations.extend(report.relations);
         self.coverage = self.coverage.take().or(report.coverage);
+        self.reach = self.reach.take().or(report.reach);
         self.translations.extend(report.translations);
         self.repeated = self.repeated.or(report.repeated);
         self.findings.extend(report.findings);
@@ -263,7 +267,7 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, undefined, terms, failing, repeated, unsupported_because, .. } = other;
+        let Self { shown, undefined, terms, failing, repeated, unsupported_because, reach, .. } = other;
         // The least of the reasons, so that the order of parts makes no difference.
         let reasons = self.unsupported_because.take().into_iter().chain(unsupported_because);
         self.unsupported_because = reasons.min();
@@ -272,6 +276,7 @@ impl Part {
         self.replayed += replayed;
         self.relations.extend(relations);
         self.coverage = self.coverage.take().or(coverage);
+        self.reach = self.reach.take().or(reach);
         self.translations.extend(translations);
         self.repeated = self.repeated.or(repeated);
         self.findings.extend(findings);
@@ -334,6 +339,7 @@ impl Part {
             textures: self.textures,
             relations,
             coverage,
+            reach: self.reach,
             translations,
             repeated: self.repeated,
             survey,

@@ -113,6 +113,8 @@ pub struct Prepared {
     pub rows: Vec<Sample>,
     /// What the program means.
     pub oracle: Oracle,
+    /// Samples at its edges, once they were sought.
+    pub(super) edges: super::edges::Found,
 }
 
 impl Prepared {
@@ -201,6 +203,7 @@ pub fn prepare_with(
     }
     Ok(Prepared {
         oracle,
+        edges: super::edges::Found::default(),
         relations: all,
         rows,
         suite: suite.clone(),

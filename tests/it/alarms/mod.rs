@@ -1,5 +1,6 @@
 //! Planted faults that must be found, each beside the same thing without the fault, which must pass.
 
+mod edges;
 mod files;
 mod formulas;
 mod lanes;
