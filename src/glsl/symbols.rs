@@ -43,6 +43,8 @@ pub struct Symbol {
     pub read_only: bool,
     /// Value of a constant, when it could be folded.
     pub value: Option<Const>,
+    /// What a constant is declared as.
+    pub initializer: Option<ExprId>,
 }
 
 /// Kinds of variables.

@@ -63,6 +63,7 @@ pub(super) fn resolve(mut module: Module, info: ModuleInfo, lowered: Lowered) ->
         memory: Vec::new(),
         lowered,
         texts: Vec::new(),
+        constants: std::sync::Arc::default(),
     })
 }
 

@@ -2,6 +2,7 @@
 
 mod build;
 mod capture;
+mod constants;
 mod contain;
 mod drawn;
 mod front;
@@ -35,6 +36,7 @@ pub use capture::{
     Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
     uniform_blocks,
 };
+pub use constants::{Constant, Constants};
 pub use contain::contain;
 pub(crate) use drawn::ranges;
 pub use drawn::{Count, Drawn};
@@ -176,6 +178,8 @@ pub struct Program {
     /// The author's own texts in GLSL, for a lane whose driver reads GLSL itself: several where several are linked into
     /// the stage; none for a program that comes from elsewhere.
     pub texts: Vec<SourceFile>,
+    /// Constant expressions of the text, as their author means them.
+    pub constants: Arc<Constants>,
 }
 
 impl Program {

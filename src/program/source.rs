@@ -1,7 +1,10 @@
 //! From an author's text to a program, in one step.
 
+use std::sync::Arc;
+
 use naga::valid::ShaderStages;
 
+use super::constants::Constants;
 use super::{Entry, Program, ProgramError, contain};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::glsl::{Parsed, Shader, Stage, errors, link};
@@ -104,7 +107,8 @@ impl Program {
         match built {
             Ok(program) => {
                 let ranges = super::drawn::ranges(shader);
-                Ok(Self { texts: vec![file.clone()], ranges, ..program })
+                let constants = Arc::new(Constants::new(shader));
+                Ok(Self { texts: vec![file.clone()], ranges, constants, ..program })
             }
             Err(ProgramError::Source(found)) => {
                 Err(ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()))

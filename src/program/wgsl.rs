@@ -114,6 +114,7 @@ impl Program {
             memory: Vec::new(),
             lowered,
             texts: Vec::new(),
+            constants: std::sync::Arc::default(),
         })
     }
 }

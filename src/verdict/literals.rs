@@ -1,24 +1,55 @@
 //! The numbers that an author wrote, before they became binary32.
 
 use crate::bound::tape::Literal;
-use crate::interp::{Executable, Site};
+use crate::interp::{Executable, Site, source_span};
 use crate::program::Program;
 
-/// Literals that are other numbers than their binary32, by the number of their site.
-pub(super) fn written(program: &Program, executable: &Executable) -> Vec<Option<Literal>> {
+/// What a literal of a module stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Written {
+    /// The number that the module has.
+    pub module: f64,
+    /// The number that the author wrote, and how far that may be from what was meant.
+    pub literal: Literal,
+    /// How far other front ends may be from the number of the module, which fold the same expression.
+    pub spread: f64,
+}
+
+impl Written {
+    /// What the author wrote, where that is another number than the module's.
+    pub(super) fn other(self) -> Option<Literal> {
+        (self.literal != Literal { value: self.module, slack: 0.0 }).then_some(self.literal)
+    }
+}
+
+/// Literals that are other numbers than their binary32, or are folded in several ways, by the number of their site.
+pub(super) fn written(program: &Program, executable: &Executable) -> Vec<Option<Written>> {
     let mut literals = vec![None; executable.site_count()];
     for (site, value) in executable.literals() {
-        let exact = f64::from(value);
-        let literal = match text(program, executable, site).and_then(number) {
-            // A text that says something else altogether is not the text of this literal.
-            Some(written) if written as f32 == value => Literal { value: written, slack: 0.0 },
-            _ if is_plain(value) => Literal { value: exact, slack: 0.0 },
-            _ => Literal { value: exact, slack: crate::value::ulp_at(exact) },
+        let module = f64::from(value);
+        let span = source_span(program, executable.place(site).span);
+        let written = match program.constants.find(span, value) {
+            Some(constant) => {
+                let literal = Literal { value: constant.value(), slack: 0.0 };
+                Written { module, literal, spread: constant.spread(module) }
+            }
+            None => Written { module, literal: alone(program, executable, site, value), spread: 0.0 },
         };
-        let same = Literal { value: exact, slack: 0.0 };
-        literals[site.index()] = (literal != same).then_some(literal);
+        let same = Written { module, literal: Literal { value: module, slack: 0.0 }, spread: 0.0 };
+        literals[site.index()] = (written != same).then_some(written);
     }
     literals
+}
+
+/// A literal that no expression of the author's text explains, by the text that was parsed.
+fn alone(program: &Program, executable: &Executable, site: Site, value: f32) -> Literal {
+    let exact = f64::from(value);
+    match text(program, executable, site).and_then(number) {
+        // A text that says something else altogether is not the text of this literal.
+        Some(written) if written as f32 == value => Literal { value: written, slack: 0.0 },
+        _ if is_plain(value) => Literal { value: exact, slack: 0.0 },
+        _ => Literal { value: exact, slack: crate::value::ulp_at(exact) },
+    }
 }
 
 /// The text of a site, as it was parsed.

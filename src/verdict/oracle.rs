@@ -10,7 +10,7 @@ use crate::program::Program;
 
 use super::edges::Watch;
 use super::judge::Promise;
-use super::literals;
+use super::literals::{self, Written};
 use super::reference::Reference;
 
 /// Rounds of loops of a sample that is watched: edges are sought with many samples.
@@ -26,6 +26,8 @@ pub struct Oracle {
     ideal: Option<Arc<[f64]>>,
     /// The module's binary32 in place of each of them, off by what its author wrote.
     rounded: Vec<Option<Literal>>,
+    /// The same, off by what other front ends make of a constant expression.
+    folded: Vec<Option<Literal>>,
     fuel: u32,
 }
 
@@ -36,11 +38,13 @@ impl Oracle {
     /// [`InterpError`] for constructs that are not interpreted.
     pub fn new(program: &Program) -> Result<Self, InterpError> {
         let executable = interp::compile(program)?;
-        let literals = literals::written(program, &executable);
+        let written = literals::written(program, &executable);
+        let literals: Vec<Option<Literal>> = written.iter().map(|w| w.and_then(Written::other)).collect();
         let value = |literal: &Option<Literal>| literal.map_or(f64::NAN, |literal| literal.value);
         let ideal = literals.iter().any(Option::is_some).then(|| literals.iter().map(value).collect());
-        let rounded = literals.iter().map(|literal| literal.map(rounded)).collect();
-        Ok(Self { executable, literals, ideal, rounded, fuel: FUEL })
+        let rounded = written.iter().map(|w| w.map(rounded)).collect();
+        let folded = written.iter().map(|w| w.filter(|w| w.spread > 0.0).map(folded)).collect();
+        Ok(Self { executable, literals, ideal, rounded, folded, fuel: FUEL })
     }
 
     /// The same with another number of rounds that loops may take.
@@ -105,14 +109,19 @@ impl Oracle {
 
     /// A machine with bounds for devices.
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
-        Machine::new(&self.executable, Tape::new(model), self.fuel)
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded), self.fuel)
     }
 }
 
 /// A literal as the module has it, with how far that may be from what was meant.
-fn rounded(written: Literal) -> Literal {
-    let value = f64::from(written.value as f32);
-    Literal { value, slack: (written.value - value).abs() + written.slack }
+fn rounded(written: Written) -> Literal {
+    let Written { module, literal, spread } = written;
+    Literal { value: module, slack: (literal.value - module).abs() + literal.slack + spread }
+}
+
+/// A literal as the module has it, with how far that may be from what another front end makes of the same expression.
+fn folded(written: Written) -> Literal {
+    Literal { value: written.module, slack: written.spread }
 }
 
 /// Everything that a verdict on a lane needs.

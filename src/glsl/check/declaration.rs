@@ -304,6 +304,9 @@ impl Checker<'_> {
             self.initialiser_rules(declarator, Storage::Global, &ty, constant);
             let known = declarator.initializer.as_ref().is_none_or(|initializer| self.is_constant(initializer.value));
             let symbol = self.declare(&declarator.name, ty, SymbolKind::Local, constant, value.filter(|_| constant));
+            if constant {
+                self.out.symbols[symbol.index()].initializer = declarator.initializer.as_ref().map(|i| i.value);
+            }
             if constant && !known {
                 self.run_time.insert(symbol);
             }
@@ -354,6 +357,9 @@ impl Checker<'_> {
             let ty = self.stage_type(ty, storage);
             let value = value.filter(|_| storage == Storage::Const);
             let symbol = self.declare(&declarator.name, ty.clone(), SymbolKind::Global(storage), read_only, value);
+            if storage == Storage::Const {
+                self.out.symbols[symbol.index()].initializer = declarator.initializer.as_ref().map(|i| i.value);
+            }
             // A redeclared built-in is no part of the user's interface.
             if declarator.name.name.starts_with("gl_") {
                 continue;

@@ -257,7 +257,15 @@ impl<'a> Checker<'a> {
         }
         let builtin::Builtin { ty, read_only } = builtin::variable(name, self.stage, self.vertices)?;
         let kind = SymbolKind::Builtin;
-        let id = self.add_symbol(Symbol { name: name.to_owned(), span: None, ty, kind, read_only, value: None });
+        let id = self.add_symbol(Symbol {
+            name: name.to_owned(),
+            span: None,
+            ty,
+            kind,
+            read_only,
+            value: None,
+            initializer: None,
+        });
         self.builtins.insert(name.to_owned(), id);
         Some(id)
     }
@@ -292,7 +300,8 @@ impl<'a> Checker<'a> {
             self.scope_insert(&name.name, Entry::Variable(old));
             return old;
         }
-        let symbol = Symbol { name: name.name.clone(), span: Some(name.span), ty, kind, read_only, value };
+        let span = Some(name.span);
+        let symbol = Symbol { name: name.name.clone(), span, ty, kind, read_only, value, initializer: None };
         let id = self.add_symbol(symbol);
         self.scope_insert(&name.name, Entry::Variable(id));
         if builtin {

@@ -41,6 +41,9 @@ impl Fun<'_, '_> {
         {
             return Ok(Some(self.constant(value)));
         }
+        if let Some(value) = self.folded(id)? {
+            return Ok(Some(value));
+        }
         let value = match &expr.kind {
             ExprKind::Literal(literal) => self.literal(*literal, span)?,
             ExprKind::Name(_) | ExprKind::Index { .. } | ExprKind::Field { .. } => self.read(id)?,
@@ -75,6 +78,33 @@ impl Fun<'_, '_> {
             ExprKind::Error => return Err(self.build.unsupported(span, "text that could not be read", "correct it")),
         };
         Ok(Some(value))
+    }
+
+    /// A constant expression of `float` as the numbers nearest to it, so that no translator folds it; none for what is
+    /// none, or written out.
+    fn folded(&mut self, id: ExprId) -> Result<Option<Val>> {
+        let written =
+            matches!(self.shader.expr(id).kind, ExprKind::Literal(_) | ExprKind::Name(_) | ExprKind::Paren(_));
+        let Some(real) = self.build.reals.get(id).filter(|_| !written) else { return Ok(None) };
+        #[expect(clippy::cast_possible_truncation, reason = "rounding to binary32 is what is wanted")]
+        let numbers: Vec<f32> = real.values().iter().map(|&v| v as f32).collect();
+        if real.ty().scalar() != Some(ScalarType::Float) || numbers.iter().any(|v| !v.is_finite()) {
+            return Ok(None);
+        }
+        let ty = real.ty().clone();
+        let literals: Vec<Expr> = numbers.into_iter().map(|v| self.add(Expression::Literal(Number::F32(v)))).collect();
+        match &ty {
+            Type::Matrix(scalar, _, rows) => {
+                let column = Type::Vector(*scalar, *rows);
+                let columns: Result<Vec<Expr>> = literals
+                    .chunks(usize::from(*rows))
+                    .map(|part| self.compose(&column, part.to_vec()).map(|column| column.e))
+                    .collect();
+                self.compose(&ty, columns?).map(Some)
+            }
+            Type::Vector(..) => self.compose(&ty, literals).map(Some),
+            _ => Ok(literals.first().map(|&e| Val { e, ty })),
+        }
     }
 
     fn constant(&mut self, value: Const) -> Val {

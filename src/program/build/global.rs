@@ -339,9 +339,13 @@ impl<'s> Build<'s> {
         }
     }
 
-    /// A number as it is written, not yet rounded.
+    /// A number as it is meant, not yet rounded.
     fn number(&self, id: ExprId, depth: u32) -> Option<f64> {
         use crate::glsl::ast::Literal as L;
+        let real = self.reals.get(id).filter(|real| *real.ty() == Type::FLOAT);
+        if let Some(real) = real {
+            return real.values().first().copied();
+        }
         match &self.shader.expr(id).kind {
             ExprKind::Literal(L::Float(v) | L::Double(v)) => Some(*v),
             ExprKind::Literal(L::Int(v)) => Some(f64::from(*v)),

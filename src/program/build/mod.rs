@@ -41,6 +41,7 @@ use super::{Entry, Port, Program, ProgramError, contain, front};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::glsl::ast::ExprId;
 use crate::glsl::interface::{InputPrimitive, OutputPrimitive, Storage};
+use crate::glsl::real::Reals;
 use crate::glsl::symbols::{FunctionId, SymbolId};
 use crate::glsl::types::{ArraySize, Type};
 use crate::glsl::{Shader, Stage};
@@ -76,6 +77,8 @@ struct Build<'s> {
     next_binding: u32,
     /// Initialisers of constants in functions.
     local_constants: HashMap<SymbolId, ExprId>,
+    /// Values of constant expressions.
+    reals: Reals,
     /// Initial values that are computed when the program starts.
     initial: Vec<(SymbolId, ExprId)>,
     incoming: Vec<io::Incoming>,
@@ -141,6 +144,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         unnamed: HashMap::new(),
         next_binding: 0,
         local_constants: HashMap::new(),
+        reals: Reals::new(shader, &|_, value| value),
         initial: Vec::new(),
         incoming: Vec::new(),
         outgoing: Vec::new(),
@@ -221,6 +225,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         memory,
         lowered,
         texts: Vec::new(),
+        constants: Arc::default(),
     };
     Ok((program, differs))
 }

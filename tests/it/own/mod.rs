@@ -10,6 +10,7 @@ mod includes;
 mod init;
 mod laws;
 mod ledger;
+mod literals;
 mod schema;
 mod textures;
 

@@ -17,7 +17,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("formula", &[]),
     ("exact", &["math"]),
     ("shard", &[]),
-    ("glsl", &["text", "diagnostic", "value"]),
+    ("glsl", &["math", "text", "diagnostic", "value"]),
     ("lint", &["glsl", "text", "diagnostic", "value"]),
     ("lower", &["glsl", "text", "diagnostic", "value"]),
     ("program", &["lower", "glsl", "text", "diagnostic", "value"]),
