@@ -14,7 +14,7 @@ use crate::suite::run::{
 };
 use crate::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
 use crate::text::SourceFile;
-use crate::verdict::Reference;
+use crate::verdict::{Literals, Reference};
 
 use super::{Error, Outcome, Shader};
 
@@ -202,6 +202,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
         inputs,
         // The share is what counts: as many samples are made as are asked for.
         floors: Floors { judged: 1, ..floors },
+        literals: Literals::default(),
         strands: None,
         includes: shader.includes.clone(),
         file: SourceFile::new("", ""),

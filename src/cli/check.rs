@@ -30,6 +30,7 @@ use crate::suite::run::{
 };
 use crate::suite::{self, fresh, save_regressions};
 use crate::text::SourceFile;
+use crate::verdict::Literals;
 
 use ledger::Ledgers;
 use page::Pages;
@@ -72,6 +73,9 @@ pub struct CheckArgs {
     /// An eighth of the samples
     #[arg(long, conflicts_with = "samples")]
     pub quick: bool,
+    /// Judge literals such as 3.141593 for π as they are written, and not as the constant with a warning
+    #[arg(long)]
+    pub strict_literals: bool,
     /// Run only this case, as a report's `reproduce` line gives it; needs exactly one suite
     #[arg(long, value_name = "INPUTS")]
     pub case: Option<String>,
@@ -192,7 +196,10 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         shard.is_none() || args.is_text() || args.is_json(),
         "a shard has no whole report; with --shard, --format is text or json"
     );
-    let selected = select::select(&args.suites)?;
+    let mut selected = select::select(&args.suites)?;
+    if args.strict_literals {
+        selected.iter_mut().for_each(|one| one.suite.literals = Literals::Exact);
+    }
     if selected.len() != 1 {
         for (given, option) in [(args.shader.is_some(), "--shader"), (args.case.is_some(), "--case")] {
             anyhow::ensure!(!given, "{option} needs exactly one suite, and {} are chosen", selected.len());
@@ -530,6 +537,9 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: 
     }
     if let Some(profile) = &args.profile {
         arguments = format!("{arguments} --profile {}", shell_word(profile));
+    }
+    if args.strict_literals {
+        arguments.push_str(" --strict-literals");
     }
     let mut replay = Vec::new();
     match &args.case {

@@ -24,7 +24,7 @@ use crate::suite::run::{Prepared, Probes, RunError, Trial, coverage, edges_of, p
 use crate::suite::{Stage, Suite};
 use crate::text::SourceFile;
 use crate::value::Batch;
-use crate::verdict::{Court, Failure, Movement, What, judge_batch, movement, shader_deviation};
+use crate::verdict::{Court, Failure, Literals, Movement, What, judge_batch, movement, shader_deviation};
 
 /// Loop iterations of one invocation: far more than a shader of a suite needs, few enough that a
 /// mutant which never ends costs a fraction of a second on a small batch. It must be less than 65535,
@@ -93,6 +93,9 @@ pub fn run(
     drop(trial);
     let bench = Bench { steps, probes, seed: request.seed, samples: request.samples, court, layout, rulings: &rulings };
 
+    // A mutant of π that happens to be π in fewer digits is a mutant.
+    let literals = prepared.oracle.rounded_constants().iter().map(|literal| literal.written).collect();
+    let suite = &Suite { literals: Literals::Only(literals), ..suite.clone() };
     let stage = match suite.stage {
         Stage::Vertex => glsl::Stage::Vertex,
         Stage::Geometry => glsl::Stage::Geometry,

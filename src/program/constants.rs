@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::glsl::Shader;
-use crate::glsl::ast::ExprKind;
+use crate::glsl::ast::{ExprId, ExprKind};
 use crate::glsl::real::{Real, Reals};
 use crate::glsl::types::ScalarType;
 use crate::text::Span;
@@ -17,6 +17,7 @@ pub struct Constant {
     pub span: Span,
     /// True for a literal alone.
     pub is_literal: bool,
+    id: ExprId,
     real: Arc<Real>,
     component: usize,
 }
@@ -33,17 +34,27 @@ impl Constant {
     }
 }
 
+/// A literal of `float` as it is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WrittenLiteral {
+    /// Its place in the author's text, in the definition of a macro if it comes from there.
+    pub span: Span,
+    /// Its digits as a number.
+    pub value: f64,
+}
+
 /// The constant expressions of a shader that are of `float`, operands before their users.
 #[derive(Clone, Debug, Default)]
 pub struct Constants {
+    shader: Option<Arc<Shader>>,
     all: Vec<Constant>,
     by_span: HashMap<Span, Vec<usize>>,
 }
 
 impl Constants {
     /// Of a shader.
-    pub(super) fn new(shader: &Shader) -> Self {
-        let reals = Reals::new(shader, &|_, value| value);
+    pub(super) fn new(shader: Arc<Shader>) -> Self {
+        let reals = Reals::new(&shader, &|_, value| value);
         let mut constants = Self::default();
         for (id, expr) in shader.arena().iter() {
             let Some(real) = reals.get(id).filter(|real| real.ty().scalar() == Some(ScalarType::Float)) else {
@@ -57,44 +68,79 @@ impl Constants {
             let real = Arc::new(real.clone());
             for component in 0..real.values().len() {
                 let at = constants.all.len();
-                constants.all.push(Constant { span: expr.span, is_literal, real: real.clone(), component });
+                constants.all.push(Constant { id, span: expr.span, is_literal, real: real.clone(), component });
                 constants.by_span.entry(expr.span).or_default().push(at);
             }
         }
-        constants
+        Self { shader: Some(shader), ..constants }
+    }
+
+    /// Every literal once, in the order of the text.
+    pub fn literals(&self) -> Vec<WrittenLiteral> {
+        let Some(shader) = &self.shader else { return Vec::new() };
+        let mut all: Vec<WrittenLiteral> = Vec::new();
+        for constant in self.all.iter().filter(|constant| constant.is_literal) {
+            let value = constant.value();
+            let from_macro = shader.expr(constant.id).from_macro;
+            let defined =
+                || shader.tokens().iter().map(|token| token.span).find(|&span| self.defines(shader, span, value));
+            let span = if from_macro { defined().unwrap_or(constant.span) } else { constant.span };
+            let literal = WrittenLiteral { span, value };
+            if !all.contains(&literal) {
+                all.push(literal);
+            }
+        }
+        all.sort_by_key(|literal| literal.span);
+        all
+    }
+
+    /// True for a token of a directive that is this number.
+    fn defines(&self, shader: &Shader, span: Span, value: f64) -> bool {
+        let digits = shader.file().slice(span).trim_end_matches(['f', 'F']);
+        let is_number = digits.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+        is_number && digits.parse() == Ok(value) && !self.by_span.contains_key(&span)
+    }
+
+    /// The constants where literals are meant to be other numbers than they are written: their places in the order of
+    /// [`Constants::find`], with their values.
+    pub fn meant(&self, literal: &dyn Fn(f64) -> f64) -> Vec<f64> {
+        let Some(shader) = &self.shader else { return Vec::new() };
+        let reals = Reals::new(shader, &|_, value| literal(value));
+        let value = |c: &Constant| reals.get(c.id).and_then(|real| real.values().get(c.component).copied());
+        self.all.iter().map(|constant| value(constant).unwrap_or_else(|| constant.value())).collect()
     }
 
     /// What a literal of the module stands for, which has this value and, where that is known, this place in the
-    /// author's text.
+    /// author's text; with its place among all constants.
     ///
     /// naga gives the calls of built-in functions no place, and what it makes of them that of another operand. Macros
     /// may be where they are defined. So where nothing with that value stands at the place, it is looked for within it
     /// and around it, and then anywhere.
-    pub fn find(&self, span: Option<Span>, value: f32) -> Option<&Constant> {
+    pub fn find(&self, span: Option<Span>, value: f32) -> Option<(usize, &Constant)> {
         // A number with few digits is meant as it stands, wherever it comes from.
         let is_plain = value.to_bits() & 0xfff == 0;
         let value = f64::from(value);
-        let fits = |constant: &&Constant| constant.real.is_near(constant.component, value);
-        let here = |span: Span| {
-            let all = self.by_span.get(&span).into_iter().flatten().map(|&at| &self.all[at]);
-            nearest(all.filter(fits), value)
+        let fits = |at: &usize| {
+            let constant = &self.all[*at];
+            constant.real.is_near(constant.component, value)
         };
+        let nearest = |all: &mut dyn Iterator<Item = usize>| self.nearest(all, value);
+        let here = |span: Span| nearest(&mut self.by_span.get(&span).into_iter().flatten().copied().filter(fits));
         let touches = |a: Span, b: Span| a.start < b.end && b.start < a.end;
-        let around = |span: Span| nearest(self.all.iter().filter(|c| touches(c.span, span)).filter(fits), value);
-        let anywhere = || nearest(self.all.iter().filter(fits), value);
+        let places = 0..self.all.len();
+        let around = |span| nearest(&mut places.clone().filter(|&at| touches(self.all[at].span, span)).filter(fits));
+        let anywhere = || nearest(&mut places.clone().filter(fits));
         let found = span.and_then(here);
         if is_plain {
             return found;
         }
         found.or_else(|| span.and_then(around)).or_else(anywhere)
     }
-}
 
-/// The constant nearest to a value; of several the last, which has the others as operands.
-fn nearest<'c>(all: impl Iterator<Item = &'c Constant>, value: f64) -> Option<&'c Constant> {
-    let distance = |constant: &Constant| (constant.value() - value).abs();
-    all.fold(None, |best: Option<&Constant>, next| match best {
-        Some(best) if distance(best) < distance(next) => Some(best),
-        _ => Some(next),
-    })
+    /// The constant nearest to a value; of several the last, which has the others as operands.
+    fn nearest(&self, all: &mut dyn Iterator<Item = usize>, value: f64) -> Option<(usize, &Constant)> {
+        let distance = |at: usize| (self.all[at].value() - value).abs();
+        let best = all.reduce(|best, next| if distance(best) < distance(next) { best } else { next })?;
+        Some((best, &self.all[best]))
+    }
 }

@@ -36,7 +36,7 @@ pub use capture::{
     Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
     uniform_blocks,
 };
-pub use constants::{Constant, Constants};
+pub use constants::{Constant, Constants, WrittenLiteral};
 pub use contain::contain;
 pub(crate) use drawn::ranges;
 pub use drawn::{Count, Drawn};

@@ -100,14 +100,14 @@ impl Program {
         Ok(Self { texts: vec![file.clone()], ..program })
     }
 
-    fn of(shader: &Shader, file: &SourceFile, target: &Target) -> Result<Self, ProgramError> {
-        let by_edits = lower(shader, target).map_err(ProgramError::Source).and_then(Self::new);
+    fn of(shader: Shader, file: &SourceFile, target: &Target) -> Result<Self, ProgramError> {
+        let by_edits = lower(&shader, target).map_err(ProgramError::Source).and_then(Self::new);
         // What edits in place do not make readable to naga is built from the syntax tree.
-        let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(shader, target));
+        let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&shader, target));
         match built {
             Ok(program) => {
-                let ranges = super::drawn::ranges(shader);
-                let constants = Arc::new(Constants::new(shader));
+                let ranges = super::drawn::ranges(&shader);
+                let constants = Arc::new(Constants::new(Arc::new(shader)));
                 Ok(Self { texts: vec![file.clone()], ranges, constants, ..program })
             }
             Err(ProgramError::Source(found)) => {

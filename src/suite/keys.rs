@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::formula;
 use crate::property::generators;
 use crate::property::relations::{self, law::LawKind};
+use crate::verdict::Literals;
 
 /// What a value may be.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +70,10 @@ fn formulas() -> Vec<&'static str> {
 
 fn generator_names() -> Vec<&'static str> {
     generators::all().iter().map(|g| g.name()).collect()
+}
+
+fn literals() -> Vec<&'static str> {
+    Literals::NAMES.to_vec()
 }
 
 fn laws() -> Vec<&'static str> {
@@ -146,6 +151,14 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
             key("inputs", Form::Tables("[[inputs]]"), "What fills the inputs: every attribute, uniform and parameter."),
             key("floors", Form::Table("[floors]"), "What a run must reach, so that its success means something."),
+            key(
+                "literals",
+                Form::OneOf(literals),
+                "What is made of literals that are known constants in few digits, such as 3.141593 for π. \"meant\", as \
+                 without it: where the shader deviates with the digits that are written, it is judged with the constant, \
+                 and the literal is a warning; with fewer than 6 digits only where that moves no output farther than a \
+                 conforming device may. \"exact\": every literal counts as it is written.",
+            ),
             key(
                 "textures",
                 Form::Textures,

@@ -24,6 +24,7 @@ use crate::property::relations::law::Law;
 use crate::property::{InputGroup, Own, Plan, PlanError};
 use crate::text::SourceFile;
 use crate::value::{Field, Record};
+use crate::verdict::Literals;
 
 pub use error::{LoadError, Problem, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
@@ -133,6 +134,8 @@ pub struct Suite {
     pub inputs: Vec<InputGroup>,
     /// What a run must reach.
     pub floors: Floors,
+    /// What is made of literals that are known constants in few digits.
+    pub literals: Literals,
     /// What samplers are bound to, where the suite says so.
     pub textures: Vec<BoundTexture>,
     /// Strands of which a geometry stage sees windows.

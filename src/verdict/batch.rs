@@ -64,6 +64,9 @@ pub struct BatchVerdict {
     /// ULP of the largest component of the variable and of the vectors among the inputs.
     #[serde(with = "crate::value::exact")]
     pub max_ulp: f64,
+    /// Invocations that are right only where literals stand for the constants that they round.
+    #[serde(default)]
+    pub reread: u64,
     /// The first few failures, in the order of the batch.
     #[serde(skip)]
     pub failures: Vec<Failure>,
@@ -99,7 +102,8 @@ impl BatchVerdict {
 
     /// Adds the verdicts on what comes after.
     pub fn merge(&mut self, later: Self) {
-        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, .. } = later;
+        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, reread, .. } = later;
+        self.reread += reread;
         self.agreed += agreed;
         self.agreed_by.iter_mut().zip(agreed_by).for_each(|(sum, n)| *sum += n);
         self.deviated += deviated;
@@ -285,6 +289,7 @@ impl<'a> Bench<'a> {
             verdict.count(invocation, one);
         }
         verdict.max_ulp = verdict.max_ulp.max(self.suspects.take_max_ulp());
+        verdict.reread = self.suspects.take_reread();
         verdict
     }
 

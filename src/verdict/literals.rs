@@ -23,14 +23,21 @@ impl Written {
 }
 
 /// Literals that are other numbers than their binary32, or are folded in several ways, by the number of their site.
-pub(super) fn written(program: &Program, executable: &Executable) -> Vec<Option<Written>> {
+/// `meant` says what literals of the text are meant to be, where that is not what is written.
+pub(super) fn written(
+    program: &Program,
+    executable: &Executable,
+    meant: Option<&dyn Fn(f64) -> f64>,
+) -> Vec<Option<Written>> {
     let mut literals = vec![None; executable.site_count()];
+    let meant = meant.map(|meant| program.constants.meant(meant));
     for (site, value) in executable.literals() {
         let module = f64::from(value);
         let span = source_span(program, executable.place(site).span);
         let written = match program.constants.find(span, value) {
-            Some(constant) => {
-                let literal = Literal { value: constant.value(), slack: 0.0 };
+            Some((at, constant)) => {
+                let value = meant.as_ref().map_or_else(|| constant.value(), |meant| meant[at]);
+                let literal = Literal { value, slack: 0.0 };
                 Written { module, literal, spread: constant.spread(module) }
             }
             None => Written { module, literal: alone(program, executable, site, value), spread: 0.0 },

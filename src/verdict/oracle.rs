@@ -4,14 +4,17 @@ use std::sync::Arc;
 
 use crate::bound::profile::Rulings;
 use crate::bound::tape::{Literal, Model, Tape};
-use crate::interp::{self, Binary64, Executable, FUEL, InterpError, Machine};
+use crate::interp::{self, Binary64, Executable, FUEL, InterpError, LANES, Machine};
 use crate::lane::Stage;
 use crate::program::Program;
+use crate::value::Batch;
 
 use super::edges::Watch;
 use super::judge::Promise;
 use super::literals::{self, Written};
+use super::reading::{Reading, within_device};
 use super::reference::Reference;
+use super::rounded::{self, Literals, Rounded};
 
 /// Rounds of loops of a sample that is watched: edges are sought with many samples.
 const WATCHED: u32 = 1 << 12;
@@ -28,29 +31,63 @@ pub struct Oracle {
     rounded: Vec<Option<Literal>>,
     /// The same, off by what other front ends make of a constant expression.
     folded: Vec<Option<Literal>>,
+    /// Literals that are known constants in few digits.
+    pub(super) rounded_constants: Vec<Rounded>,
+    /// The program with these constants; where there are any.
+    pub(super) readings: Vec<Reading>,
     fuel: u32,
 }
 
 impl Oracle {
-    /// Compiles a program for the interpreter.
+    /// Compiles a program for the interpreter. Every literal counts as it is written.
     ///
     /// # Errors
     /// [`InterpError`] for constructs that are not interpreted.
     pub fn new(program: &Program) -> Result<Self, InterpError> {
+        Ok(Self::of(program, interp::compile(program)?, None))
+    }
+
+    /// The same, where literals that are known constants in few digits may stand for these.
+    ///
+    /// # Errors
+    /// [`InterpError`] for constructs that are not interpreted.
+    pub fn with_literals(program: &Program, literals: &Literals) -> Result<Self, InterpError> {
         let executable = interp::compile(program)?;
-        let written = literals::written(program, &executable);
+        let rounded_constants = rounded::find(program, literals);
+        let read = |meant: &dyn Fn(f64) -> f64| Self::of(program, executable.clone(), Some(meant));
+        let readings = Reading::all(&rounded_constants, &read);
+        Ok(Self { rounded_constants, readings, ..Self::of(program, executable, None) })
+    }
+
+    /// The program with literals as they are meant.
+    fn of(program: &Program, executable: Executable, meant: Option<&dyn Fn(f64) -> f64>) -> Self {
+        let written = literals::written(program, &executable, meant);
         let literals: Vec<Option<Literal>> = written.iter().map(|w| w.and_then(Written::other)).collect();
         let value = |literal: &Option<Literal>| literal.map_or(f64::NAN, |literal| literal.value);
         let ideal = literals.iter().any(Option::is_some).then(|| literals.iter().map(value).collect());
-        let rounded = written.iter().map(|w| w.map(rounded)).collect();
-        let folded = written.iter().map(|w| w.filter(|w| w.spread > 0.0).map(folded)).collect();
-        Ok(Self { executable, literals, ideal, rounded, folded, fuel: FUEL })
+        let rounded = written.iter().map(|w| w.map(as_rounded)).collect();
+        let folded = written.iter().map(|w| w.filter(|w| w.spread > 0.0).map(as_folded)).collect();
+        let (rounded_constants, readings) = (Vec::new(), Vec::new());
+        Self { executable, literals, ideal, rounded, folded, rounded_constants, readings, fuel: FUEL }
     }
 
     /// The same with another number of rounds that loops may take.
     #[must_use]
     pub fn with_fuel(self, fuel: u32) -> Self {
-        Self { fuel, ..self }
+        let read = |reading: Reading| Reading { oracle: reading.oracle.with_fuel(fuel), ..reading };
+        let readings = self.readings.into_iter().map(read).collect();
+        Self { fuel, readings, ..self }
+    }
+
+    /// Literals that are known constants in few digits, and may stand for these.
+    pub fn rounded_constants(&self) -> &[Rounded] {
+        &self.rounded_constants
+    }
+
+    /// The program with one of its literals as the constant that it stands for.
+    pub(super) fn read(&self, program: &Program, one: &Rounded) -> Self {
+        let literal = |v: f64| if v == one.written { one.meant } else { v };
+        Self::of(program, self.executable.clone(), Some(&literal))
     }
 
     /// The program as the interpreter runs it.
@@ -114,13 +151,13 @@ impl Oracle {
 }
 
 /// A literal as the module has it, with how far that may be from what was meant.
-fn rounded(written: Written) -> Literal {
+fn as_rounded(written: Written) -> Literal {
     let Written { module, literal, spread } = written;
     Literal { value: module, slack: (literal.value - module).abs() + literal.slack + spread }
 }
 
 /// A literal as the module has it, with how far that may be from what another front end makes of the same expression.
-fn folded(written: Written) -> Literal {
+fn as_folded(written: Written) -> Literal {
     Literal { value: written.module, slack: written.spread }
 }
 
@@ -138,6 +175,22 @@ pub struct Court<'a> {
 }
 
 impl<'a> Court<'a> {
+    /// The same court for each reading of the program's literals as the constants that they round.
+    pub fn readings(&self) -> Vec<Self> {
+        let oracle: &'a Oracle = self.oracle;
+        oracle.readings.iter().map(|reading| Court { oracle: &reading.oracle, ..*self }).collect()
+    }
+
+    /// For each invocation of a batch, whether one of its [`Court::readings`] may take the place of what is written.
+    pub fn may_read(&self, reading: &Court<'_>, batch: &Batch) -> Vec<bool> {
+        let invocations: Vec<usize> = (0..batch.invocation_count()).collect();
+        let precise = |known: &&Reading| std::ptr::eq(&known.oracle, reading.oracle);
+        if self.oracle.readings.iter().find(precise).is_some_and(|known| known.precise) {
+            return vec![true; invocations.len()];
+        }
+        invocations.chunks(LANES).flat_map(|some| within_device(self, reading.oracle, batch, some)).collect()
+    }
+
     /// What may be allowed to a lane, the strictest first.
     pub(super) fn tiers(&self) -> Vec<(Promise, Model<'a>)> {
         let Rulings { text, conformance, measured: _ } = self.rulings;

@@ -2,14 +2,16 @@
 
 use std::collections::HashSet;
 
-use super::batch::{NEAR, Suspect, same_shape};
+use super::batch::{NEAR, Suspect};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
 use super::open::{cut, fork, underflow};
 use super::oracle::Court;
+use super::reading::{Reader, may_be_read};
 use super::reference::{Evaluator, Expected, Output};
+use super::shape::{shape_of_lane, shape_of_shader};
 use crate::bound::profile::grid::MIN_NORMAL;
 use crate::bound::tape::{Model, Tape};
-use crate::interp::{Binary64, Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use crate::interp::{Binary64, Kind, LANES, Machine, Number, OutputColumn, POISON};
 use crate::lane::Actual;
 use crate::program::OutputLayout;
 use crate::value::{Batch, Scalar, ulp_at};
@@ -34,6 +36,10 @@ pub(super) struct Suspects<'a> {
     max_ulp: f64,
     /// Invocations in which a comparison could go either way in the order of the source.
     forked: HashSet<usize>,
+    /// The shader with the constants that its literals stand for.
+    readers: Vec<Reader<'a>>,
+    /// Invocations that are right in one of these readings alone.
+    reread: u64,
 }
 
 struct Tier<'a> {
@@ -53,7 +59,14 @@ impl<'a> Suspects<'a> {
             evaluator: Evaluator::bounded(court.reference),
             max_ulp: 0.0,
             forked: HashSet::new(),
+            readers: Reader::all(court),
+            reread: 0,
         }
+    }
+
+    /// Invocations since the last call that are right only where literals stand for constants.
+    pub(super) fn take_reread(&mut self) -> u64 {
+        std::mem::take(&mut self.reread)
     }
 
     /// The largest error of invocations that agree since the last call, in ULP.
@@ -149,7 +162,32 @@ impl<'a> Suspects<'a> {
         for (verdict, _) in verdicts.iter_mut().zip(&endless).filter(|(_, endless)| **endless) {
             *verdict = Some(Verdict::Deviate(end.clone()));
         }
+        self.reread(batch, layout, invocations, &mut verdicts);
         verdicts
+    }
+
+    /// Puts verdicts in the place of deviations that are none where literals stand for the constants that they round.
+    fn reread(
+        &mut self,
+        batch: &Batch,
+        layout: &OutputLayout,
+        invocations: &[usize],
+        verdicts: &mut [Option<Verdict>],
+    ) {
+        let Self { court, readers, reread, .. } = self;
+        for reader in readers {
+            let wrong: Vec<usize> = (0..verdicts.len()).filter(|&k| may_be_read(&verdicts[k])).collect();
+            if wrong.is_empty() {
+                return;
+            }
+            let open: Vec<usize> = wrong.iter().map(|&k| invocations[k]).collect();
+            for (k, found) in wrong.into_iter().zip(reader.look(court, batch, layout, &open)) {
+                if let Some(verdict) = found {
+                    *reread += u64::from(verdict.is_none());
+                    verdicts[k] = verdict;
+                }
+            }
+        }
     }
 
     /// For each invocation, whether a loop of the shader goes on without end; at most [`LANES`] of them.
@@ -537,54 +575,4 @@ fn word_of_shader(
         Some((lane, Ok((Some(values[lane]), if bound.is_finite() { bound } else { 0.0 }))))
     };
     far.into_iter().filter_map(judge).collect()
-}
-
-/// Compares what is no number: how many vertices the shader emits, in which strips.
-fn shape_of_shader(
-    machine: &Machine<'_, Tape<'_>>,
-    court: &Court<'_>,
-    expected: &Expected,
-    lane: usize,
-) -> Option<Deviation> {
-    let blame = Blame::Shader;
-    if machine.flags()[lane].has(Kind::Fuel) {
-        return Some(Deviation { blame, what: What::Endless });
-    }
-    if same_shape(machine, court.reference, expected, lane) {
-        return None;
-    }
-    let (emitted, max) = (machine.emitted()[lane], machine.room() as u32);
-    let count = expected.strips.len();
-    let what = if emitted > max {
-        What::TooManyVertices { emitted, max }
-    } else if emitted as usize != count {
-        What::VertexCount { expected: count, actual: emitted }
-    } else {
-        let begins = |v: usize| expected.strips[v] != expected.strips[v - 1];
-        let began = |v: usize| machine.strip(v)[lane] != machine.strip(v - 1)[lane];
-        let vertex = (1..count).find(|&v| begins(v) != began(v))?;
-        What::Strip { vertex, begins: begins(vertex) }
-    };
-    Some(Deviation { blame, what })
-}
-
-/// The same between a lane and the shader.
-fn shape_of_lane<D: Domain>(
-    machine: &Machine<'_, D>,
-    actual: &Actual,
-    invocation: usize,
-    lane: usize,
-) -> Option<Deviation> {
-    let max = actual.layout().max_vertices?;
-    let (emitted, meant) = (actual.emitted(invocation), machine.emitted()[lane]);
-    let what = if emitted != meant {
-        What::VertexCount { expected: meant as usize, actual: emitted }
-    } else {
-        let count = emitted.min(max) as usize;
-        let begins = |v: usize| machine.strip(v)[lane] != machine.strip(v - 1)[lane];
-        let began = |v: usize| actual.strip(invocation, v) != actual.strip(invocation, v - 1);
-        let vertex = (1..count).find(|&v| begins(v) != began(v))?;
-        What::Strip { vertex, begins: begins(vertex) }
-    };
-    Some(Deviation { blame: Blame::Lane, what })
 }

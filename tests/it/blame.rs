@@ -11,17 +11,27 @@ use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, Stage
 use shadercheck::lower::Target;
 use shadercheck::program::{Kernel, Program};
 use shadercheck::suite::run::{Case, DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
-use shadercheck::suite::{find, parse};
+use shadercheck::suite::{Suite, find, parse};
 use shadercheck::text::SourceFile;
 use shadercheck::value::{Batch, Field, Record, Shape};
-use shadercheck::verdict::diagnosis::Origin;
-use shadercheck::verdict::{Blame, Court, Deviation, Oracle, Reason, Reference, Verdict, dependences, judge_each};
+use shadercheck::verdict::diagnosis::{self, Origin};
+use shadercheck::verdict::{
+    Blame, Court, Deviation, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each,
+};
 
 /// A shipped suite with another text in the place of a part of its shader.
 fn prepared(suite: &str, from: &str, to: &str) -> Prepared {
     let shipped = find(suite).unwrap();
     assert!(shipped.shader_text.contains(from), "{from}");
     let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
+    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text.replacen(from, to, 1))).unwrap()
+}
+
+/// The same with every literal as it is written.
+fn exactly(suite: &str, from: &str, to: &str) -> Prepared {
+    let shipped = find(suite).unwrap();
+    let parsed = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
+    let suite = Suite { literals: Literals::Exact, ..parsed };
     prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text.replacen(from, to, 1))).unwrap()
 }
 
@@ -70,7 +80,7 @@ fn a_typo_in_a_formula_is_the_shaders_fault() {
 #[test]
 fn short_digits_are_named_with_what_they_stand_for() {
     let lane = embedded::open().unwrap();
-    let short = prepared("sphere", "6.28318530717958648", "6.283185");
+    let short = exactly("sphere", "6.28318530717958648", "6.283185");
     let report = check(&short, &*lane, Rulings::of_api(Api::Binary32));
     let (deviation, case) = deviation(&report);
     assert_eq!(deviation.blame, Blame::Shader);

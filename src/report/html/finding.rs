@@ -22,6 +22,7 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
         (FindingKind::Quality, _) => "Lane quality".to_owned(),
         (FindingKind::VacuousBound, _) => "Wide bounds".to_owned(),
         (FindingKind::Range, _) => "Range".to_owned(),
+        (FindingKind::RoundedLiteral, _) => "A rounded constant".to_owned(),
         (FindingKind::Flaky, _) => format!("The lane {lane}, which is flaky"),
         (FindingKind::UnexpectedPass, _) => "A ledger".to_owned(),
     }
@@ -75,6 +76,7 @@ pub(super) fn how_many(finding: &Finding) -> Option<String> {
         | FindingKind::Translation
         | FindingKind::Quality
         | FindingKind::Range
+        | FindingKind::RoundedLiteral
         | FindingKind::Flaky => ["sample", "samples"],
     };
     let unit = unit[usize::from(finding.count != 1)];

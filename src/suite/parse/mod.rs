@@ -9,6 +9,7 @@ use crate::formula;
 use crate::property::generators::{self, Ends, Generator, Options, RangeRule, Strands};
 use crate::property::{InputGroup, Own, relations};
 use crate::text::SourceFile;
+use crate::verdict::Literals;
 
 use super::error::SuiteError;
 use super::expect::hint;
@@ -16,7 +17,7 @@ use super::table::{At, Reader, Table};
 use super::textures::WORDS;
 use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite};
 
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "suite",
     "title",
     "shader",
@@ -33,6 +34,7 @@ const KEYS: [&str; 18] = [
     "relations",
     "inputs",
     "floors",
+    "literals",
     "textures",
     "strands",
 ];
@@ -113,6 +115,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let per_case = root.whole("per_case", 1, MOST_PER_CASE);
     let (relations, laws) = laws::relations(root, names);
     let floors = floors(root, samples);
+    let literals = literals(root);
     let textures = textures(root);
     let strands = strands(root, stage);
     let inputs = inputs(root, strands);
@@ -138,6 +141,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         laws,
         inputs,
         floors: floors?,
+        literals: literals?,
         textures,
         strands,
         includes: Includes::new(include, "`include = [\"FOLDER\"]`"),
@@ -198,6 +202,15 @@ fn entries(root: Table<'_>, stage: Option<Stage>) -> Vec<String> {
             Vec::new()
         }
     }
+}
+
+fn literals(root: Table<'_>) -> Option<Literals> {
+    if !root.has("literals") {
+        return Some(Literals::default());
+    }
+    let given = root.text("literals")?;
+    let name = known(root, "reading of literals", &given, Literals::NAMES.into_iter())?;
+    Literals::by_name(&name)
 }
 
 fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {

@@ -42,6 +42,8 @@ pub enum FindingKind {
     VacuousBound,
     /// Real numbers are fine and binary32 is not: a weakness of the shader, and a warning.
     Range,
+    /// A literal is a known constant in few digits, and is judged as the constant: a warning.
+    RoundedLiteral,
 }
 
 impl FindingKind {
@@ -59,6 +61,7 @@ impl FindingKind {
         Self::Quality,
         Self::VacuousBound,
         Self::Range,
+        Self::RoundedLiteral,
     ];
 
     /// What it means, in a sentence.
@@ -76,6 +79,7 @@ impl FindingKind {
             Self::Quality => "The lane is worse than its device was measured to be, and keeps what is promised.",
             Self::VacuousBound => "The bounds are so wide that they test little.",
             Self::Range => "Real numbers are fine and binary32 is not.",
+            Self::RoundedLiteral => "A literal is a known constant in few digits, and is judged as the constant.",
         }
     }
 
@@ -94,13 +98,14 @@ impl FindingKind {
             Self::Quality => "quality",
             Self::VacuousBound => "vacuous_bound",
             Self::Range => "range",
+            Self::RoundedLiteral => "rounded_literal",
         }
     }
 
     /// True for what does not make a run fail.
     pub fn is_warning(self) -> bool {
         match self {
-            Self::Quality | Self::VacuousBound | Self::Range => true,
+            Self::Quality | Self::VacuousBound | Self::Range | Self::RoundedLiteral => true,
             Self::Deviation
             | Self::Undefined
             | Self::Flaky

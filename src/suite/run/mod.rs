@@ -11,6 +11,7 @@ mod position;
 mod prepare;
 mod relate;
 mod repeat;
+mod rounded;
 mod sampling;
 mod shader_test;
 pub mod soundness;
@@ -135,6 +136,8 @@ pub struct Report {
     pub known: Vec<Known>,
     /// Failing samples as shrunk, to be saved.
     pub failing: Vec<Sample>,
+    /// Samples of relations that hold only where literals stand for the constants that they round.
+    pub reread: u64,
 }
 
 impl Report {
@@ -291,6 +294,7 @@ fn on_kernel(
         relate::check(&mut trial, request, related, &mut report)?;
         repeat::check(&mut trial, request, &mut report)?;
     }
+    let rounded = if once { rounded::look(&trial, request, &report)? } else { Vec::new() };
     let shown = [
         finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
         undefined::findings(prepared, &counted.undefined, request, &report),
@@ -302,7 +306,7 @@ fn on_kernel(
         makes_samples,
         replay_only: request.replay_only,
     };
-    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, shown, Some(terms))))
+    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, (shown, rounded), Some(terms))))
 }
 
 /// What a run found until it was interrupted. Failing samples are reported as they are, and what a whole run has to
@@ -325,5 +329,5 @@ fn interrupted(
     let shown = [shown, undefined::findings(trial.prepared, &counted.undefined, &request, &report)];
     let terms = part::Terms { least: 0, undetermined: 1.0, makes_samples: false, replay_only: true };
     let terms = (counted.verdicts.agreed + counted.verdicts.deviated > 0).then_some(terms);
-    part.of(report, counted, shown, terms)
+    part.of(report, counted, (shown, Vec::new()), terms)
 }

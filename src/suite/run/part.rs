@@ -42,6 +42,12 @@ pub struct Part {
     /// Samples that depend on undefined values, shrunk.
     #[serde(default)]
     undefined: Vec<Shown>,
+    /// Literals that round a constant, to be told where samples are right with the constant alone.
+    #[serde(default)]
+    rounded: Vec<Finding>,
+    /// Samples of relations that hold with these constants alone.
+    #[serde(default)]
+    reread: u64,
     /// None where the lane cannot run the suite.
     terms: Option<Terms>,
     /// What is bound to samplers.
@@ -217,6 +223,8 @@ impl Part {
             findings: Vec::new(),
             shown: Vec::new(),
             undefined: Vec::new(),
+            rounded: Vec::new(),
+            reread: 0,
             terms: None,
             textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
             failing: Vec::new(),
@@ -233,13 +241,13 @@ impl Part {
         mut self,
         report: Report,
         counted: Counted,
-        shown: [Vec<Shown>; 2],
+        (shown, rounded): ([Vec<Shown>; 2], Vec<Finding>),
         terms: Option<Terms>,
     ) -> Self {
         self.replayed = report.replayed;
         self.add_once(report);
         let [shown, undefined] = shown;
-        Self { counted, shown, undefined, terms, ..self }
+        Self { counted, shown, undefined, rounded, terms, ..self }
     }
 
     fn add_once(&mut self, report: Report) {
@@ -250,6 +258,7 @@ impl Part {
         self.repeated = self.repeated.or(report.repeated);
         self.findings.extend(report.findings);
         self.failing.extend(report.failing);
+        self.reread += report.reread;
     }
 
     /// Compares the shader's translations as well, which is done once for a suite.
@@ -267,7 +276,9 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, undefined, terms, failing, repeated, unsupported_because, reach, .. } = other;
+        let Self { shown, undefined, terms, failing, repeated, unsupported_because, reach, rounded, reread, .. } = other;
+        self.rounded.extend(rounded);
+        self.reread += reread;
         // The least of the reasons, so that the order of parts makes no difference.
         let reasons = self.unsupported_because.take().into_iter().chain(unsupported_because);
         self.unsupported_because = reasons.min();
@@ -346,7 +357,12 @@ impl Part {
             findings,
             known: Vec::new(),
             failing,
+            reread: self.reread,
         };
+        let reread = report.verdicts.reread + report.reread;
+        if reread > 0 {
+            report.findings.extend(self.rounded.into_iter().map(|one| Finding { count: reread, ..one }));
+        }
         if let Some(terms) = &self.terms {
             finding::ranges(&mut report);
             finding::shortfalls(terms, &mut report);

@@ -188,7 +188,7 @@ pub fn prepare_with(
             source: Box::new(source),
         })?
     };
-    let oracle = Oracle::new(&program).map_err(|error| RunError::Program {
+    let oracle = Oracle::with_literals(&program, &suite.literals).map_err(|error| RunError::Program {
         suite: name(),
         source: ProgramError::Unsupported { what: error.locate(&program) },
     })?;

@@ -41,7 +41,8 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, report: &mut R
     for relation in &prepared.relations {
         let relation = &**relation;
         let outcomes = outcomes(trial, relation, &samples, None)?;
-        let checked = outcomes.iter().filter(|o| matches!(o, Outcome::Holds | Outcome::Fails(_))).count() as u64;
+        let checked = outcomes.iter().filter(|o| !matches!(o, Outcome::Silent)).count() as u64;
+        report.reread += outcomes.iter().filter(|o| matches!(o, Outcome::HoldsAsMeant)).count() as u64;
         report.relations.push((relation.name().to_owned(), checked));
         let failing: Vec<Sample> = samples
             .iter()
@@ -93,8 +94,10 @@ impl Probes {
     /// The first relation that the meaning of a shader does not keep on some sample, by name.
     pub fn first_broken(&self, court: &Court<'_>) -> Option<&str> {
         let broken = |probe: &&Probe| {
-            let observed = probe.batch.as_ref().map_or_else(Vec::new, |batch| meaning(court, batch));
-            verdicts(&*probe.relation, &probe.inputs, observed).any(|o| matches!(o, Outcome::Fails(_)))
+            let relation = &*probe.relation;
+            let observed =
+                probe.batch.as_ref().map_or_else(Vec::new, |batch| read(court, batch, &mut |c| meaning(c, batch)));
+            as_meant(relation, &probe.inputs, observed).iter().any(|o| matches!(o, Outcome::Fails(_)))
         };
         self.probes.iter().find(broken).map(|probe| probe.relation.name())
     }
@@ -122,7 +125,7 @@ fn verdicts<'i>(
 }
 
 /// Samples of the suite's plan, whole strands where the suite has them.
-fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample> {
+pub(super) fn samples(prepared: &Prepared, seed: u64, count: u64) -> Vec<Sample> {
     if !prepared.plan.makes_samples() {
         return prepared.rows.iter().take(count as usize).cloned().collect();
     }
@@ -138,6 +141,8 @@ enum Outcome {
     /// It says nothing here: it does not apply, or an output that it needs has no value.
     Silent,
     Holds,
+    /// It holds where literals stand for the constants that they round.
+    HoldsAsMeant,
     Fails(Claim),
 }
 
@@ -152,9 +157,9 @@ fn outcomes(
     let (inputs, batch) = related(relation, samples);
     let Some(batch) = batch else { return Ok(samples.iter().map(|_| Outcome::Silent).collect()) };
     let court = trial.court();
-    let meant = verdicts(relation, &inputs, meaning(&court, &batch));
+    let meant = as_meant(relation, &inputs, read(&court, &batch, &mut |court| meaning(court, &batch)));
     let seen = observed(trial, &inputs, among)?;
-    let both = meant.zip(verdicts(relation, &inputs, seen));
+    let both = meant.into_iter().zip(as_meant(relation, &inputs, seen));
     // Undefined values are a finding of their own, and need not be related.
     let undefined = |inputs: &[Sample]| {
         let found = dependences(&trial.prepared.oracle, &Sample::batch(inputs));
@@ -165,21 +170,32 @@ fn outcomes(
         .map(|(both, inputs)| match both {
             (Outcome::Fails(_), _) | (_, Outcome::Fails(_)) if undefined(inputs) => Outcome::Silent,
             (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
+            (Outcome::HoldsAsMeant, _) | (_, Outcome::HoldsAsMeant) => Outcome::HoldsAsMeant,
             (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
             (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
         })
         .collect())
 }
 
-/// What a lane gives for the inputs of a relation, one after the other, among other invocations.
-fn observed(trial: &mut Trial<'_>, inputs: &[Vec<Sample>], among: Option<Among>) -> Result<Vec<Observed>, LaneError> {
+/// What a lane gives for the inputs of a relation, one after the other, among other invocations: for the shader as it is
+/// written, and then as each reading of its literals has it.
+fn observed(
+    trial: &mut Trial<'_>,
+    inputs: &[Vec<Sample>],
+    among: Option<Among>,
+) -> Result<Vec<Vec<Observed>>, LaneError> {
     let court = trial.court();
     let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let mut seen: Vec<Observed> = Vec::with_capacity(flat.len());
+    let mut seen: Vec<Vec<Observed>> = vec![Vec::with_capacity(flat.len()); 1 + court.readings().len()];
     let (all, before) = among.map_or_else(|| (flat.clone(), 0), |among| trial.among(&flat, among));
-    trial.run_samples(&all, |_, batch, actual| seen.extend(observe(&court, batch, actual)))?;
-    seen.drain(..before.min(seen.len()));
-    seen.truncate(flat.len());
+    trial.run_samples(&all, |_, batch, actual| {
+        let some = read(&court, batch, &mut |court| observe(court, batch, actual));
+        seen.iter_mut().zip(some).for_each(|(all, some)| all.extend(some));
+    })?;
+    for seen in &mut seen {
+        seen.drain(..before.min(seen.len()));
+        seen.truncate(flat.len());
+    }
     Ok(seen)
 }
 
@@ -196,13 +212,47 @@ pub(super) fn stand_of(trial: &mut Trial<'_>, name: &str, sample: &Sample) -> Re
     let mut stand = Stand::Open;
     for among in AMONG {
         let seen = observed(trial, &inputs, Some(among))?;
-        match verdicts(&**relation, &inputs, seen).next() {
-            Some(Outcome::Holds) => return Ok(Stand::Right),
+        match as_meant(&**relation, &inputs, seen).first() {
+            Some(Outcome::Holds | Outcome::HoldsAsMeant) => return Ok(Stand::Right),
             Some(Outcome::Fails(_)) => stand = Stand::Wrong,
             Some(Outcome::Silent) | None => {}
         }
     }
     Ok(stand)
+}
+
+/// What a relation gets to see of the shader as it is written, and then as each reading of its literals has it.
+fn read(court: &Court<'_>, batch: &Batch, see: &mut dyn FnMut(&Court<'_>) -> Vec<Observed>) -> Vec<Vec<Observed>> {
+    let mut all = vec![see(court)];
+    for reading in court.readings() {
+        let mut seen = see(&reading);
+        // What moves an output too far is no reading of it.
+        for (k, near) in court.may_read(&reading, batch).into_iter().enumerate() {
+            if !near {
+                seen[k] = all[0][k].clone();
+            }
+        }
+        all.push(seen);
+    }
+    all
+}
+
+/// What a relation says of each sample as it is written, and where it fails, by the first reading by which it does not.
+fn as_meant(relation: &dyn Relation, inputs: &[Vec<Sample>], observed: Vec<Vec<Observed>>) -> Vec<Outcome> {
+    let mut all: Vec<Outcome> = Vec::new();
+    for seen in observed {
+        let outcomes = verdicts(relation, inputs, seen);
+        if all.is_empty() {
+            all = outcomes.collect();
+            continue;
+        }
+        for (outcome, read) in all.iter_mut().zip(outcomes) {
+            if matches!(outcome, Outcome::Fails(_)) && !matches!(read, Outcome::Fails(_)) {
+                *outcome = if matches!(read, Outcome::Holds) { Outcome::HoldsAsMeant } else { read };
+            }
+        }
+    }
+    all
 }
 
 fn judge(relation: &dyn Relation, inputs: &[Sample], outputs: &[Observed]) -> Outcome {

@@ -124,7 +124,7 @@ fn other(
     ];
     // A handful of samples need not keep the shares of a whole run; but something has to be judged.
     let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
-    let report = Part::new(prepared, name, stage, 0).of(report, counted, shown, Some(terms)).report();
+    let report = Part::new(prepared, name, stage, 0).of(report, counted, (shown, Vec::new()), Some(terms)).report();
     Ok(Report { source: Some(source), ..report })
 }
 

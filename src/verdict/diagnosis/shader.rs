@@ -1,6 +1,5 @@
 //! Deviations of the shader: literals with too few digits, operations without a value.
 
-use std::f64::consts::{E, FRAC_1_SQRT_2, LN_2, LN_10, PI, SQRT_2};
 use std::sync::Arc;
 
 use super::{Diagnosis, NoValue, Place, ShortLiteral};
@@ -10,34 +9,7 @@ use crate::value::Batch;
 use crate::verdict::batch::shader_suspects;
 use crate::verdict::judge::{Deviation, Value};
 use crate::verdict::oracle::Court;
-
-/// Numbers that authors write in digits.
-const CONSTANTS: [(&str, f64); 24] = [
-    ("π", PI),
-    ("2π", 2.0 * PI),
-    ("4π", 4.0 * PI),
-    ("π/2", PI / 2.0),
-    ("π/3", PI / 3.0),
-    ("π/4", PI / 4.0),
-    ("π/6", PI / 6.0),
-    ("1/π", 1.0 / PI),
-    ("1/2π", 0.5 / PI),
-    ("2/π", 2.0 / PI),
-    ("π/180", PI / 180.0),
-    ("180/π", 180.0 / PI),
-    ("√π", 1.772_453_850_905_516),
-    ("e", E),
-    ("√2", SQRT_2),
-    ("1/√2", FRAC_1_SQRT_2),
-    ("√3", 1.732_050_807_568_877_2),
-    ("1/√3", 0.577_350_269_189_625_8),
-    ("ln 2", LN_2),
-    ("ln 10", LN_10),
-    ("1/3", 1.0 / 3.0),
-    ("2/3", 2.0 / 3.0),
-    ("1/6", 1.0 / 6.0),
-    ("(1 + √5)/2", 1.618_033_988_749_895),
-];
+use crate::verdict::rounded::CONSTANTS;
 
 /// How near a literal must be to a constant to stand for it: 3.1 is taken for π.
 const NEAR: f64 = 2e-2;

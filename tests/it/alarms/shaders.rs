@@ -133,11 +133,20 @@ fn the_printed_cylinder_does_not_compile() {
 }
 
 #[test]
-fn the_short_pi_of_the_printed_sphere_is_a_deviation_of_the_shader_and_lint_tells_it() {
+fn the_short_pi_of_the_printed_sphere_is_a_warning_and_exactly_a_deviation_of_the_shader_and_lint_tells_it() {
     let short = "fixtures/printed/sphere.vert";
+    let ran = run(&format!("check sphere --shader {short} --samples 8192 --format json")).expect(0);
+    for entry in ran.json()["suites"].as_array().unwrap() {
+        assert_eq!(entry["deviated"], 0, "{entry:#}");
+        let found = entry["findings"].as_array().unwrap();
+        let found = found.iter().filter(|finding| finding["kind"] == "rounded_literal");
+        let said: Vec<&str> = found.map(|finding| finding["message"].as_str().unwrap()).collect();
+        let told = |place: &str, name: &str| said.iter().any(|m| m.contains(place) && m.contains(name));
+        assert!(said.len() == 2 && told(":11:14", "2π in 7 digits") && told("`3.141593`", "π in 7 digits"), "{said:?}");
+    }
     // Both literals are one binary32 number beside the nearest one, less than the roundings of the rest:
     // no comparison with a lane shows them, and one in binary64 does.
-    let ran = run(&format!("check sphere --shader {short} --samples 8192 --format json")).expect(1);
+    let ran = run(&format!("check sphere --shader {short} --samples 8192 --strict-literals --format json")).expect(1);
     for entry in ran.json()["suites"].as_array().unwrap() {
         let count = |key: &str| entry[key].as_u64().unwrap();
         // Where an angle is 0 its literal says nothing.
