@@ -73,7 +73,8 @@ impl Program {
         if !errors.is_empty() {
             return Err(ProgramError::Source(errors));
         }
-        Self::of(&parsed.shader, file, &target(&parsed.shader)?)
+        let target = target(&parsed.shader)?;
+        Self::of(parsed.shader, file, &target)
     }
 
     /// The program of a text that the language refuses, as far as what is refused is not part of it.

@@ -67,6 +67,9 @@ pub struct BatchVerdict {
     /// Invocations that are right only where literals stand for the constants that they round.
     #[serde(default)]
     pub reread: u64,
+    /// Invocations that agree beside the value 1 at the start of an exponential or a power which has faded out in them.
+    #[serde(default)]
+    pub faded: u64,
     /// The first few failures, in the order of the batch.
     #[serde(skip)]
     pub failures: Vec<Failure>,
@@ -102,8 +105,9 @@ impl BatchVerdict {
 
     /// Adds the verdicts on what comes after.
     pub fn merge(&mut self, later: Self) {
-        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, reread, .. } = later;
-        self.reread += reread;
+        let Self { agreed, agreed_by, deviated, shader_deviated, undetermined, doubts, max_ulp, .. } = later;
+        self.faded += later.faded;
+        self.reread += later.reread;
         self.agreed += agreed;
         self.agreed_by.iter_mut().zip(agreed_by).for_each(|(sum, n)| *sum += n);
         self.deviated += deviated;
@@ -290,6 +294,7 @@ impl<'a> Bench<'a> {
         }
         verdict.max_ulp = verdict.max_ulp.max(self.suspects.take_max_ulp());
         verdict.reread = self.suspects.take_reread();
+        verdict.faded = self.suspects.take_faded();
         verdict
     }
 

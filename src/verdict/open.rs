@@ -23,3 +23,9 @@ pub(super) fn underflow(machine: &mut Machine<'_, Tape<'_>>, vertex: usize, word
     let share = machine.domain().shares(column, lane, 1).into_iter().next();
     Doubt { reason: Reason::Underflow, cause: share.map(Into::into) }
 }
+
+/// True when an output word has faded out in a lane.
+pub(super) fn fades(machine: &mut Machine<'_, Tape<'_>>, vertex: usize, word: usize, lane: usize) -> bool {
+    let OutputColumn::Real(&column) = machine.output(vertex, word) else { return false };
+    machine.domain().has_faded(column, lane)
+}

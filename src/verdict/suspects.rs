@@ -4,13 +4,13 @@ use std::collections::HashSet;
 
 use super::batch::{NEAR, Suspect};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
-use super::open::{cut, fork, underflow};
+use super::open::{cut, fades, fork, underflow};
 use super::oracle::Court;
 use super::reading::{Reader, may_be_read};
 use super::reference::{Evaluator, Expected, Output};
 use super::shape::{shape_of_lane, shape_of_shader};
 use crate::bound::profile::grid::MIN_NORMAL;
-use crate::bound::tape::{Model, Tape};
+use crate::bound::tape::{FADED, Model, Tape};
 use crate::interp::{Binary64, Kind, LANES, Machine, Number, OutputColumn, POISON};
 use crate::lane::Actual;
 use crate::program::OutputLayout;
@@ -40,6 +40,8 @@ pub(super) struct Suspects<'a> {
     readers: Vec<Reader<'a>>,
     /// Invocations that are right in one of these readings alone.
     reread: u64,
+    /// Invocations that agree beside the value at the start of what has faded out in them.
+    faded: HashSet<usize>,
 }
 
 struct Tier<'a> {
@@ -61,6 +63,7 @@ impl<'a> Suspects<'a> {
             forked: HashSet::new(),
             readers: Reader::all(court),
             reread: 0,
+            faded: HashSet::new(),
         }
     }
 
@@ -72,6 +75,11 @@ impl<'a> Suspects<'a> {
     /// The largest error of invocations that agree since the last call, in ULP.
     pub(super) fn take_max_ulp(&mut self) -> f64 {
         std::mem::take(&mut self.max_ulp)
+    }
+
+    /// Invocations since the last call whose outputs have faded out, and are judged by the scale of their start.
+    pub(super) fn take_faded(&mut self) -> u64 {
+        std::mem::take(&mut self.faded).len() as u64
     }
 
     /// Verdicts on suspects, in their order.
@@ -295,12 +303,13 @@ impl<'a> Suspects<'a> {
 
     /// Whether a lane is within what a tier allows.
     fn lane(&mut self, tier: usize, batch: &Batch, actual: &Actual, invocations: &[usize]) -> Vec<Verdict> {
-        let Self { court, tiers, max_ulp, forked, .. } = self;
+        let Self { court, tiers, max_ulp, forked, faded, .. } = self;
         let Tier { promise, model, machine } = &mut tiers[tier];
         let machine = machine.get_or_insert_with(|| court.oracle.tape(*model));
         let lanes = machine.run_some(batch, invocations);
         let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); lanes];
         let mut ulps = vec![0.0_f64; lanes];
+        let mut faded_lanes = [false; LANES];
         let vectors: Vec<f64> =
             invocations.iter().map(|&invocation| court.reference.vector_size(batch, invocation)).collect();
         // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
@@ -346,6 +355,13 @@ impl<'a> Suspects<'a> {
                         let size = scale.max(vectors[lane]);
                         let verdict = match outcome {
                             Allowed::Within if doubted[lane] => continue,
+                            // Beside its value at the start, what has faded out is 0 on every device.
+                            Allowed::Within
+                                if error <= FADED && scale <= FADED && fades(machine, vertex, word, lane) =>
+                            {
+                                faded_lanes[lane] |= error > USELESS * size.max(MIN_NORMAL) || scale < MIN_NORMAL;
+                                continue;
+                            }
                             Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
                                 Verdict::Undetermined(underflow(machine, vertex, word, lane))
                             }
@@ -384,9 +400,12 @@ impl<'a> Suspects<'a> {
                 }
             }
         }
-        for (ulp, verdict) in ulps.iter().zip(&verdicts) {
+        for (lane, (ulp, verdict)) in ulps.iter().zip(&verdicts).enumerate() {
             if matches!(verdict, Verdict::Agree(_)) {
                 *max_ulp = max_ulp.max(*ulp);
+                if faded_lanes[lane] {
+                    faded.insert(invocations[lane]);
+                }
             }
         }
         verdicts

@@ -3,10 +3,11 @@
 
 use super::arena::Lanes;
 use super::functions::image1;
+use super::kernels::Out2;
 use super::model::{Arg, Model, gap};
 use crate::bound::profile::Op;
 use crate::bound::profile::grid::MIN_NORMAL;
-use crate::interp::LANES;
+use crate::interp::{LANES, Mask};
 use crate::math;
 
 /// Local error of √x where it inherits from 1/inversesqrt(x): both steps of the definition.
@@ -40,8 +41,67 @@ pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Lanes, carr
     }
 }
 
+/// Local error of x^y.
+pub(super) fn power(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    if model.definition(Op::Pow).is_some() {
+        power_by_exp2(model, args, value, carried, local);
+    } else {
+        model.local(Op::Pow, &args, value, carried, local);
+    }
+}
+
+/// The largest x of a device in place of a `x` that reaches down to 0.
+fn top(x: Arg<'_>, lane: usize) -> f64 {
+    (x.value[lane] + x.radius[lane]).max(MIN_NORMAL)
+}
+
+/// True where x may be 0 and is not below it, and y is surely positive. There x^y is between 0 and its value at the
+/// largest x: 0 to a positive power is 0 by exp2 of what log2(0) is, and by any number near it.
+fn is_at_zero([x, y]: [Arg<'_>; 2], lane: usize) -> bool {
+    let reach = x.value[lane] + x.radius[lane];
+    let near = x.value[lane] <= x.radius[lane].max(MIN_NORMAL) && x.value[lane] >= 0.0 && reach < 1.0;
+    near && y.value[lane] > y.radius[lane] && (y.value[lane] + y.radius[lane]).is_finite()
+}
+
+/// Writes the images of x^y in those of the `active` lanes in which x is not negative and may be 0. True when there is
+/// one. The whole movement counts as an error of the operation.
+pub(super) fn at_zero(args: [Arg<'_>; 2], active: &Mask, out: &mut Out2<'_>) -> bool {
+    let mut some = false;
+    active.each(|lane| {
+        if !is_at_zero(args, lane) {
+            return;
+        }
+        some = true;
+        let [x, y] = args;
+        let most = math::POW.value(top(x, lane), y.value[lane] - y.radius[lane]);
+        let value = if x.value[lane] > 0.0 { math::POW.value(x.value[lane], y.value[lane]) } else { 0.0 };
+        out.value[lane] = value;
+        out.moves[lane] = value.max(most - value);
+        for k in 0..2 {
+            (out.slopes[k][lane], out.bends[k][lane]) = (0.0, f64::INFINITY);
+        }
+    });
+    some
+}
+
+/// Local error of x^y where [`at_zero`] holds in some lanes: there it is that at the largest x. Below that the logarithm
+/// is larger and the power smaller, the latter by more than the former, which twice the error and a few ULP cover.
+pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>, local: &mut Lanes) {
+    let [x, y] = args;
+    let zero: [bool; LANES] = std::array::from_fn(|lane| out.bends[0][lane] == f64::INFINITY && is_at_zero(args, lane));
+    let or = |lane: usize, there: f64, here: f64| if zero[lane] { there } else { here };
+    let most: Lanes = std::array::from_fn(|lane| or(lane, out.value[lane] + out.moves[lane], out.value[lane]));
+    let largest: Lanes = std::array::from_fn(|lane| or(lane, top(x, lane), x.value[lane]));
+    let exact: Lanes = std::array::from_fn(|lane| or(lane, 0.0, x.radius[lane]));
+    let moves: Lanes = std::array::from_fn(|lane| or(lane, 0.0, out.moves[lane]));
+    power(model, [Arg { value: &largest, radius: &exact }, y], &most, &moves, local);
+    for lane in (0..LANES).filter(|&lane| zero[lane]) {
+        local[lane] = 2.0 * local[lane] + 2f64.powi(-18) * (1.0 + y.value[lane] + y.radius[lane]) * most[lane];
+    }
+}
+
 /// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition.
-pub(super) fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
     let [x, y] = args;
     let mut logarithm = [0.0; LANES];
     let mut exponent = [0.0; LANES];

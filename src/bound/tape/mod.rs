@@ -13,6 +13,7 @@
 
 mod arena;
 mod columns;
+mod decay;
 mod decision;
 mod functions;
 mod inherited;
@@ -34,6 +35,7 @@ use crate::interp::{
 use crate::value::Scalar;
 
 use arena::{Arena, Id, Kind, Lanes, Meta};
+pub use decay::FADED;
 pub use model::Model;
 pub use sweep::Bounds;
 pub use why::{Cause, Share, Why};

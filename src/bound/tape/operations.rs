@@ -4,7 +4,7 @@ use super::Tape;
 use super::arena::{Id, Kind, Lanes, Meta};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
-use super::inherited::{power_by_exp2, root_by_inverse};
+use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
 use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
 use crate::bound::profile::grid::MIN_NORMAL;
@@ -411,7 +411,9 @@ impl Tape<'_> {
         let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
         let not_negative = match op {
             Op::Pow => true,
-            Op::Div | Op::Min | Op::Max => left.not_negative && right.not_negative,
+            Op::Div | Op::Min => left.not_negative && right.not_negative,
+            // `max(x, 0.0)` has no sign, whatever that of x is.
+            Op::Max => left.not_negative || right.not_negative,
             _ => false,
         };
         let kind = Kind::Two { a, b, partials };
@@ -440,8 +442,12 @@ impl Tape<'_> {
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let local = self.arena.local.get_mut(at);
-        if op == Op::Pow && self.model.definition(op).is_some() {
-            power_by_exp2(&self.model, args, value, carried, local);
+        let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
+        let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
+        if op == Op::Pow && left.not_negative && at_zero(args, active, &mut out) {
+            power_at_zero(&self.model, args, out, local);
+        } else if op == Op::Pow {
+            power(&self.model, args, value, carried, local);
         } else {
             self.model.local(op, &args, value, carried, local);
         }

@@ -178,3 +178,44 @@ fn a_sweep_that_may_end_early_gives_no_more_than_the_whole() {
     let part = tape.bounds(column, &mut |_| true).bound[0];
     assert!(part <= whole && whole > 2f64.powi(-12), "{part} {whole}");
 }
+
+#[test]
+fn zero_to_a_positive_power_is_zero_and_stays_near_it() {
+    let power = "float f(float x, float y) { return pow(max(x, 0.0), y); }";
+    for profile in ["vulkan-1.4", "vulkan-cts", "binary32"] {
+        for x in [-0.5, 0.0, 1e-40] {
+            let found = bound(profile, power, &[x, 62.5]);
+            assert!(found < 1e-37, "{profile} {x}: {found:e}");
+        }
+        // What the exponent leaves open is open still.
+        assert_eq!(bound(profile, power, &[0.0, 0.0]), f64::INFINITY, "{profile}");
+        assert_eq!(bound(profile, power, &[0.0, -1.0]), f64::INFINITY, "{profile}");
+        // Nothing says that this is not below 0.
+        let power = "float f(float x, float y) { return pow(x * y - x * y, 2.0); }";
+        assert_eq!(bound(profile, power, &[0.3, 0.7]), f64::INFINITY, "{profile}");
+    }
+    // An argument that is 0 to within 1e-7 gives at most the power of that.
+    let near = "float f(float x, float y) { return pow(max(x * y - 0.09, 0.0), 2.0); }";
+    let found = bound("vulkan-1.4", near, &[0.3, 0.3]);
+    assert!(found > 1e-17 && found < 1e-14, "{found:e}");
+}
+
+#[test]
+fn outputs_fade_with_exponentials_and_not_with_small_factors() {
+    let faded = |function: &str, x: f32| {
+        with(device("vulkan-1.4", false), function, &[x], |tape, column, _| tape.has_faded(column, 0))
+    };
+    for (body, wanted) in [
+        ("exp(-x)", true),
+        ("0.5 * exp(-x) / (1.0 + x)", true),
+        ("pow(1.0 / x, 40.0)", true),
+        ("exp(-x) + exp2(-x) * 0.25", true),
+        ("max(exp(-x), 0.0)", true),
+        ("exp(-x) + 1e-30", false),
+        ("x * 1e-38", false),
+        ("exp(-x) * 1e-30", false),
+        ("exp(-0.01 * x)", false),
+    ] {
+        assert_eq!(faded(&format!("float f(float x) {{ return {body}; }}"), 60.0), wanted, "{body}");
+    }
+}

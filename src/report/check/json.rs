@@ -113,6 +113,9 @@ fn entry(entry: &Entry) -> Value {
             value["doubts"] = report.doubts.iter().map(doubtful).collect();
             value["relations"] = report.relations.iter().map(|(name, n)| json!({"name": name, "checked": n})).collect();
             value["textures"] = report.textures.clone().into();
+            if report.verdicts.faded > 0 {
+                value["faded"] = report.verdicts.faded.into();
+            }
             if let Some(coverage) = &report.coverage {
                 value["coverage"] = json!({
                     "nodes": coverage.nodes,

@@ -86,6 +86,11 @@ pub(super) fn of_suites(summary: &Summary) -> String {
         report.textures.iter().for_each(|texture| notes.plain(report, format!("texture {texture}")));
         // A few more samples of the same inputs are in doubt for the same reasons.
         let few = matches!(report.source, Some(Source::Constants | Source::Uniforms));
+        if report.verdicts.faded > 0 && !few {
+            let faded = report.verdicts.faded;
+            let why = "`exp` or `pow` has faded out, and its value at the start is 1";
+            notes.plain(report, format!("{faded} agree at the scale 1: {why}"));
+        }
         report.doubts.iter().take(if few { 0 } else { DOUBTS }).for_each(|doubtful| notes.doubt(report, doubtful));
         if report.replayed > 0 && report.verdicts.seen() > report.replayed {
             notes.plain(report, format!("saved cases that ran first: {}", report.replayed));
