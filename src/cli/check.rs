@@ -1,5 +1,6 @@
 //! `shadercheck check`: suites on lanes.
 
+mod bundle;
 mod ledger;
 mod page;
 pub(super) mod profile;
@@ -16,7 +17,6 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
 use crate::bound::profile::Rulings;
-use crate::cli::paths::relative;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use crate::lane::{self, Lane, LaneError, Stage, interrupt};
@@ -25,13 +25,14 @@ use crate::property::regressions::{self, Regression};
 use crate::property::{Sample, nearest};
 use crate::report;
 use crate::suite::run::{
-    Bundle, DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
+    DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
     check_translations, hear, most_from, prepare, run as run_suite, run_from, stage_of,
 };
 use crate::suite::{self, fresh, save_regressions};
 use crate::text::SourceFile;
 use crate::verdict::Literals;
 
+use bundle::write_bundle;
 use ledger::Ledgers;
 use page::Pages;
 use profile::Choice;
@@ -507,26 +508,6 @@ fn ways(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<(Stage, O
         }
         None => stages(args, lane, prepared).into_iter().map(|stage| (stage, None)).collect(),
     }
-}
-
-/// A script that goes to the folder in which it was written before it does anything: its paths are relative to that.
-fn from_anywhere(folder: &Path, script: &[u8]) -> Vec<u8> {
-    let here = std::env::current_dir().and_then(|here| here.canonicalize());
-    let (Ok(here), Ok(folder)) = (here, folder.canonicalize()) else { return script.to_vec() };
-    let way = shell_word(&relative(&folder, &here));
-    let text = String::from_utf8_lossy(script);
-    text.replacen("#!/bin/sh\n", &format!("#!/bin/sh\ncd \"$(dirname \"$0\")\"/{way} || exit 2\n"), 1).into_bytes()
-}
-
-fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {
-    let folder = folder.join(&bundle.name);
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    for (name, content) in &bundle.files {
-        let path = folder.join(name);
-        let content = if name == "reproduce.sh" { from_anywhere(&folder, content) } else { content.clone() };
-        fresh::write(&path, &content).with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
-    Ok(())
 }
 
 fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: Rulings) -> anyhow::Result<Request> {

@@ -133,7 +133,10 @@ pub fn run(
             let mut looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
             let (kept, _) = without_endless(batch.clone(), &looks, Vec::new());
             // Beside a jump rounding takes the other side, whatever the function.
-            looks.iter_mut().filter(|look| look.trouble == Some(Trouble::Moved)).for_each(|look| *look = Look::default());
+            looks
+                .iter_mut()
+                .filter(|look| look.trouble == Some(Trouble::Moved))
+                .for_each(|look| *look = Look::default());
             looks.iter_mut().for_each(|look| look.error = 0.0);
             sort(ready, domain, &batch, &looks, &mut groups, &mut report);
             if kept.invocation_count() > 0 {

@@ -209,7 +209,8 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
     let sampler = Sampler::new(prepared.plan.clone(), request.seed);
     let cases = request.samples.div_ceil(per_case as u64).max(1);
     let (mut first, mut judged, mut steps) = (0, 0, Vec::new());
-    while first < cases {
+    // What was judged until the run is interrupted is enough to begin with; no mutant follows.
+    while first < cases && !(judged > 0 && interrupt::asked()) {
         let size = STEPS[steps.len().min(STEPS.len() - 1)].min(trial.capacity());
         let count = ((size / per_case).max(1) as u64).min(cases - first);
         let batch = sampler.batch(first, count as usize, per_case);
@@ -225,7 +226,8 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
     if judged == 0 {
         return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
     }
-    if let Some(failure) = at_edges(prepared, &trial.court(), &prepared.compute.output, (request.seed, request.samples)) {
+    if let Some(failure) = at_edges(prepared, &trial.court(), &prepared.compute.output, (request.seed, request.samples))
+    {
         return Err(fails(failure.deviation.to_string()));
     }
     if let Some(relation) = probes.first_broken(&trial.court()) {
@@ -257,6 +259,9 @@ fn outcome(
     let court = Court { oracle: &oracle, reference, rulings: bench.rulings, stage };
     let (mut moved, mut samples) = (Movement::default(), 0);
     for Step { batch, before } in &bench.steps {
+        if interrupt::asked() {
+            return Err(LaneError::Unsupported("the run was interrupted".to_owned()));
+        }
         samples = before + batch.invocation_count() as u64;
         if let Some(failure) = shader_deviation(&court, bench.layout, batch) {
             let at = failure.invocation as u64 + 1;

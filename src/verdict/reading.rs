@@ -8,6 +8,9 @@ use crate::interp::{LANES, OutputColumn};
 use crate::program::OutputLayout;
 use crate::value::Batch;
 
+/// The program with each literal as a function gives it.
+type Read<'r> = dyn Fn(&dyn Fn(f64) -> f64) -> Oracle + 'r;
+
 /// A program with some of its literals as the constants that they stand for.
 #[derive(Clone, Debug)]
 pub(super) struct Reading {
@@ -20,7 +23,7 @@ pub(super) struct Reading {
 
 impl Reading {
     /// The readings of a program, the one that takes less for granted first.
-    pub(super) fn all(rounded: &[Rounded], read: &dyn Fn(&dyn Fn(f64) -> f64) -> Oracle) -> Vec<Self> {
+    pub(super) fn all(rounded: &[Rounded], read: &Read<'_>) -> Vec<Self> {
         let sets: [Vec<&Rounded>; 2] = [rounded.iter().filter(|r| r.is_precise()).collect(), rounded.iter().collect()];
         let mut all: Vec<Self> = Vec::new();
         for set in sets {

@@ -1,7 +1,7 @@
 //! Literals that are known constants in few digits: `3.141593` for π. Textbooks print them, and the shader means the
 //! constant.
 
-use std::f64::consts::{E, LN_2, LN_10, LOG2_E, LOG10_E, PI, SQRT_2};
+use std::f64::consts::{E, FRAC_2_SQRT_PI, LN_2, LN_10, LOG2_E, LOG10_E, PI, SQRT_2};
 
 use crate::program::Program;
 use crate::text::Span;
@@ -63,6 +63,11 @@ impl Rounded {
     pub fn is_precise(&self) -> bool {
         self.digits >= DIGITS
     }
+
+    /// True where a device gets another number than the constant's binary32.
+    pub fn is_seen(&self) -> bool {
+        self.written as f32 != self.meant as f32
+    }
 }
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -96,7 +101,7 @@ pub(super) const CONSTANTS: &[(&str, f64)] = &[
     ("π/360", PI / 360.0),
     ("180/π", 180.0 / PI),
     ("√π", 1.772_453_850_905_516),
-    ("2/√π", 1.128_379_167_095_512_6),
+    ("2/√π", FRAC_2_SQRT_PI),
     ("1/√π", 0.564_189_583_547_756_3),
     ("√2π", 2.506_628_274_631_000_5),
     ("1/√2π", 0.398_942_280_401_432_7),
@@ -162,12 +167,12 @@ fn constant(written: f64) -> Option<(&'static str, f64, usize)> {
     })
 }
 
-/// The literals of a program that are known constants in few digits, and are another number of binary32 for it.
+/// The literals of a program that are known constants in few digits.
 pub(super) fn find(program: &Program, literals: &Literals) -> Vec<Rounded> {
     let all = program.constants.literals().into_iter().filter(|literal| literals.allow(literal.value));
     let rounded = all.filter_map(|literal| {
         let (name, meant, digits) = constant(literal.value)?;
-        let differs = literal.value as f32 != meant as f32;
+        let differs = literal.value != meant;
         // One or two digits are a number of their own.
         let is_written_out = digits >= 3;
         (differs && is_written_out).then_some(Rounded {
@@ -182,6 +187,7 @@ pub(super) fn find(program: &Program, literals: &Literals) -> Vec<Rounded> {
 }
 
 #[cfg(test)]
+#[expect(clippy::approx_constant, reason = "the digits that authors write")]
 mod tests {
     use super::*;
 

@@ -355,15 +355,15 @@ impl<'a> Suspects<'a> {
                         let size = scale.max(vectors[lane]);
                         let verdict = match outcome {
                             Allowed::Within if doubted[lane] => continue,
+                            Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
+                                Verdict::Undetermined(underflow(machine, vertex, word, lane))
+                            }
                             // Beside its value at the start, what has faded out is 0 on every device.
                             Allowed::Within
                                 if error <= FADED && scale <= FADED && fades(machine, vertex, word, lane) =>
                             {
-                                faded_lanes[lane] |= error > USELESS * size.max(MIN_NORMAL) || scale < MIN_NORMAL;
+                                faded_lanes[lane] |= error > USELESS * size.max(MIN_NORMAL);
                                 continue;
-                            }
-                            Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
-                                Verdict::Undetermined(underflow(machine, vertex, word, lane))
                             }
                             Allowed::Within if error > USELESS * size.max(MIN_NORMAL) => {
                                 let reason = Reason::IllConditioned;

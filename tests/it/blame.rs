@@ -14,7 +14,7 @@ use shadercheck::suite::run::{Case, DEFAULT_SEED, FindingKind, Prepared, Report,
 use shadercheck::suite::{Suite, find, parse};
 use shadercheck::text::SourceFile;
 use shadercheck::value::{Batch, Field, Record, Shape};
-use shadercheck::verdict::diagnosis::{self, Origin};
+use shadercheck::verdict::diagnosis::Origin;
 use shadercheck::verdict::{
     Blame, Court, Deviation, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each,
 };

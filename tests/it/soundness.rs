@@ -136,3 +136,60 @@ fn a_fault_beyond_the_promise_is_found() {
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
+
+const IDIOMS: &str = "#version 150
+in vec3 normal;
+in vec3 light;
+in vec3 eye;
+in float depth;
+in float shine;
+out float specular;
+out float halfway;
+out float fog;
+out float gauss;
+out float rim;
+out float gamma;
+out float rough;
+void main() {
+    vec3 r = 2.0 * dot(normal, light) * normal - light;
+    specular = pow(max(dot(r, eye), 0.0), shine);
+    halfway = 0.2 + 0.8 * pow(max(dot(normal, 0.5 * (light + eye)), 0.0), 4.0 * shine);
+    fog = 1.0 - exp(-depth * depth);
+    gauss = exp2(-depth * depth * 4.0);
+    rim = pow(1.0 - clamp(dot(normal, eye), 0.0, 1.0), 3.0);
+    gamma = pow(abs(light.x), 1.0 / 2.2);
+    rough = max(dot(normal, light), 0.0) * exp(-depth) / (depth + 1.0);
+    gl_Position = vec4(0.0);
+}
+";
+
+const IDIOMS_SUITE: &str = "suite = \"idioms\"
+shader = \"idioms.vert\"
+stage = \"vertex\"
+samples = 4096
+relations = [{ kind = \"even\", inputs = [\"normal\"], outputs = [\"specular\"] }]
+[[inputs]]
+names = [\"normal\", \"light\", \"eye\"]
+generator = \"interval\"
+range = [-1.0, 1.0]
+[[inputs]]
+names = [\"depth\"]
+generator = \"interval\"
+range = [0.0, 30.0]
+[[inputs]]
+names = [\"shine\"]
+generator = \"interval\"
+range = [1.0, 128.0]
+";
+
+#[test]
+fn what_reaches_zero_is_judged_and_no_conforming_device_is_accused() {
+    let parsed = parse(&SourceFile::new("idioms.suite.toml", IDIOMS_SUITE)).unwrap();
+    let suites = [prepare(&parsed, &SourceFile::new("idioms.vert", IDIOMS)).unwrap()];
+    let mut request = Request::new(200_000, 5);
+    let found = check(&suites, &request, &mut |_| {}).unwrap();
+    assert_eq!(found.violations(), 0, "{}", complaints(&found));
+    assert!(found.judged() > found.undetermined(), "{} {}", found.judged(), found.undetermined());
+    request.fault = Some(Fault { op: Op::Exp, factor: 4.0 });
+    assert!(check(&suites, &request, &mut |_| {}).unwrap().violations() > 0);
+}

@@ -20,12 +20,12 @@ const CASES: [(&str, &str, &str); 40] = [
     (
         "float f(float x, float y) { vec3 v = vec3(x, y, 1.0); return v[int(floor(x))]; }",
         "index -",
-        "float f(float x, float y) { vec3 v = vec3(x, y, 1.0); return v[int(floor(x)) + 2 - int(x > 1.0)]; }",
+        "float f(float x, float y) { vec3 v = vec3(x, y, 1.0); return v[clamp(int(floor(x)) + 2, 0, 2)] + x; }",
     ),
     (
         "float f(float x, float y) { mat2 m = mat2(x, y, 1.0, 2.0); return m[int(floor(x))].y; }",
         "index -",
-        "float f(float x, float y) { mat2 m = mat2(x, y, 1.0, 2.0); return m[int(x > 0.0)].y; }",
+        "float f(float x, float y) { mat2 m = mat2(x, y, 1.0, 2.0); return m[int(x > 0.0)].y + x; }",
     ),
     (
         "float f(float x, float y) { float a[2]; a[0] = x; a[1] = y; a[int(floor(x))] = 5.0; return a[0] + a[1]; }",
@@ -50,7 +50,7 @@ const CASES: [(&str, &str, &str); 40] = [
     (
         "float f(float x, float y) { int m = int(-2147483648.0 + 0.0 * y); return float(m / (x < 0.0 ? -1 : 2)); }",
         "-2147483648 / -1 does not fit",
-        "float f(float x, float y) { int m = int(-2147483648.0 + 0.0 * y); return float(m / (x < 0.0 ? -2 : 2)); }",
+        "float f(float x, float y) { int m = int(-2147483648.0 + 0.0 * y); return 1e-9 * float(m / (x < 0.0 ? -2 : 2)) + y; }",
     ),
     (
         "float f(float x, float y) { return float(uint(x)) + y; }",
@@ -84,13 +84,13 @@ const CASES: [(&str, &str, &str); 40] = [
     ),
     (
         "float f(float x, float y) { return pow(x, y); }",
-        "`pow` of -",
+        "`pow` of ",
         "float f(float x, float y) { return pow(x + 2.5, y); }",
     ),
     (
         "float f(float x, float y) { return pow(max(floor(x), 0.0), y); }",
         "`pow` of 0 to the power of",
-        "float f(float x, float y) { return pow(max(floor(x), 1.0), y); }",
+        "float f(float x, float y) { return pow(max(floor(x), 1.0), y) + y; }",
     ),
     (
         "float f(float x, float y) { return clamp(x, 0.5, y); }",
@@ -100,7 +100,7 @@ const CASES: [(&str, &str, &str); 40] = [
     (
         "float f(float x, float y) { return float(clamp(3, int(floor(x)), int(floor(y)))); }",
         "`clamp` with a lower end of",
-        "float f(float x, float y) { return float(clamp(3, int(floor(x)), int(floor(y)) + 4)); }",
+        "float f(float x, float y) { return float(clamp(3, int(floor(x)), int(floor(y)) + 4)) + y; }",
     ),
     (
         "float f(float x, float y) { return smoothstep(x, y, 0.5); }",
@@ -155,7 +155,7 @@ const CASES: [(&str, &str, &str); 40] = [
     (
         "float f(float x, float y) { return atan(floor(x), floor(y)); }",
         "`atan` of 0, 0",
-        "float f(float x, float y) { return atan(floor(x), floor(y) + 5.0); }",
+        "float f(float x, float y) { return atan(floor(x), floor(y) + 5.0) + y; }",
     ),
     (
         "float f(float x, float y) { float r; if (x > 0.0) r = y; return r; }",
@@ -170,7 +170,7 @@ const CASES: [(&str, &str, &str); 40] = [
     (
         "float f(float x, float y) { bool b; if (x > 0.0) { b = y > 0.0; } return b ? 1.0 : 2.0; }",
         "it is read before it has a value",
-        "float f(float x, float y) { bool b; if (x > 0.0) { b = y > 0.0; } return x > 0.0 && b ? 1.0 : 2.0; }",
+        "float f(float x, float y) { bool b; if (x > 0.0) { b = y > 0.0; } return (x > 0.0 && b ? 1.0 : 2.0) + y; }",
     ),
     (
         "float f(float x, float y) { float a[2]; a[int(x > 0.0)] = y; return a[0]; }",
@@ -349,7 +349,7 @@ fn the_smallest_input_is_shown_with_the_place() {
     let inputs = &finding.case.as_ref().unwrap().inputs;
     assert_eq!(
         finding.message,
-        "the shader gives an undefined value: `a[int(3.0 * x)]` at u.glsl:5:10: index -1 is outside of 0 to 3"
+        "the shader gives an undefined value: `[int(3.0 * x)]` at u.glsl:5:11: index -3 is outside of 0 to 3"
     );
     assert_eq!(inputs.iter().map(|i| i.decimal.concat()).collect::<Vec<_>>(), ["-1.0", "0.0"]);
 }

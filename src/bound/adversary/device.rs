@@ -87,6 +87,10 @@ impl Device {
         if op == Op::Sqrt && args == [0.0] {
             return 0.0;
         }
+        // So does 0 to a positive power, by exp2 of the logarithm's limit or of any large negative number.
+        if op == Op::Pow && args[0] == 0.0 && args[1] > 0.0 {
+            return 0.0;
+        }
         let exact = exact(args);
         let Ok(interval) = self.interval(op, args, exact) else { return choice.wild(exact) };
         if let Some(fault) = self.fault.filter(|fault| Some(fault.op) == whole)

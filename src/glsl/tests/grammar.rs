@@ -109,7 +109,7 @@ fn calls_know_what_they_call() {
 
 #[test]
 fn constructors_are_counted() {
-    let shader = clean(&in_main("vec4 q = vec3(p.x, p.yz, 2.0, 1.0);"), Stage::Vertex);
+    let shader = parse(&in_main("vec4 q = vec3(p.x, p.yz, 2.0, 1.0);"), Stage::Vertex).shader;
     let c = shader.constructor(find(&shader, "vec3(p.x, p.yz, 2.0, 1.0)")).unwrap();
     assert_eq!((c.needs, c.given.as_slice()), (3, [Some(1), Some(2), Some(1), Some(1)].as_slice()));
     assert_eq!((c.fit, c.ty.to_string().as_str()), (Fit::TooMany { first_extra: 2 }, "vec3"));

@@ -228,7 +228,12 @@ impl<'m> Compiler<'m> {
             .ok_or_else(|| InterpError::internal("an argument of the entry point is fed by nothing".to_owned()))?;
         // What is fed, or marked as never written, keeps that.
         let fed = self.executable.fills.iter().map(|fill| fill.to).chain(self.executable.poisoned.iter().copied());
-        let own: HashSet<(File, Reg)> = fed.map(key).collect();
+        // What a host does not feed of an interface block may be loaded with the rest of it.
+        let blocks = self.subject.inputs.iter().filter_map(|binding| match binding.at {
+            PortAt::Vertices { global, .. } => self.globals.get(&global),
+            _ => None,
+        });
+        let own: HashSet<(File, Reg)> = fed.chain(blocks.flat_map(|slots| slots.iter().copied())).map(key).collect();
         self.unset.retain(|variable, _| !own.contains(variable));
         let body = self.function(handle, function, info, arguments, result)?;
         for (file, reg) in self.unset.keys() {

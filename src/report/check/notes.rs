@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use crate::bound::profile::Op;
 use crate::program::Source;
 use crate::suite::run::{Apart, Doubtful, LaneUsed, Outcome, Report, Summary};
 use crate::verdict::Reason;
@@ -26,7 +25,7 @@ enum What<'a> {
 }
 
 /// Why samples are undetermined, and where.
-type Cause<'a> = (Reason, Option<Op>, Option<&'a str>, &'a str);
+type Cause<'a> = (Reason, Option<&'static str>, Option<&'a str>, &'a str);
 
 #[derive(Default)]
 struct Notes<'a>(Vec<Note<'a>>);
@@ -41,7 +40,7 @@ impl<'a> Notes<'a> {
     }
 
     fn doubt(&mut self, report: &'a Report, doubtful: &'a Doubtful) {
-        let cause = (doubtful.reason, doubtful.op, doubtful.at.as_deref(), doubtful.text.as_str());
+        let cause = (doubtful.reason, doubtful.op.map(|op| op.name()), doubtful.at.as_deref(), doubtful.text.as_str());
         for note in &mut self.0 {
             if let What::Doubt(known, of) = &mut note.what
                 && *of == cause

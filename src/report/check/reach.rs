@@ -14,7 +14,8 @@ pub(super) fn json(reach: &Reach) -> Value {
         let Asked { at, text, operation, met, missed, comparison: _ } = asked;
         json!({"at": at, "text": text, "operation": operation, "met": met, "missed": missed})
     };
-    let side = |comparison: bool| reach.asked.iter().filter(|a| a.comparison == comparison).map(asked).collect::<Value>();
+    let side =
+        |comparison: bool| reach.asked.iter().filter(|a| a.comparison == comparison).map(asked).collect::<Value>();
     json!({
         "watched": reach.watched,
         "edges": reach.edges,

@@ -22,6 +22,7 @@ pub fn abandon() {
 }
 
 /// The target of an output.
+#[expect(clippy::large_enum_variant, reason = "there is one for a file that is written, and never a list")]
 pub enum Target {
     /// A regular file, there or not: a temporary file beside it takes its name.
     Renamed {

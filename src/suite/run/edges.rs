@@ -78,7 +78,10 @@ impl fmt::Display for Asked {
 
 /// The edges of a prepared suite, found once: lanes and stages share them.
 #[derive(Default)]
-pub struct Found(Mutex<Option<((u64, u64), Arc<Edges>)>>);
+pub struct Found(Mutex<Option<Kept>>);
+
+/// Edges with the seed and the number of cases that they were found with.
+type Kept = ((u64, u64), Arc<Edges>);
 
 impl Found {
     fn get(&self, key: (u64, u64), find: impl FnOnce() -> Edges) -> Arc<Edges> {

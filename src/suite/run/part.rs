@@ -276,7 +276,8 @@ impl Part {
     /// Adds another part. The result does not depend on the order in which parts are joined.
     pub fn join(&mut self, other: Self) {
         let Self { counted, unsupported, replayed, relations, coverage, translations, findings, .. } = other;
-        let Self { shown, undefined, terms, failing, repeated, unsupported_because, reach, rounded, reread, .. } = other;
+        let Self { shown, undefined, terms, failing, repeated, unsupported_because, reach, rounded, reread, .. } =
+            other;
         self.rounded.extend(rounded);
         self.reread += reread;
         // The least of the reasons, so that the order of parts makes no difference.

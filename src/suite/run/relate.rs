@@ -159,22 +159,32 @@ fn outcomes(
     let court = trial.court();
     let meant = as_meant(relation, &inputs, read(&court, &batch, &mut |court| meaning(court, &batch)));
     let seen = observed(trial, &inputs, among)?;
-    let both = meant.into_iter().zip(as_meant(relation, &inputs, seen));
-    // Undefined values are a finding of their own, and need not be related.
-    let undefined = |inputs: &[Sample]| {
-        let found = dependences(&trial.prepared.oracle, &Sample::batch(inputs));
-        found.iter().any(Option::is_some)
-    };
-    Ok(both
-        .zip(&inputs)
-        .map(|(both, inputs)| match both {
-            (Outcome::Fails(_), _) | (_, Outcome::Fails(_)) if undefined(inputs) => Outcome::Silent,
-            (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
-            (Outcome::HoldsAsMeant, _) | (_, Outcome::HoldsAsMeant) => Outcome::HoldsAsMeant,
-            (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
-            (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
-        })
-        .collect())
+    let seen = as_meant(relation, &inputs, seen);
+    let both = meant.into_iter().zip(seen).map(|both| match both {
+        (Outcome::Fails(claim), _) | (_, Outcome::Fails(claim)) => Outcome::Fails(claim),
+        (Outcome::HoldsAsMeant, _) | (_, Outcome::HoldsAsMeant) => Outcome::HoldsAsMeant,
+        (Outcome::Holds, _) | (_, Outcome::Holds) => Outcome::Holds,
+        (Outcome::Silent, Outcome::Silent) => Outcome::Silent,
+    });
+    let mut outcomes: Vec<Outcome> = both.collect();
+    silence_undefined(trial.prepared, &inputs, &mut outcomes);
+    Ok(outcomes)
+}
+
+/// Undefined values are a finding of their own, and need not be related.
+fn silence_undefined(prepared: &Prepared, inputs: &[Vec<Sample>], outcomes: &mut [Outcome]) {
+    let failing = || outcomes.iter().zip(inputs).filter(|(outcome, _)| matches!(outcome, Outcome::Fails(_)));
+    let flat: Vec<Sample> = failing().flat_map(|(_, inputs)| inputs.iter().cloned()).collect();
+    if flat.is_empty() {
+        return;
+    }
+    let mut found = dependences(&prepared.oracle, &Sample::batch(&flat)).into_iter();
+    for (outcome, inputs) in outcomes.iter_mut().zip(inputs) {
+        let undefined = |one: Option<_>| one.flatten().is_some();
+        if matches!(outcome, Outcome::Fails(_)) && inputs.iter().fold(false, |any, _| undefined(found.next()) | any) {
+            *outcome = Outcome::Silent;
+        }
+    }
 }
 
 /// What a lane gives for the inputs of a relation, one after the other, among other invocations: for the shader as it is

@@ -29,7 +29,7 @@ pub(super) fn look(trial: &Trial<'_>, request: &Request, report: &Report) -> Res
         samples.extend(relate::samples(prepared, request.seed, many));
     }
     let mut found = Vec::new();
-    for literal in literals {
+    for literal in literals.iter().filter(|literal| literal.is_seen()) {
         found.extend(one(trial, request, report, literal, &samples)?);
     }
     Ok(found)

@@ -40,7 +40,10 @@ fn a_failing_case_is_written_with_all_that_it_takes_to_see_it_again() {
     ] {
         assert!(amber.contains(part), "{part}\n{amber}");
     }
-    let line = read("reproduce.sh").lines().nth(1).unwrap().to_owned();
+    // The script goes to its own folder first, and runs from any other.
+    let script = read("reproduce.sh");
+    assert!(script.lines().nth(1).unwrap().starts_with("cd \"$(dirname \"$0\")\"/"), "{script}");
+    let line = script.lines().nth(2).unwrap().to_owned();
     run_reported(folder.path(), &line, &[]).expect(1);
 }
 

@@ -72,7 +72,7 @@ fn annotations_and_the_summary_name_what_is_wrong() {
     let folder = project();
     let lines = formatted(&folder, "github");
     assert_eq!(lines.lines().filter(|l| l.starts_with("::error ")).count(), lines.lines().count(), "{lines}");
-    assert!(lines.contains("::error file=b.glsl,line=1,col=1,title=shadercheck deviation::"), "{lines}");
+    assert!(lines.contains("::error file=b.glsl,line=1,col=41,title=shadercheck deviation::"), "{lines}");
     assert!(lines.contains("::error file=c.glsl,line=2,col=3,title=shadercheck E"), "{lines}");
     let page = formatted(&folder, "markdown");
     assert!(page.starts_with("## shadercheck failed\n"), "{page}");

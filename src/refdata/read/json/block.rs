@@ -58,7 +58,8 @@ impl<'de, T: DeserializeSeed<'de, Value = ()>> Visitor<'de> for Member<T> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         let mut then = Some(self.then);
         while let Some(name) = map.next_key::<String>()? {
-            match then.take().filter(|_| name == self.name) {
+            let seed = if name == self.name { then.take() } else { None };
+            match seed {
                 Some(seed) => map.next_value_seed(seed)?,
                 None => map.next_value::<IgnoredAny>().map(|_| ())?,
             }
