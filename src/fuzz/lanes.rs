@@ -5,13 +5,13 @@ use super::finding::{Finding, Kind, LaneReport, Severity};
 use super::shrinking::inputs;
 use super::subject::Ready;
 use crate::bound::profile::Rulings;
-use crate::lane::{Actual, Lane, LaneError, Runner, Stage, interrupt};
+use crate::lane::{Actual, Lane, LaneError, LaneName, Runner, Stage, interrupt};
 use crate::program::Program;
 use crate::property::Sample;
 use crate::property::shrink::shrink;
 use crate::value::{Batch, Scalar};
 use crate::verdict::diagnosis::{self, Diagnosis, Suspected};
-use crate::verdict::{BatchVerdict, Court, Oracle, Reference, Verdict, What, judge_batch, judge_each};
+use crate::verdict::{BatchVerdict, Court, Fence, Fenced, Oracle, Reference, Verdict, What, judge_batch, judge_each};
 
 /// Failing samples that are shrunk.
 const SHRUNK: usize = 4;
@@ -23,7 +23,7 @@ pub struct OnLane<'a> {
     ready: &'a Ready,
     reference: &'a Reference,
     oracle: &'a Oracle,
-    runner: Result<Box<dyn Runner>, String>,
+    runner: Result<Fence<'a>, String>,
     verdicts: BatchVerdict,
     failing: Vec<Sample>,
     unstable: Vec<Sample>,
@@ -40,7 +40,7 @@ impl<'a> OnLane<'a> {
         capacity: usize,
     ) -> Self {
         let (runner, failed) = match lane.prepare(&ready.kernel, capacity) {
-            Ok(runner) => (Ok(runner), None),
+            Ok(runner) => (Ok(Fence::new(runner, oracle, &ready.kernel.output)), None),
             Err(error @ LaneError::Unsupported(_)) => (Err(error.to_string()), None),
             // A lane that fails before it runs anything fails all the same.
             Err(error) => (Err(error.to_string()), Some(error.to_string())),
@@ -75,6 +75,12 @@ impl<'a> OnLane<'a> {
                 None
             }
         }
+    }
+
+    /// The failure of the lane at a sample whose behaviour is undefined, if there was one.
+    pub fn fenced(&self) -> Option<(LaneName, Fenced)> {
+        let fenced = self.runner.as_ref().ok()?.found()?;
+        Some((self.lane.description().name, fenced.clone()))
     }
 
     /// Runs samples at edges: those that deviate count, and no others.

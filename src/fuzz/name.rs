@@ -6,7 +6,7 @@ use super::scan::{LIMIT, Look, ROUNDS, Trouble};
 use super::subject::Ready;
 use crate::bound::profile::{Op, Profile, Rulings};
 use crate::bound::tape::{Model, Tape};
-use crate::interp::{Binary32, Binary64, LANES, Machine, OutputColumn, Site, author_span};
+use crate::interp::{Binary32, Binary64, Dependence, LANES, Machine, OutputColumn, Site, author_span};
 use crate::lane::{Api, Stage};
 use crate::text::Span;
 use crate::value::Batch;
@@ -42,6 +42,22 @@ pub struct Named {
 pub type Key = (Kind, Option<Op>, Option<Site>);
 
 impl Named {
+    /// Trouble of a kind of which nothing else is known.
+    fn blank(kind: Kind, place: (usize, usize)) -> Self {
+        Self {
+            kind,
+            op: None,
+            site: None,
+            args: Vec::new(),
+            value: f64::NAN,
+            condition: f64::NAN,
+            place,
+            meaning: f64::NAN,
+            strict: f32::NAN,
+            why: None,
+        }
+    }
+
     /// What makes it one finding with others.
     pub fn key(&self) -> Key {
         (self.kind, self.op, self.site)
@@ -91,35 +107,18 @@ fn one(
     look: &Look,
 ) -> Option<Named> {
     let trouble = look.trouble?;
-    let mut named = Named {
-        kind: Kind::Endless,
-        op: None,
-        site: None,
-        args: Vec::new(),
-        value: f64::NAN,
-        condition: f64::NAN,
-        place: look.place,
-        meaning: f64::NAN,
-        strict: f32::NAN,
-        why: None,
-    };
+    let mut named = Named::blank(Kind::Endless, look.place);
     let plain = |kind| Some(Named { kind, ..named.clone() });
     if let Some(kind) = trouble.of_integers() {
         wide.take_findings();
         wide.run_some(batch, &[invocation]);
         named.site = wide.take_findings().iter().find(|f| f.kind == kind).map(|f| f.site);
-        named.kind = match trouble {
-            Trouble::Index => Kind::Index,
-            Trouble::DivisionByZero => Kind::DivisionByZero,
-            Trouble::Shift => Kind::Shift,
-            Trouble::Conversion => Kind::Conversion,
-            _ => Kind::IntegerOverflow,
-        };
+        named.kind = of_undefined(trouble);
         return Some(named);
     }
     if matches!(trouble, Trouble::Unset | Trouble::Undefined) {
         let found = wide.dependences(batch, &[invocation], false).pop().flatten()?;
-        named.kind = if trouble == Trouble::Unset { Kind::Unset } else { Kind::Undefined };
+        named.kind = of_undefined(trouble);
         named.site = Some(found.of.site);
         named.why = Some(found.of.why(&found.args));
         return Some(named);
@@ -189,6 +188,26 @@ fn strictly(narrow: &Machine<'_, Binary32>, (vertex, word): (usize, usize), lane
     match narrow.output(vertex, word) {
         OutputColumn::Real(found) => found.values()[lane],
         _ => f32::NAN,
+    }
+}
+
+/// The name of an operation whose value is undefined, without the output that shows it.
+pub fn undefined(because: &Dependence) -> Named {
+    let why = Some(because.of.why(&because.args));
+    let kind = of_undefined(Trouble::of(because.of.kind));
+    Named { site: Some(because.of.site), why, ..Named::blank(kind, (0, 0)) }
+}
+
+/// What an undefined value is called.
+fn of_undefined(trouble: Trouble) -> Kind {
+    match trouble {
+        Trouble::Index => Kind::Index,
+        Trouble::DivisionByZero => Kind::DivisionByZero,
+        Trouble::Shift => Kind::Shift,
+        Trouble::Conversion => Kind::Conversion,
+        Trouble::Unset => Kind::Unset,
+        Trouble::Undefined => Kind::Undefined,
+        _ => Kind::IntegerOverflow,
     }
 }
 

@@ -6,15 +6,15 @@ use super::domain::{Domain, InputDomain, Law};
 use super::finding::{Finding, FunctionReport, Kind, Severity};
 use super::generate;
 use super::lanes::OnLane;
-use super::name::{Key, Named, applied, decimal, name, place};
+use super::name::{Key, Named, applied, decimal, name, place, undefined};
 use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
 use super::shrinking::{inputs, smallest};
 use super::subject::{Ready, Subject};
 use crate::bound::profile::Rulings;
-use crate::lane::{Lane, interrupt};
+use crate::lane::{Lane, LaneName, interrupt};
 use crate::property::{Sample, Stream, regressions};
 use crate::value::{Batch, Record};
-use crate::verdict::{Oracle, Reference, edges};
+use crate::verdict::{Fenced, Oracle, Reference, edges};
 
 /// Samples of one batch, and words of its largest record in all.
 const BATCH: usize = 1 << 16;
@@ -150,6 +150,10 @@ pub fn run(
         let function = if plain { subject.label.clone() } else { format!("'{}'", subject.label) };
         format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
     };
+    let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
+    for (lane, fenced) in &fenced {
+        report.findings.push(at_failure(ready, domain, (lane, fenced), &mut groups, &reproduce));
+    }
     for lane in on {
         let (lane, findings) = lane.finish(domain, &reproduce);
         report.lanes.push(lane);
@@ -258,6 +262,21 @@ fn without_endless(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> 
     }
     let twins = twins.into_iter().filter(|&(a, b)| !endless(a) && !endless(b)).map(|(a, b)| (moved[a], moved[b]));
     (kept, twins.collect())
+}
+
+/// A failure of a lane where the function's behaviour is undefined; it stands for the group of the same operation.
+fn at_failure(
+    ready: &Ready,
+    domain: &Domain,
+    (lane, fenced): (&LaneName, &Fenced),
+    groups: &mut HashMap<Key, Group>,
+    reproduce: &dyn Fn(&Sample) -> String,
+) -> Finding {
+    let named = undefined(&fenced.because);
+    let alone = (1, u64::from(domain.counts(&fenced.sample)));
+    let counts = groups.remove(&named.key()).map_or(alone, |group| (group.count, group.counting));
+    let finding = finding(ready, Severity::Finding, &named, &fenced.sample, counts, reproduce);
+    Finding { lane: Some(lane), message: format!("{}; {}", finding.message, fenced.error.at_undefined()), ..finding }
 }
 
 /// Shrinks one sample of each group and tells it.

@@ -52,7 +52,7 @@ pub enum Trouble {
 
 impl Trouble {
     /// The trouble that an undefined value is.
-    fn of(kind: Kind) -> Self {
+    pub fn of(kind: Kind) -> Self {
         match kind {
             Kind::Index => Self::Index,
             Kind::DivisionByZero => Self::DivisionByZero,

@@ -540,7 +540,28 @@ fn loops(block: &[Inst]) -> bool {
     })
 }
 
+/// The places of stores whose index may lie outside of its array.
+fn stores(block: &[Inst], all: &mut HashSet<Site>) {
+    for inst in block {
+        match inst {
+            Inst::Scatter { strays, .. } => all.extend(strays.iter().map(|stray| stray.site)),
+            Inst::If { accept, reject, .. } => [accept, reject].into_iter().for_each(|block| stores(block, all)),
+            Inst::Switch { cases, .. } => cases.iter().for_each(|case| stores(&case.body, all)),
+            Inst::Loop { body, .. } | Inst::Call { body } => stores(body, all),
+            _ => {}
+        }
+    }
+}
+
 impl Executable {
+    /// The places of stores whose index may lie outside of its array: what such a store does to an executor, and to
+    /// other invocations, is anyone's guess.
+    pub fn stray_stores(&self) -> HashSet<Site> {
+        let mut all = HashSet::new();
+        stores(&self.body, &mut all);
+        all
+    }
+
     /// True when it has a loop.
     pub fn has_loops(&self) -> bool {
         loops(&self.body)

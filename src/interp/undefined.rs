@@ -4,6 +4,8 @@
 //! that the operation may have. Whether that matters is found out by running the same invocation with others in
 //! its place: an output that changes depends on it. What is not selected, multiplied by 0 or never read does not.
 
+use std::collections::HashSet;
+
 use super::code::{Guarded, Reg, Slot};
 use super::domain::{Domain, Site};
 use super::lanes::{LANES, Mask};
@@ -174,8 +176,34 @@ impl Machine<'_, Binary64> {
         for lane in rest.lanes() {
             found[lane] = events.iter().find(|event| event.lanes.has(lane)).map(of);
         }
+        // A store outside of its array may write to anything, also to what outputs of others are made of.
+        if events.iter().any(|event| event.of.kind == Kind::Index) {
+            let stores = self.executable.stray_stores();
+            for event in events.iter().filter(|event| event.of.strays(&stores)) {
+                event.lanes.lanes().for_each(|lane| found[lane] = found[lane].take().or_else(|| Some(of(event))));
+            }
+        }
         self.take_findings();
         found
+    }
+
+    /// For each of some invocations, at most [`LANES`], the first operation of those that `counts` picks whose value is
+    /// undefined, whether or not an output depends on it.
+    ///
+    /// # Panics
+    /// When the batch has no such invocation: a defect of the caller.
+    pub fn undefined_on_the_way(
+        &mut self,
+        batch: &Batch,
+        invocations: &[usize],
+        counts: &dyn Fn(&Undefined) -> bool,
+    ) -> Vec<Option<Dependence>> {
+        self.probe = Some(Probe::default());
+        let lanes = self.run_some(batch, invocations);
+        let events = self.probe.take().map_or_else(Vec::new, |probe| probe.events);
+        self.take_findings();
+        let first = |lane: usize| events.iter().find(|event| event.lanes.has(lane) && counts(&event.of));
+        (0..lanes).map(|lane| first(lane).map(|event| Dependence { of: event.of, args: event.args.clone() })).collect()
     }
 
     /// The lanes among `rest` in which something changes with other values.
@@ -233,6 +261,11 @@ impl Machine<'_, Binary64> {
 }
 
 impl Undefined {
+    /// True for one of these stores, outside of its array.
+    pub fn strays(&self, stores: &HashSet<Site>) -> bool {
+        self.kind == Kind::Index && stores.contains(&self.site)
+    }
+
     /// Why the value is undefined, with the arguments; a clause without a full stop.
     pub fn why(&self, args: &[f64]) -> String {
         let arg = |k: usize| args.get(k).copied().unwrap_or(f64::NAN);

@@ -62,6 +62,8 @@ pub struct Actual {
     words: Vec<u32>,
     count: usize,
     marks: Marks,
+    /// Invocations of the batch that were left out, in rising order.
+    absent: Vec<usize>,
 }
 
 impl Actual {
@@ -78,7 +80,7 @@ impl Actual {
                 return Err(LaneError::NotWritten { invocation, count, found, expected });
             }
         }
-        Ok(Self { layout: layout.clone(), words, count, marks })
+        Ok(Self { layout: layout.clone(), words, count, marks, absent: Vec::new() })
     }
 
     /// The words and the marks, to be accepted again in another process.
@@ -90,6 +92,24 @@ impl Actual {
     pub(super) fn altered(mut self, word: impl Fn(u32) -> u32) -> Self {
         self.words.iter_mut().for_each(|w| *w = word(*w));
         self
+    }
+
+    /// The same with invocations, in rising order, that were left out: they have no outputs, and no say.
+    pub(crate) fn without(mut self, absent: Vec<usize>) -> Self {
+        let size = self.layout.words();
+        absent.iter().for_each(|&k| self.words[k * size..][..size].fill(0));
+        Self { absent, ..self }
+    }
+
+    /// The outputs of a batch all invocations of which were left out.
+    pub(crate) fn none(layout: &OutputLayout, count: usize) -> Self {
+        let (words, absent) = (vec![0; layout.words() * count], (0..count).collect());
+        Self { layout: layout.clone(), words, count, marks: Marks::random(), absent }
+    }
+
+    /// True for an invocation that was left out: what it does is undefined, and the executor fails at it.
+    pub fn is_absent(&self, invocation: usize) -> bool {
+        self.absent.binary_search(&invocation).is_ok()
     }
 
     /// Number of invocations.

@@ -236,6 +236,23 @@ impl LaneError {
         }
     }
 
+    /// What it means where the language leaves the behaviour of the invocation undefined, in a clause.
+    pub fn at_undefined(&self) -> String {
+        match self {
+            Self::Lost { how, .. } => format!("the process of the driver {how}, which it may do there"),
+            other => format!("{other}, which may happen there"),
+        }
+    }
+
+    /// The invocation at which it failed, where that is known.
+    pub fn invocation(&self) -> Option<usize> {
+        match self {
+            Self::Lost { invocation, .. } => *invocation,
+            Self::NotWritten { invocation, .. } | Self::Endless { invocation, .. } => Some(*invocation),
+            Self::Api(_) | Self::Unsupported(_) | Self::Translator(_) => None,
+        }
+    }
+
     /// A kernel has a texture to which it gives no binding.
     pub(crate) fn unbound() -> Self {
         Self::Api("a texture without a binding".to_owned())

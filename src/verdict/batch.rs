@@ -214,7 +214,7 @@ pub fn judge_at(court: &Court<'_>, batch: &Batch, actual: &Actual, invocation: u
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
     let mut bench = Bench::new(court);
     let (suspects, _) = bench.scan(batch, actual, invocation..invocation + 1);
-    let judged = bench.suspects.judge(batch, actual, &suspects).into_iter().next();
+    let judged = bench.settle(batch, actual, suspects).into_iter().next();
     judged.map_or(Verdict::Agree(Promise::Text), |(_, verdict)| verdict)
 }
 
@@ -262,6 +262,19 @@ impl<'a> Bench<'a> {
     /// Verdicts on suspects. Those that depend on an undefined value say nothing of the lane; a deviation of others
     /// that came upon one is held against nobody if NaN or infinity in its place would have led there.
     fn settle(&mut self, batch: &Batch, actual: &Actual, suspects: Vec<Suspect>) -> Vec<(usize, Verdict)> {
+        let (absent, suspects): (Vec<Suspect>, Vec<Suspect>) =
+            suspects.into_iter().partition(|suspect| actual.is_absent(suspect.invocation));
+        let mut judged = self.present(batch, actual, suspects);
+        if !absent.is_empty() {
+            let absent: Vec<usize> = absent.into_iter().map(|suspect| suspect.invocation).collect();
+            let found = self.looker.on_the_way(batch, &absent);
+            judged.extend(undefined::verdicts(&self.court, batch, &found));
+        }
+        judged
+    }
+
+    /// The same for those that the executor ran.
+    fn present(&mut self, batch: &Batch, actual: &Actual, suspects: Vec<Suspect>) -> Vec<(usize, Verdict)> {
         let touched: Vec<usize> = suspects.iter().filter(|s| s.undefined).map(|s| s.invocation).collect();
         if touched.is_empty() {
             return self.suspects.judge(batch, actual, &suspects);

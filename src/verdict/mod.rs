@@ -6,6 +6,7 @@ mod closeup;
 pub mod diagnosis;
 mod edges;
 mod expectations;
+mod fence;
 mod judge;
 mod limits;
 mod literals;
@@ -28,6 +29,7 @@ pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each
 pub use closeup::{Closeup, Seen, closeups};
 pub use edges::{Edges, Question, Reached, edges};
 pub use expectations::{Movement, movement, shader_deviation};
+pub use fence::{Fence, Fenced};
 pub use judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees};
 pub use limits::{Limiter, Limits, Meant, Roundoff, Wanted};
 pub use observe::{meaning, observe};

@@ -112,6 +112,11 @@ fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]
         let words = actual.vertex(invocation, vertex);
         for output in &court.reference.seen {
             for word in output.actual.clone() {
+                if actual.is_absent(invocation) {
+                    observed.words.push(f64::NAN);
+                    observed.slack.push(f64::INFINITY);
+                    continue;
+                }
                 observed.words.push(real(words[word], output.scalar));
                 observed.slack.push(slack.get(vertex * width + word).copied().unwrap_or(f64::INFINITY));
             }

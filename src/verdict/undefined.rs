@@ -35,6 +35,18 @@ impl<'a> Looker<'a> {
         }
         all
     }
+
+    /// What is undefined in some invocations, whether or not an output depends on it.
+    pub(super) fn on_the_way(&mut self, batch: &Batch, invocations: &[usize]) -> Found {
+        let oracle = self.oracle;
+        let mut all = Found::new();
+        for some in invocations.chunks(LANES) {
+            let machine = self.machine.get_or_insert_with(|| oracle.ideal_or_meaning());
+            let found = machine.undefined_on_the_way(batch, some, &|_| true);
+            all.extend(some.iter().zip(found).filter_map(|(&invocation, found)| Some((invocation, found?))));
+        }
+        all
+    }
 }
 
 /// Verdicts on samples that depend on undefined values, which have no say about the lane. Where nothing is expected

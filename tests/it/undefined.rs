@@ -236,6 +236,10 @@ fn staged(function: &str, stage: &str) -> Prepared {
 }
 
 fn check(prepared: &Prepared, lane: &dyn Lane) -> Report {
+    outcome(prepared, lane).unwrap()
+}
+
+fn outcome(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, LaneError> {
     // A promise under which these functions have bounds.
     let rulings = Rulings { text: by_name("vulkan-1.4").unwrap(), conformance: None, measured: None };
     let request = Request {
@@ -247,7 +251,7 @@ fn check(prepared: &Prepared, lane: &dyn Lane) -> Report {
         arguments: prepared.suite.name.clone(),
         rulings,
     };
-    run(prepared, lane, Stage::Compute, &request, &mut |_| {}).unwrap()
+    run(prepared, lane, Stage::Compute, &request, &mut |_| {})
 }
 
 /// A device that is off by a part in 1000 wherever the first input is between 1.25 and 1.5.
@@ -280,6 +284,57 @@ impl Runner for OffRunner {
             }
         }
         self.0.run(&batch)
+    }
+}
+
+/// A device that fails outright where the first input of an invocation fulfils a condition, or writes over the inputs of
+/// its neighbours there.
+struct Brittle {
+    lane: Box<dyn Lane>,
+    breaks: fn(f32) -> bool,
+    dies: bool,
+}
+
+struct BrittleRunner {
+    runner: Box<dyn Runner>,
+    breaks: fn(f32) -> bool,
+    dies: bool,
+}
+
+impl Lane for Brittle {
+    fn description(&self) -> &Description {
+        self.lane.description()
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let runner = self.lane.prepare(kernel, capacity)?;
+        Ok(Box::new(BrittleRunner { runner, breaks: self.breaks, dies: self.dies }))
+    }
+}
+
+impl Runner for BrittleRunner {
+    fn capacity(&self) -> usize {
+        self.runner.capacity()
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        let count = batch.invocation_count();
+        let x = |k: usize| f32::from_bits(*batch.invocation(k).iter().chain(batch.case_of(k)).next().unwrap());
+        let broken: Vec<usize> = (0..count).filter(|&k| (self.breaks)(x(k))).collect();
+        let Some(&first) = broken.first() else { return self.runner.run(batch) };
+        if self.dies {
+            let how = "was ended by signal 11 (segmentation fault)".to_owned();
+            return Err(LaneError::Lost { how, invocation: Some(first), count, inputs: String::new() });
+        }
+        let mut batch = batch.clone();
+        for at in broken {
+            let next = (at + 1) % count;
+            if !(self.breaks)(x(next)) {
+                let words = batch.invocation_record.words();
+                batch.invocations[next * words..][..words].fill(0.25_f32.to_bits());
+            }
+        }
+        self.runner.run(&batch)
     }
 }
 
@@ -352,4 +407,52 @@ fn the_smallest_input_is_shown_with_the_place() {
         "the shader gives an undefined value: `[int(3.0 * x)]` at u.glsl:5:11: index -3 is outside of 0 to 3"
     );
     assert_eq!(inputs.iter().map(|i| i.decimal.concat()).collect::<Vec<_>>(), ["-1.0", "0.0"]);
+}
+
+/// A load and a store at an index that may lie outside, and a division of integers.
+const BREAKING: [&str; 3] = [
+    "float f(float x, float y) { float a[3]; a[0] = 1.0; a[1] = y; a[2] = 3.0; return a[int(floor(x + 1.0))]; }",
+    "float f(float x, float y) { float a[3]; a[0] = y; a[1] = x; a[2] = 3.0; a[int(floor(x + 1.0))] = 5.0; return a[0]; }",
+    "float f(float x, float y) { return float(7 / max(int(floor(x + 2.0)), 0)) + y; }",
+];
+
+#[test]
+fn an_executor_that_dies_where_the_shader_is_undefined_is_not_at_fault() {
+    for function in BREAKING {
+        let prepared = staged(function, "function");
+        // From -2 to -1 each of them is undefined.
+        let lane = Brittle { lane: embedded::open().unwrap(), breaks: |x| x < -1.0, dies: true };
+        let report = check(&prepared, &lane);
+        let undefined = messages(&report, FindingKind::Undefined);
+        let told = |what: &str| undefined.iter().any(|message| message.contains(what));
+        assert!(told("the shader gives an undefined value"), "{function}: {undefined:?}");
+        // What stores outside of an array is not run at all.
+        let dies = "the process of the driver was ended by signal 11 (segmentation fault), which it may do there";
+        assert_eq!(told(dies), !function.contains("] = 5.0"), "{function}: {undefined:?}");
+        assert!(report.verdicts.deviated == 0 && report.verdicts.agreed > 0, "{function}: {:?}", report.verdicts);
+        let known = |kind| matches!(kind, FindingKind::Undefined | FindingKind::Floor);
+        assert!(report.findings.iter().all(|f| known(f.kind)), "{function}: {:?}", report.findings);
+    }
+}
+
+#[test]
+fn an_executor_that_dies_where_the_shader_is_defined_has_failed() {
+    for function in BREAKING {
+        let prepared = staged(function, "function");
+        let lane = Brittle { lane: embedded::open().unwrap(), breaks: |x| (0.5..0.75).contains(&x), dies: true };
+        let error = outcome(&prepared, &lane).unwrap_err();
+        assert!(matches!(&error, LaneError::Lost { invocation: Some(_), .. }), "{function}: {error}");
+    }
+}
+
+#[test]
+fn what_a_store_outside_of_its_array_does_to_others_is_held_against_no_executor() {
+    let prepared = staged(BREAKING[1], "function");
+    let deviated = |breaks| {
+        let report = check(&prepared, &Brittle { lane: embedded::open().unwrap(), breaks, dies: false });
+        assert!(!messages(&report, FindingKind::Undefined).is_empty(), "{:?}", report.findings);
+        report.verdicts.deviated
+    };
+    assert_eq!(deviated(|x| x < -1.0), 0);
+    assert!(deviated(|x| (0.5..0.75).contains(&x)) > 0, "a device that writes over others by itself is at fault");
 }

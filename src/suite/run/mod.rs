@@ -297,7 +297,7 @@ fn on_kernel(
     let rounded = if once { rounded::look(&trial, request, &report)? } else { Vec::new() };
     let shown = [
         finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
-        undefined::findings(prepared, &counted.undefined, request, &report),
+        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &report),
     ];
     let suite = &prepared.suite;
     let terms = part::Terms {
@@ -326,7 +326,7 @@ fn interrupted(
         report.findings.push(Finding { kind, message, case: None, count: deviated, reproduce: None });
         Vec::new()
     });
-    let shown = [shown, undefined::findings(trial.prepared, &counted.undefined, &request, &report)];
+    let shown = [shown, undefined::findings((trial.prepared, trial.fenced()), &counted.undefined, &request, &report)];
     let terms = part::Terms { least: 0, undetermined: 1.0, makes_samples: false, replay_only: true };
     let terms = (counted.verdicts.agreed + counted.verdicts.deviated > 0).then_some(terms);
     part.of(report, counted, (shown, Vec::new()), terms)

@@ -135,12 +135,13 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Repor
         few(&prepared.rows)
     };
     let count = batch.invocation_count();
-    let prints = |trial: &mut Trial<'_>| -> Result<Vec<u64>, LaneError> {
+    let prints = |trial: &mut Trial<'_>| -> Result<Vec<Option<u64>>, LaneError> {
         let actual = trial.run(&batch)?;
-        Ok((0..count).map(|k| print(&actual, k)).collect())
+        Ok((0..count).map(|k| (!actual.is_absent(k)).then(|| print(&actual, k))).collect())
     };
     let (one, two) = (prints(trial)?, prints(trial)?);
-    let mut other: Vec<usize> = (0..count).filter(|&k| one[k] != two[k]).collect();
+    let mut other: Vec<usize> =
+        (0..count).filter(|&k| one[k].is_some() && two[k].is_some() && one[k] != two[k]).collect();
     if !other.is_empty() {
         // What is undefined may differ from one run to the next.
         let undefined = dependences(&prepared.oracle, &batch);

@@ -120,7 +120,7 @@ fn other(
     relate::check(&mut trial, request, related, &mut report)?;
     let shown = [
         finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
-        undefined::findings(prepared, &counted.undefined, request, &report),
+        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &report),
     ];
     // A handful of samples need not keep the shares of a whole run; but something has to be judged.
     let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
@@ -156,7 +156,7 @@ fn apart(prepared: &Prepared, lane: &dyn Lane, source: Source, request: &Request
 
 fn compare(batch: &Batch, here: &Actual, storage: &Actual, found: &mut Apart) {
     let record = &here.layout().vertex;
-    for i in 0..batch.invocation_count() {
+    for i in (0..batch.invocation_count()).filter(|&i| !here.is_absent(i) && !storage.is_absent(i)) {
         found.samples += 1;
         let shape =
             |a: &Actual| (a.emitted(i), a.ended_strips(i), (0..a.stored(i)).map(|v| a.strip(i, v)).collect::<Vec<_>>());

@@ -5,7 +5,7 @@ use crate::lane::{Actual, Lane, LaneError, Runner, Stage};
 use crate::program::{Form, Kernel, Program, Source};
 use crate::property::Sample;
 use crate::value::Batch;
-use crate::verdict::{Court, Deviation, Verdict, judge_each};
+use crate::verdict::{Court, Deviation, Fence, Fenced, Verdict, judge_each};
 
 use super::Prepared;
 
@@ -89,7 +89,7 @@ pub struct Trial<'a> {
     /// What the lane is held against.
     rulings: &'a Rulings,
     stage: Stage,
-    runner: Box<dyn Runner + 'a>,
+    runner: Fence<'a>,
     /// Where inputs come from, when it is not what the stage says.
     pub source: Option<Source>,
 }
@@ -126,7 +126,8 @@ impl<'a> Trial<'a> {
             Form::Vertex { .. } => Stage::Vertex,
             Form::Geometry => Stage::Geometry,
         };
-        Ok(Self { prepared, rulings, stage, runner: lane.prepare(kernel, capacity)?, source: None })
+        let runner = Fence::new(lane.prepare(kernel, capacity)?, &prepared.oracle, &kernel.output);
+        Ok(Self { prepared, rulings, stage, runner, source: None })
     }
 
     /// Makes a kernel ready whose inputs come from a source, for batches of at most `most` invocations.
@@ -177,6 +178,7 @@ impl<'a> Trial<'a> {
                 lane.prepare(&kernel_from(&prepared.program, source, &none)?, most)?
             }
         };
+        let runner = Fence::new(runner, &prepared.oracle, &prepared.compute.output);
         Ok(Self { prepared, rulings, stage, runner, source: Some(source) })
     }
 
@@ -189,6 +191,11 @@ impl<'a> Trial<'a> {
     pub fn court(&self) -> Court<'a> {
         let Prepared { oracle, reference, .. } = self.prepared;
         Court { oracle, reference, rulings: self.rulings, stage: self.stage }
+    }
+
+    /// The failure of the executor since which invocations with undefined behaviour are left out.
+    pub(super) fn fenced(&self) -> Option<&Fenced> {
+        self.runner.found()
     }
 
     /// Most invocations of one batch.

@@ -8,19 +8,26 @@ use super::{Prepared, Report, Request};
 use crate::interp::{Dependence, author_span};
 use crate::property::Sample;
 use crate::property::shrink::{self, Shrunk};
-use crate::verdict::dependences;
+use crate::verdict::{Fenced, dependences};
 
 /// Operations that are told of one suite.
 const TOLD: usize = 4;
 
-/// Shrinks samples that depend on undefined values, one for each operation, and reports them.
-pub(super) fn findings(prepared: &Prepared, failing: &[Failing], request: &Request, report: &Report) -> Vec<Shown> {
+/// Shrinks samples that depend on undefined values, one for each operation, and reports them; first the one at which
+/// the executor failed outright, if it did.
+pub(super) fn findings(
+    (prepared, fenced): (&Prepared, Option<&Fenced>),
+    failing: &[Failing],
+    request: &Request,
+    report: &Report,
+) -> Vec<Shown> {
+    let mut shown: Vec<Shown> =
+        fenced.into_iter().map(|fenced| at_failure(prepared, fenced, request, report)).collect();
     if failing.is_empty() {
-        return Vec::new();
+        return shown;
     }
     let samples: Vec<Sample> = failing.iter().map(|failing| failing.sample(&prepared.plan)).collect();
     let found = dependences(&prepared.oracle, &Sample::batch(&samples));
-    let mut shown: Vec<Shown> = Vec::new();
     for ((sample, failing), found) in samples.into_iter().zip(failing).zip(found) {
         let Some(found) = found else { continue };
         let alike = Some(format!("{:?}", found.of));
@@ -42,6 +49,22 @@ pub(super) fn findings(prepared: &Prepared, failing: &[Failing], request: &Reque
         shown.push(Shown { number: failing.number, alike, words, finding, sample: Some(shrunk.sample) });
     }
     shown
+}
+
+/// A failure of the executor where the shader's behaviour is undefined. Which smaller sample would bring it about, only
+/// more failures could tell.
+fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, report: &Report) -> Shown {
+    let shrunk = finding::unshrunk(fenced.sample.clone());
+    let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+    let finding = Finding {
+        kind: FindingKind::Undefined,
+        message: format!("{}; {}", message(prepared, &fenced.because), fenced.error.at_undefined()),
+        case: Some(finding::case(&shrunk, None)),
+        count: 0,
+        reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+    };
+    let alike = Some(format!("{:?}", fenced.because.of));
+    Shown { number: 0, alike, words, finding, sample: Some(shrunk.sample) }
 }
 
 /// The smallest sample that depends on the same operation.
