@@ -59,7 +59,8 @@ impl Trouble {
             Kind::Shift => Self::Shift,
             Kind::Conversion => Self::Conversion,
             Kind::Overflow => Self::IntegerOverflow,
-            Kind::Unset | Kind::NoReturn => Self::Unset,
+            // These follow from the text, whatever the inputs.
+            Kind::Unset | Kind::NoReturn | Kind::Overlap => Self::Unset,
             Kind::Quotient | Kind::Remainder | Kind::BitField | Kind::Argument | Kind::Fuel | Kind::Killed => {
                 Self::Undefined
             }

@@ -366,6 +366,12 @@ pub(super) enum Inst {
     Call {
         body: Vec<Inst>,
     },
+    /// An `out` argument that is the same place as another, always or where two indices are equal.
+    Overlap {
+        of: Slot,
+        equal: Option<[Reg; 2]>,
+        site: Site,
+    },
     Break,
     Continue,
     Return,
@@ -473,6 +479,10 @@ impl Inst {
                     f(Read, one.file(), &mut one.reg);
                 }
             }
+            Self::Overlap { of, equal, .. } => {
+                equal.iter_mut().flatten().for_each(|index| f(Read, Word, index));
+                f(Write, of.file(), &mut of.reg);
+            }
             Self::If { condition, .. } => f(Read, Word, condition),
             Self::Switch { selector, .. } => f(Read, Word, selector),
             // The condition at the end of a loop is read inside it.
@@ -529,44 +539,7 @@ pub struct Executable {
     pub(super) draft: Arc<Draft>,
 }
 
-fn loops(block: &[Inst]) -> bool {
-    block.iter().any(|inst| match inst {
-        Inst::Loop { .. } => true,
-        Inst::If { accept, reject, .. } => loops(accept) || loops(reject),
-        Inst::Switch { cases, .. } => cases.iter().any(|case| loops(&case.body)),
-        Inst::Call { body } => loops(body),
-        // The rest holds no instructions.
-        _ => false,
-    })
-}
-
-/// The places of stores whose index may lie outside of its array.
-fn stores(block: &[Inst], all: &mut HashSet<Site>) {
-    for inst in block {
-        match inst {
-            Inst::Scatter { strays, .. } => all.extend(strays.iter().map(|stray| stray.site)),
-            Inst::If { accept, reject, .. } => [accept, reject].into_iter().for_each(|block| stores(block, all)),
-            Inst::Switch { cases, .. } => cases.iter().for_each(|case| stores(&case.body, all)),
-            Inst::Loop { body, .. } | Inst::Call { body } => stores(body, all),
-            _ => {}
-        }
-    }
-}
-
 impl Executable {
-    /// The places of stores whose index may lie outside of its array: what such a store does to an executor, and to
-    /// other invocations, is anyone's guess.
-    pub fn stray_stores(&self) -> HashSet<Site> {
-        let mut all = HashSet::new();
-        stores(&self.body, &mut all);
-        all
-    }
-
-    /// True when it has a loop.
-    pub fn has_loops(&self) -> bool {
-        loops(&self.body)
-    }
-
     /// Where an operation stands.
     pub fn place(&self, site: Site) -> Place {
         self.sites[site.index()]

@@ -303,11 +303,8 @@ impl<'e, D: Domain> Machine<'e, D> {
                     self.substitute(Kind::Unset, *site, Mask::ALL, *to);
                 }
             }
-            Inst::Read { from, kind, site } => {
-                let assigned = self.assigned[from.file() as usize].get(&from.reg).copied().unwrap_or(Mask::ALL);
-                let found = Undefined { kind: *kind, site: *site, what: None };
-                self.undefined(found, Mask::ALL.minus(assigned), None, [Operand::None; 2]);
-            }
+            Inst::Read { from, kind, site } => self.read(*from, *kind, *site),
+            Inst::Overlap { of, equal, site } => self.overlap(*of, *equal, *site),
             Inst::Texel { table, index, channel, inside, to, site } => {
                 let table = &self.executable.tables[*table as usize];
                 let index = self.words[*index as usize];

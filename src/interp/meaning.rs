@@ -27,6 +27,8 @@ pub enum Kind {
     Unset,
     /// A function that ended without `return`; its value was taken as 0.
     NoReturn,
+    /// Two `out` arguments that are one variable; the last was copied back last.
+    Overlap,
     /// A loop that ran for longer than the fuel; the lane was stopped.
     Fuel,
     /// The lane was discarded, which is no finding of its own.
@@ -35,7 +37,7 @@ pub enum Kind {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Index,
         Self::DivisionByZero,
         Self::Overflow,
@@ -47,6 +49,7 @@ impl Kind {
         Self::Argument,
         Self::Unset,
         Self::NoReturn,
+        Self::Overlap,
         Self::Fuel,
         Self::Killed,
     ];
@@ -63,7 +66,8 @@ impl Kind {
             | Self::BitField
             | Self::Argument
             | Self::Unset
-            | Self::NoReturn => true,
+            | Self::NoReturn
+            | Self::Overlap => true,
             // GLSL 4.60, 4.1.3: sums and products keep their lower 32 bits.
             Self::Overflow | Self::Fuel | Self::Killed => false,
         }

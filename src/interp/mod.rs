@@ -22,6 +22,7 @@ mod machine;
 mod meaning;
 mod plain;
 mod rearrange;
+mod shape;
 #[cfg(test)]
 mod tests;
 mod undefined;

@@ -86,6 +86,19 @@ impl<D: Domain> Machine<'_, D> {
         }
     }
 
+    /// Notes lanes in which a variable is read that has no value.
+    pub(super) fn read(&mut self, from: Slot, kind: Kind, site: Site) {
+        let assigned = self.assigned[from.file() as usize].get(&from.reg).copied().unwrap_or(Mask::ALL);
+        self.undefined(Undefined { kind, site, what: None }, Mask::ALL.minus(assigned), None, [Operand::None; 2]);
+    }
+
+    /// Notes lanes in which two `out` arguments are one place.
+    pub(super) fn overlap(&mut self, of: Slot, equal: Option<[Reg; 2]>, site: Site) {
+        let word = |reg: Reg, lane: usize| self.words[reg as usize][lane];
+        let lanes = equal.map_or(Mask::ALL, |[a, b]| Mask::where_(|lane| word(a, lane) == word(b, lane)));
+        self.undefined(Undefined { kind: Kind::Overlap, site, what: None }, lanes, Some(of), [Operand::None; 2]);
+    }
+
     fn note(&mut self, of: Undefined, lanes: Mask, args: [Operand; 2]) {
         let Some(first) = lanes.lanes().next() else { return };
         let arg = |arg: Operand| match arg {
@@ -283,6 +296,9 @@ impl Undefined {
             Kind::Argument => self.what.map_or_else(String::new, |what| outside(what, a, b)),
             Kind::Unset => "it is read before it has a value".to_owned(),
             Kind::NoReturn => "the function ends without `return`".to_owned(),
+            Kind::Overlap => {
+                "two `out` arguments are one variable, and the order in which they are copied back is open".to_owned()
+            }
             Kind::Overflow | Kind::Fuel | Kind::Killed => "the operation leaves its range".to_owned(),
         }
     }

@@ -11,7 +11,7 @@ use shadercheck::value::Batch;
 use shadercheck::verdict::{Blame, Reason};
 
 /// What is undefined: functions of `x` and `y` from -2 to 2, what is said of it, and the same within the rules.
-const CASES: [(&str, &str, &str); 40] = [
+const CASES: [(&str, &str, &str); 44] = [
     (
         "float f(float x, float y) { float a[3]; a[0] = 1.0; a[1] = y; a[2] = 3.0; return a[int(floor(x))]; }",
         "index -",
@@ -196,6 +196,26 @@ const CASES: [(&str, &str, &str); 40] = [
         "float h;\nfloat f(float x, float y) { if (x > 0.0) h = y; return h; }",
         "it is read before it has a value",
         "float h = 0.5;\nfloat f(float x, float y) { if (x > 0.0) h = y; return h; }",
+    ),
+    (
+        "void g(inout float a, inout float b) { a += 1.0; b *= 2.0; }\nfloat f(float x, float y) { float h = x; g(h, h); return h + y; }",
+        "two `out` arguments are one variable",
+        "void g(inout float a, inout float b) { a += 1.0; b *= 2.0; }\nfloat f(float x, float y) { float h = x; float k = y; g(h, k); return h + k; }",
+    ),
+    (
+        "void g(out vec3 a, out float b) { a = vec3(1.0); b = 2.0; }\nfloat f(float x, float y) { vec3 h = vec3(x); g(h, h.y); return h.y + y; }",
+        "two `out` arguments are one variable",
+        "void g(out float a, out float b) { a = 1.0; b = 2.0; }\nfloat f(float x, float y) { vec3 h = vec3(x); g(h.x, h.y); return h.y + y; }",
+    ),
+    (
+        "float h;\nvoid g(out float a, out float b) { a = 1.0; b = 2.0; }\nfloat f(float x, float y) { g(h, h); return h + y + x; }",
+        "two `out` arguments are one variable",
+        "float h;\nvoid g(inout float a) { h = 2.0; a += h; }\nfloat f(float x, float y) { h = x; g(h); return h + y; }",
+    ),
+    (
+        "void g(out float a, out float b) { a = 1.0; b = 2.0; }\nfloat f(float x, float y) { float a[2]; a[0] = x; a[1] = y; g(a[int(x > 0.0)], a[int(y > 0.0)]); return a[0] + a[1]; }",
+        "two `out` arguments are one variable",
+        "void g(out float a, out float b) { a = 1.0; b = 2.0; }\nfloat f(float x, float y) { float a[2]; a[0] = x; a[1] = y; g(a[int(x > 0.0)], a[1 - int(x > 0.0)]); return a[0] + a[1] + x; }",
     ),
     // Where it does not matter nothing is said: not selected, not read, multiplied by 0, the same whatever it is.
     (

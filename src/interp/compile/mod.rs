@@ -7,6 +7,7 @@ mod geometric;
 mod math;
 mod memory;
 mod operator;
+mod overlap;
 mod statement;
 mod texture;
 mod types;

@@ -86,10 +86,10 @@ impl<'m> Compiler<'m> {
     }
 
     fn statements(&mut self, frame: &mut Frame<'m>, block: &'m Block) -> Result<(), InterpError> {
-        for (statement, &span) in block.span_iter() {
+        for (k, (statement, &span)) in block.span_iter().enumerate() {
             frame.span = span;
             self.check_size(span)?;
-            self.statement(frame, statement, span)?;
+            self.statement(frame, statement, span, &block[k + 1..])?;
         }
         Ok(())
     }
@@ -99,6 +99,7 @@ impl<'m> Compiler<'m> {
         frame: &mut Frame<'m>,
         statement: &'m Statement,
         span: naga::Span,
+        rest: &'m [Statement],
     ) -> Result<(), InterpError> {
         let refuse = |what: &str| Err(unsupported(what.to_owned(), span));
         match statement {
@@ -171,7 +172,7 @@ impl<'m> Compiler<'m> {
                 self.store(frame, &pointer, &value)?;
             }
             Statement::Call { function, arguments, result } => {
-                self.call(frame, *function, arguments, *result, span)?;
+                self.call(frame, *function, (arguments, rest), *result, span)?;
             }
             Statement::ControlBarrier(_) => return refuse("barriers"),
             Statement::MemoryBarrier(_) => return refuse("memory barriers"),
@@ -188,7 +189,7 @@ impl<'m> Compiler<'m> {
         Ok(())
     }
 
-    fn statement_site(&mut self, frame: &Frame<'m>, span: naga::Span) -> Site {
+    pub(super) fn statement_site(&mut self, frame: &Frame<'m>, span: naga::Span) -> Site {
         let sites = &mut self.executable.sites;
         sites.push(Place { function: frame.handle, expression: None, span });
         Site((sites.len() - 1) as u32)
@@ -198,7 +199,7 @@ impl<'m> Compiler<'m> {
         &mut self,
         frame: &mut Frame<'m>,
         handle: Handle<Function>,
-        arguments: &[Handle<Expression>],
+        (arguments, rest): (&[Handle<Expression>], &'m [Statement]),
         result: Option<Handle<Expression>>,
         span: naga::Span,
     ) -> Result<(), InterpError> {
@@ -220,18 +221,19 @@ impl<'m> Compiler<'m> {
         if self.depth > MAX_DEPTH {
             return Err(unsupported("chains of calls so deep".to_owned(), span));
         }
-        let arguments = arguments.iter().map(|&a| self.value(frame, a)).collect::<Result<Vec<_>, _>>()?;
+        let values = arguments.iter().map(|&a| self.value(frame, a)).collect::<Result<Vec<_>, _>>()?;
         let slots = match &function.result {
             Some(result) => self.variable(result.ty, span)?,
             None => Rc::from([]),
         };
         let assigned = self.assigned.clone();
-        let body = self.function(Some(handle), function, &self.subject.info[handle], arguments, slots.clone())?;
+        let body = self.function(Some(handle), function, &self.subject.info[handle], values.clone(), slots.clone())?;
         self.depth -= 1;
         self.known.clear();
         // Lanes may have returned before they wrote.
         self.assigned = assigned;
         self.push(Inst::Call { body });
+        self.note_overlaps(frame, (arguments, &values), rest, span);
         if let Some(result) = result {
             // The registers of the result are written again when this call is run again.
             let copies = self.copies(&slots);

@@ -1,0 +1,150 @@
+//! `out` arguments that are one variable: the order in which they are copied back is undefined (GLSL 4.60, 6.1.1).
+
+use std::rc::Rc;
+
+use naga::{Expression, Handle, Statement};
+
+use super::super::code::{Inst, Reg, Slot};
+use super::{Compiler, Frame, Pointer, Value, types};
+
+/// Scalars of a variable that a call writes.
+struct Target {
+    /// Which argument.
+    argument: usize,
+    to: Pointer,
+    len: usize,
+}
+
+/// When two targets are one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Meeting {
+    Always,
+    /// Where two indices are equal.
+    Equal([Reg; 2]),
+    Never,
+}
+
+impl<'m> Compiler<'m> {
+    /// Notes behind a call that the values of `out` arguments are undefined where two of them are one place. `rest` is
+    /// what stands behind the call: it begins with the copies of arguments that are not passed as they are.
+    pub(super) fn note_overlaps(
+        &mut self,
+        frame: &mut Frame<'m>,
+        (arguments, values): (&[Handle<Expression>], &[Value]),
+        rest: &'m [Statement],
+        span: naga::Span,
+    ) {
+        let passed: Vec<usize> = (0..values.len()).filter(|&k| matches!(values[k], Value::Pointer(_))).collect();
+        if passed.len() < 2 {
+            return;
+        }
+        let mut targets = Vec::new();
+        for k in passed {
+            targets.extend(self.targets(frame, (k, arguments[k]), &values[k], rest));
+        }
+        for (k, one) in targets.iter().enumerate() {
+            for other in targets[k + 1..].iter().filter(|other| other.argument != one.argument) {
+                let equal = match meeting(one, other) {
+                    Meeting::Never => continue,
+                    Meeting::Always => None,
+                    Meeting::Equal(indices) => Some(indices),
+                };
+                let site = self.statement_site(frame, span);
+                for argument in [one.argument, other.argument] {
+                    for slot in self.passed_slots(frame, arguments[argument], &values[argument]) {
+                        self.push(Inst::Overlap { of: slot, equal, site });
+                    }
+                }
+            }
+        }
+    }
+
+    /// What an argument writes: its own variable, or those that it is copied back to.
+    fn targets(
+        &mut self,
+        frame: &mut Frame<'m>,
+        (argument, handle): (usize, Handle<Expression>),
+        value: &Value,
+        rest: &'m [Statement],
+    ) -> Vec<Target> {
+        let mut all = Vec::new();
+        for statement in rest {
+            match statement {
+                Statement::Emit(_) => {}
+                Statement::Store { pointer, value } if loads(frame, *value, handle) => {
+                    let expressions = &frame.function.expressions;
+                    let whole = matches!(
+                        expressions[*pointer],
+                        Expression::GlobalVariable(_) | Expression::LocalVariable(_) | Expression::FunctionArgument(_)
+                    );
+                    // The place of a part is known already: it was looked up before the call.
+                    let known = whole || frame.values.contains_key(pointer);
+                    if let Some(Value::Pointer(to)) = known.then(|| self.value(frame, *pointer).ok()).flatten() {
+                        all.push(Target { argument, to, len: self.pointed(frame, *pointer) });
+                    }
+                }
+                Statement::Store { .. } => {}
+                _ => break,
+            }
+        }
+        match value {
+            Value::Pointer(to) if all.is_empty() => {
+                vec![Target { argument, to: to.clone(), len: self.pointed(frame, handle) }]
+            }
+            Value::Pointer(_) | Value::Slots(_) => all,
+        }
+    }
+
+    /// The scalars that the function itself writes.
+    fn passed_slots(&self, frame: &Frame<'m>, handle: Handle<Expression>, value: &Value) -> Vec<Slot> {
+        let Value::Pointer(pointer) = value else { return Vec::new() };
+        let slots = pointer.variable.get(pointer.offset..pointer.offset + self.pointed(frame, handle));
+        slots.filter(|_| pointer.indices.is_empty()).map(<[Slot]>::to_vec).unwrap_or_default()
+    }
+
+    /// Scalars that a pointer leads to.
+    fn pointed(&self, frame: &Frame<'m>, pointer: Handle<Expression>) -> usize {
+        types::count(self.module, &self.pointee(frame, pointer)).unwrap_or_default()
+    }
+}
+
+/// True for a value that is made of what a pointer leads to, and of nothing else.
+fn loads(frame: &Frame<'_>, value: Handle<Expression>, from: Handle<Expression>) -> bool {
+    let expressions = &frame.function.expressions;
+    let same = |pointer: Handle<Expression>| {
+        pointer == from
+            || matches!((&expressions[pointer], &expressions[from]),
+                (Expression::LocalVariable(a), Expression::LocalVariable(b)) if a == b)
+    };
+    match expressions[value] {
+        Expression::Load { pointer } => same(pointer) || part_of(frame, pointer).is_some_and(same),
+        Expression::AccessIndex { base, .. }
+        | Expression::Swizzle { vector: base, .. }
+        | Expression::As { expr: base, .. } => loads(frame, base, from),
+        _ => false,
+    }
+}
+
+/// What a pointer to a part is made from.
+fn part_of(frame: &Frame<'_>, pointer: Handle<Expression>) -> Option<Handle<Expression>> {
+    match frame.function.expressions[pointer] {
+        Expression::AccessIndex { base, .. } => Some(part_of(frame, base).unwrap_or(base)),
+        _ => None,
+    }
+}
+
+fn meeting(a: &Target, b: &Target) -> Meeting {
+    if !Rc::ptr_eq(&a.to.variable, &b.to.variable) && a.to.variable.first() != b.to.variable.first() {
+        return Meeting::Never;
+    }
+    let range = |t: &Target| t.to.offset..t.to.offset + t.len;
+    let meet = |a: std::ops::Range<usize>, b: std::ops::Range<usize>| a.start < b.end && b.start < a.end;
+    match (&a.to.indices[..], &b.to.indices[..]) {
+        ([], []) if meet(range(a), range(b)) => Meeting::Always,
+        ([i], [j]) if i.stride == j.stride && meet(range(a), range(b)) => Meeting::Equal([i.reg, j.reg]),
+        // Whatever the index, the element is a part of the other.
+        ([], [j]) if a.to.offset <= b.to.offset && range(a).end >= b.to.offset + j.stride * j.len => Meeting::Always,
+        ([i], []) if b.to.offset <= a.to.offset && range(b).end >= a.to.offset + i.stride * i.len => Meeting::Always,
+        _ => Meeting::Never,
+    }
+}
