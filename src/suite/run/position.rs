@@ -12,6 +12,8 @@ use crate::value::Batch;
 use crate::verdict::diagnosis::Position;
 use crate::verdict::{Blame, Deviation, Verdict, judge_at, judge_batch};
 
+/// Batches of others in which a sample is looked at.
+const BESIDE: u64 = 3;
 /// Wrong places that are named.
 const NAMED: usize = 4;
 
@@ -127,24 +129,41 @@ pub(super) fn probe(
         let position = Position { invocation: failure.invocation, count, per_case, wrong: named, many };
         return Ok(Some(Tied { position, deviation: failure.deviation.clone(), wrong }));
     }
-    let mut placed = other;
-    put(&mut placed, at, sample);
+    // Some others may have what the sample has to give.
+    for salt in 0..BESIDE {
+        let mut placed = others(trial, request.seed ^ salt, sample, count, per_case);
+        put(&mut placed, at, sample);
+        if let Some(deviation) = beside(trial, (&same, &placed), at, first[at])? {
+            let position = Position { invocation: at, count, per_case, wrong: Vec::new(), many: 0 };
+            return Ok(Some(Tied { position, deviation, wrong: Vec::new() }));
+        }
+    }
+    Ok(None)
+}
+
+/// How a sample deviates in its place beside others, each time; it is right beside itself, where it gives `right`.
+fn beside(
+    trial: &mut Trial<'_>,
+    (same, placed): (&Batch, &Batch),
+    at: usize,
+    right: u64,
+) -> Result<Option<Deviation>, LaneError> {
+    let court = trial.court();
     let mut found = None;
     for (round, between) in [1, 1, 2].into_iter().enumerate() {
-        (0..between).try_for_each(|_| trial.run(&same).map(drop))?;
-        let actual = trial.run(&placed)?;
-        if repeat::print(&actual, at) == first[at] {
+        (0..between).try_for_each(|_| trial.run(same).map(drop))?;
+        let actual = trial.run(placed)?;
+        if repeat::print(&actual, at) == right {
             return Ok(None);
         }
         if round == 0 {
-            found = match judge_at(&court, &placed, &actual, at) {
+            found = match judge_at(&court, placed, &actual, at) {
                 Verdict::Deviate(deviation) if deviation.blame == Blame::Lane => Some(deviation),
                 _ => return Ok(None),
             };
         }
     }
-    let position = Position { invocation: at, count, per_case, wrong: Vec::new(), many: 0 };
-    Ok(found.map(|deviation| Tied { position, deviation, wrong: Vec::new() }))
+    Ok(found)
 }
 
 /// What most places gave.

@@ -98,9 +98,12 @@ pub(super) fn again(trial: &mut Trial<'_>, samples: &[Sample], first: &[u64]) ->
     let court = trial.court();
     let mut runs: Vec<Vec<u64>> = vec![Vec::new(); samples.len()];
     let mut deviations: Vec<Option<Deviation>> = vec![None; samples.len()];
-    // Each time in other places: what depends on the place is no property of the inputs.
-    for among in Among::ALL {
-        trial.run_among(samples, among, |sample, place, batch, actual| {
+    let reversed: Vec<Sample> = samples.iter().rev().cloned().collect();
+    // Each time in other places and beside others: what depends on these is no property of the inputs.
+    for (round, among) in Among::ALL.into_iter().enumerate() {
+        let back = round % 2 == 1;
+        trial.run_among(if back { &reversed } else { samples }, among, |sample, place, batch, actual| {
+            let sample = if back { samples.len() - 1 - sample } else { sample };
             runs[sample].push(print(actual, place));
             if let Verdict::Deviate(deviation) = judge_at(&court, batch, actual, place) {
                 deviations[sample].get_or_insert(deviation);
