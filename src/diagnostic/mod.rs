@@ -5,7 +5,7 @@ mod told;
 
 use std::fmt;
 
-use crate::text::{Edit, SourceFile, Span};
+use crate::text::{Edit, Expansion, SourceFile, Span};
 pub(crate) use told::told;
 pub use told::{Lang, Told};
 
@@ -114,19 +114,43 @@ impl Diagnostic {
         }
     }
 
+    /// The same with the macro that wrote what has this place, and where it is defined.
+    #[must_use]
+    pub fn in_expansion(mut self) -> Self {
+        let Some(Expansion { span: _, name, definition }) = self.file.expansion(self.span).cloned() else {
+            return self;
+        };
+        let en = format!("{} (in the expansion of `{name}`)", self.message);
+        // A diagnostic that has been through this is as it should be.
+        if self.message.ends_with(&en[self.message.len()..]) {
+            return self;
+        }
+        self.message = if self.message.is_translated() {
+            Told::new(en, format!("{}（マクロ `{name}` の展開）", self.message.in_lang(Lang::Ja)))
+        } else {
+            en.into()
+        };
+        if let Some(definition) = definition {
+            let file = self.file.clone();
+            self = self.with_related(&file, definition, told!("the macro is defined here", "マクロの定義"));
+        }
+        self
+    }
+
     /// The same about the files that an assembled text comes from: one with its includes read, for
     /// example. A repair of such a text is dropped, since it is none of those files.
     #[must_use]
-    pub fn at_origin(mut self) -> Self {
-        let (file, span) = self.file.origin(self.span);
-        if file != self.file {
-            self.fix = None;
-            (self.file, self.span) = (file, span);
+    pub fn at_origin(self) -> Self {
+        let mut this = self.in_expansion();
+        let (file, span) = this.file.origin(this.span);
+        if file != this.file {
+            this.fix = None;
+            (this.file, this.span) = (file, span);
         }
-        for label in &mut self.related {
+        for label in &mut this.related {
             (label.file, label.span) = label.file.origin(label.span);
         }
-        self
+        this
     }
 
     /// Sets the words beside the underlined text.

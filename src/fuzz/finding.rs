@@ -3,7 +3,7 @@
 use super::domain::Law;
 use crate::lane::LaneName;
 use crate::verdict::BatchVerdict;
-use crate::verdict::diagnosis::Diagnosis;
+use crate::verdict::diagnosis::{Diagnosis, Place};
 use serde::{Deserialize, Serialize};
 
 /// What is wrong.
@@ -173,7 +173,7 @@ pub struct Finding {
     /// One sentence without a full stop.
     pub message: String,
     /// Where it stands in the author's file, with the text there.
-    pub place: Option<(String, String)>,
+    pub place: Option<Place>,
     /// The lane, for what concerns one.
     #[serde(with = "crate::lane::known::option")]
     pub lane: Option<LaneName>,

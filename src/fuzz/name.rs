@@ -10,6 +10,7 @@ use crate::interp::{Binary32, Binary64, Dependence, LANES, Machine, OutputColumn
 use crate::lane::{Api, Stage};
 use crate::text::Span;
 use crate::value::Batch;
+use crate::verdict::diagnosis::Place;
 
 use super::finding::Kind;
 
@@ -280,7 +281,7 @@ pub fn decimal(x: f64) -> String {
 }
 
 /// Where a site stands in the author's files, and the text there; none in generated text.
-pub fn place(ready: &Ready, site: Option<Site>) -> Option<(String, String)> {
+pub fn place(ready: &Ready, site: Option<Site>) -> Option<Place> {
     let span = author_span(&ready.program, &ready.executable.place(site?))?;
     let file = &ready.program.lowered.file;
     let (origin, there) = file.origin(span);
@@ -304,7 +305,7 @@ pub fn place(ready: &Ready, site: Option<Site>) -> Option<(String, String)> {
     let before = origin.slice(Span::new(0, there.start));
     let opening = before.chars().rev().filter(plain).take_while(|&c| c == '(').count();
     let text = format!("{}{text}{}", "(".repeat(missing.min(opening)), ")".repeat(open.min(closing)));
-    Some((origin.locate(there.start), text))
+    Some(Place { text, ..Place::of(file, span) })
 }
 
 #[cfg(test)]

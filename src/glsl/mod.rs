@@ -248,7 +248,7 @@ impl Shader {
         symbols.shrink_to_fit();
         uses.shrink_to_fit();
         let shader = Self {
-            file: file.clone(),
+            file: sink.file.clone(),
             stage,
             version,
             extensions,

@@ -1,13 +1,15 @@
 //! Where the parts of the front end put their diagnostics.
 
 use crate::diagnostic::{Code, Diagnostic, Severity, Told};
-use crate::text::{SourceFile, Span};
+use crate::text::{Expansion, SourceFile, Span};
 
 /// Collects errors about one file.
 #[derive(Debug)]
 pub(crate) struct Sink {
     pub file: SourceFile,
     list: Vec<Diagnostic>,
+    /// Macros that are expanded, before the file knows them.
+    pub expansions: Vec<Expansion>,
 }
 
 /// Garbage can give an error at every token; nobody reads more than these.
@@ -15,7 +17,7 @@ const MOST: usize = 200;
 
 impl Sink {
     pub(crate) fn new(file: &SourceFile) -> Self {
-        Self { file: file.clone(), list: Vec::new() }
+        Self { file: file.clone(), list: Vec::new(), expansions: Vec::new() }
     }
 
     /// Adds an error with words for the place.
@@ -29,6 +31,12 @@ impl Sink {
         if self.list.len() < MOST {
             self.list.push(diagnostic);
         }
+    }
+
+    /// Ends the reading of macros: the file knows where they are expanded from here on.
+    pub(crate) fn expanded(&mut self) {
+        let expansions = std::mem::take(&mut self.expansions);
+        self.file = self.file.clone().with_expansions(expansions);
     }
 
     /// True when something was told with that code.

@@ -28,7 +28,7 @@ pub use registry::{RULES, by_code, nearest_codes};
 pub use rule::{Example, Japanese, Level, Page, Rule};
 pub use select::{PerFile, SelectError, Selection};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Fix, Severity};
 use crate::glsl::errors;
 use project::Project;
 use suppress::Suppressions;
@@ -92,6 +92,13 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
                 None => told.push((Level::Default, error.clone())),
             }
         }
+    }
+    for (_, diagnostic) in &mut told {
+        let cut = |fix: &Fix| fix.edits.iter().any(|edit| diagnostic.file.cuts_expansion(edit.span));
+        if diagnostic.fix.as_ref().is_some_and(cut) {
+            diagnostic.fix = None;
+        }
+        *diagnostic = diagnostic.clone().in_expansion();
     }
     embedded::relocate(&project, told.iter_mut().map(|(_, d)| d));
     told.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));

@@ -148,7 +148,7 @@ impl ShaderFile {
         let claimed = |d| super::glsl::t011::claim(&parsed.shader, d);
         let front_end = parsed.diagnostics.into_iter().map(claimed).collect();
         Self {
-            file: input.file.clone(),
+            file: parsed.shader.file().clone(),
             reported: input.reported,
             shader: parsed.shader,
             front_end,

@@ -75,13 +75,19 @@ impl Constants {
         Self { shader: Some(shader), ..constants }
     }
 
+    /// The shader, where there is one.
+    pub(super) fn shader(&self) -> Option<&Shader> {
+        self.shader.as_deref()
+    }
+
     /// Every literal once, in the order of the text.
     pub fn literals(&self) -> Vec<WrittenLiteral> {
         let Some(shader) = &self.shader else { return Vec::new() };
         let mut all: Vec<WrittenLiteral> = Vec::new();
         for constant in self.all.iter().filter(|constant| constant.is_literal) {
             let value = constant.value();
-            let from_macro = shader.expr(constant.id).from_macro;
+            // What a macro is given stands where it is used.
+            let from_macro = shader.expr(constant.id).from_macro && !is_number(shader, constant.span, value);
             let defined =
                 || shader.tokens().iter().map(|token| token.span).find(|&span| self.defines(shader, span, value));
             let span = if from_macro { defined().unwrap_or(constant.span) } else { constant.span };
@@ -96,9 +102,7 @@ impl Constants {
 
     /// True for a token of a directive that is this number.
     fn defines(&self, shader: &Shader, span: Span, value: f64) -> bool {
-        let digits = shader.file().slice(span).trim_end_matches(['f', 'F']);
-        let is_number = digits.starts_with(|c: char| c.is_ascii_digit() || c == '.');
-        is_number && digits.parse() == Ok(value) && !self.by_span.contains_key(&span)
+        is_number(shader, span, value) && !self.by_span.contains_key(&span)
     }
 
     /// The constants where literals are meant to be other numbers than they are written: their places in the order of
@@ -143,4 +147,10 @@ impl Constants {
         let best = all.reduce(|best, next| if distance(best) < distance(next) { best } else { next })?;
         Some((best, &self.all[best]))
     }
+}
+
+/// True for a text that is this number.
+fn is_number(shader: &Shader, span: Span, value: f64) -> bool {
+    let digits = shader.file().slice(span).trim_end_matches(['f', 'F']);
+    digits.starts_with(|c: char| c.is_ascii_digit() || c == '.') && digits.parse() == Ok(value)
 }

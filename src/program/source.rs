@@ -8,7 +8,7 @@ use super::constants::Constants;
 use super::{Entry, Program, ProgramError, contain};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::glsl::{Parsed, Shader, Stage, errors, link};
-use crate::lower::{Target, lower};
+use crate::lower::{Lowered, Target, lower};
 use crate::text::SourceFile;
 
 /// Errors about one expression each, which is refused where a program uses it.
@@ -102,9 +102,18 @@ impl Program {
     }
 
     fn of(shader: Shader, file: &SourceFile, target: &Target) -> Result<Self, ProgramError> {
-        let by_edits = lower(&shader, target).map_err(ProgramError::Source).and_then(Self::new);
-        // What edits in place do not make readable to naga is built from the syntax tree.
-        let built = by_edits.and_then(Self::by_itself).or_else(|_| Self::build(&shader, target));
+        let by_edits = || {
+            let read = lower(&shader, target).map_err(ProgramError::Source).and_then(Self::new);
+            read.and_then(Self::by_itself)
+        };
+        let from_tree = || Self::build(&shader, target);
+        // What edits in place do not make readable to naga is built from the syntax tree. So is what uses macros: to
+        // naga's reader, what a macro writes stands in its `#define`.
+        let built = if shader.file().has_expansions() {
+            from_tree().or_else(|refused| by_edits().map_err(|_| refused))
+        } else {
+            by_edits().or_else(|_| from_tree())
+        };
         match built {
             Ok(program) => {
                 let ranges = super::drawn::ranges(&shader);
@@ -116,6 +125,18 @@ impl Program {
             }
             Err(other) => Err(other),
         }
+    }
+
+    /// The text with the interface that naga reads, for translators that refuse the author's; none where that is the
+    /// same, or cannot be had.
+    pub(crate) fn rewritten(&self) -> Option<String> {
+        let Lowered { file, edited, .. } = &self.lowered;
+        if edited.text != file.text() {
+            return Some(edited.text.clone());
+        }
+        // What uses macros was built from the syntax tree, and may be readable all the same.
+        let shader = self.constants.shader().filter(|_| file.has_expansions())?;
+        lower(shader, &Target::Stage).ok().map(|lowered| lowered.edited.text)
     }
 
     /// The same with several texts that are linked into one stage.

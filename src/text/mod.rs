@@ -4,11 +4,13 @@
 mod assembly;
 mod edit;
 mod encoding;
+mod expansion;
 mod fingerprint;
 mod source;
 
 pub use assembly::Assembly;
 pub use edit::{Edit, EditConflict, EditList, Edited, PositionMap};
 pub use encoding::{Decoded, EncodeError, Encoding, Form, decode, decode_western};
+pub use expansion::Expansion;
 pub use fingerprint::fingerprint;
-pub use source::{Position, SourceFile, Span, TextError};
+pub use source::{Position, Shown, SourceFile, Span, TextError, printable};

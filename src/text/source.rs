@@ -1,11 +1,13 @@
 //! A source file in memory and positions in it.
 
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
 use thiserror::Error;
 
 use super::assembly::Part;
+use super::expansion::Expansion;
 
 /// A half-open range of bytes, `start..end`, in a [`SourceFile`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -104,14 +106,25 @@ pub enum TextError {
 }
 
 /// A text with a name and its line starts. Cheap to clone.
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct SourceFile {
     name: Arc<str>,
     text: Arc<str>,
     line_starts: Arc<[usize]>,
     /// Where an assembled text comes from.
     parts: Option<Arc<[Part]>>,
+    /// Where macros are expanded, in the order of the text.
+    pub(super) expansions: Option<Arc<[Expansion]>>,
 }
+
+/// Where macros are expanded follows from a text.
+impl PartialEq for SourceFile {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.name, &self.text, &self.parts) == (&other.name, &other.text, &other.parts)
+    }
+}
+
+impl Eq for SourceFile {}
 
 impl fmt::Debug for SourceFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -123,6 +136,18 @@ impl fmt::Debug for SourceFile {
 pub fn printable(text: &str) -> String {
     let shown = |c: char| if c.is_control() { c.escape_default().collect() } else { String::from(c) };
     text.chars().map(shown).collect()
+}
+
+/// Paths as messages show them: with control characters as escapes.
+pub trait Shown {
+    /// The path in a line of text.
+    fn shown(&self) -> String;
+}
+
+impl Shown for Path {
+    fn shown(&self) -> String {
+        printable(&self.display().to_string())
+    }
 }
 
 impl SourceFile {
@@ -140,7 +165,7 @@ impl SourceFile {
                 starts.push(i + 1);
             }
         }
-        Self { name, text, line_starts: starts.into(), parts: None }
+        Self { name, text, line_starts: starts.into(), parts: None, expansions: None }
     }
 
     pub(super) fn with_parts(self, parts: Vec<Part>) -> Self {
@@ -162,7 +187,7 @@ impl SourceFile {
                 let good = std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or_default();
                 let before = Self::new(name, good);
                 Err(TextError::NotUtf8 {
-                    name: name.to_owned(),
+                    name: before.name().to_owned(),
                     position: before.position(good.len()),
                     byte: bytes[error.valid_up_to()],
                 })

@@ -12,9 +12,9 @@ impl Parser<'_> {
         let mut left = self.assignment()?;
         while self.peek() == Lex::Comma {
             let from_macro = self.tok(0).from_macro;
-            self.advance();
+            let comma = self.advance();
             let right = self.assignment()?;
-            let span = self.span_of(left).to(self.span_of(right));
+            let span = self.across(left, comma, right);
             left = self.add(ExprKind::Comma { left, right }, span, from_macro)?;
         }
         Ok(left)
@@ -22,6 +22,12 @@ impl Parser<'_> {
 
     fn span_of(&self, id: ExprId) -> Span {
         self.arena.get(id).span
+    }
+
+    /// The place of two operands and what stands between them: where a macro writes the operator, and is given both
+    /// operands, the whole use of the macro.
+    fn across(&self, left: ExprId, operator: Span, right: ExprId) -> Span {
+        self.span_of(left).to(operator).to(self.span_of(right))
     }
 
     /// An expression or `{ list }` behind `=`.
@@ -66,7 +72,7 @@ impl Parser<'_> {
             let from_macro = this.tok(0).from_macro;
             let op_span = this.advance();
             let value = this.assignment()?;
-            let span = this.span_of(target).to(this.span_of(value));
+            let span = this.across(target, op_span, value);
             this.add(ExprKind::Assign { op, op_span, target, value }, span, from_macro)
         })
     }
@@ -79,11 +85,11 @@ impl Parser<'_> {
         }
         self.deeper(|this| {
             let from_macro = this.tok(0).from_macro;
-            this.advance();
+            let question = this.advance();
             let yes = this.expression()?;
             this.expect(Lex::Colon, "`:` of the conditional expression")?;
             let no = this.assignment()?;
-            let span = this.span_of(condition).to(this.span_of(no));
+            let span = this.across(condition, question, no);
             this.add(ExprKind::Ternary { condition, yes, no }, span, from_macro)
         })
     }
@@ -94,7 +100,7 @@ impl Parser<'_> {
             let from_macro = self.tok(0).from_macro;
             let op_span = self.advance();
             let right = self.binary(level + 1)?;
-            let span = self.span_of(left).to(self.span_of(right));
+            let span = self.across(left, op_span, right);
             left = self.add(ExprKind::Binary { op, op_span, left, right }, span, from_macro)?;
         }
         Ok(left)
@@ -123,7 +129,7 @@ impl Parser<'_> {
         let mut base = self.primary()?;
         loop {
             let from_macro = self.tok(0).from_macro;
-            let start = self.span_of(base);
+            let mut start = self.span_of(base);
             let kind = match self.peek() {
                 Lex::LBracket => {
                     let open = self.advance();
@@ -143,7 +149,7 @@ impl Parser<'_> {
                     ExprKind::Index { base, index }
                 }
                 Lex::Dot => {
-                    self.advance();
+                    start = start.to(self.advance());
                     let name = if self.peek() == Lex::Word {
                         let name = self.word().to_owned();
                         Ident { name, span: self.advance() }

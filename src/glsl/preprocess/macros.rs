@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::super::errors;
 use super::super::lexer::{Lex, Piece, lex};
 use super::super::sink::Sink;
-use crate::text::{SourceFile, Span};
+use crate::text::{Expansion, SourceFile, Span};
 
 /// How a token is spelled.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub(crate) enum Spelling {
 #[derive(Clone, Debug)]
 pub(crate) struct Tok {
     pub lex: Lex,
-    /// Place in the text: for a macro's token, the whole invocation.
+    /// Place in the text: for what a macro writes the whole invocation, for what it is given the place there.
     pub span: Span,
     pub spelling: Spelling,
     pub from_macro: bool,
@@ -79,6 +79,8 @@ pub(crate) struct Macro {
     pub params: Option<Vec<String>>,
     /// Tokens of the body.
     pub body: Vec<(Lex, Spelling)>,
+    /// The name in its `#define`; none for one that the text does not define.
+    pub definition: Option<Span>,
 }
 
 /// Arguments of a macro call and its place.
@@ -154,6 +156,10 @@ impl Expander<'_> {
                     }
                 },
             };
+            // What another macro writes is its expansion, unless the arguments stand behind that.
+            if !tok.from_macro || span != tok.span {
+                self.sink.expansions.push(Expansion { span, name: name.as_str().into(), definition: found.definition });
+            }
             let result = self.substitute(found, &name, &args, &tok, span);
             self.made += result.len() + 1;
             if self.made > MOST_TOKENS {
@@ -175,7 +181,7 @@ impl Expander<'_> {
             error(tok.span, format!("the call of macro `{name}` has no closing `)`"));
             return Err(Box::new(tok.clone()));
         };
-        let span = if tok.from_macro { tok.span } else { tok.span.to(close) };
+        let span = tok.span.to(close);
         let empty = params == 0 && args.len() == 1 && args[0].is_empty();
         if args.len() != params && !empty {
             let plural = if params == 1 { "" } else { "s" };
@@ -222,7 +228,11 @@ impl Expander<'_> {
                     };
                     tokens
                         .into_iter()
-                        .map(|t| Tok { span, from_macro: true, first: false, hide: Some(union(&hide, &t)), ..t })
+                        .map(|t| {
+                            let within = span.start <= t.span.start && t.span.end <= span.end;
+                            let span = if within { t.span } else { span };
+                            Tok { span, from_macro: true, first: false, hide: Some(union(&hide, &t)), ..t }
+                        })
                         .collect()
                 }
                 _ => vec![Tok {
@@ -244,7 +254,7 @@ impl Expander<'_> {
                         let joined: Arc<str> = format!("{}{}", left.text(&file), right.text(&file)).into();
                         // What is no single token stays two.
                         match lex(&joined).pieces.as_slice() {
-                            [one] => out.push(Tok { lex: one.lex, spelling: Spelling::Made(joined), ..left }),
+                            [one] => out.push(Tok { lex: one.lex, span, spelling: Spelling::Made(joined), ..left }),
                             _ => out.extend([left, right]),
                         }
                     }

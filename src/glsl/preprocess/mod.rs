@@ -120,6 +120,7 @@ pub(crate) fn run(
             .with_help("add `#endif` where it ends");
         this.sink.push(diagnostic);
     }
+    this.sink.expanded();
     let Preprocessor { out: tokens, version, extensions, incomplete, .. } = this;
     Preprocessed { tokens, version, extensions, raw, incomplete }
 }
@@ -145,14 +146,14 @@ impl Preprocessor<'_> {
 
     fn number(&mut self, name: &str, value: &str) {
         let body = vec![(Lex::Number, Spelling::Made(value.into()))];
-        self.macros.insert(name.to_owned(), Macro { params: None, body });
+        self.macros.insert(name.to_owned(), Macro { params: None, body, definition: None });
     }
 
     /// A macro from outside.
     fn given(&mut self, name: &str, value: &str) {
         let spelled = |piece: &Piece| (piece.lex, Spelling::Made(value[piece.span.range()].into()));
         let body = super::lexer::lex(value).pieces.iter().map(spelled).collect();
-        self.macros.insert(name.to_owned(), Macro { params: None, body });
+        self.macros.insert(name.to_owned(), Macro { params: None, body, definition: None });
     }
 
     /// Macros that depend on the version.
@@ -441,7 +442,7 @@ impl Preprocessor<'_> {
         if text == "defined" || text.starts_with("__") && self.macros.contains_key(&text) {
             return self.malformed(span, &format!("`{text}` cannot be redefined"));
         }
-        let new = Macro { params, body };
+        let new = Macro { params, body, definition: Some(name.span) };
         if let Some(old) = self.macros.get(&text)
             && !self.same(old, &new)
         {

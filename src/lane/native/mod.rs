@@ -23,6 +23,7 @@ use std::sync::Arc;
 use super::remote::{self, Engine, Front, Here, Work};
 use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
 use crate::program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role};
+use crate::text::printable;
 use crate::value::Record;
 
 use glslang::{Kind, Translator};
@@ -73,7 +74,7 @@ pub fn engine() -> Result<Box<dyn Engine>, Unavailable> {
     stages.extend(gpu.geometry.then_some(Stage::Geometry));
     let description = Description {
         name: NAME,
-        driver: format!("{}, glslang {}", gpu.driver, translator.version),
+        driver: printable(&format!("{}, glslang {}", gpu.driver, translator.version)),
         executor: vulkan::executor(&gpu.name),
         front_end: "glslang".to_owned(),
         api: Api::Vulkan,
@@ -193,9 +194,12 @@ impl Glslang {
         let translate = |text: &str| self.translator.translate(kind, text, &lowered.defines);
         let written = translate(lowered.file.text());
         // A geometry stage is lowered to something that is none.
-        let rewritten = kind == Kind::Vertex && lowered.edited.text != lowered.file.text();
+        let rewritten = || program.rewritten().filter(|_| kind == Kind::Vertex);
         let words = match written {
-            Err(LaneError::Unsupported(_)) if rewritten => translate(&lowered.edited.text).or(written),
+            Err(LaneError::Unsupported(_)) => match rewritten() {
+                Some(text) => translate(&text).or(written),
+                None => written,
+            },
             written => written,
         };
         Ok((self.fault)(&words?))

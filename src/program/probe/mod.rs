@@ -143,11 +143,6 @@ impl Probed {
         point.span.map_or("", |span| self.program.lowered.file.slice(span))
     }
 
-    /// The line in which the author's text of a point begins; empty where nothing of the author's stands for it.
-    pub fn line(&self, point: &Point) -> String {
-        point.span.map_or_else(String::new, |span| self.program.lowered.file.line_at(span.start))
-    }
-
     /// File, line and column of a point; the file alone where no place is known.
     pub fn locate(&self, point: &Point) -> String {
         let file = &self.program.lowered.file;

@@ -8,6 +8,14 @@ use crate::text::Span;
 /// The author's text of an expression, or of the statement that computes it.
 pub fn span(program: &Program, function: &Function, handle: Handle<Expression>, statement: naga::Span) -> Option<Span> {
     let mut found = function.expressions.get_span(handle).to_range();
+    if let (Some(range), Expression::Math { fun, .. }) = (&found, &function.expressions[handle]) {
+        let (whole, lowered) = (Span::new(range.start, range.end), &program.lowered);
+        let text = lowered.edited.text.get(range.clone()).unwrap_or_default();
+        // A use of a macro, and a call that has its place.
+        if lowered.file.expansion(whole).is_some() || is_call(text, fun) {
+            return Some(lowered.edited.map.span_to_original(whole));
+        }
+    }
     // naga's GLSL front end gives calls of built-in functions no place, or that of their arguments.
     if let Expression::Math { fun, arg, .. } = &function.expressions[handle] {
         // The first argument may be a call of that kind itself.
@@ -49,6 +57,11 @@ fn call(text: &str, argument: usize, fun: &MathFunction) -> Option<std::ops::Ran
     None
 }
 
+/// True for the text of one whole call of a built-in function.
+fn is_call(text: &str, fun: &MathFunction) -> bool {
+    text.find('(').is_some_and(|open| is_name(text[..open].trim_end(), fun) && closing(text, open) == Some(text.len()))
+}
+
 /// GLSL's name of a function, or naga's own for it.
 fn is_name(name: &str, fun: &MathFunction) -> bool {
     let own = format!("{fun:?}").to_lowercase();
@@ -84,6 +97,7 @@ mod tests {
         assert_eq!(found(MathFunction::Cos), None);
         assert_eq!(call("atan(y, x", 5, &MathFunction::Atan2), None);
         assert_eq!(call("(y)", 1, &MathFunction::Sin), None);
+        assert!(is_call("sin (a + g(b))", &MathFunction::Sin) && !is_call("sin(a) + sin(b)", &MathFunction::Sin));
         let text = "f(normalize((p - q * r.w).xyz)); sin(y)";
         let found = |fun| call(text, text.find(".xyz").unwrap(), &fun).map(|range| &text[range]);
         assert_eq!(found(MathFunction::Normalize), Some("normalize((p - q * r.w).xyz)"));

@@ -107,13 +107,14 @@ fn at(diagnosis: &Diagnosis) -> Option<(&'static str, &Place)> {
 
 /// The line of a place with a mark below what stands there.
 fn excerpt(text: &mut String, label: &str, place: &Place) {
-    let Place { at, text: marked, line } = place;
-    let _ = writeln!(text, "  {label:<9}  {at}");
+    let Place { at, text: marked, line, expansion } = place;
+    let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
+    let _ = writeln!(text, "  {label:<9}  {at}{expanded}");
     let column = at.rsplit(':').next().and_then(|column| column.parse::<usize>().ok());
     let Some(column) = column.filter(|column| (1..=line.chars().count()).contains(column)) else { return };
     // A long line is cut before and after the mark.
     let begin = if column > WIDE { column - WIDE / 2 } else { 1 };
-    let shown: String = line.chars().skip(begin - 1).take(WIDE).map(|c| if c == '\t' { ' ' } else { c }).collect();
+    let shown: String = line.chars().skip(begin - 1).take(WIDE).map(visible).collect();
     let before = column - begin;
     let marked = marked.lines().next().unwrap_or_default().chars().count();
     let marks = marked.clamp(1, shown.chars().count().saturating_sub(before).max(1));
@@ -122,6 +123,15 @@ fn excerpt(text: &mut String, label: &str, place: &Place) {
     let shown: String = shown.chars().skip(blank).collect();
     let _ = writeln!(text, "           | {shown}");
     let _ = writeln!(text, "           | {}{}", " ".repeat(before - blank), "^".repeat(marks));
+}
+
+/// A character of a line that takes one column, and does nothing else to a terminal.
+fn visible(c: char) -> char {
+    match c {
+        '\t' => ' ',
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    }
 }
 
 /// Whose fault a deviation is, and what the lanes of the run say of it.
@@ -231,7 +241,7 @@ mod tests {
 
     fn marked(at: &str, marked: &str, line: &str) -> String {
         let mut text = String::new();
-        let place = Place { at: at.into(), text: marked.into(), line: line.into() };
+        let place = Place { at: at.into(), text: marked.into(), line: line.into(), expansion: None };
         super::excerpt(&mut text, "at", &place);
         text
     }

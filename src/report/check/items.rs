@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_deviation_is_shown_where_its_output_is_computed() {
-        let at = |at: &str| Place { at: at.into(), text: "x".into(), line: "x".into() };
+        let at = |at: &str| Place { at: at.into(), text: "x".into(), line: "x".into(), expansion: None };
         let mut diagnosis = Diagnosis { written: Some(at("a.vert:7:3")), ..Diagnosis::default() };
         assert_eq!(shown(&diagnosis).map(|place| &*place.at), Some("a.vert:7:3"));
         let literal = ShortLiteral { place: at("a.vert:2:1"), stands_for: "π".into(), off: 0.1 };

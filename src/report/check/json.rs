@@ -215,21 +215,34 @@ fn case(case: &Case) -> Value {
     value
 }
 
+/// Adds the macro that is used at a place, where one is.
+pub(super) fn expanded(place: &mut Value, name: Option<&str>) {
+    if let Some(name) = name {
+        place["macro"] = name.into();
+    }
+}
+
 fn doubtful(doubtful: &Doubtful) -> Value {
-    json!({
+    let mut value = json!({
         "reason": doubtful.reason.name(),
         "operation": doubtful.op.map(|op| op.name()),
         "at": doubtful.at,
         "text": doubtful.text,
         "args": doubtful.args,
         "samples": doubtful.count,
-    })
+    });
+    expanded(&mut value, doubtful.expansion.as_deref());
+    value
 }
 
 /// Adds what is known about the origin of a deviation, where anything is.
 fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
     let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position, hearing } = diagnosis;
-    let place = |place: &Place| json!({"at": place.at, "text": place.text});
+    let place = |place: &Place| {
+        let mut value = json!({"at": place.at, "text": place.text});
+        expanded(&mut value, place.expansion.as_deref());
+        value
+    };
     if !literals.is_empty() {
         let literal = |l: &crate::verdict::diagnosis::ShortLiteral| json!({"place": place(&l.place), "stands_for": l.stands_for, "off": l.off, "message": l.to_string()});
         value["literals"] = literals.iter().map(literal).collect();

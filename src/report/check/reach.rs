@@ -11,8 +11,10 @@ const NAMED: usize = 4;
 
 pub(super) fn json(reach: &Reach) -> Value {
     let asked = |asked: &Asked| {
-        let Asked { at, text, operation, met, missed, comparison: _ } = asked;
-        json!({"at": at, "text": text, "operation": operation, "met": met, "missed": missed})
+        let Asked { at, text, expansion, operation, met, missed, comparison: _ } = asked;
+        let mut value = json!({"at": at, "text": text, "operation": operation, "met": met, "missed": missed});
+        super::json::expanded(&mut value, expansion.as_deref());
+        value
     };
     let side =
         |comparison: bool| reach.asked.iter().filter(|a| a.comparison == comparison).map(asked).collect::<Value>();

@@ -7,6 +7,7 @@ use crate::diagnostic::Lang;
 use crate::fuzz::{Finding, FunctionReport, InputValue, LaneReport, Severity};
 use crate::report::diagnostics;
 use crate::value::F32Bits;
+use crate::verdict::diagnosis::Place;
 
 /// Colours of a terminal; empty strings elsewhere.
 struct Style {
@@ -97,8 +98,9 @@ fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
     };
     let on = finding.lane.map_or_else(String::new, |lane| format!(" on {lane}"));
     let _ = writeln!(text, "\n{}{severity}{function}{on}: {}{}", style.bold, finding.message, style.off);
-    if let Some((at, source)) = &finding.place {
-        let _ = writeln!(text, "  at         {at}: `{source}`");
+    if let Some(Place { at, text: source, expansion, line: _ }) = &finding.place {
+        let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
+        let _ = writeln!(text, "  at         {at}: `{source}`{expanded}");
     }
     if finding.count > 0 {
         let counting = match finding.counting {

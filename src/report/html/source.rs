@@ -13,7 +13,10 @@ pub(super) fn places(finding: &Finding) -> Vec<(String, String, String)> {
     let Some(case) = &finding.case else { return Vec::new() };
     let diagnosis = &case.diagnosis;
     let mut all = Vec::new();
-    let mut add = |place: &Place, told: String| all.push((place.at.clone(), place.text.clone(), told));
+    let mut add = |place: &Place, told: String| {
+        let expanded = place.expansion.as_ref().map(|name| format!("{told}, in the expansion of `{name}`"));
+        all.push((place.at.clone(), place.text.clone(), expanded.unwrap_or(told)));
+    };
     for literal in &diagnosis.literals {
         add(&literal.place, format!("stands for {}, off by {:.1e}", literal.stands_for, literal.off));
     }

@@ -6,6 +6,7 @@ use std::fmt;
 use super::Prepared;
 use crate::bound::profile::Op;
 use crate::interp::author_span;
+use crate::verdict::diagnosis::in_one_line;
 use crate::verdict::{Doubts, Reason};
 
 /// Undetermined samples with one reason and one place.
@@ -19,6 +20,9 @@ pub struct Doubtful {
     pub at: Option<String>,
     /// The author's text there.
     pub text: String,
+    /// The macro that is used there, where the operation is in what it expands to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion: Option<String>,
     /// Arguments of the operation in one of the samples.
     #[serde(with = "crate::value::exact::list")]
     pub args: Vec<f64>,
@@ -38,9 +42,10 @@ impl fmt::Display for Doubtful {
         }
         match (&self.at, self.text.as_str()) {
             (Some(at), "") => write!(f, ", at {at}"),
-            (Some(at), text) => write!(f, ", `{text}` at {at}"),
+            (Some(at), text) => write!(f, ", `{}` at {at}", in_one_line(text)),
             (None, _) => Ok(()),
-        }
+        }?;
+        self.expansion.as_ref().map_or(Ok(()), |name| write!(f, ", in the expansion of `{name}`"))
     }
 }
 
@@ -55,6 +60,7 @@ pub(super) fn told(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
         op: *op,
         at: span.map(|span| file.locate(span.start)),
         text: span.map_or_else(String::new, |span| file.slice(span).to_owned()),
+        expansion: span.and_then(|span| file.expansion(span)).map(|expansion| expansion.name.to_string()),
         args: args.clone(),
         count: *count,
     }

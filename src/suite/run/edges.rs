@@ -11,6 +11,7 @@ use super::{Prepared, Request};
 use crate::interp::author_span;
 use crate::lane::LaneError;
 use crate::property::Sampler;
+use crate::verdict::diagnosis::in_one_line;
 use crate::verdict::{BatchVerdict, Edges, Question, edges, judge_batch};
 
 /// Ordinary samples among which edges are sought: the first of the run.
@@ -23,6 +24,9 @@ pub struct Asked {
     pub at: Option<String>,
     /// The author's text there.
     pub text: String,
+    /// The macro that is used there, where the question is in what it expands to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion: Option<String>,
     /// True for a comparison, false for a call of a built-in function.
     pub comparison: bool,
     /// What asks, in a word: `clamp` asks as `max` and as `min`.
@@ -71,8 +75,9 @@ impl Reach {
 /// "`l > 0.0` is never false, at FILE:LINE:COLUMN".
 impl fmt::Display for Asked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}` is never {}", self.text, self.missed.join(" or "))?;
-        self.at.as_ref().map_or(Ok(()), |at| write!(f, ", at {at}"))
+        write!(f, "`{}` is never {}", in_one_line(&self.text), self.missed.join(" or "))?;
+        self.at.as_ref().map_or(Ok(()), |at| write!(f, ", at {at}"))?;
+        self.expansion.as_ref().map_or(Ok(()), |name| write!(f, ", in the expansion of `{name}`"))
     }
 }
 
@@ -157,6 +162,7 @@ fn asked(prepared: &Prepared, found: &Edges) -> Vec<Asked> {
         Asked {
             at: span.map(|span| file.locate(span.start)),
             text: span.map_or_else(String::new, |span| file.slice(span).to_owned()),
+            expansion: span.and_then(|span| file.expansion(span)).map(|expansion| expansion.name.to_string()),
             comparison: question.is_comparison(),
             operation: question.name(),
             met: names(met),

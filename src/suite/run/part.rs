@@ -171,7 +171,7 @@ impl Counted {
     }
 
     fn doubt(&mut self, new: Doubted) {
-        let place = |d: &Doubtful| (d.reason, d.op, d.at.clone(), d.text.clone());
+        let place = |d: &Doubtful| (d.reason, d.op, d.at.clone(), d.text.clone(), d.expansion.clone());
         match self.doubts.iter_mut().find(|old| place(&old.doubtful) == place(&new.doubtful)) {
             Some(old) => {
                 old.doubtful.count += new.doubtful.count;

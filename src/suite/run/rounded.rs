@@ -61,11 +61,7 @@ fn one(
     };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(None) };
     let file = &prepared.program.lowered.file;
-    let place = Place {
-        at: file.locate(literal.span.start),
-        text: file.slice(literal.span).to_owned(),
-        line: file.line_at(literal.span.start),
-    };
+    let place = Place::of(file, literal.span);
     let Rounded { name, meant, digits, .. } = literal;
     let case = finding::case(&simplest, None);
     let message = format!(

@@ -8,6 +8,7 @@ use super::{Prepared, Report, Request};
 use crate::interp::{Dependence, author_span};
 use crate::property::Sample;
 use crate::property::shrink::{self, Shrunk};
+use crate::verdict::diagnosis::Place;
 use crate::verdict::{Fenced, dependences};
 
 /// Operations that are told of one suite.
@@ -38,10 +39,12 @@ pub(super) fn findings(
         let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
         let again = dependences(&prepared.oracle, &Sample::batch(std::slice::from_ref(&shrunk.sample)));
         let found = again.into_iter().flatten().next().unwrap_or(found);
+        let mut case = finding::case(&shrunk, None);
+        case.diagnosis.written = place(prepared, &found);
         let finding = Finding {
             kind: FindingKind::Undefined,
             message: message(prepared, &found),
-            case: Some(finding::case(&shrunk, None)),
+            case: Some(case),
             // Known when all parts of the run are.
             count: 0,
             reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
@@ -81,12 +84,13 @@ fn smallest(prepared: &Prepared, sample: Sample, found: &Dependence) -> Shrunk {
 
 /// What is undefined, where and why.
 fn message(prepared: &Prepared, found: &Dependence) -> String {
-    let why = found.of.why(&found.args);
+    let at = place(prepared, found).map_or_else(String::new, |place| format!("{place}: "));
+    format!("the shader gives an undefined value: {at}{}", found.of.why(&found.args))
+}
+
+/// Where it becomes undefined.
+fn place(prepared: &Prepared, found: &Dependence) -> Option<Place> {
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
-    let Some(span) = author_span(program, &executable.place(found.of.site)) else {
-        return format!("the shader gives an undefined value: {why}");
-    };
-    let file = &program.lowered.file;
-    let text = file.slice(span).split_whitespace().collect::<Vec<_>>().join(" ");
-    format!("the shader gives an undefined value: `{text}` at {}: {why}", file.locate(span.start))
+    let span = author_span(program, &executable.place(found.of.site))?;
+    Some(Place::of(&program.lowered.file, span))
 }

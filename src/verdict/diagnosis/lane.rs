@@ -96,8 +96,9 @@ fn culprit(
 }
 
 fn place(probed: &Probed, point: usize) -> Place {
-    let point = &probed.points[point];
-    Place { at: probed.locate(point), text: probed.text(point).to_owned(), line: probed.line(point) }
+    let file = &probed.program.lowered.file;
+    let nowhere = || Place { at: file.name().to_owned(), text: String::new(), line: String::new(), expansion: None };
+    probed.points[point].span.map_or_else(nowhere, |span| Place::of(file, span))
 }
 
 /// The first step of the device's trace that is farther from the meaning than a device may be.

@@ -11,6 +11,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use crate::bound::profile::Op;
+use crate::text::{SourceFile, Span, printable};
 use crate::value::F32Bits;
 
 pub use lane::{Suspected, lane};
@@ -27,11 +28,35 @@ pub struct Place {
     pub text: String,
     /// The line of the file in which it begins; empty where nothing of the author's stands.
     pub line: String,
+    /// The macro that is used there, where the place is in what it expands to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion: Option<String>,
+}
+
+impl Place {
+    /// The place of a span of a text.
+    pub fn of(file: &SourceFile, span: Span) -> Self {
+        Self {
+            at: file.locate(span.start),
+            text: file.slice(span).to_owned(),
+            line: file.line_at(span.start),
+            expansion: file.expansion(span).map(|expansion| expansion.name.to_string()),
+        }
+    }
+}
+
+/// A piece of a text in one line: expressions and uses of macros may go over several.
+pub fn in_one_line(text: &str) -> String {
+    printable(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.text.is_empty() { f.write_str(&self.at) } else { write!(f, "`{}` at {}", self.text, self.at) }
+        if !self.text.is_empty() {
+            write!(f, "`{}` at ", in_one_line(&self.text))?;
+        }
+        f.write_str(&self.at)?;
+        self.expansion.as_ref().map_or(Ok(()), |name| write!(f, ", in the expansion of `{name}`"))
     }
 }
 
@@ -194,7 +219,8 @@ mod tests {
 
     #[test]
     fn a_literal_is_told_with_its_place_and_what_it_stands_for() {
-        let place = Place { at: "sphere.vert:12:14".into(), text: "6.283185".into(), line: String::new() };
+        let place =
+            Place { at: "sphere.vert:12:14".into(), text: "6.283185".into(), line: String::new(), expansion: None };
         let literal = ShortLiteral { place, stands_for: "2π".into(), off: 3.07e-7 };
         assert_eq!(literal.to_string(), "`6.283185` (sphere.vert:12:14) stands for 2π, off by 3.1e-7");
     }
@@ -208,7 +234,7 @@ mod tests {
             exact: 0.479,
             factor: 2.0,
             profile: "vulkan-1.4".into(),
-            place: Some(Place { at: "a.vert:3:5".into(), text: "sin(x)".into(), line: String::new() }),
+            place: Some(Place { at: "a.vert:3:5".into(), text: "sin(x)".into(), line: String::new(), expansion: None }),
         };
         assert_eq!(
             origin.to_string(),

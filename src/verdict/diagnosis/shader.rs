@@ -36,9 +36,7 @@ pub(super) fn written(court: &Court<'_>, program: &Program, batch: &Batch, devia
 /// The place of a site in the author's text.
 pub(super) fn place(court: &Court<'_>, program: &Program, site: Site) -> Option<Place> {
     let span = author_span(program, &court.oracle.executable.place(site))?;
-    let file = &program.lowered.file;
-    let line = file.line_at(span.start);
-    Some(Place { at: file.locate(span.start), text: file.slice(span).to_owned(), line })
+    Some(Place::of(&program.lowered.file, span))
 }
 
 fn no_value(court: &Court<'_>, program: &Program, batch: &Batch, value: &Value) -> Option<NoValue> {

@@ -11,6 +11,7 @@ mod init;
 mod laws;
 mod ledger;
 mod literals;
+mod macros;
 mod schema;
 mod textures;
 
