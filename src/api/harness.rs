@@ -10,7 +10,7 @@ use crate::property::Sample;
 use crate::suite::ledger::{self, Ledger};
 use crate::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
 use crate::suite::{self, Suite};
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile};
 
 use super::run;
 
@@ -45,7 +45,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
     let fails = |name: String, message: String| vec![Trial::test(name, move || Err(Failed::from(message)))];
     let files = match suite::search(folder) {
         Ok(files) if files.is_empty() => {
-            return fails("suites".into(), format!("`{}` holds no suite file (*.suite.toml)", folder.display()));
+            return fails("suites".into(), format!("`{}` holds no suite file (*.suite.toml)", folder.shown()));
         }
         Ok(files) => files,
         Err(error) => return fails("suites".into(), error.to_string()),

@@ -21,7 +21,7 @@ use crate::lane::{self, Lane, Stage};
 use crate::property::nearest;
 use crate::shard::Shard;
 use crate::suite::fresh;
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile};
 
 pub use shared::Found;
 
@@ -96,7 +96,7 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
     anyhow::ensure!(
         !(args.resume && streamed),
         "--resume goes on from the state beside the output, and `{}` is no regular file; name a file with -o",
-        output.display()
+        output.shown()
     );
     if args.resume && saved.exists() {
         state = read_state(&saved)?.resume(&request)?;
@@ -115,7 +115,7 @@ pub fn run_on(args: &CalibrateArgs, ops: &[Op], lane: &dyn Lane, out: &mut dyn W
     bar.finish_and_clear();
     let status = conclude(&state, &output, lane, args.format == Format::Json, out)?;
     if !streamed && saved.exists() {
-        fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.display()))?;
+        fs::remove_file(&saved).with_context(|| format!("cannot remove `{}`", saved.shown()))?;
     }
     Ok(status)
 }
@@ -144,21 +144,21 @@ fn conclude(
     let date = day_of(SystemTime::now());
     let vertex = vertex.as_ref();
     let document = Document { lane: description, state, compute: &compute, vertex, definitions: &[], date: &date };
-    let bounds = profile::parse(&SourceFile::new(output.display().to_string(), document.text()), &|name| {
+    let bounds = profile::parse(&SourceFile::new(output.shown().to_string(), document.text()), &|name| {
         profile::by_name(name).cloned()
     })
     .context("what was measured cannot be read back, which is a defect of this program")?;
     let definitions = confirmed(lane, &bounds)?;
     let text = Document { definitions: &definitions, ..document }.text();
-    fresh::write(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.display()))?;
+    fresh::write(output, text.as_bytes()).with_context(|| format!("cannot write `{}`", output.shown()))?;
     let report = table::Report { lane: description, state, compute: &compute, vertex };
     if json {
         let mut json = report.json();
-        json["profile"] = output.display().to_string().into();
+        json["profile"] = output.shown().to_string().into();
         writeln!(out, "{json:#}")?;
     } else {
         out.write_all(report.text().as_bytes())?;
-        writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.display())?;
+        writeln!(out, "\nThe measured profile is in {0}; use it with `check --profile {0}`.", output.shown())?;
     }
     let outside = state.measurements().into_iter().any(|(op, tally)| Standing::of(op, tally) == Standing::Outside);
     Ok(if outside { ExitStatus::Findings } else { ExitStatus::Clean })
@@ -211,9 +211,9 @@ fn beside(output: &Path) -> PathBuf {
 }
 
 fn read_state(path: &Path) -> anyhow::Result<State> {
-    let text = fs::read(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let text = fs::read(path).with_context(|| format!("cannot read `{}`", path.shown()))?;
     serde_json::from_slice(&text)
-        .with_context(|| format!("`{}` is no state of a calibration; remove it or leave out --resume", path.display()))
+        .with_context(|| format!("`{}` is no state of a calibration; remove it or leave out --resume", path.shown()))
 }
 
 /// The day of a moment in universal time, such as `2026-01-31`.

@@ -29,7 +29,7 @@ use crate::suite::run::{
     check_translations, hear, most_from, prepare, run as run_suite, run_from, stage_of,
 };
 use crate::suite::{self, fresh, save_regressions};
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile};
 use crate::verdict::Literals;
 
 use bundle::write_bundle;
@@ -487,10 +487,10 @@ fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> 
 
 /// Writes the run in every format for programs, each file in one step.
 fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.shown()))?;
     for format in report::check::FORMATS {
         let path = folder.join(format.file);
-        let context = || format!("cannot write `{}`", path.display());
+        let context = || format!("cannot write `{}`", path.shown());
         let text = (format.write)(summary).map_err(anyhow::Error::msg).with_context(context)?;
         fresh::write(&path, text.as_bytes()).with_context(context)?;
     }
@@ -565,6 +565,15 @@ pub(super) fn shell_word(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+@%:,".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()
+    } else if word.contains(char::is_control) {
+        // A line break would begin a line of a report. Every shell has `printf`.
+        let escaped = |c: char| match c {
+            '%' => "%%".to_owned(),
+            '\\' => r"\\".to_owned(),
+            c if c.is_control() => c.to_string().bytes().map(|byte| format!("\\{byte:03o}")).collect(),
+            c => c.to_string(),
+        };
+        format!("\"$(printf {})\"", shell_word(&word.chars().map(escaped).collect::<String>()))
     } else {
         format!("'{}'", word.replace('\'', r"'\''"))
     }
@@ -579,5 +588,6 @@ mod tests {
         assert_eq!(shell_word("shaders/a.suite.toml"), "shaders/a.suite.toml");
         assert_eq!(shell_word("my shader.vert"), "'my shader.vert'");
         assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word("a\n%\\'b"), r#""$(printf 'a\012%%\\'\''b')""#);
     }
 }

@@ -13,7 +13,7 @@ use crate::glsl::Stage;
 use crate::lane::{self, Lane};
 use crate::suite::draft::{self, Subject};
 use crate::suite::{self, Suite, fresh};
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile};
 
 /// Write a first suite for every shader of a folder that can run
 ///
@@ -58,12 +58,12 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         return Ok(ExitStatus::Clean);
     }
     let root = args.folder.clone().unwrap_or_else(|| PathBuf::from("."));
-    anyhow::ensure!(root.is_dir(), "`{}` is no folder", root.display());
+    anyhow::ensure!(root.is_dir(), "`{}` is no folder", root.shown());
     let (shaders, suites) = search(&root)?;
     anyhow::ensure!(
         !shaders.is_empty(),
         "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .glsl for a library",
-        root.display()
+        root.shown()
     );
     let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
@@ -80,7 +80,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         };
         let (subjects, rest) = draft::subjects(&file, *stage);
         if subjects.is_empty() {
-            writeln!(err, "left out: {}: it has neither a stage nor a function that can be run", path.display())?;
+            writeln!(err, "left out: {}: it has neither a stage nor a function that can be run", path.shown())?;
         }
         for subject in subjects {
             if known.iter().any(|(shader, suite)| shader == path && runs(suite, &subject)) {
@@ -90,12 +90,12 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
             written += u64::from(one(args, path, *stage, (&file, &subject, &devices), &mut names, out, err)?);
         }
         if rest > 0 {
-            writeln!(err, "left out: {rest} more functions of {}", path.display())?;
+            writeln!(err, "left out: {rest} more functions of {}", path.shown())?;
         }
     }
     configuration(args, &root, out)?;
     writeln!(out, "\n{SNIPPET}")?;
-    writeln!(out, "Next: shadercheck check {}", root.display())?;
+    writeln!(out, "Next: shadercheck check {}", root.shown())?;
     writeln!(out, "`shadercheck explain suite` tells every key of a suite file.")?;
     Ok(if written == 0 && known.is_empty() { ExitStatus::Findings } else { ExitStatus::Clean })
 }
@@ -112,8 +112,8 @@ fn runs(suite: &Suite, subject: &Subject) -> bool {
 
 fn told(path: &Path, subject: &Subject) -> String {
     match &subject.entry {
-        Some(entry) => format!("`{entry}` of {}", path.display()),
-        None => path.display().to_string(),
+        Some(entry) => format!("`{entry}` of {}", path.shown()),
+        None => path.shown().to_string(),
     }
 }
 
@@ -145,7 +145,7 @@ fn one(
     }
     let target = path.with_file_name(format!("{name}.suite.toml"));
     if target.exists() {
-        writeln!(err, "left out: {}: `{}` is there already", told(path, subject), target.display())?;
+        writeln!(err, "left out: {}: `{}` is there already", told(path, subject), target.shown())?;
         return Ok(false);
     }
     let draft = match draft::draft(file, stage, subject, &name, &shader, devices) {
@@ -157,13 +157,12 @@ fn one(
     };
     if !args.dry_run {
         // Another process may have made the file since it was looked for.
-        fresh::create(&target, draft.text.as_bytes())
-            .with_context(|| format!("cannot write `{}`", target.display()))?;
+        fresh::create(&target, draft.text.as_bytes()).with_context(|| format!("cannot write `{}`", target.shown()))?;
     }
     names.insert(name);
     let verb = if args.dry_run { "would write" } else { "wrote" };
     let laws = if draft.laws == 1 { "1 law".to_owned() } else { format!("{} laws", draft.laws) };
-    writeln!(out, "{verb} {}: {} inputs, {laws}", target.display(), draft.inputs)?;
+    writeln!(out, "{verb} {}: {} inputs, {laws}", target.shown(), draft.inputs)?;
     for complaint in &draft.complaints {
         writeln!(out, "  does not pass: {complaint}")?;
     }
@@ -182,11 +181,11 @@ fn configuration(args: &InitArgs, root: &Path, out: &mut dyn Write) -> anyhow::R
         return Ok(());
     }
     if args.dry_run {
-        writeln!(out, "would write {}", path.display())?;
+        writeln!(out, "would write {}", path.shown())?;
         return Ok(());
     }
-    fresh::create(&path, CONFIGURATION.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
-    writeln!(out, "wrote {}", path.display())?;
+    fresh::create(&path, CONFIGURATION.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))?;
+    writeln!(out, "wrote {}", path.shown())?;
     Ok(())
 }
 

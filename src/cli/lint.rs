@@ -23,7 +23,7 @@ use crate::lint::fix::{FixedFile, Outcome};
 use crate::lint::{Input, Level};
 use crate::report::lint::{Context, FORMATS, Format, by_name};
 use crate::suite::fresh;
-use crate::text::Encoding;
+use crate::text::{Encoding, Shown};
 
 use files::Loaded;
 use groups::Groups;
@@ -174,7 +174,7 @@ impl Session<'_> {
     fn record(&mut self, path: &std::path::Path) -> anyhow::Result<ExitStatus> {
         let found = self.groups.run(&self.loaded.inputs);
         let count = Known::new(path, &self.loaded).write(&found)?;
-        writeln!(self.err, "{}", summary::recorded(count, &path.display().to_string(), self.lang))?;
+        writeln!(self.err, "{}", summary::recorded(count, &path.shown(), self.lang))?;
         Ok(ExitStatus::Clean)
     }
 
@@ -273,7 +273,7 @@ impl Session<'_> {
             Some(path) => {
                 let report = write(format, &Context { color: false, ..context.clone() });
                 fresh::write(path, report.as_bytes())
-                    .with_context(|| format!("{}: cannot be written", path.display()))?;
+                    .with_context(|| format!("{}: cannot be written", path.shown()))?;
                 self.out.write_all(write(FORMATS[0], &context).as_bytes())?;
             }
         }

@@ -16,6 +16,7 @@ use super::status::ExitStatus;
 use super::{calibrate, check, fuzz, mutate, refdata};
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
 use crate::suite::fresh;
+use crate::text::Shown;
 
 /// Arguments of `shadercheck merge`.
 #[derive(Args, Clone, Debug, Default)]
@@ -78,8 +79,8 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     if let (Some(data), Some(result)) = (data.first(), results.first()) {
         anyhow::bail!(
             "`{}` is a part of reference data, and `{}` is none; merge them one after the other",
-            data.display(),
-            result.display()
+            data.shown(),
+            result.shown()
         );
     }
     if !data.is_empty() {
@@ -87,7 +88,7 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     }
     let mut all: Vec<Read> = Vec::new();
     for file in results {
-        let name = file.display();
+        let name = file.shown();
         let text = fs::read_to_string(&file).with_context(|| format!("cannot read `{name}`"))?;
         let sealed: Sealed<Value> = shard::open(&text).with_context(|| format!("`{name}`"))?;
         anyhow::ensure!(
@@ -97,7 +98,7 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         all.push((file, sealed));
     }
     let Some((first, rest)) = all.split_first() else {
-        let folders: Vec<String> = paths.iter().map(|p| format!("`{}`", p.display())).collect();
+        let folders: Vec<String> = paths.iter().map(|p| format!("`{}`", p.shown())).collect();
         anyhow::bail!(
             "{} holds no results of shards (shard-*.json), and no parts of reference data",
             folders.join(", ")
@@ -107,7 +108,7 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     for (file, sealed) in rest {
         identity
             .same(&sealed.identity)
-            .with_context(|| format!("`{}` and `{}` are of different runs", first.0.display(), file.display()))?;
+            .with_context(|| format!("`{}` and `{}` are of different runs", first.0.shown(), file.shown()))?;
     }
     let here = Identity::new("", 0, 1).version;
     anyhow::ensure!(
@@ -145,17 +146,17 @@ impl Merge<'_> {
         let mut joined: Option<T> = None;
         for (file, sealed) in all {
             let found: T =
-                serde_json::from_value(sealed.found).with_context(|| format!("cannot read `{}`", file.display()))?;
+                serde_json::from_value(sealed.found).with_context(|| format!("cannot read `{}`", file.shown()))?;
             match &mut joined {
                 None => joined = Some(found),
-                Some(joined) => joined.join(found).with_context(|| format!("`{}`", file.display()))?,
+                Some(joined) => joined.join(found).with_context(|| format!("`{}`", file.shown()))?,
             }
         }
         let Some(joined) = joined else { return Ok(ExitStatus::Error) };
         if let Some(path) = &self.args.out {
             let (identity, covers) = (self.identity.clone(), self.covers.clone());
             let text = shard::seal(&Sealed { sort: Sort::Result, identity, covers, found: &joined })?;
-            fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))?;
+            fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))?;
         }
         if !self.missing.is_empty() {
             writeln!(err, "note: {}", told(&self.missing, &self.identity, self.paths))?;
@@ -176,9 +177,9 @@ fn files(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
             continue;
         }
         let begin = all.len();
-        let entries = fs::read_dir(path).with_context(|| format!("cannot read the folder `{}`", path.display()))?;
+        let entries = fs::read_dir(path).with_context(|| format!("cannot read the folder `{}`", path.shown()))?;
         for entry in entries {
-            let entry = entry.with_context(|| format!("cannot read the folder `{}`", path.display()))?;
+            let entry = entry.with_context(|| format!("cannot read the folder `{}`", path.shown()))?;
             let name = entry.file_name().to_string_lossy().into_owned();
             if name.starts_with("shard-") && name.ends_with(".json") {
                 all.push(entry.path());
@@ -195,13 +196,9 @@ fn covered(all: &[Read]) -> anyhow::Result<BTreeMap<u64, &Path>> {
     for (file, sealed) in all {
         let count = sealed.identity.shards;
         for &index in &sealed.covers {
-            Shard::new(index, count).with_context(|| format!("`{}`", file.display()))?;
+            Shard::new(index, count).with_context(|| format!("`{}`", file.shown()))?;
             if let Some(other) = covers.insert(index, file) {
-                anyhow::bail!(
-                    "shard {index}/{count} is there twice: in `{}` and in `{}`",
-                    other.display(),
-                    file.display()
-                );
+                anyhow::bail!("shard {index}/{count} is there twice: in `{}` and in `{}`", other.shown(), file.shown());
             }
         }
     }

@@ -27,6 +27,7 @@ use std::io::{IsTerminal, Write};
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::diagnostic::Lang;
+use crate::text::printable;
 use status::ExitStatus;
 
 /// Languages by the names that options have for them.
@@ -149,7 +150,8 @@ fn message(error: &anyhow::Error) -> String {
             parts.push(cause);
         }
     }
-    parts.join(": ")
+    // Errors may have several lines, and what they quote may be anything.
+    parts.join(": ").split('\n').map(printable).collect::<Vec<_>>().join("\n")
 }
 
 /// Writes as long as someone reads. A reader that went away, such as `head`, has seen what it wanted;

@@ -22,7 +22,7 @@ use crate::report::diagnostics;
 use crate::report::mutate::{Summary, json, text};
 use crate::shard::Shard;
 use crate::suite::run::{DEFAULT_SEED, RunError, signal_name};
-use crate::text::fingerprint;
+use crate::text::{Shown, fingerprint};
 
 pub use shared::Found;
 
@@ -261,7 +261,7 @@ fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let before = named.len();
         let entries =
-            std::fs::read_dir(folder).with_context(|| format!("cannot read the folder `{}`", folder.display()))?;
+            std::fs::read_dir(folder).with_context(|| format!("cannot read the folder `{}`", folder.shown()))?;
         for entry in entries {
             let file = entry?.path();
             if file.to_string_lossy().ends_with(".suite.toml") {

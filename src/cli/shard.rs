@@ -13,6 +13,7 @@ use crate::cli::status::ExitStatus;
 use crate::lane::{self, Unavailable};
 use crate::shard::{self, Identity, Sealed, Shard, Sort};
 use crate::suite::fresh;
+use crate::text::Shown;
 
 /// Arguments of every command that can be shared out.
 #[derive(Args, Clone, Debug, Default)]
@@ -86,9 +87,9 @@ impl Store {
     /// # Errors
     /// When the folder cannot be made or written to.
     pub fn new(folder: &Path, shard: Shard, identity: Identity) -> anyhow::Result<Self> {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.shown()))?;
         let store = Self { folder: folder.to_owned(), shard, identity };
-        fresh::probe(folder).with_context(|| format!("cannot write to the folder `{}`", folder.display()))?;
+        fresh::probe(folder).with_context(|| format!("cannot write to the folder `{}`", folder.shown()))?;
         Ok(store)
     }
 
@@ -125,7 +126,7 @@ impl Store {
     }
 
     fn read<T: DeserializeOwned>(&self, path: &Path, sort: Sort, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
-        let name = path.display();
+        let name = path.shown();
         let text = match fs::read_to_string(path) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -164,7 +165,7 @@ impl Store {
         self.write(&self.result_path(), Sort::Result, found)?;
         let checkpoint = self.checkpoint_path();
         if checkpoint.exists() {
-            fs::remove_file(&checkpoint).with_context(|| format!("cannot remove `{}`", checkpoint.display()))?;
+            fs::remove_file(&checkpoint).with_context(|| format!("cannot remove `{}`", checkpoint.shown()))?;
         }
         Ok(())
     }
@@ -172,7 +173,7 @@ impl Store {
     fn write<T: Serialize>(&self, path: &Path, sort: Sort, found: &T) -> anyhow::Result<()> {
         let sealed = Sealed { sort, identity: self.identity.clone(), covers: vec![self.shard.index()], found };
         let text = shard::seal(&sealed).context("what was found cannot be written down")?;
-        fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))
+        fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))
     }
 }
 
@@ -185,7 +186,7 @@ pub(super) fn told(store: &Store, how: &str, json: bool, out: &mut dyn Write) ->
         });
         writeln!(out, "{value:#}")?;
     } else {
-        writeln!(out, "shard {shard} {how}: {}", path.display())?;
+        writeln!(out, "shard {shard} {how}: {}", path.shown())?;
     }
     out.flush()?;
     Ok(ExitStatus::Clean)

@@ -13,7 +13,7 @@ use crate::lower::Target;
 use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
 use crate::report::diagnostics;
 use crate::suite::{fresh, read_source};
-use crate::text::{SourceFile, decode};
+use crate::text::{Shown, SourceFile, decode};
 
 /// Arguments of `shadercheck translate`.
 #[derive(Args, Clone, Debug)]
@@ -116,7 +116,7 @@ fn target(shader: &Shader, stage: Stage, entry: Option<&str>) -> Result<Target, 
 
 /// Reads a text file for a command.
 pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
-    let name = path.display().to_string();
+    let name = path.shown();
     if path.is_dir() {
         anyhow::bail!("`{name}` is a folder; name a file in it");
     }
@@ -128,6 +128,6 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
 }
 
 fn write_file(path: &Path, translation: Translation) -> anyhow::Result<()> {
-    let context = || format!("cannot write `{}`", path.display());
+    let context = || format!("cannot write `{}`", path.shown());
     fresh::write(path, &translation.into_bytes()).with_context(context)
 }

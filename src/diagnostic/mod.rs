@@ -103,7 +103,7 @@ impl Diagnostic {
         Self {
             code,
             severity,
-            message: message.into(),
+            message: message.into().printable(),
             file: file.clone(),
             span,
             label: Told::default(),

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Deref;
 
+use crate::text::printable;
+
 /// A language of messages and pages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lang {
@@ -33,6 +35,15 @@ impl Told {
             (Lang::Ja, Some(ja)) => ja,
             (Lang::Ja, None) | (Lang::En, _) => &self.en,
         }
+    }
+
+    /// The same with control characters as escapes, but for line breaks: what is quoted may be anything.
+    pub(super) fn printable(self) -> Self {
+        let lines = |text: String| {
+            let odd = text.contains(|c: char| c.is_control() && c != '\n');
+            if odd { text.split('\n').map(printable).collect::<Vec<_>>().join("\n") } else { text }
+        };
+        Self { en: lines(self.en), ja: self.ja.map(lines) }
     }
 
     /// True when there is a Japanese text.

@@ -20,6 +20,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 use crate::program::Kernel;
+use crate::text::printable;
 use crate::value::Batch;
 
 pub use actual::{Actual, Marks};
@@ -168,7 +169,7 @@ pub mod known {
 
 /// A lane that cannot be had here.
 #[derive(Clone, Debug, Error, PartialEq, Eq, Serialize, Deserialize)]
-#[error("{why}; {remedy}")]
+#[error("{}; {}", printable(why), printable(remedy))]
 pub struct Unavailable {
     /// What is missing, without a full stop.
     pub why: String,
@@ -183,7 +184,7 @@ pub enum LaneError {
     #[error("{}", api(.0))]
     Api(String),
     /// The kernel needs something that the lane lacks.
-    #[error("not supported on this lane: {0}")]
+    #[error("not supported on this lane: {}", printable(.0))]
     Unsupported(String),
     /// An invocation goes on without end.
     #[error("invocation {invocation} of {count} does not finish: a loop goes on after {rounds} rounds")]
@@ -210,10 +211,10 @@ pub enum LaneError {
         expected: u32,
     },
     /// The translator in front of the device crashed, hung or gave no module: a fault of it, and not of the text.
-    #[error("the translator {0}")]
+    #[error("the translator {}", printable(.0))]
     Translator(String),
     /// The process in which the lane runs crashed, hung or gave no sense; it is started again for what comes after.
-    #[error("the process of the driver {how}{}", at(.invocation, *.count, .inputs))]
+    #[error("the process of the driver {}{}", printable(how), at(.invocation, *.count, .inputs))]
     Lost {
         /// How, in words that continue "the process of the driver".
         how: String,
@@ -261,6 +262,8 @@ impl LaneError {
 
 /// An error of the API, with the two that say most about a device in words that are the same on every lane.
 fn api(text: &str) -> String {
+    // Logs of drivers end with line breaks.
+    let text = &printable(text.trim_end());
     if is_lost(text) {
         format!("device lost: {text}")
     } else if is_out_of_memory(text) {

@@ -1,9 +1,19 @@
 //! How words are written into commands of GitHub Actions.
 //! <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>
 
+use crate::text::printable;
+
 /// The message of a command.
 pub(super) fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    let shown = |c: char| match c {
+        '%' => "%25".to_owned(),
+        '\r' => "%0D".to_owned(),
+        '\n' => "%0A".to_owned(),
+        '\t' => c.to_string(),
+        // A terminal would obey it.
+        c => printable(c.encode_utf8(&mut [0; 4])),
+    };
+    text.chars().map(shown).collect()
 }
 
 /// A property of a command.

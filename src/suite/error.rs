@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::property::regressions::RegressionError;
-use crate::text::TextError;
+use crate::text::{Shown, TextError};
 
 /// One thing that is wrong in a suite file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub struct SuiteError {
 #[derive(Debug, Error)]
 pub enum LoadError {
     /// A file cannot be read.
-    #[error("cannot read `{}`: {source}", path.display())]
+    #[error("cannot read `{}`: {source}", path.shown())]
     Read {
         /// The file.
         path: PathBuf,
@@ -43,7 +43,7 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// The shader that a suite names cannot be read.
-    #[error("{at}: cannot read the shader `{}`: {source}", path.display())]
+    #[error("{at}: cannot read the shader `{}`: {source}", path.shown())]
     Shader {
         /// Where the suite names it.
         at: String,
@@ -53,7 +53,7 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// A folder cannot be searched.
-    #[error("cannot read the folder `{}`: {source}", path.display())]
+    #[error("cannot read the folder `{}`: {source}", path.shown())]
     Folder {
         /// The folder.
         path: PathBuf,
@@ -61,7 +61,7 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// Another file that a suite names cannot be read.
-    #[error("{at}: cannot read the {what} `{}`: {source}", path.display())]
+    #[error("{at}: cannot read the {what} `{}`: {source}", path.shown())]
     Named {
         /// Where the suite names it.
         at: String,
@@ -83,7 +83,7 @@ pub enum LoadError {
         why: String,
     },
     /// A file cannot be written.
-    #[error("cannot write `{}`: {source}", path.display())]
+    #[error("cannot write `{}`: {source}", path.shown())]
     Write {
         /// The file.
         path: PathBuf,

@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::property::nearest;
-use crate::text::SourceFile;
+use crate::text::{SourceFile, printable};
 
 use super::error::{Problem, SuiteError};
 
@@ -24,7 +24,8 @@ impl<'a> Reader<'a> {
 
     /// Notes a problem at a byte offset.
     pub fn problem(&self, offset: usize, message: impl Into<String>) {
-        self.problems.borrow_mut().push((offset, message.into()));
+        // Values are quoted as they were written.
+        self.problems.borrow_mut().push((offset, printable(&message.into())));
     }
 
     pub fn locate(&self, offset: usize) -> String {

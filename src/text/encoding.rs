@@ -249,7 +249,7 @@ fn misfit(name: &str, bytes: &[u8], encoding: Encoding) -> TextError {
     };
     let before = SourceFile::new(name, text);
     TextError::NoEncoding {
-        name: name.to_owned(),
+        name: before.name().to_owned(),
         position: before.position(before.text().len()),
         byte: bytes.get(end).copied().unwrap_or_default(),
     }

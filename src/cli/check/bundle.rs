@@ -8,6 +8,7 @@ use super::shell_word;
 use crate::cli::paths::relative;
 use crate::suite::fresh;
 use crate::suite::run::Bundle;
+use crate::text::Shown;
 
 /// A script that goes to the folder in which it was written before it does anything: its paths are relative to that.
 fn from_anywhere(folder: &Path, script: &[u8]) -> Vec<u8> {
@@ -21,11 +22,11 @@ fn from_anywhere(folder: &Path, script: &[u8]) -> Vec<u8> {
 /// Writes the files of a failing case into a folder of its name.
 pub(super) fn write_bundle(folder: &Path, bundle: &Bundle) -> anyhow::Result<()> {
     let folder = folder.join(&bundle.name);
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.shown()))?;
     for (name, content) in &bundle.files {
         let path = folder.join(name);
         let content = if name == "reproduce.sh" { from_anywhere(&folder, content) } else { content.clone() };
-        fresh::write(&path, &content).with_context(|| format!("cannot write `{}`", path.display()))?;
+        fresh::write(&path, &content).with_context(|| format!("cannot write `{}`", path.shown()))?;
     }
     Ok(())
 }

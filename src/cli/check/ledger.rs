@@ -10,7 +10,7 @@ use super::select::Selected;
 use crate::suite::ledger::{self, Ledger};
 use crate::suite::run::{Entry, LaneUsed};
 use crate::suite::{self, Problem};
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile};
 
 /// What `--expectations` takes for no ledger at all.
 const NONE: &str = "none";
@@ -112,5 +112,5 @@ impl Written {
 }
 
 fn read(path: &Path) -> anyhow::Result<SourceFile> {
-    suite::read_ledger(path).with_context(|| format!("cannot read the ledger `{}`", path.display()))
+    suite::read_ledger(path).with_context(|| format!("cannot read the ledger `{}`", path.shown()))
 }

@@ -10,7 +10,7 @@ use crate::lane::{Lane, LaneError, Stage};
 use crate::report::html::{self, Page, Subject};
 use crate::suite::fresh;
 use crate::suite::run::{Gallery, Prepared, Promised, Report, Request, Summary, gallery, promised};
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile};
 
 /// What a page is made of, for a folder of reports.
 #[derive(Default)]
@@ -34,7 +34,7 @@ impl Pages {
     pub fn new(folder: Option<&Path>, mutations: Option<&Path>) -> anyhow::Result<Self> {
         let mutations = match mutations {
             Some(path) => {
-                let shown = path.display();
+                let shown = path.shown();
                 let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{shown}`"))?;
                 let value: Value = serde_json::from_str(&text).with_context(|| format!("`{shown}` is no JSON"))?;
                 anyhow::ensure!(
@@ -97,10 +97,10 @@ impl Pages {
         let page = Page { summary, subjects, galleries, promises: &promises, mutations: self.mutations.as_ref() };
         let site = html::write(&page).map_err(anyhow::Error::msg).context("cannot draw the page")?;
         let plots = folder.join("plots");
-        std::fs::create_dir_all(&plots).with_context(|| format!("cannot make the folder `{}`", plots.display()))?;
+        std::fs::create_dir_all(&plots).with_context(|| format!("cannot make the folder `{}`", plots.shown()))?;
         let index = std::iter::once((folder.join("index.html"), site.index.into_bytes()));
         for (path, bytes) in index.chain(site.plots.into_iter().map(|(name, bytes)| (plots.join(name), bytes))) {
-            fresh::write(&path, &bytes).with_context(|| format!("cannot write `{}`", path.display()))?;
+            fresh::write(&path, &bytes).with_context(|| format!("cannot write `{}`", path.shown()))?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use anyhow::Context;
 
 use crate::property::regressions::Regression;
 use crate::suite::{self, Suite};
-use crate::text::SourceFile;
+use crate::text::{Shown, SourceFile, printable};
 
 /// A suite that is to be run.
 pub struct Selected {
@@ -35,7 +35,7 @@ pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
             Ok(found) => selected.push(shipped(found)?),
             Err(_) if path.is_dir() => {
                 let files = suite::search(path)?;
-                anyhow::ensure!(!files.is_empty(), "`{argument}` holds no suite file (*{})", suite::ENDING);
+                anyhow::ensure!(!files.is_empty(), "`{}` holds no suite file (*{})", path.shown(), suite::ENDING);
                 for file in files {
                     selected.extend(from_file(&file)?);
                 }
@@ -47,7 +47,7 @@ pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
             }
             Err(_) if argument.ends_with(".toml") || path.exists() => selected.extend(from_file(path)?),
             Err(_) if argument.contains(['.', '/', '\\']) => {
-                anyhow::bail!("there is no file or folder `{argument}`, and suites have no such names")
+                anyhow::bail!("there is no file or folder `{}`, and suites have no such names", printable(argument))
             }
             Err(unknown) => return Err(unknown.into()),
         }
@@ -89,7 +89,7 @@ fn from_file(path: &Path) -> anyhow::Result<Vec<Selected>> {
 
 /// The suites beside a shader that are about it.
 fn of_shader(path: &Path) -> anyhow::Result<Vec<Selected>> {
-    let name = path.display().to_string();
+    let name = path.shown();
     let selected = beside(path)?;
     anyhow::ensure!(
         !selected.is_empty(),
@@ -104,7 +104,7 @@ fn of_shader(path: &Path) -> anyhow::Result<Vec<Selected>> {
 /// # Errors
 /// When there is no such file, or the folder cannot be searched.
 pub fn beside(path: &Path) -> anyhow::Result<Vec<Selected>> {
-    anyhow::ensure!(path.exists(), "cannot read `{}`: there is no such file", path.display());
+    anyhow::ensure!(path.exists(), "cannot read `{}`: there is no such file", path.shown());
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut selected = Vec::new();
     for file in suite::search(folder)? {
@@ -136,5 +136,5 @@ fn one_variant(path: &Path, wanted: &str) -> anyhow::Result<Selected> {
     let names: Vec<String> = all.iter().map(|s| s.argument.clone()).collect();
     all.into_iter()
         .find(|selected| selected.suite.name.ends_with(wanted))
-        .with_context(|| format!("`{}` has no variant `{wanted}`; there are {}", path.display(), names.join(", ")))
+        .with_context(|| format!("`{}` has no variant `{wanted}`; there are {}", path.shown(), names.join(", ")))
 }

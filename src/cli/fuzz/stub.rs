@@ -10,6 +10,7 @@ use super::Source;
 use crate::fuzz::{FunctionReport, Law};
 use crate::report::fuzz::Summary;
 use crate::suite::fresh;
+use crate::text::Shown;
 use crate::value::{Scalar, Shape};
 
 /// Range of an input for which none is stated.
@@ -34,11 +35,11 @@ pub fn write(sources: &[Source], summary: &Summary, err: &mut dyn Write) -> anyh
             let path = beside(&source.path, name);
             // Made new or not at all, whatever comes in between.
             match fresh::create(&path, text.as_bytes()) {
-                Ok(()) => writeln!(err, "note: wrote {}", path.display())?,
+                Ok(()) => writeln!(err, "note: wrote {}", path.shown())?,
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
-                    writeln!(err, "note: `{}` is there already and stays as it is", path.display())?;
+                    writeln!(err, "note: `{}` is there already and stays as it is", path.shown())?;
                 }
-                Err(error) => return Err(error).with_context(|| format!("cannot write `{}`", path.display())),
+                Err(error) => return Err(error).with_context(|| format!("cannot write `{}`", path.shown())),
             }
         }
     }

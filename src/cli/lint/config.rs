@@ -12,7 +12,7 @@ use crate::lint::{Config, ProgramEntry, Range, Selection, Wrapped, Wrapper};
 use crate::property::nearest;
 use crate::suite::Problem;
 use crate::suite::table::{At, Reader, Table};
-use crate::text::{SourceFile, TextError};
+use crate::text::{Shown, SourceFile, TextError};
 
 use super::LevelName;
 
@@ -31,7 +31,7 @@ const MOST_ARGUMENTS: u64 = 255;
 #[derive(Debug, Error)]
 pub enum ConfigError {
     /// It cannot be read.
-    #[error("{}: cannot be read ({source})", path.display())]
+    #[error("{}: cannot be read ({source})", path.shown())]
     Read {
         /// The file.
         path: PathBuf,

@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::lint::fix::FixedFile;
 use crate::lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
 use crate::suite::{MOST_BYTES, read_source};
-use crate::text::{Decoded, Form, TextError, decode_western};
+use crate::text::{Decoded, Form, Shown, TextError, decode_western};
 
 use super::write::{WriteError, replace};
 
@@ -24,7 +24,7 @@ const MOST_COMPANION_ROUNDS: usize = 8;
 #[derive(Debug, Error)]
 pub enum InputError {
     /// It cannot be read.
-    #[error("{}: cannot be read ({source}); check the path and its permissions", path.display())]
+    #[error("{}: cannot be read ({source}); check the path and its permissions", path.shown())]
     Unreadable {
         /// The path.
         path: PathBuf,
@@ -32,7 +32,7 @@ pub enum InputError {
         source: io::Error,
     },
     /// A folder cannot be searched.
-    #[error("{}: cannot be searched ({message}); check its permissions", path.display())]
+    #[error("{}: cannot be searched ({message}); check its permissions", path.shown())]
     Unsearchable {
         /// The folder that was to be searched.
         path: PathBuf,
@@ -43,24 +43,24 @@ pub enum InputError {
     #[error(transparent)]
     NotText(#[from] TextError),
     /// It has no text.
-    #[error("{}: the file is empty; name a file with text", .0.display())]
+    #[error("{}: the file is empty; name a file with text", .0.shown())]
     Empty(PathBuf),
     /// Its name does not say what it is.
     #[error(
         "{}: neither a shader nor C or C++ by its name; known endings are {}",
-        .0.display(),
+        .0.shown(),
         endings()
     )]
     UnknownKind(PathBuf),
     /// A folder without a file to lint.
     #[error(
         "{}: no shader and no C or C++ file in this folder; known endings are {}; hidden files and what .gitignore names are left out",
-        .0.display(),
+        .0.shown(),
         endings()
     )]
     NothingInFolder(PathBuf),
     /// It is too large.
-    #[error("{}: the file has {size} bytes, more than a source text of {MOST_BYTES}; leave it out", path.display())]
+    #[error("{}: the file has {size} bytes, more than a source text of {MOST_BYTES}; leave it out", path.shown())]
     TooLarge {
         /// The path.
         path: PathBuf,
@@ -68,7 +68,7 @@ pub enum InputError {
         size: u64,
     },
     /// It is a device, a pipe or the like.
-    #[error("{}: not a regular file; name a file or a folder", .0.display())]
+    #[error("{}: not a regular file; name a file or a folder", .0.shown())]
     NotAFile(PathBuf),
 }
 

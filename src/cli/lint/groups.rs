@@ -8,6 +8,7 @@ use crate::cli::LangName;
 use crate::diagnostic::{Diagnostic, Safety};
 use crate::lint::fix::{self, Outcome};
 use crate::lint::{Config, Input, Selection, Settings, by_code, run_with, sort};
+use crate::text::Shown;
 
 use super::LintArgs;
 use super::config::{self, FILE_NAME, FileConfig};
@@ -86,7 +87,7 @@ impl Groups {
             for path in program.shaders.iter_mut().chain(&mut program.hosts) {
                 let place = file.folder.join(&*path);
                 if !place.is_file() {
-                    self.missing.push(format!("{}: named by [[program]], and not there", shortened(&place).display()));
+                    self.missing.push(format!("{}: named by [[program]], and not there", shortened(&place).shown()));
                 }
                 *path = loaded.name_of(&shortened(&place));
             }

@@ -11,6 +11,7 @@ use crate::cli::paths::relative;
 use crate::diagnostic::Diagnostic;
 use crate::lint::baseline::{Baseline, Covered};
 use crate::suite::fresh;
+use crate::text::Shown;
 
 use super::files::Loaded;
 use super::groups::Groups;
@@ -52,7 +53,7 @@ impl Known {
     /// Takes out the findings that the baseline knows. With `prune`, what is not found any more is
     /// removed from the file.
     pub fn cover(&self, found: Vec<Diagnostic>, groups: &Groups, prune: bool) -> Result<Covered> {
-        let name = self.path.display();
+        let name = self.path.shown();
         let text = fs::read_to_string(&self.path).with_context(|| format!("{name}: cannot be read"))?;
         let baseline = Baseline::parse(&text).with_context(|| name.to_string())?;
         let names: BTreeMap<&str, &str> =
@@ -71,7 +72,7 @@ impl Known {
 
     fn save(&self, baseline: &Baseline) -> Result<()> {
         fresh::write(&self.path, baseline.to_text().as_bytes())
-            .with_context(|| format!("{}: cannot be written", self.path.display()))
+            .with_context(|| format!("{}: cannot be written", self.path.shown()))
     }
 }
 

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::suite::fresh;
-use crate::text::{EncodeError, Encoding};
+use crate::text::{EncodeError, Encoding, Shown};
 
 /// Why a file was left as it was.
 #[derive(Debug, Error)]
 pub enum WriteError {
     /// The system refused.
-    #[error("{}: cannot be written ({source}); the file is as it was", path.display())]
+    #[error("{}: cannot be written ({source}); the file is as it was", path.shown())]
     Io {
         /// The file.
         path: PathBuf,
@@ -21,13 +21,13 @@ pub enum WriteError {
         source: io::Error,
     },
     /// It may not be written.
-    #[error("{}: is read-only and was left as it was; make it writable first", .0.display())]
+    #[error("{}: is read-only and was left as it was; make it writable first", .0.shown())]
     ReadOnly(PathBuf),
     /// It is a device or a pipe.
-    #[error("{}: is not a regular file, so that there is nothing to repair in place", .0.display())]
+    #[error("{}: is not a regular file, so that there is nothing to repair in place", .0.shown())]
     NoFile(PathBuf),
     /// Someone else has written it meanwhile.
-    #[error("{}: has changed since it was read and was left as it is; run again", .0.display())]
+    #[error("{}: has changed since it was read and was left as it is; run again", .0.shown())]
     Changed(PathBuf),
     /// A character of the repaired text has no place in the encoding of the file.
     #[error("{0}; the file is as it was; convert it to UTF-8 to repair it")]
@@ -35,7 +35,7 @@ pub enum WriteError {
     /// The file would not even be written back as it was.
     #[error(
         "{}: holds bytes that {encoding} has another way to write, so that more than the repair would change; the file is as it was; convert it to UTF-8 to repair it",
-        path.display()
+        path.shown()
     )]
     Inexact {
         /// The file.

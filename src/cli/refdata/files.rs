@@ -7,34 +7,31 @@ use anyhow::Context;
 
 use crate::refdata::Document;
 use crate::refdata::read::{Blocks, Chain, ReadError, Sequence, Shared, Source};
+use crate::text::Shown;
 
 /// The format of a file by its ending.
 pub fn source(path: &Path) -> anyhow::Result<Source> {
-    let name = path.display().to_string();
+    let name = path.shown();
     Source::of_name(&name)
         .with_context(|| format!("the ending of `{name}` tells no format; there are npz, parquet, csv, json and raw"))
 }
 
 /// Opens a file.
 pub fn open(path: &Path) -> anyhow::Result<Shared> {
-    let failed = || format!("cannot read `{}`", path.display());
+    let failed = || format!("cannot read `{}`", path.shown());
     let file = File::open(path).with_context(failed)?;
-    anyhow::ensure!(
-        !file.metadata().with_context(failed)?.is_dir(),
-        "cannot read `{}`: it is a folder",
-        path.display()
-    );
+    anyhow::ensure!(!file.metadata().with_context(failed)?.is_dir(), "cannot read `{}`: it is a folder", path.shown());
     Shared::new(Box::new(file)).with_context(failed)
 }
 
 /// Opens a reference file.
 pub fn blocks(path: &Path) -> anyhow::Result<Blocks> {
-    Blocks::open(source(path)?, &open(path)?).with_context(|| format!("`{}`", path.display()))
+    Blocks::open(source(path)?, &open(path)?).with_context(|| format!("`{}`", path.shown()))
 }
 
 /// The files of a folder that are reference files by their ending, in the order of their names.
 pub fn parts(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let failed = || format!("cannot read the folder `{}`", folder.display());
+    let failed = || format!("cannot read the folder `{}`", folder.shown());
     let mut paths: Vec<PathBuf> = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(failed)? {
         let path = entry.with_context(failed)?.path();

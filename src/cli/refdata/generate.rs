@@ -21,6 +21,7 @@ use crate::shard::Shard;
 use crate::suite::Expect;
 use crate::suite::fresh::{self, Fresh};
 use crate::suite::run::{DEFAULT_SEED, prepare};
+use crate::text::Shown;
 
 /// Arguments of `shadercheck refdata generate`.
 #[derive(Args, Clone, Debug)]
@@ -142,8 +143,8 @@ pub fn run(args: &GenerateArgs, out: &mut dyn Write, err: &mut dyn Write) -> any
         let Some(format) = args.format.format() else {
             let bytes = scene::scene(item.formula(), args.samples.unwrap_or(VERTICES))?;
             let written = write(&path, |mut store| store.write_all(&bytes));
-            written.with_context(|| format!("cannot write `{}`", path.display()))?;
-            writeln!(out, "{}  glTF 2.0, {} bytes", path.display(), bytes.len())?;
+            written.with_context(|| format!("cannot write `{}`", path.shown()))?;
+            writeln!(out, "{}  glTF 2.0, {} bytes", path.shown(), bytes.len())?;
             continue;
         };
         match item {
@@ -178,7 +179,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn run(&self, subject: Subject<'_>, samples: u64, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<()> {
-        let path = self.path.display();
+        let path = self.path.shown();
         let failed = || format!("cannot write `{path}`");
         let generator = Generator::new(subject, self.profile, samples, self.args.seed)?;
         let blocks = self.shard.unwrap_or(Shard::WHOLE).range(generator.blocks());
@@ -238,7 +239,7 @@ impl Job<'_> {
 
     /// The digest of the part, if it is there as a whole. One that is damaged is made again.
     fn finished(&self, document: &Document, err: &mut dyn Write) -> anyhow::Result<Option<String>> {
-        let path = self.path.display();
+        let path = self.path.shown();
         if !self.path.exists() {
             return Ok(None);
         }
@@ -291,25 +292,25 @@ fn paths(output: &Path, names: &[&str], format: FormatArg, shard: Option<Shard>)
         anyhow::ensure!(
             shard.is_none(),
             "--shard writes a file for each part; name a folder in place of `{}`",
-            output.display()
+            output.shown()
         );
         anyhow::ensure!(
             names.len() == 1,
             "{} data sets do not go into the one file `{}`; name a folder ({})",
             names.len(),
-            output.display(),
+            output.shown(),
             names.join(", ")
         );
         let ending = output.extension().unwrap_or_default().to_string_lossy();
         anyhow::ensure!(
             streamed || endings.contains(&&*ending),
             "`{}` does not end in `.{}`, which files of the format `{format}` do; --format chooses another",
-            output.display(),
+            output.shown(),
             endings[0]
         );
         return Ok(vec![output.to_owned()]);
     }
-    std::fs::create_dir_all(output).with_context(|| format!("cannot make the folder `{}`", output.display()))?;
+    std::fs::create_dir_all(output).with_context(|| format!("cannot make the folder `{}`", output.shown()))?;
     // The parts of a suite lie in a folder of their own, which is a data set as a whole.
     let file = |name: &&str| match shard {
         None => PathBuf::from(format!("{}.{}", plain(name), endings[0])),
@@ -317,9 +318,9 @@ fn paths(output: &Path, names: &[&str], format: FormatArg, shard: Option<Shard>)
     };
     let paths: Vec<PathBuf> = names.iter().map(|name| output.join(file(name))).collect();
     for (k, path) in paths.iter().enumerate() {
-        anyhow::ensure!(!paths[..k].contains(path), "two suites would be written to `{}`", path.display());
+        anyhow::ensure!(!paths[..k].contains(path), "two suites would be written to `{}`", path.shown());
         if let Some(folder) = path.parent() {
-            let failed = || format!("cannot make the folder `{}`", folder.display());
+            let failed = || format!("cannot make the folder `{}`", folder.shown());
             std::fs::create_dir_all(folder).with_context(failed)?;
         }
     }

@@ -11,6 +11,7 @@ use crate::glsl::Stage;
 use crate::refdata::{Bare, Origin};
 use crate::report;
 use crate::suite::{self, Expect};
+use crate::text::Shown as _;
 
 /// Samples of a function without a suite, as of `fuzz`.
 pub const SAMPLES: u64 = 1 << 16;
@@ -85,7 +86,7 @@ fn functions(
     known: &mut Vec<String>,
     err: &mut dyn Write,
 ) -> anyhow::Result<Vec<Item>> {
-    let name = path.display().to_string();
+    let name = path.shown();
     anyhow::ensure!(
         !name.ends_with(".wgsl"),
         "`{name}`: functions in WGSL are not run without a suite; write one with `shader` and `entry`, and generate from \

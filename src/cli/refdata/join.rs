@@ -16,6 +16,7 @@ use crate::refdata::read::{Sequence, Source};
 use crate::refdata::write::Format;
 use crate::refdata::{CopyError, Document, copy};
 use crate::suite::fresh;
+use crate::text::Shown as _;
 
 /// The parts of reference data that these paths name: files, and folders with parts in them or in the folders
 /// of their suites.
@@ -32,7 +33,7 @@ pub fn parts(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
             continue;
         }
         let mut folders = vec![path.clone()];
-        let failed = || format!("cannot read the folder `{}`", path.display());
+        let failed = || format!("cannot read the folder `{}`", path.shown());
         for entry in fs::read_dir(path).with_context(failed)? {
             let entry = entry.with_context(failed)?;
             let hidden = entry.file_name().to_string_lossy().starts_with('.');
@@ -121,7 +122,7 @@ fn joined(
     format: Format,
     progress: &mut dyn FnMut(u64),
 ) -> anyhow::Result<Document> {
-    let failed = || format!("cannot write `{}`", path.display());
+    let failed = || format!("cannot write `{}`", path.shown());
     let begin = chain.document().without_digest();
     let mut unread = None;
     let written = generate::write(path, |store| {
@@ -155,17 +156,17 @@ fn targets(out: Option<&Path>, suites: &Suites) -> anyhow::Result<Vec<Option<(Pa
             suites.len() == 1,
             "{} suites do not go into the one file `{}`; name a folder ({})",
             suites.len(),
-            out.display(),
+            out.shown(),
             suites.keys().map(String::as_str).collect::<Vec<_>>().join(", ")
         );
         // A device has no ending: it gets the format of the parts.
         let named = suites.values().filter(|_| streamed).find_map(|(paths, _)| paths.first()).map_or(out, |part| part);
         let format = format(named).with_context(|| {
-            format!("the ending of `{}` tells no format; there are npz, parquet, csv, json and h", out.display())
+            format!("the ending of `{}` tells no format; there are npz, parquet, csv, json and h", out.shown())
         })?;
         return Ok(vec![Some((out.to_owned(), format))]);
     }
-    fs::create_dir_all(out).with_context(|| format!("cannot make the folder `{}`", out.display()))?;
+    fs::create_dir_all(out).with_context(|| format!("cannot make the folder `{}`", out.shown()))?;
     let target = |(name, (paths, _)): (&String, &(Vec<PathBuf>, _))| {
         let ending = paths.first()?.extension()?.to_string_lossy().into_owned();
         let path = out.join(format!("{}.{ending}", generate::plain(name)));
@@ -216,8 +217,8 @@ fn text(all: &[Joined], out: &mut dyn Write) -> io::Result<()> {
         let count = if parts.len() == 1 { "1 part".to_owned() } else { format!("{} parts", parts.len()) };
         writeln!(out, "{name}  {rows} samples in {count}  sha256 {digest}")?;
         match file {
-            Some(file) => writeln!(out, "  {}", file.display())?,
-            None => parts.iter().try_for_each(|part| writeln!(out, "  {}", part.display()))?,
+            Some(file) => writeln!(out, "  {}", file.shown())?,
+            None => parts.iter().try_for_each(|part| writeln!(out, "  {}", part.shown()))?,
         }
     }
     Ok(())

@@ -13,6 +13,7 @@ use crate::refdata::read::{self, Dataset, Sequence, Source, Wanted};
 use crate::refdata::verify::{self, Element, Report, Rule, StreamError};
 use crate::report;
 use crate::suite::fresh::Fresh;
+use crate::text::Shown;
 
 /// Arguments of `shadercheck refdata verify`.
 #[derive(Args, Clone, Debug)]
@@ -101,9 +102,9 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus>
     let folder = args.reference.is_dir();
     let parts = if folder { files::parts(&args.reference)? } else { vec![args.reference.clone()] };
     let documents = files::documents(&parts)?;
-    let of_reference = || format!("`{}`", args.reference.display());
-    let of_actual = || format!("`{}`", args.actual.display());
-    let of_both = || format!("`{}` against `{}`", args.actual.display(), args.reference.display());
+    let of_reference = || format!("`{}`", args.reference.shown());
+    let of_actual = || format!("`{}`", args.actual.shown());
+    let of_both = || format!("`{}` against `{}`", args.actual.shown(), args.reference.shown());
     let sequence = || -> anyhow::Result<Box<dyn Sequence + '_>> {
         Ok(match folder {
             true => Box::new(files::chain(&parts, &documents).with_context(of_reference)?),
@@ -150,7 +151,7 @@ type Compare<'c> = &'c dyn Fn(&mut dyn FnMut(&Element)) -> anyhow::Result<Option
 
 /// Compares, and writes the verdict on every element to a table, which is kept where there is a report.
 fn written(path: &Path, compare: Compare<'_>) -> anyhow::Result<Option<Report>> {
-    let failed = || format!("cannot write `{}`", path.display());
+    let failed = || format!("cannot write `{}`", path.shown());
     let fresh = Fresh::new(path).with_context(failed)?;
     let mut to = BufWriter::new(fresh.file().with_context(failed)?);
     let mut written = writeln!(to, "sample,component,expected,nearest_bits,actual,error,bound,verdict");

@@ -5,6 +5,7 @@ use super::remote::Remote;
 use super::{Here, OpenGl};
 use crate::lane::worker::{self, Worker};
 use crate::lane::{Api, Candidate, Description, Lane, Stage, Unavailable};
+use crate::text::printable;
 
 /// A driver of Mesa.
 struct Driver {
@@ -92,7 +93,7 @@ fn describe(driver: &Driver, renderer: &str, version: &str) -> Result<Descriptio
     };
     Ok(Description {
         name: driver.name,
-        driver: format!("{device}, {through}OpenGL {version}"),
+        driver: printable(&format!("{device}, {through}OpenGL {version}")),
         executor: executor(device),
         front_end: "Mesa".to_owned(),
         api: Api::OpenGl,

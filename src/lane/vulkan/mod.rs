@@ -14,6 +14,7 @@ use std::sync::Arc;
 use super::remote::{self, Engine, Front, Here, Work};
 use super::{Api, Candidate, Description, Lane, LaneError, LaneName, Runner, Stage, Unavailable, interned, worker};
 use crate::program::{Form, Kernel, OutputLayout, Texture, contain};
+use crate::text::printable;
 use crate::value::Record;
 
 use gpu::Gpu;
@@ -138,7 +139,7 @@ pub(super) fn executor(device: &str) -> String {
     match () {
         () if name.contains("llvmpipe") => "gallivm".to_owned(),
         () if name.contains("swiftshader") => SWIFTSHADER.to_owned(),
-        () => device.to_owned(),
+        () => printable(device),
     }
 }
 
@@ -156,7 +157,7 @@ fn open_adapter(name: LaneName, adapter: &wgpu::Adapter) -> Result<Box<dyn Engin
     let gpu = gpu.map_err(missing)?;
     let description = Description {
         name,
-        driver: gpu.driver(),
+        driver: printable(&gpu.driver()),
         executor: executor(gpu.name()),
         front_end: "naga".to_owned(),
         api: Api::Vulkan,

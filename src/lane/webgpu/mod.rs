@@ -17,6 +17,7 @@ use std::sync::OnceLock;
 use super::worker::{Program, Worker};
 use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan};
 use crate::program::{Form, Kernel};
+use crate::text::printable;
 
 use messages::{Adapter, Missing};
 use remote::Remote;
@@ -91,7 +92,7 @@ fn describe(adapter: &Adapter) -> Description {
     let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     Description {
         name: NAME,
-        driver: format!("{}, Dawn of webgpu {}", parts.join(", "), adapter.version),
+        driver: printable(&format!("{}, Dawn of webgpu {}", parts.join(", "), adapter.version)),
         executor: vulkan::executor(&device),
         front_end: "Tint".to_owned(),
         api: Api::WebGpu,

@@ -14,6 +14,8 @@ impl<T: fmt::Display> fmt::Display for Escaped<T> {
                 '&' => f.write_str("&amp;")?,
                 '"' => f.write_str("&quot;")?,
                 '\'' => f.write_str("&#39;")?,
+                // No character of a page.
+                c if c.is_control() && !matches!(c, '\n' | '\t') => write!(f, "{}", c.escape_default())?,
                 c => write!(f, "{c}")?,
             }
         }

@@ -1,6 +1,7 @@
 //! `concise`: one line each, for editors and `grep`.
 
 use crate::diagnostic::{Diagnostic, Lang};
+use crate::text::printable;
 
 use super::{Context, Format};
 
@@ -13,7 +14,7 @@ fn write(found: &[Diagnostic], context: &Context) -> String {
 
 /// `file:line:column: error[T001]: message`. Line breaks in messages become blanks.
 fn line(d: &Diagnostic, lang: Lang) -> String {
-    let message = d.message.in_lang(lang).replace(['\r', '\n'], " ");
+    let message = printable(&d.message.in_lang(lang).replace(['\r', '\n'], " "));
     format!("{}: {}[{}]: {message}\n", d.file.locate(d.span.start), d.severity.name(), d.code)
 }
 

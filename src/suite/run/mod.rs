@@ -31,6 +31,7 @@ use crate::program::{Kernel, Source};
 use crate::property::Sample;
 use crate::shard::Shard;
 use crate::suite::Suite;
+use crate::text::printable;
 use crate::verdict::{BatchVerdict, Survey};
 
 use part::Counted;
@@ -240,7 +241,7 @@ fn part_of(
     }
     match on_kernel(prepared, lane, (kernel, stage, source), (wanted, once), request, share, progress) {
         // Some lanes see only what comes out whether they can run it.
-        Err(LaneError::Unsupported(why)) => Ok(Some(unsupported().because(why))),
+        Err(LaneError::Unsupported(why)) => Ok(Some(unsupported().because(printable(&why)))),
         other => other,
     }
 }

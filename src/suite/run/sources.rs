@@ -96,7 +96,11 @@ fn other(
     let mut trial = match Trial::from_source(prepared, lane, source, &request.rulings, wanted as usize) {
         Ok(trial) => trial,
         Err(LaneError::Unsupported(why)) => {
-            return Ok(Report { unsupported: wanted, unsupported_because: Some(why), ..report });
+            return Ok(Report {
+                unsupported: wanted,
+                unsupported_because: Some(crate::text::printable(&why)),
+                ..report
+            });
         }
         Err(error) => return Err(error),
     };
