@@ -10,7 +10,7 @@ use super::ast::{Callee, Declaration, ExprId, ExprKind, Function, InterfaceBlock
 use super::interface::Storage;
 use super::symbols::{CallTarget, FunctionInfo};
 use super::types::{ArraySize, Type};
-use super::{Parsed, Profile, Shader, Stage, Token, TokenKind, TokenPlace, errors};
+use super::{Parsed, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors, fitting};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::text::{Assembly, SourceFile, Span};
 
@@ -89,13 +89,7 @@ fn read(files: &[SourceFile], stage: Stage, defines: &[(String, String)]) -> Res
         return whole(plain);
     };
     let (number, profile) = (newest.version().number, newest.version().profile);
-    let line = match profile {
-        Profile::Core => format!("#version {number}\n"),
-        Profile::Compatibility if number < 150 => format!("#version {number}\n"),
-        Profile::Compatibility => format!("#version {number} compatibility\n"),
-        Profile::Es if number == 100 => "#version 100\n".to_owned(),
-        Profile::Es => format!("#version {number} es\n"),
-    };
+    let version = Version { number, profile, span: None };
     let es = |s: &Shader| s.version().profile == Profile::Es;
     if let Some(other) = stated.iter().find(|s| es(s) != es(newest)) {
         let span = other.version().span.unwrap_or_default();
@@ -103,19 +97,14 @@ fn read(files: &[SourceFile], stage: Stage, defines: &[(String, String)]) -> Res
         return Err(vec![problem(other, errors::REDECLARATION, span, message)]);
     }
     let mut shaders = Vec::new();
-    for (k, parsed) in plain.iter().enumerate() {
+    for parsed in &plain {
         let shader = &parsed.shader;
         if shader.version().number == number && shader.version().span.is_some() {
             shaders.push(parsed.clone());
             continue;
         }
         // Every text is read as the joined one will be.
-        let file = &files[k];
-        let mut assembly = Assembly::new();
-        assembly.insert(&line, file, 0);
-        let end = shader.version().span.map_or(0, |s| s.end);
-        assembly.copy(file, Span::new(end, file.text().len()));
-        shaders.push(Shader::parse_with(&assembly.finish(file.name()), stage, defines));
+        shaders.push(Shader::parse_with(&fitting::stated(shader, &version), stage, defines));
     }
     whole(shaders)
 }

@@ -4,11 +4,11 @@ use std::fs;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use crate::glsl::Stage;
 use crate::property::Sample;
 use crate::property::regressions::{self, Regression};
 use crate::text::{SourceFile, decode};
 
+use super::elsewhere;
 use super::error::LoadError;
 use super::fresh;
 use super::ledger::FILE;
@@ -81,7 +81,8 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let (file, includes) = (&suite.file, &mut suite.includes);
     let mut text_of = |name: &String| {
         let path = folder.join(name);
-        if let Some(source) = no_shader(name) {
+        if let Some(why) = elsewhere::refusal(&path, &[folder]) {
+            let source = std::io::Error::new(ErrorKind::InvalidInput, why);
             return Err(LoadError::Shader { at: place(file, name), path, source });
         }
         read_shader(&path, includes).map_err(|error| match error {
@@ -92,16 +93,6 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let shader = text_of(&suite.shader)?;
     suite.linked_texts = suite.linked.iter().map(text_of).collect::<Result<_, _>>()?;
     Ok(Loaded { suite, shader })
-}
-
-/// Why a file elsewhere is no shader by its name: messages quote lines of shaders, and a suite of somebody else may name
-/// any file of the machine.
-fn no_shader(name: &str) -> Option<std::io::Error> {
-    use std::path::Component::{CurDir, Normal};
-    let beside = Path::new(name).components().all(|part| matches!(part, CurDir | Normal(_)));
-    let why = "its ending is that of no shader, such as .vert, .frag, .geom, .comp or .glsl, and it lies elsewhere than \
-               the suite";
-    (!beside && Stage::from_path(name).is_none()).then(|| std::io::Error::new(ErrorKind::InvalidInput, why))
 }
 
 /// Where a suite file says something first.
@@ -145,6 +136,10 @@ fn attach(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
         Expect::Formula(_) | Expect::Nothing => return Ok(()),
     };
     let path = folder.join(file);
+    if let Some(why) = elsewhere::refusal(&path, &[folder]).filter(|_| what == "reference") {
+        let source = std::io::Error::new(ErrorKind::InvalidInput, why);
+        return Err(LoadError::Named { at: at.clone(), what, path, source });
+    }
     let read = if what == "reference" { read_shader(&path, &mut suite.includes) } else { self::read(&path) };
     *text = Some(read.map_err(|error| match error {
         LoadError::Read { path, source } => LoadError::Named { at: at.clone(), what, path, source },

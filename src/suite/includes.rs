@@ -3,11 +3,12 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use super::elsewhere;
 use super::error::LoadError;
 use super::files::{MOST_BYTES, read_source};
 use crate::diagnostic::Diagnostic;
 use crate::glsl::include::{self, Wanted};
-use crate::text::{SourceFile, decode};
+use crate::text::{Shown, SourceFile, decode};
 
 /// Files that a text includes, at most, each as often as it does.
 const MOST_FILES: u32 = 1 << 14;
@@ -19,6 +20,8 @@ pub struct Includes {
     pub folders: Vec<PathBuf>,
     /// What was asked for and is not there. It is told only where the shader needs it.
     missing: Vec<Wanted>,
+    /// The user names the folders, and not a file.
+    trusted: bool,
     /// How a user names a folder, to be said where one is missing.
     named_by: &'static str,
 }
@@ -26,7 +29,12 @@ pub struct Includes {
 impl Includes {
     /// Folders that a user names in a certain way: `` `-I FOLDER` ``.
     pub fn new(folders: Vec<PathBuf>, named_by: &'static str) -> Self {
-        Self { folders, missing: Vec::new(), named_by }
+        Self { folders, missing: Vec::new(), trusted: true, named_by }
+    }
+
+    /// Folders that a suite file names.
+    pub(super) fn of_suite(folders: Vec<PathBuf>) -> Self {
+        Self { trusted: false, ..Self::new(folders, "`include = [\"FOLDER\"]`") }
     }
 
     /// The text of a file with that of the files that it includes.
@@ -36,11 +44,13 @@ impl Includes {
     pub fn resolve(&mut self, file: &SourceFile) -> Result<SourceFile, LoadError> {
         let mut failed = None;
         let (mut files, mut bytes) = (0, file.text().len() as u64);
+        let mut within = vec![Path::new(file.name()).parent().unwrap_or(Path::new(""))];
+        within.extend(self.folders.iter().filter(|_| self.trusted).map(PathBuf::as_path));
         let included = include::resolve(file, &mut |wanted| {
             if failed.is_some() {
                 return None;
             }
-            let found = find(wanted, &self.folders).and_then(|found| {
+            let found = find(wanted, &self.folders, &within).and_then(|found| {
                 // Files that each include another one twice have no end that anyone lives to see.
                 files += 1;
                 bytes += found.as_ref().map_or(0, |file| file.text().len() as u64);
@@ -65,7 +75,7 @@ impl Includes {
         let diagnostic = diagnostic.at_origin();
         let here = |w: &&Wanted| w.from.name() == diagnostic.file.name() && w.span.touches(diagnostic.span);
         let Some(wanted) = self.missing.iter().find(here) else { return diagnostic };
-        let mut searched: Vec<String> = self.folders.iter().map(|f| f.display().to_string()).collect();
+        let mut searched: Vec<String> = self.folders.iter().map(|f| f.shown().to_string()).collect();
         if wanted.quoted {
             searched.insert(0, "the folder of the file".to_owned());
         }
@@ -80,16 +90,17 @@ impl Includes {
 }
 
 /// The file that is asked for; none where there is none.
-fn find(wanted: &Wanted, folders: &[PathBuf]) -> Result<Option<SourceFile>, String> {
+fn find(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Result<Option<SourceFile>, String> {
     let beside = Path::new(wanted.from.name()).parent().filter(|_| wanted.quoted).map(Path::to_owned);
     // A path from the root is one of the virtual file system of ARB_shading_language_include.
     let path = wanted.path.trim_start_matches('/');
     for folder in beside.into_iter().chain(folders.iter().cloned()) {
         let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
-        match read_source(&path) {
+        let refusal = || elsewhere::refusal(&path, within).map(|why| std::io::Error::new(ErrorKind::InvalidInput, why));
+        match read_source(&path).and_then(|bytes| refusal().map_or(Ok(bytes), Err)) {
             Ok(bytes) => return decode(&plain(&path), &bytes).map(|d| Some(d.file)).map_err(|e| e.to_string()),
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
-            Err(error) => return Err(format!("{}: {error}", path.display())),
+            Err(error) => return Err(format!("{}: {error}", path.shown())),
         }
     }
     Ok(None)

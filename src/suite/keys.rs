@@ -98,7 +98,12 @@ pub(super) const SECTIONS: &[Section] = &[
         keys: &[
             required("suite", Form::Text, "Name: lower case letters, digits and `_`."),
             key("title", Form::Text, "What is tested, in a few words."),
-            required("shader", Form::Text, "The shader, relative to this file."),
+            required(
+                "shader",
+                Form::Text,
+                "The shader, relative to this file. Elsewhere than beside it, only a file with the ending of a shader is \
+                 read.",
+            ),
             key(
                 "linked",
                 Form::Texts,
@@ -117,7 +122,8 @@ pub(super) const SECTIONS: &[Section] = &[
                 "reference",
                 Form::FileOr("[reference]"),
                 "Expected outputs: what another shader means in binary64. A file alone stands for the same stage, or \
-                 the function of the same name: the shader as it was, a slow one that is right; of a .wgsl, a function.",
+                 the function of the same name: the shader as it was, a slow one that is right; of a .wgsl, a function. \
+                 Without `#version`, it is read under the version that fits what it uses.",
             ),
             key(
                 "recorded",
@@ -141,7 +147,8 @@ pub(super) const SECTIONS: &[Section] = &[
                 "include",
                 Form::Texts,
                 "Folders, from the suite file on, in which files are looked for that the shader includes. Those beside \
-                 the file that includes them are found without it.",
+                 the file that includes them are found without it. From elsewhere than the folder of the shader, only \
+                 files with the ending of a shader or of a part of one (.glsl, .inc, .h) are read.",
             ),
             key("samples", Form::Whole { least: 1, most: WHOLE }, "Inputs that are made; 16384 without it."),
             key(

@@ -2,6 +2,7 @@
 //! how strictly it is judged. A suite is a TOML file beside its shader.
 
 pub mod draft;
+mod elsewhere;
 mod error;
 mod expect;
 mod files;

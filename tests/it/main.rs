@@ -17,6 +17,7 @@ mod flaky;
 mod fuzz;
 mod geometry;
 mod glsl_differential;
+mod hostile;
 mod interp;
 mod interrupt;
 mod json;

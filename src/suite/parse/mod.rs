@@ -144,7 +144,7 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
         literals: literals?,
         textures,
         strands,
-        includes: Includes::new(include, "`include = [\"FOLDER\"]`"),
+        includes: Includes::of_suite(include),
         file: file.clone(),
     })
 }
@@ -161,6 +161,15 @@ fn known<'n>(
     }
     table.reader.problem(given.offset, format!("unknown {what} `{}`; {}", given.value, hint(&given.value, all)));
     None
+}
+
+/// Names of functions and inputs as they may be; a line break in one would be one in every message.
+fn named(table: Table<'_>, names: Vec<At<String>>) -> Vec<At<String>> {
+    let (odd, good): (Vec<_>, Vec<_>) = names.into_iter().partition(|name| name.value.contains(char::is_control));
+    for name in odd {
+        table.reader.problem(name.offset, format!("`{}` is no name: it has a control character", name.value));
+    }
+    good
 }
 
 fn suite_name(root: Table<'_>) -> Option<String> {
@@ -185,14 +194,15 @@ fn entries(root: Table<'_>, stage: Option<Stage>) -> Vec<String> {
     match stage {
         None => Vec::new(),
         Some(Stage::Function) if root.has("entry") && !root.is_text("entry") => {
-            let names = root.texts("entry");
+            let names = named(root, root.texts("entry"));
             if names.is_empty() {
                 root.reader.problem(root.offset_of("entry"), "`entry` names no function");
             }
             names.into_iter().map(|name| name.value).collect()
         }
         Some(Stage::Function) => {
-            root.required_text("entry", "entry = \"segment_distance\"").map(|e| e.value).into_iter().collect()
+            let name = root.required_text("entry", "entry = \"segment_distance\"");
+            named(root, name.into_iter().collect()).into_iter().map(|name| name.value).collect()
         }
         Some(other @ (Stage::Vertex | Stage::Geometry | Stage::Fragment)) => {
             if root.has("entry") {
@@ -318,7 +328,7 @@ fn input(table: Table<'_>, strands: Option<Strands>) -> Option<InputGroup> {
     if !table.has("names") {
         table.missing("names", "names = [\"position\"]");
     }
-    let names: Vec<String> = table.texts("names").into_iter().map(|name| name.value).collect();
+    let names: Vec<String> = named(table, table.texts("names")).into_iter().map(|name| name.value).collect();
     if table.has("names") && names.is_empty() {
         table.reader.problem(table.offset_of("names"), "`names` is empty; a group fills at least one input");
     }

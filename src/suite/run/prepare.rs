@@ -219,21 +219,30 @@ pub fn prepare_with(
 
 /// What a suite runs of a text: its stage, or a function. A name that ends in `.wgsl` means WGSL.
 fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
-    if shader.name().ends_with(".wgsl") {
+    if is_wgsl(shader) {
         let unnamed = || ProgramError::Unsupported { what: "a stage in WGSL; name one of its functions".to_owned() };
         return Program::from_wgsl(shader, function.ok_or_else(unnamed)?);
     }
-    let stage = match suite.stage {
+    let stage = stage_of(suite, shader, function);
+    let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
+    let texts: Vec<SourceFile> = std::iter::once(shader).chain(&suite.linked_texts).cloned().collect();
+    Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
+}
+
+fn is_wgsl(shader: &SourceFile) -> bool {
+    shader.name().ends_with(".wgsl")
+}
+
+/// The stage that a text is read for.
+fn stage_of(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> glsl::Stage {
+    match suite.stage {
         Stage::Vertex if function.is_none() => glsl::Stage::Vertex,
         Stage::Geometry if function.is_none() => glsl::Stage::Geometry,
         Stage::Fragment if function.is_none() => glsl::Stage::Fragment,
         Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Function => {
             glsl::Stage::from_path(shader.name()).unwrap_or(glsl::Stage::Library)
         }
-    };
-    let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
-    let texts: Vec<SourceFile> = std::iter::once(shader).chain(&suite.linked_texts).cloned().collect();
-    Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
+    }
 }
 
 /// What a suite says is expected of its program.
@@ -257,6 +266,10 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
         Expect::Reference(ReferenceFile { file, function, output, text, at: _ }) => {
             let text = text.as_ref().ok_or_else(|| unread(file))?;
             let entry = function.as_deref().or(suite.entry.as_deref());
+            // Hosts put a version in front of a text, and a suite has no place for one.
+            let stage = stage_of(suite, text, entry);
+            let first = || Some(glsl::Shader::parse(shader, stage_of(suite, shader, None)).shader.version().clone());
+            let text = &if is_wgsl(text) { text.clone() } else { glsl::fitting(text, stage, &suite.chosen, first) };
             let mut model = self::program(suite, text, entry).map_err(|source| {
                 let source = match source {
                     ProgramError::Source(found) => {
