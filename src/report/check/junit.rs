@@ -1,6 +1,6 @@
 //! `junit`: test cases as CI services read them. A lane is a suite of tests, and a suite a test in it.
 
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite, XmlString};
+use quick_junit::{NonSuccessKind, Property, Report, TestCase, TestCaseStatus, TestSuite, XmlString};
 
 use super::Format;
 use super::items;
@@ -58,6 +58,8 @@ fn junit(summary: &Summary) -> Result<String, String> {
                 verdicts.deviated,
                 verdicts.undetermined_count()
             ));
+            let facts = report.reach.as_ref().map(super::reach::facts).unwrap_or_default();
+            case.properties.extend(facts.into_iter().map(|(name, value)| Property::new(name, value)));
         }
         if !warnings.is_empty() {
             let text: Vec<&str> = warnings.iter().map(|item| item.details.trim()).collect();

@@ -53,6 +53,7 @@ fn markdown(summary: &Summary) -> String {
         };
         let _ = writeln!(text, "| {mark} | `{}` | {on} | {rest} |", entry.suite.replace('|', "\\|"));
     }
+    text.push_str(&super::reach::markdown(summary));
     let all = items::all(summary);
     for (severity, title) in [(Severity::Error, "Findings"), (Severity::Warning, "Warnings")] {
         let of: Vec<_> = all.iter().filter(|item| item.severity == severity).collect();

@@ -18,6 +18,7 @@ mod translations;
 use crate::suite::run::Summary;
 
 pub use json::json;
+pub(in crate::report) use reach::facts as reached;
 pub use table::{Table, short};
 pub use text::{brief, finding, line, not_run, totals};
 

@@ -28,9 +28,8 @@ pub(super) fn json(reach: &Reach) -> Value {
     })
 }
 
-/// A line for the whole run, and one for each comparison that came out one way alone. It is a property of the shader and
-/// its inputs: a suite is counted once, on whichever lane.
-pub(super) fn notes(summary: &Summary) -> String {
+/// What was reached of each suite, once: it is a property of the shader and its inputs, on whichever lane.
+fn reached(summary: &Summary) -> Vec<(&Report, &Reach)> {
     let mut reports: Vec<(&Report, &Reach)> = Vec::new();
     for entry in &summary.entries {
         if let Outcome::Ran(report) = &entry.outcome
@@ -40,13 +39,18 @@ pub(super) fn notes(summary: &Summary) -> String {
             reports.push((report, reach));
         }
     }
+    reports
+}
+
+/// What was reached together, in a line; none where the shaders ask nothing.
+fn together(reports: &[(&Report, &Reach)]) -> Option<String> {
     let edges: u64 = reports.iter().map(|(_, reach)| reach.edges).sum();
     let sum = |of: fn(&Reach) -> (usize, usize)| {
         reports.iter().map(|(_, reach)| of(reach)).fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
     };
     let ((both, comparisons), (met, classes)) = (sum(Reach::comparisons), sum(Reach::classes));
     if edges == 0 && comparisons + classes == 0 {
-        return String::new();
+        return None;
     }
     let mut parts = Vec::new();
     if comparisons > 0 {
@@ -56,14 +60,52 @@ pub(super) fn notes(summary: &Summary) -> String {
         parts.push(format!("{met} of {classes} argument classes of built-in functions were met"));
     }
     parts.push(format!("{edges} more samples at edges"));
-    let mut text = format!("note: coverage: {}\n", parts.join("; "));
-    let one_sided: Vec<_> =
+    Some(parts.join("; "))
+}
+
+/// The first few comparisons that came out one way alone, and a line that counts the rest.
+fn one_sided(reports: &[(&Report, &Reach)]) -> Vec<String> {
+    let all: Vec<_> =
         reports.iter().flat_map(|(report, reach)| reach.one_sided().map(move |asked| (report, asked))).collect();
-    for (report, asked) in one_sided.iter().take(NAMED) {
-        let _ = writeln!(text, "note: {}: {asked}", report.suite);
+    let mut lines: Vec<String> =
+        all.iter().take(NAMED).map(|(report, asked)| format!("{}: {asked}", report.suite)).collect();
+    if all.len() > NAMED {
+        lines.push(format!("{} more comparisons came out one way; JSON lists them", all.len() - NAMED));
     }
-    if one_sided.len() > NAMED {
-        let _ = writeln!(text, "note: {} more comparisons came out one way; JSON lists them", one_sided.len() - NAMED);
+    lines
+}
+
+/// A line for the whole run, and one for each comparison that came out one way alone.
+pub(super) fn notes(summary: &Summary) -> String {
+    let reports = reached(summary);
+    let Some(together) = together(&reports) else { return String::new() };
+    let mut text = format!("note: coverage: {together}\n");
+    for line in one_sided(&reports) {
+        let _ = writeln!(text, "note: {line}");
     }
     text
+}
+
+/// The same for the page of a CI job.
+pub(super) fn markdown(summary: &Summary) -> String {
+    let reports = reached(summary);
+    let Some(together) = together(&reports) else { return String::new() };
+    let mut text = format!("\nCoverage: {together}.\n");
+    for (k, line) in one_sided(&reports).iter().enumerate() {
+        let _ = writeln!(text, "{}- {line}", if k == 0 { "\n" } else { "" });
+    }
+    text
+}
+
+/// What was reached of one suite, as names and values; nothing where its shader asks nothing.
+pub(in crate::report) fn facts(reach: &Reach) -> Vec<(&'static str, String)> {
+    let ((both, comparisons), (met, classes)) = (reach.comparisons(), reach.classes());
+    let mut facts = Vec::new();
+    if comparisons > 0 {
+        facts.push(("comparisons both ways", format!("{both} of {comparisons}")));
+    }
+    if classes > 0 {
+        facts.push(("argument classes met", format!("{met} of {classes}")));
+    }
+    facts
 }

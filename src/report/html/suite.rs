@@ -9,7 +9,8 @@ use super::known::{because, expected, failures};
 use super::source::{Notes, listing, note, places};
 use super::{Page, anchor, fails, suite_anchor, way};
 use crate::diagnostic::Lang;
-use crate::suite::run::{Entry, Errors, FindingKind, Gallery, Known, Outcome, Report, RunError, Scene, State};
+use crate::report::check::reached;
+use crate::suite::run::{Entry, Errors, FindingKind, Gallery, Known, Outcome, Reach, Report, RunError, Scene, State};
 use crate::verdict::{Promise, Reason};
 
 /// The part of the page about a suite.
@@ -209,11 +210,15 @@ fn facts(text: &mut String, report: &Report) {
     if report.unsupported > 0 {
         facts.push(("not supported".to_owned(), count(report.unsupported)));
     }
+    facts.extend(report.reach.iter().flat_map(reached).map(|(name, value)| (name.to_owned(), value)));
     text.push_str("<dl class=\"facts\">");
     for (name, value) in facts {
         let _ = write!(text, "<div><dt>{}</dt><dd>{}</dd></div>", Escaped(name), Escaped(value));
     }
     text.push_str("</dl>\n");
+    for asked in report.reach.iter().flat_map(Reach::one_sided) {
+        let _ = writeln!(text, "<p class=\"quiet\">{}.</p>", Told(asked));
+    }
 }
 
 fn charts(text: &mut String, entry: &Entry, errors: &Errors) {

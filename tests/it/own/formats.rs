@@ -103,3 +103,28 @@ fn a_folder_of_reports_holds_every_format() {
     }
     assert!(read("report.json").contains("\"status\": \"fail\""));
 }
+
+#[test]
+fn what_a_run_reached_is_in_every_report() {
+    let reports = |shader: &str| {
+        let folder = folder(&[("f.glsl", shader), ("f.suite.toml", &suite(&["x"], ""))]);
+        let ran: Ran = command(folder.path(), "check . --lane embedded --report-dir out").output().unwrap().into();
+        ran.expect(0);
+        ["summary.md", "junit.xml", "index.html"]
+            .map(|name| fs::read_to_string(folder.path().join("out").join(name)).unwrap())
+    };
+    let [markdown, junit, page] =
+        reports("float f(float x) { return (x > 0.0 ? x : -x) + (x > 3.0 ? 1.0 : 0.0) + max(x, 1.0); }\n");
+    assert!(markdown.contains("\nCoverage: 1 of 2 comparisons came out both ways; "), "{markdown}");
+    assert!(markdown.contains("\n- own: `x > 3.0` is never true, at ./f.glsl:1:"), "{markdown}");
+    let report = Report::deserialize_from_str(&junit).unwrap();
+    let properties = &report.test_suites[0].test_cases[0].properties;
+    let value = |name: &str| properties.iter().find(|p| p.name.as_str() == name).map(|p| p.value.as_str().to_owned());
+    assert_eq!(value("comparisons both ways").as_deref(), Some("1 of 2"), "{junit}");
+    assert!(value("argument classes met").is_some_and(|value| value.contains(" of ")), "{junit}");
+    assert!(page.contains("<dt>comparisons both ways</dt><dd>1 of 2</dd>"));
+    assert!(page.contains("<code>x &gt; 3.0</code> is never true, at ./f.glsl:1:"));
+    // A shader that asks nothing has nothing to reach.
+    let [_, junit, page] = reports("float f(float x) { return x * 2.0; }\n");
+    assert!(!junit.contains("comparisons") && !page.contains("<dt>comparisons both ways</dt>"), "{junit}");
+}
