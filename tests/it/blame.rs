@@ -10,8 +10,8 @@ use shadercheck::interp::{Dependence, Laws};
 use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
 use shadercheck::lower::Target;
 use shadercheck::program::{Kernel, Program};
-use shadercheck::suite::run::{Case, DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
-use shadercheck::suite::{Suite, find, parse};
+use shadercheck::suite::Suite;
+use shadercheck::suite::run::{Case, FindingKind, Prepared, Report};
 use shadercheck::text::SourceFile;
 use shadercheck::value::{Batch, Field, Record, Shape};
 use shadercheck::verdict::diagnosis::Origin;
@@ -19,33 +19,15 @@ use shadercheck::verdict::{
     Blame, Court, Deviation, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each,
 };
 
-/// A shipped suite with another text in the place of a part of its shader.
-fn prepared(suite: &str, from: &str, to: &str) -> Prepared {
-    let shipped = find(suite).unwrap();
-    assert!(shipped.shader_text.contains(from), "{from}");
-    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
-    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text.replacen(from, to, 1))).unwrap()
-}
+use crate::support::{changed, replaced, report};
 
-/// The same with every literal as it is written.
+/// A shipped suite with another text in the place of a part of its shader, and every literal as it is written.
 fn exactly(suite: &str, from: &str, to: &str) -> Prepared {
-    let shipped = find(suite).unwrap();
-    let parsed = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
-    let suite = Suite { literals: Literals::Exact, ..parsed };
-    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text.replacen(from, to, 1))).unwrap()
+    changed(suite, |suite| Suite { literals: Literals::Exact, ..suite }, |text| text.replacen(from, to, 1))
 }
 
 fn check(prepared: &Prepared, lane: &dyn Lane, rulings: Rulings) -> Report {
-    let request = Request {
-        samples: Some(2048),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        arguments: prepared.suite.name.clone(),
-        rulings,
-    };
-    run(prepared, lane, Stage::Compute, &request, &mut |_| {}).unwrap()
+    report(prepared, lane, Some(2048), rulings)
 }
 
 /// A promise alone, without a conformance suite and without a measurement.
@@ -69,7 +51,7 @@ fn deviation(report: &Report) -> (&Deviation, &Case) {
 #[test]
 fn a_typo_in_a_formula_is_the_shaders_fault() {
     let lane = embedded::open().unwrap();
-    let wrong = prepared("sphere", "cos(ph)", "cos(th)");
+    let wrong = replaced("sphere", "cos(ph)", "cos(th)");
     let report = check(&wrong, &*lane, Rulings::of_api(Api::Binary32));
     let (deviation, case) = deviation(&report);
     assert_eq!(deviation.blame, Blame::Shader);
@@ -87,14 +69,14 @@ fn short_digits_are_named_with_what_they_stand_for() {
     let said: Vec<String> = case.diagnosis.literals.iter().map(ToString::to_string).collect();
     assert_eq!(said, ["`6.283185` (sphere.vert:11:14) stands for 2π, off by 3.1e-7"]);
     // Its binary32 alone, as near to 2π as binary32 comes, is no fault.
-    let rounded = prepared("sphere", "6.28318530717958648", "6.283185307179586476925");
+    let rounded = replaced("sphere", "6.28318530717958648", "6.283185307179586476925");
     let report = check(&rounded, &*lane, Rulings::of_api(Api::Binary32));
     assert_eq!((report.verdicts.deviated, report.findings.len()), (0, 0), "{:?}", report.findings);
 }
 
 #[test]
 fn a_built_in_off_by_twice_its_promise_is_named() {
-    let right = prepared("sphere", "", "");
+    let right = replaced("sphere", "", "");
     let device = Adversary::lane(vulkan(), Stage::Compute, Strategy::Extreme, 1, false);
     let report = check(&right, &device, text(vulkan()));
     assert_eq!(report.verdicts.deviated, 0, "{:?}", report.findings);
@@ -146,7 +128,7 @@ impl Runner for ShortenedRunner {
 
 #[test]
 fn a_lane_that_drops_the_last_bone_compiles_wrong() {
-    let right = prepared("skinning", "", "");
+    let right = replaced("skinning", "", "");
     let report = check(&right, &Shortened(embedded::open().unwrap()), text(vulkan()));
     let (deviation, case) = deviation(&report);
     assert_eq!(deviation.blame, Blame::Lane);
@@ -158,7 +140,7 @@ fn a_lane_that_drops_the_last_bone_compiles_wrong() {
 #[test]
 fn sums_in_another_order_are_told_from_other_faults() {
     let strict = by_name("binary32").unwrap();
-    let right = prepared("two_bones", "", "");
+    let right = replaced("two_bones", "", "");
     let device = Adversary::lane(strict, Stage::Compute, Strategy::Random, 1, false);
     assert_eq!(check(&right, &device, text(strict)).verdicts.deviated, 0);
     let regrouped = device.with_laws(Laws::Order);
@@ -189,7 +171,7 @@ fn verdicts(prepared: &Prepared, invocations: &[u32]) -> Vec<Verdict> {
 
 #[test]
 fn weights_below_the_range_of_binary32_are_a_matter_of_range() {
-    let right = prepared("bone_weight", "", "");
+    let right = replaced("bone_weight", "", "");
     let bits = |d: f32, c: f32| [d.to_bits(), c.to_bits()];
     // (3 + 1)^-64 = 2^-128; (2.5 + 1)^-64 is a normal number.
     let found = verdicts(&right, &[bits(3.0, 64.0), bits(2.5, 64.0)].concat());
@@ -203,7 +185,7 @@ fn weights_below_the_range_of_binary32_are_a_matter_of_range() {
 #[test]
 fn a_tangent_of_length_zero_has_no_direction_whoever_computes_it() {
     let lane = embedded::open().unwrap();
-    let report = check(&prepared("hair", "", ""), &*lane, Rulings::of_api(Api::Binary32));
+    let report = check(&replaced("hair", "", ""), &*lane, Rulings::of_api(Api::Binary32));
     assert_eq!(report.verdicts.deviated, 0, "{:?}", report.findings);
     let doubt = report.doubts.iter().find(|d| d.reason == Reason::Domain).unwrap();
     assert_eq!(doubt.op.map(|op| op.name()), Some("inversesqrt"));
@@ -265,14 +247,14 @@ fn an_arc_cosine_past_one_is_the_shaders_fault_and_named() {
 #[test]
 fn what_the_rounding_of_a_literal_decides_is_undetermined() {
     // 0.123456 is no binary32 number: the author's comparison never holds, the device's does.
-    let edited = prepared("bone_weight", "return", "if (d == 0.123456) return 2.0;\n  return");
+    let edited = replaced("bone_weight", "return", "if (d == 0.123456) return 2.0;\n  return");
     let bits = |d: f32| [d.to_bits(), 16.0_f32.to_bits()];
     let found = verdicts(&edited, &[bits(0.123456), bits(0.25)].concat());
     let Verdict::Undetermined(doubt) = &found[0] else { panic!("{found:?}") };
     assert_eq!(doubt.reason, Reason::Branch);
     assert!(matches!(found[1], Verdict::Agree(_)), "{found:?}");
     // A binary32 number is what it is on both sides: the shader deviates.
-    let edited = prepared("bone_weight", "return", "if (d == 0.125) return 2.0;\n  return");
+    let edited = replaced("bone_weight", "return", "if (d == 0.125) return 2.0;\n  return");
     let found = verdicts(&edited, &bits(0.125));
     assert!(matches!(&found[0], Verdict::Deviate(d) if d.blame == Blame::Shader), "{found:?}");
 }

@@ -5,11 +5,12 @@ use shadercheck::bound::profile::Rulings;
 use shadercheck::lane::{Actual, Description, Lane, LaneError, Runner, embedded, native, opengl, vulkan};
 use shadercheck::program::Kernel;
 use shadercheck::suite::parse;
-use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
+use shadercheck::suite::run::{FindingKind, Prepared, Report, prepare, run};
 use shadercheck::text::SourceFile;
 use shadercheck::value::Batch;
 
 use crate::binary::command;
+use crate::support::request;
 
 /// Samples of each run.
 const SAMPLES: u64 = 512;
@@ -45,15 +46,7 @@ fn lanes() -> Vec<Box<dyn Lane>> {
 }
 
 fn reports(prepared: &Prepared, lane: &dyn Lane) -> Vec<Report> {
-    let request = Request {
-        samples: Some(SAMPLES),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
-        arguments: prepared.suite.name.clone(),
-    };
+    let request = request(prepared, Some(SAMPLES), Rulings::of_lane(lane.description()));
     let one = |stage| run(prepared, lane, stage, &request, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
     prepared.stages(lane).into_iter().map(one).collect()
 }

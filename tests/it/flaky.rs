@@ -1,80 +1,20 @@
 //! A lane that gives other bits for the same inputs: told as such, and not shrunk.
 
-use std::cell::Cell;
-use std::rc::Rc;
-
 use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, embedded};
-use shadercheck::program::{Kernel, OutputLayout};
-use shadercheck::suite::run::{DEFAULT_SEED, Finding, FindingKind, Prepared, Report, Request, prepare, run};
-use shadercheck::suite::{find, parse};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use shadercheck::lane::{Lane as _, embedded};
+use shadercheck::suite::run::{Finding, FindingKind, Prepared, Report};
 use shadercheck::verdict::Blame;
 
-use crate::alarms::{prepared, raw};
+use crate::support::{self, Planted, prepared, replaced};
 
-/// The interpreter, which changes the first output of some dispatches.
-struct Flaky {
-    lane: Box<dyn Lane>,
-    change: fn(usize, f32) -> f32,
-    layout: OutputLayout,
-    dispatches: Rc<Cell<usize>>,
-}
-
-struct FlakyRunner {
-    runner: Box<dyn Runner>,
-    change: fn(usize, f32) -> f32,
-    layout: OutputLayout,
-    dispatches: Rc<Cell<usize>>,
-}
-
-impl Lane for Flaky {
-    fn description(&self) -> &Description {
-        self.lane.description()
-    }
-
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
-        let (runner, dispatches) = (self.lane.prepare(kernel, capacity)?, Rc::clone(&self.dispatches));
-        if kernel.output != self.layout {
-            return Ok(runner);
-        }
-        Ok(Box::new(FlakyRunner { runner, change: self.change, layout: kernel.output.clone(), dispatches }))
-    }
-}
-
-impl Runner for FlakyRunner {
-    fn capacity(&self) -> usize {
-        self.runner.capacity()
-    }
-
-    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let actual = self.runner.run(batch)?;
-        let dispatch = self.dispatches.replace(self.dispatches.get() + 1);
-        let marks = Marks::random();
-        let mut words = raw(&actual, &self.layout, marks);
-        for record in words.chunks_exact_mut(self.layout.words()) {
-            let at = self.layout.header_words();
-            record[at] = (self.change)(dispatch, f32::from_bits(record[at])).to_bits();
-        }
-        Actual::accept(&self.layout, words, actual.count(), marks)
-    }
-}
-
+/// A run on the interpreter, of which some dispatches have another first output; with the number of dispatches.
 fn report(prepared: &Prepared, change: fn(usize, f32) -> f32) -> (Report, usize) {
-    let dispatches = Rc::new(Cell::new(0));
-    let layout = prepared.program.output_layout();
-    let lane = Flaky { lane: embedded::open().unwrap(), change, layout, dispatches: Rc::clone(&dispatches) };
-    let request = Request {
-        samples: Some(512),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
-        arguments: prepared.suite.name.clone(),
-    };
-    (run(prepared, &lane, Stage::Compute, &request, &mut |_| {}).unwrap(), dispatches.get())
+    let lane = Planted::new(embedded::open().unwrap(), prepared).with(move |dispatch| {
+        let number = dispatch.of_lane;
+        dispatch.each(|_, _| true, |x| change(number, x));
+    });
+    let report = support::report(prepared, &lane, Some(512), Rulings::of_lane(lane.description()));
+    (report, lane.dispatches())
 }
 
 fn of_kind(report: &Report, kind: FindingKind) -> Vec<&Finding> {
@@ -123,10 +63,7 @@ fn bits_that_change_within_the_bounds_are_found_as_well() {
 
 #[test]
 fn a_wrong_shader_is_found_on_a_flaky_lane_too() {
-    let shipped = find("sphere").unwrap();
-    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
-    let wrong = shipped.shader_text.replacen("cos(ph)", "cos(th)", 1);
-    let prepared = prepare(&suite, &SourceFile::new(shipped.shader_name, wrong)).unwrap();
+    let prepared = replaced("sphere", "cos(ph)", "cos(th)");
     let (report, _) = report(&prepared, |k, x| if k % 2 == 0 { x } else { x + 1.0 });
     assert!(!of_kind(&report, FindingKind::Flaky).is_empty(), "{:?}", report.findings);
     let shader = of_kind(&report, FindingKind::Deviation);

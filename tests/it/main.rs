@@ -43,6 +43,7 @@ mod silence;
 mod slurm;
 mod soundness;
 mod sources;
+mod support;
 mod targets;
 mod terminal;
 mod tidy;

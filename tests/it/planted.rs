@@ -1,160 +1,45 @@
 //! Faults of many kinds, planted between a device and what is accepted from it, and who is blamed for each: an executor,
 //! a translator, the memory, chance, or nobody.
 
-use std::cell::Cell;
-use std::rc::Rc;
-
 use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, embedded};
-use shadercheck::program::{Kernel, OutputLayout};
-use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Peer, Prepared, Report, Request, hear, prepare, run};
-use shadercheck::suite::{Suite, find, parse};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use shadercheck::lane::{Api, Lane as _, Stage, embedded};
+use shadercheck::suite::Suite;
+use shadercheck::suite::run::{FindingKind, Peer, Prepared, Report, hear, run};
 use shadercheck::verdict::diagnosis::Fault;
 
-use crate::alarms::{prepared, raw};
+use crate::support::{Dispatch, Planted, changed, prepared, request};
 
-/// What one dispatch left, before anyone reads it.
-struct Run<'a> {
-    batch: &'a Batch,
-    layout: &'a OutputLayout,
-    words: &'a mut Vec<u32>,
-    dispatch: usize,
-    marks: Marks,
+type Plant = fn(&mut Dispatch<'_>);
+
+/// The first input of an invocation.
+fn first(dispatch: &Dispatch<'_>, k: usize) -> f32 {
+    f32::from_bits(dispatch.batch.invocation(k)[0])
 }
 
-impl Run<'_> {
-    fn count(&self) -> usize {
-        self.batch.invocation_count()
-    }
-
-    /// Outputs of an invocation.
-    fn out(&mut self, k: usize) -> &mut [u32] {
-        let (size, head) = (self.layout.words(), self.layout.header_words());
-        &mut self.words[k * size + head..(k + 1) * size]
-    }
-
-    /// The first input of an invocation.
-    fn first(&self, k: usize) -> f32 {
-        f32::from_bits(self.batch.invocation(k)[0])
-    }
-
-    /// Changes the first output of these invocations.
-    fn each(&mut self, wrong: impl Fn(&Self, usize) -> bool, change: impl Fn(f32) -> f32) {
-        for k in (0..self.count()).filter(|&k| wrong(self, k)).collect::<Vec<_>>() {
-            let word = &mut self.out(k)[0];
-            *word = change(f32::from_bits(*word)).to_bits();
-        }
-    }
-
-    /// Whatever the inputs, in these places.
-    fn places(&mut self, wrong: impl Fn(usize, usize) -> bool) {
-        let count = self.count();
-        self.each(|_, k| wrong(k, count), |x| x + 0.75);
-    }
-}
-
-type Plant = fn(&mut Run<'_>);
-
-/// The interpreter under another name, with a fault.
-struct Device {
-    lane: Box<dyn Lane>,
-    description: Description,
-    plant: Option<Plant>,
-    fails: bool,
-    layout: OutputLayout,
-    dispatches: Rc<Cell<usize>>,
-}
-
-struct DeviceRunner {
-    runner: Box<dyn Runner>,
-    plant: Plant,
-    layout: OutputLayout,
-    dispatches: Rc<Cell<usize>>,
-}
-
-struct Crashing;
-
-impl Lane for Device {
-    fn description(&self) -> &Description {
-        &self.description
-    }
-
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
-        if self.fails {
-            return Ok(Box::new(Crashing));
-        }
-        let runner = self.lane.prepare(kernel, capacity)?;
-        // What looks into a failure is another kernel.
-        let (Some(plant), true) = (self.plant, kernel.output == self.layout) else { return Ok(runner) };
-        let dispatches = self.dispatches.clone();
-        Ok(Box::new(DeviceRunner { runner, plant, layout: kernel.output.clone(), dispatches }))
-    }
-}
-
-impl Runner for DeviceRunner {
-    fn capacity(&self) -> usize {
-        self.runner.capacity()
-    }
-
-    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let actual = self.runner.run(batch)?;
-        let marks = Marks::random();
-        let mut words = raw(&actual, &self.layout, marks);
-        let dispatch = self.dispatches.replace(self.dispatches.get() + 1);
-        (self.plant)(&mut Run { batch, layout: &self.layout, words: &mut words, dispatch, marks });
-        Actual::accept(&self.layout, words, actual.count(), marks)
-    }
-}
-
-impl Runner for Crashing {
-    fn capacity(&self) -> usize {
-        1 << 16
-    }
-
-    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let count = batch.invocation_count();
-        Err(LaneError::Lost { how: "crashed".to_owned(), invocation: None, count, inputs: String::new() })
-    }
+/// Changes the first output in these places, whatever the inputs.
+fn places(dispatch: &mut Dispatch<'_>, wrong: impl Fn(usize, usize) -> bool) {
+    let count = dispatch.count;
+    dispatch.each(|_, k| wrong(k, count), |x| x + 0.75);
 }
 
 /// Names of a lane, its executor and its front end.
 const LANES: [(&str, &str, &str); 4] =
     [("a", "X", "naga"), ("b", "X", "glslang"), ("c", "Y", "naga"), ("d", "Y", "glslang")];
 
-fn device(prepared: &Prepared, name: &str, plant: Option<Plant>) -> Device {
+fn device(prepared: &Prepared, name: &str, plant: Option<Plant>) -> Planted {
     let &(name, executor, front_end) = LANES.iter().find(|lane| lane.0 == name).unwrap();
-    Device {
-        lane: embedded::open().unwrap(),
-        description: Description {
-            name,
-            driver: format!("{executor} 1.0"),
-            executor: executor.to_owned(),
-            front_end: front_end.to_owned(),
-            api: Api::Binary32,
-            stages: vec![Stage::Compute],
-        },
-        plant,
-        fails: false,
-        layout: prepared.program.output_layout(),
-        dispatches: Rc::default(),
+    let lane = Planted::new(embedded::open().unwrap(), prepared).called(name, executor, front_end, Api::Binary32);
+    match plant {
+        Some(plant) => lane.with(plant),
+        None => lane,
     }
 }
 
 /// Runs a suite on some devices, and hears them on what deviates. None for one that fails.
-fn reports(prepared: &Prepared, devices: &[Device]) -> Vec<Option<Report>> {
+fn reports(prepared: &Prepared, devices: &[Planted]) -> Vec<Option<Report>> {
     let rulings: Vec<Rulings> = devices.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
-    let one = |lane: &Device| {
-        let request = Request {
-            samples: Some(512),
-            seed: DEFAULT_SEED,
-            quick: true,
-            replay: Vec::new(),
-            replay_only: false,
-            rulings: Rulings::of_lane(lane.description()),
-            arguments: prepared.suite.name.clone(),
-        };
+    let one = |lane: &Planted| {
+        let request = request(prepared, Some(512), Rulings::of_lane(lane.description()));
         run(prepared, lane, Stage::Compute, &request, &mut |_| {}).ok()
     };
     let mut reports: Vec<Option<Report>> = devices.iter().map(one).collect();
@@ -188,56 +73,56 @@ const BY_INPUT: [(&str, Plant); 18] = [
     ("off by a constant", |r| r.each(|_, _| true, |x| x + 0.01)),
     ("off by a factor", |r| r.each(|_, _| true, |x| x * 1.01 + 1e-3)),
     ("the wrong sign", |r| r.each(|_, _| true, |x| -x - 0.5)),
-    ("NaN above a half", |r| r.each(|r, k| r.first(k) > 0.5, |_| f32::NAN)),
-    ("infinite above a half", |r| r.each(|r, k| r.first(k) > 0.5, |_| f32::INFINITY)),
-    ("NaN below zero", |r| r.each(|r, k| r.first(k) < 0.0, |_| f32::NAN)),
+    ("NaN above a half", |r| r.each(|r, k| first(r, k) > 0.5, |_| f32::NAN)),
+    ("infinite above a half", |r| r.each(|r, k| first(r, k) > 0.5, |_| f32::INFINITY)),
+    ("NaN below zero", |r| r.each(|r, k| first(r, k) < 0.0, |_| f32::NAN)),
     ("few digits", |r| r.each(|_, _| true, |x| f32::from_bits(x.to_bits() & 0xffff_0000 ^ 0x0010_0000))),
     ("clamped to one", |r| r.each(|_, _| true, |x| x.clamp(-0.125, 0.125) + 0.3)),
     ("whole numbers", |r| r.each(|_, _| true, |x| x.round() + 0.4)),
     ("a stuck bit", |r| r.each(|_, _| true, |x| f32::from_bits(x.to_bits() ^ 1 << 21))),
     ("an odd word of input", |r| r.each(|r, k| r.batch.invocation(k)[0] & 1 == 1, |x| x + 0.5)),
     ("a rare input", |r| r.each(|r, k| r.batch.invocation(k)[0] % 32 == 5, |x| x + 0.5)),
-    ("a range of inputs", |r| r.each(|r, k| (0.25..0.5).contains(&r.first(k)), |x| x + 0.5)),
+    ("a range of inputs", |r| r.each(|r, k| (0.25..0.5).contains(&first(r, k)), |x| x + 0.5)),
     ("two components exchanged", |r| {
-        (0..r.count()).for_each(|k| r.out(k).swap(0, 1));
+        (0..r.count).for_each(|k| r.out(k).swap(0, 1));
         r.each(|_, _| true, |x| x + 0.01);
     }),
     ("the last component", |r| {
-        for k in 0..r.count() {
+        for k in 0..r.count {
             let last = r.out(k).last_mut().unwrap();
             *last = (f32::from_bits(*last) + 0.5).to_bits();
         }
     }),
     ("an output that is not written", |r| {
         let sentinel = r.marks.sentinel;
-        (0..r.count()).for_each(|k| r.out(k)[1] = sentinel);
+        (0..r.count).for_each(|k| r.out(k)[1] = sentinel);
     }),
-    ("all of them zero", |r| (0..r.count()).for_each(|k| r.out(k).fill(0))),
-    ("one number for all", |r| (0..r.count()).for_each(|k| r.out(k)[2] = 7.5_f32.to_bits())),
+    ("all of them zero", |r| (0..r.count).for_each(|k| r.out(k).fill(0))),
+    ("one number for all", |r| (0..r.count).for_each(|k| r.out(k)[2] = 7.5_f32.to_bits())),
 ];
 
 /// Faults of memory and readback, whatever the inputs.
 const BY_PLACE: [(&str, Plant); 15] = [
-    ("one word of each readback", |r| r.places(|k, _| k == 200)),
-    ("the first word", |r| r.places(|k, _| k == 0)),
-    ("the last invocation", |r| r.places(|k, n| k + 1 == n)),
-    ("the first group", |r| r.places(|k, _| k < 64)),
-    ("the last group", |r| r.places(|k, n| k + 64 >= n)),
-    ("the last group of large batches", |r| r.places(|k, n| n > 256 && k + 64 >= n)),
-    ("every 64th", |r| r.places(|k, _| k % 64 == 63)),
-    ("every 64th from the first", |r| r.places(|k, _| k % 64 == 0)),
-    ("one group", |r| r.places(|k, _| (128..192).contains(&k))),
-    ("the second half", |r| r.places(|k, n| 2 * k >= n && n > 64)),
-    ("the first half", |r| r.places(|k, n| 2 * k < n && n > 64)),
-    ("behind a page", |r| r.places(|k, _| k >= 256)),
-    ("powers of two", |r| r.places(|k, _| k > 8 && k.is_power_of_two())),
+    ("one word of each readback", |r| places(r, |k, _| k == 200)),
+    ("the first word", |r| places(r, |k, _| k == 0)),
+    ("the last invocation", |r| places(r, |k, n| k + 1 == n)),
+    ("the first group", |r| places(r, |k, _| k < 64)),
+    ("the last group", |r| places(r, |k, n| k + 64 >= n)),
+    ("the last group of large batches", |r| places(r, |k, n| n > 256 && k + 64 >= n)),
+    ("every 64th", |r| places(r, |k, _| k % 64 == 63)),
+    ("every 64th from the first", |r| places(r, |k, _| k % 64 == 0)),
+    ("one group", |r| places(r, |k, _| (128..192).contains(&k))),
+    ("the second half", |r| places(r, |k, n| 2 * k >= n && n > 64)),
+    ("the first half", |r| places(r, |k, n| 2 * k < n && n > 64)),
+    ("behind a page", |r| places(r, |k, _| k >= 256)),
+    ("powers of two", |r| places(r, |k, _| k > 8 && k.is_power_of_two())),
     ("zeros in one group", |r| {
-        for k in 192..256.min(r.count()) {
+        for k in 192..256.min(r.count) {
             r.out(k).fill(0x4100_0000);
         }
     }),
     ("a bit of one word", |r| {
-        if r.count() > 300 {
+        if r.count > 300 {
             r.out(300)[3] ^= 1 << 23;
         }
     }),
@@ -252,7 +137,7 @@ const BY_SHAPE: [(&str, Plant); 2] = [
     }),
     ("uniforms that are shared, and a range of inputs", |r| {
         if r.batch.per_case > 1 {
-            r.each(|r, k| r.first(k) > 1.0, |x| x + 0.5);
+            r.each(|r, k| first(r, k) > 1.0, |x| x + 0.5);
         }
     }),
 ];
@@ -260,17 +145,17 @@ const BY_SHAPE: [(&str, Plant); 2] = [
 /// Faults that come and go.
 const BY_CHANCE: [(&str, Plant); 3] = [
     ("every third dispatch", |r| {
-        if r.dispatch % 3 == 0 {
+        if r.of_lane % 3 == 0 {
             r.each(|_, _| true, |x| x + 0.5);
         }
     }),
     ("once", |r| {
-        if r.dispatch == 0 {
+        if r.of_lane == 0 {
             r.each(|_, k| k == 40, |x| x + 0.5);
         }
     }),
     ("another place in each dispatch", |r| {
-        let place = r.dispatch * 37 % r.count().max(1);
+        let place = r.of_lane * 37 % r.count.max(1);
         r.each(|_, k| k == place, |x| x + 0.5);
     }),
 ];
@@ -287,56 +172,71 @@ const OTHERS_BY_INPUT: [(&str, Plant); 12] = [
     ("a digest of the inputs", |r| {
         r.each(|r, k| r.batch.invocation(k).iter().fold(7_u32, |d, w| d.wrapping_mul(31) ^ w) % 8 == 3, |x| x + 0.125);
     }),
-    ("negative inputs alone", |r| r.each(|r, k| r.first(k) < 0.0, |x| x * 0.5 + 0.25)),
+    ("negative inputs alone", |r| r.each(|r, k| first(r, k) < 0.0, |x| x * 0.5 + 0.25)),
     ("bytes exchanged", |r| r.each(|_, _| true, |x| f32::from_bits(x.to_bits().swap_bytes()))),
     ("a component twice", |r| {
-        (0..r.count()).for_each(|k| {
+        (0..r.count).for_each(|k| {
             let out = r.out(k);
             out[1] = (f32::from_bits(out[0]) + 0.01).to_bits();
         });
     }),
     ("an input in place of an output", |r| {
-        (0..r.count()).for_each(|k| r.out(k)[0] = (r.first(k) + 1.5).to_bits());
+        (0..r.count).for_each(|k| r.out(k)[0] = (first(r, k) + 1.5).to_bits());
     }),
     ("the largest number", |r| r.each(|r, k| r.batch.invocation(k)[0] % 4 == 1, |_| f32::MAX)),
 ];
 
 /// The same of memory: words and records that stand where others belong.
-const OTHERS_BY_PLACE: [(&str, Plant); 8] = [
+const OTHERS_BY_PLACE: [(&str, Plant); 10] = [
+    ("a group of the dispatch before", |r| {
+        let size = r.layout.words();
+        if r.before.len() == r.words.len() && r.count > 192 {
+            for k in 128..192 {
+                let old = r.before[k * size + r.layout.header_words()..(k + 1) * size].to_vec();
+                r.out(k).copy_from_slice(&old);
+            }
+        }
+    }),
+    ("a word of the dispatch before", |r| {
+        let at = 100 * r.layout.words() + r.layout.header_words();
+        if r.before.len() == r.words.len() && r.count > 100 {
+            r.words[at] = r.before[at];
+        }
+    }),
     ("the next record in one group", |r| {
-        for k in 64..128.min(r.count().saturating_sub(1)) {
+        for k in 64..128.min(r.count.saturating_sub(1)) {
             let next = r.out(k + 1).to_vec();
             r.out(k).copy_from_slice(&next);
         }
     }),
     ("two records exchanged", |r| {
-        if r.count() > 20 {
+        if r.count > 20 {
             let (a, b) = (r.out(10).to_vec(), r.out(20).to_vec());
             r.out(10).copy_from_slice(&b);
             r.out(20).copy_from_slice(&a);
         }
     }),
     ("a word of the next record", |r| {
-        for k in 0..r.count().saturating_sub(1) {
+        for k in 0..r.count.saturating_sub(1) {
             r.out(k)[0] = r.out(k + 1)[0];
         }
     }),
     ("records in reverse in one group", |r| {
-        if r.count() >= 64 {
+        if r.count >= 64 {
             let all: Vec<Vec<u32>> = (0..64).map(|k| r.out(k).to_vec()).collect();
             all.iter().rev().enumerate().for_each(|(k, from)| r.out(k).copy_from_slice(from));
         }
     }),
     ("the first record for a group", |r| {
         let first = r.out(0).to_vec();
-        for k in 1..64.min(r.count()) {
+        for k in 1..64.min(r.count) {
             r.out(k).copy_from_slice(&first);
         }
     }),
-    ("every fifth", |r| r.places(|k, _| k % 5 == 4)),
-    ("a quarter", |r| r.places(|k, n| n > 64 && k * 4 >= n * 3)),
+    ("every fifth", |r| places(r, |k, _| k % 5 == 4)),
+    ("a quarter", |r| places(r, |k, n| n > 64 && k * 4 >= n * 3)),
     ("ones behind 256", |r| {
-        for k in 256..r.count().max(256) {
+        for k in 256..r.count.max(256) {
             r.out(k)[2] = 0xffff_ffff;
         }
     }),
@@ -354,10 +254,7 @@ type Plan = (&'static str, &'static [&'static str], &'static str);
 
 /// The suite with its samples alone: a relation would be looked into for every fault as well.
 fn without_relations() -> Prepared {
-    let shipped = find("morph").unwrap();
-    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
-    let suite = Suite { relations: Vec::new(), ..suite };
-    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text)).unwrap()
+    changed("morph", |suite| Suite { relations: Vec::new(), ..suite }, str::to_owned)
 }
 
 /// What is blamed wrongly of the faults of a table, and how many faults were looked at.
@@ -366,7 +263,7 @@ fn wrongly(table: &[(&str, Plant)], plans: &[Plan]) -> (Vec<String>, usize) {
     let (mut wrong, mut all) = (Vec::new(), 0);
     for &(name, plant) in table {
         for &(part, faulty, expected) in plans {
-            let devices: Vec<Device> =
+            let devices: Vec<Planted> =
                 LANES.iter().map(|l| device(&prepared, l.0, faulty.contains(&l.0).then_some(plant))).collect();
             let reports = reports(&prepared, &devices);
             all += 1;
@@ -423,7 +320,7 @@ fn faults_that_were_thought_of_later_are_blamed_on_the_part_that_has_them() {
     ];
     rightly(&OTHERS_BY_INPUT, &plans, 36);
     let plans: [Plan; 2] = [("one lane", &["a"], "position X"), ("an executor", &["a", "b"], "position X")];
-    rightly(&OTHERS_BY_PLACE, &plans, 16);
+    rightly(&OTHERS_BY_PLACE, &plans, 20);
     let (wrong, _) = wrongly(&NOBODYS, &[("every lane", &["a", "b", "c", "d"], ""), ("an executor", &["a", "b"], "")]);
     assert!(wrong.is_empty(), "{wrong:?}");
 }
@@ -462,7 +359,7 @@ fn a_lane_that_fails_is_evidence_against_its_executor() {
     let prepared = prepared("morph");
     let plant = BY_INPUT[0].1;
     let with = |fails: bool| {
-        let failing = Device { fails, ..device(&prepared, "a", None) };
+        let failing = device(&prepared, "a", None).crashing();
         let mut devices = vec![device(&prepared, "b", Some(plant))];
         devices.extend(fails.then_some(failing));
         // Another executor behind another front end: what is right shares nothing.
@@ -500,7 +397,7 @@ fn relations_name_whose_fault_it_is() {
         }
     };
     for (faulty, expected) in [(["a", "b"], "executor X"), (["a", "c"], "translator naga")] {
-        let devices: Vec<Device> =
+        let devices: Vec<Planted> =
             LANES.iter().map(|l| device(&prepared, l.0, faulty.contains(&l.0).then_some(plant))).collect();
         for (lane, report) in LANES.iter().zip(reports(&prepared, &devices)) {
             let report = report.unwrap();

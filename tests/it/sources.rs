@@ -5,31 +5,19 @@ use std::fs;
 use serde_json::Value;
 use shadercheck::bound::profile::Rulings;
 use shadercheck::glsl;
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, vulkan};
+use shadercheck::lane::{Lane, vulkan};
 use shadercheck::lower::Target;
-use shadercheck::program::{Form, Kernel, OutputLayout, Program, Source};
-use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Report, Request, bundles, run_from};
+use shadercheck::program::{Form, Kernel, Program, Source};
+use shadercheck::suite::run::{FindingKind, Prepared, Report, bundles, run_from};
 use shadercheck::text::SourceFile;
 use shadercheck::value::Batch;
 use shadercheck::verdict::Blame;
 
-use crate::alarms::{prepared, raw};
 use crate::binary::{Ran, command, run};
+use crate::support::{Planted, prepared, request};
 
 fn device() -> Box<dyn Lane> {
     vulkan::open().expect("these tests need a Vulkan driver; `cargo xtask test` installs lavapipe")
-}
-
-/// A lane that is wrong in kernels of one source, and in the shader itself alone.
-struct Planted {
-    lane: Box<dyn Lane>,
-    source: Option<Source>,
-    layout: OutputLayout,
-}
-
-struct PlantedRunner {
-    runner: Box<dyn Runner>,
-    layout: OutputLayout,
 }
 
 fn source_of(form: &Form) -> Source {
@@ -41,50 +29,24 @@ fn source_of(form: &Form) -> Source {
     }
 }
 
-impl Lane for Planted {
-    fn description(&self) -> &Description {
-        self.lane.description()
-    }
-
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
-        let runner = self.lane.prepare(kernel, capacity)?;
-        if self.source != Some(source_of(&kernel.form)) || kernel.output != self.layout {
-            return Ok(runner);
-        }
-        Ok(Box::new(PlantedRunner { runner, layout: kernel.output.clone() }))
-    }
-}
-
-impl Runner for PlantedRunner {
-    fn capacity(&self) -> usize {
-        self.runner.capacity()
-    }
-
-    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let actual = self.runner.run(batch)?;
-        let marks = Marks::random();
-        let mut words = raw(&actual, &self.layout, marks);
-        for record in words.chunks_exact_mut(self.layout.words()) {
-            let at = self.layout.header_words() + usize::from(self.layout.max_vertices.is_some());
-            record[at] = (f32::from_bits(record[at]) + 0.01).to_bits();
-        }
-        Actual::accept(&self.layout, words, actual.count(), marks)
-    }
+/// A lane that is wrong in kernels of one source, and in the shader itself alone.
+fn planted(prepared: &Prepared, source: Option<Source>) -> Planted {
+    let lane = Planted::new(device(), prepared);
+    let takes: fn(&Kernel) -> bool = match source {
+        None => return lane,
+        Some(Source::Storage) => |kernel| source_of(&kernel.form) == Source::Storage,
+        Some(Source::Uniforms) => |kernel| source_of(&kernel.form) == Source::Uniforms,
+        Some(Source::Constants) => |kernel| source_of(&kernel.form) == Source::Constants,
+        Some(Source::Attributes) => |kernel| source_of(&kernel.form) == Source::Attributes,
+    };
+    lane.only(takes).with(|dispatch| dispatch.each(|_, _| true, |x| x + 0.01))
 }
 
 /// Runs a shipped suite from some sources on a lane that is wrong for one of them.
 fn reports(suite: &str, sources: &[Source], wrong: Option<Source>) -> Vec<Report> {
     let prepared = prepared(suite);
-    let lane = Planted { lane: device(), source: wrong, layout: prepared.program.output_layout() };
-    let request = Request {
-        samples: Some(128),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
-        arguments: suite.to_owned(),
-    };
+    let lane = planted(&prepared, wrong);
+    let request = request(&prepared, Some(128), Rulings::of_lane(lane.description()));
     let report = |source| {
         let report = run_from(&prepared, &lane, source, &request, &mut |_| {}).unwrap();
         for bundle in bundles(&prepared, &lane, report.stage, &request.rulings, &report).unwrap() {

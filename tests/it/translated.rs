@@ -8,14 +8,14 @@ use shadercheck::lane::{Api, Stage, embedded};
 use shadercheck::program::{Language, Program, Translation};
 use shadercheck::property::Sampler;
 use shadercheck::suite::run::{
-    DEFAULT_SEED, FindingKind, Prepared, Report, Request, check_translations, check_translations_with, run,
+    FindingKind, Prepared, Report, Request, check_translations, check_translations_with, run,
 };
 use shadercheck::suite::shipped;
 use shadercheck::value::Batch;
 use shadercheck::verdict::{Comparison, Difference, Translations, Unread};
 
-use crate::alarms::prepared;
 use crate::lowering::{UNIFORMS, stage};
+use crate::support::{self, prepared};
 
 const SEED: u64 = 11;
 
@@ -315,15 +315,7 @@ fn report(prepared: &Prepared, request: &Request) -> Report {
 }
 
 fn request(prepared: &Prepared) -> Request {
-    Request {
-        samples: Some(4096),
-        seed: DEFAULT_SEED,
-        quick: false,
-        replay: Vec::new(),
-        replay_only: false,
-        arguments: prepared.suite.name.clone(),
-        rulings: Rulings::of_api(Api::Binary32),
-    }
+    Request { quick: false, ..support::request(prepared, Some(4096), Rulings::of_api(Api::Binary32)) }
 }
 
 #[test]

@@ -5,10 +5,12 @@ use shadercheck::bound::profile::{Rulings, by_name};
 use shadercheck::lane::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
 use shadercheck::program::Kernel;
 use shadercheck::suite::parse;
-use shadercheck::suite::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, prepare, run};
+use shadercheck::suite::run::{FindingKind, Prepared, Report, prepare, run};
 use shadercheck::text::SourceFile;
 use shadercheck::value::Batch;
 use shadercheck::verdict::{Blame, Reason};
+
+use crate::support::request;
 
 /// What is undefined: functions of `x` and `y` from -2 to 2, what is said of it, and the same within the rules.
 const CASES: [(&str, &str, &str); 44] = [
@@ -262,16 +264,7 @@ fn check(prepared: &Prepared, lane: &dyn Lane) -> Report {
 fn outcome(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, LaneError> {
     // A promise under which these functions have bounds.
     let rulings = Rulings { text: by_name("vulkan-1.4").unwrap(), conformance: None, measured: None };
-    let request = Request {
-        samples: Some(1024),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        arguments: prepared.suite.name.clone(),
-        rulings,
-    };
-    run(prepared, lane, Stage::Compute, &request, &mut |_| {})
+    run(prepared, lane, Stage::Compute, &request(prepared, Some(1024), rulings), &mut |_| {})
 }
 
 /// A device that is off by a part in 1000 wherever the first input is between 1.25 and 1.5.

@@ -1,63 +1,12 @@
 //! Faults of an executor and of a front end, seen through several lanes: whose fault it is follows from groups.
 
 use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, embedded};
-use shadercheck::program::{Kernel, OutputLayout};
+use shadercheck::lane::{Api, Lane, Stage, embedded};
 use shadercheck::shard::Shard;
-use shadercheck::suite::run::{
-    DEFAULT_SEED, FindingKind, Peer, Prepared, Report, Request, Share, hear, hear_parts, run, run_part,
-};
-use shadercheck::value::Batch;
+use shadercheck::suite::run::{FindingKind, Peer, Prepared, Report, Request, Share, hear, hear_parts, run, run_part};
 use shadercheck::verdict::diagnosis::{Fault, Hearing, Stand};
 
-use crate::alarms::{prepared, raw};
-
-/// The interpreter under another name, whose first output is off by some amount.
-struct Planted {
-    lane: Box<dyn Lane>,
-    description: Description,
-    off: f32,
-    layout: OutputLayout,
-}
-
-struct PlantedRunner {
-    runner: Box<dyn Runner>,
-    off: f32,
-    layout: OutputLayout,
-}
-
-impl Lane for Planted {
-    fn description(&self) -> &Description {
-        &self.description
-    }
-
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
-        let runner = self.lane.prepare(kernel, capacity)?;
-        // What looks into a failure is another kernel.
-        let off = if kernel.output == self.layout { self.off } else { 0.0 };
-        Ok(Box::new(PlantedRunner { runner, off, layout: kernel.output.clone() }))
-    }
-}
-
-impl Runner for PlantedRunner {
-    fn capacity(&self) -> usize {
-        self.runner.capacity()
-    }
-
-    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let actual = self.runner.run(batch)?;
-        if self.off == 0.0 {
-            return Ok(actual);
-        }
-        let marks = Marks::random();
-        let mut words = raw(&actual, &self.layout, marks);
-        let at = self.layout.header_words() + usize::from(self.layout.max_vertices.is_some());
-        for record in words.chunks_exact_mut(self.layout.words()) {
-            record[at] = (f32::from_bits(record[at]) + self.off).to_bits();
-        }
-        Actual::accept(&self.layout, words, actual.count(), marks)
-    }
-}
+use crate::support::{self, Planted, prepared};
 
 /// A lane: name, executor, front end, whose promises hold, and by how much it is off.
 type Plan = (&'static str, &'static str, &'static str, Api, f32);
@@ -65,32 +14,15 @@ type Plan = (&'static str, &'static str, &'static str, Api, f32);
 const STRICT: Api = Api::Binary32;
 
 fn lanes(prepared: &Prepared, plans: &[Plan]) -> Vec<Planted> {
-    let one = |&(name, executor, front_end, api, off): &Plan| Planted {
-        lane: embedded::open().unwrap(),
-        description: Description {
-            name,
-            driver: format!("{executor} 1.0"),
-            executor: executor.to_owned(),
-            front_end: front_end.to_owned(),
-            api,
-            stages: vec![Stage::Compute],
-        },
-        off,
-        layout: prepared.program.output_layout(),
+    let one = |&(name, executor, front_end, api, off): &Plan| {
+        let lane = Planted::new(embedded::open().unwrap(), prepared).called(name, executor, front_end, api);
+        if off == 0.0 { lane } else { lane.with(move |dispatch| dispatch.each(|_, _| true, |x| x + off)) }
     };
     plans.iter().map(one).collect()
 }
 
 fn request(prepared: &Prepared, lane: &dyn Lane) -> Request {
-    Request {
-        samples: Some(256),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
-        arguments: prepared.suite.name.clone(),
-    }
+    support::request(prepared, Some(256), Rulings::of_lane(lane.description()))
 }
 
 /// What the lanes say of the first deviation of each lane, in the order of the lanes; none for those without one.

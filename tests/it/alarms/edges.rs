@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use shadercheck::bound::profile::Rulings;
 use shadercheck::lane::{self, Stage};
 use shadercheck::property::{Sample, Sampler};
-use shadercheck::suite::run::{self, DEFAULT_SEED, Prepared, Report, Request, prepare};
-use shadercheck::text::SourceFile;
+use shadercheck::suite::run::{self, DEFAULT_SEED, Prepared, Report};
 use shadercheck::verdict::{Court, Failure, shader_deviation};
+
+use crate::support::{changed, prepared, report};
 
 /// Suite, the author's text, and what stands in its place.
 type Fault = (&'static str, &'static str, &'static str);
@@ -157,28 +158,19 @@ const CURVES: &[Fault] = &[
 
 /// A shipped suite with another text in the place of a part of its shader.
 fn faulty(&(suite, from, to): &Fault) -> Prepared {
-    let shipped = shadercheck::suite::find(suite).unwrap();
-    assert!(shipped.shader_text.contains(from), "{suite}: {from}");
-    let suite = shadercheck::suite::parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
-    let text = shipped.shader_text.replacen(from, to, 1);
-    // Bits of numbers came later than the shipped version.
-    let text = if to.contains("floatBits") { text.replacen("#version 150", "#version 330", 1) } else { text };
-    prepare(&suite, &SourceFile::new(shipped.shader_name, text)).unwrap_or_else(|error| panic!("{to}: {error}"))
+    let text = |text: &str| {
+        assert!(text.contains(from), "{suite}: {from}");
+        let text = text.replacen(from, to, 1);
+        // Bits of numbers came later than the shipped version.
+        if to.contains("floatBits") { text.replacen("#version 150", "#version 330", 1) } else { text }
+    };
+    changed(suite, |suite| suite, text)
 }
 
 /// Runs a suite as `check --quick --lane embedded` does.
 fn quick(prepared: &Prepared) -> Report {
     let lane = lane::embedded::open().unwrap();
-    let request = Request {
-        samples: None,
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
-        arguments: prepared.suite.name.clone(),
-    };
-    run::run(prepared, lane.as_ref(), Stage::Compute, &request, &mut |_| {}).unwrap()
+    report(prepared, lane.as_ref(), None, Rulings::of_lane(lane.description()))
 }
 
 /// The first deviation of the shader among the samples of a quick run: those at edges, then the others.
@@ -257,7 +249,7 @@ fn shaders_that_branch_where_their_formula_does_not_and_mean_the_same_pass() {
 #[test]
 fn shipped_shaders_come_out_both_ways_wherever_they_compare() {
     for shipped in shadercheck::suite::shipped() {
-        let report = quick(&super::prepared(shipped.name));
+        let report = quick(&prepared(shipped.name));
         let reach = report.reach.as_ref().unwrap();
         assert!(reach.edges > 0, "{}", shipped.name);
         let one_sided: Vec<String> = reach.one_sided().map(ToString::to_string).collect();
@@ -278,8 +270,8 @@ fn a_comparison_that_cannot_come_out_both_ways_is_named() {
 
 #[test]
 fn edges_depend_on_the_suite_the_seed_and_the_number_of_samples_alone() {
-    let [a, b] = [0, 1].map(|_| run::edges_of(&super::prepared("segment_distance"), 7, 8192));
+    let [a, b] = [0, 1].map(|_| run::edges_of(&prepared("segment_distance"), 7, 8192));
     assert_eq!(a.samples, b.samples);
-    assert_eq!(a.samples, run::edges_of(&super::prepared("segment_distance"), 7, 65536).samples);
-    assert_ne!(a.samples, run::edges_of(&super::prepared("segment_distance"), 8, 8192).samples);
+    assert_eq!(a.samples, run::edges_of(&prepared("segment_distance"), 7, 65536).samples);
+    assert_ne!(a.samples, run::edges_of(&prepared("segment_distance"), 8, 8192).samples);
 }

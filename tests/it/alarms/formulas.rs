@@ -4,7 +4,8 @@ use shadercheck::formula::{Args, Emission, Formula, Rule, all, by_name};
 use shadercheck::suite::run::{FindingKind, Report};
 use shadercheck::verdict::Reference;
 
-use super::lanes::{prepared, reports_of};
+use super::lanes::reports_of;
+use crate::support::prepared;
 
 /// Runs a shipped suite against another rule in place of its formula.
 fn against(suite: &str, rule: Rule) -> Vec<Report> {

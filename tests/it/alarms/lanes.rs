@@ -1,131 +1,14 @@
 //! Faults of a device, planted between the device and what is accepted from it. A shader cannot have
 //! them: a stale buffer, a record that was never written, a value that is wrong once.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
 use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, embedded, vulkan};
-use shadercheck::program::{Kernel, OutputLayout};
-use shadercheck::suite::run::{DEFAULT_SEED, Finding, FindingKind, Prepared, Report, Request, prepare, run};
-use shadercheck::suite::{find, parse};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use shadercheck::lane::{Lane, LaneError, Stage, embedded, vulkan};
+use shadercheck::suite::run::{Finding, FindingKind, Prepared, Report, run};
 use shadercheck::verdict::Blame;
 
-/// What one dispatch left in the output buffer.
-pub(super) struct Buffer {
-    /// Number of this dispatch of the runner, from 0.
-    dispatch: usize,
-    /// Invocations.
-    pub(super) count: usize,
-    /// Invocations that share uniforms.
-    per_case: usize,
-    layout: OutputLayout,
-    words: Vec<u32>,
-    marks: Marks,
-    /// The words of the dispatch before.
-    before: Vec<u32>,
-}
+use crate::support::{Dispatch, Planted, prepared, request};
 
-impl Buffer {
-    /// Record of an invocation.
-    pub(super) fn record(&mut self, invocation: usize) -> &mut [u32] {
-        let size = self.layout.words();
-        &mut self.words[invocation * size..][..size]
-    }
-}
-
-pub(super) type Fault = fn(&mut Buffer);
-
-/// A lane with a fault.
-struct Faulty {
-    lane: Box<dyn Lane>,
-    fault: Fault,
-    capacity: usize,
-    /// Outputs of the suite's shader. Kernels with other outputs, which look into a failure, have no
-    /// fault: it would not be the one that was planted.
-    layout: OutputLayout,
-}
-
-struct FaultyRunner {
-    runner: Box<dyn Runner>,
-    fault: Fault,
-    capacity: usize,
-    layout: OutputLayout,
-    dispatch: Rc<RefCell<usize>>,
-    before: Vec<u32>,
-}
-
-impl Lane for Faulty {
-    fn description(&self) -> &Description {
-        self.lane.description()
-    }
-
-    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
-        if kernel.output != self.layout {
-            return self.lane.prepare(kernel, capacity);
-        }
-        Ok(Box::new(FaultyRunner {
-            runner: self.lane.prepare(kernel, capacity)?,
-            fault: self.fault,
-            capacity: self.capacity,
-            layout: kernel.output.clone(),
-            dispatch: Rc::default(),
-            before: Vec::new(),
-        }))
-    }
-}
-
-impl Runner for FaultyRunner {
-    fn capacity(&self) -> usize {
-        self.runner.capacity().min(self.capacity)
-    }
-
-    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let actual = self.runner.run(batch)?;
-        let marks = Marks::random();
-        let words = raw(&actual, &self.layout, marks);
-        let mut buffer = Buffer {
-            dispatch: self.dispatch.replace_with(|n| *n + 1),
-            count: actual.count(),
-            per_case: batch.per_case,
-            layout: self.layout.clone(),
-            before: std::mem::replace(&mut self.before, words.clone()),
-            words,
-            marks,
-        };
-        (self.fault)(&mut buffer);
-        Actual::accept(&self.layout, buffer.words, buffer.count, marks)
-    }
-}
-
-/// The output buffer from which `actual` was read, with other marks.
-pub(crate) fn raw(actual: &Actual, layout: &OutputLayout, marks: Marks) -> Vec<u32> {
-    let mut words = Vec::with_capacity(actual.count() * layout.words());
-    for invocation in 0..actual.count() {
-        words.push(marks.canary ^ invocation as u32);
-        if layout.max_vertices.is_some() {
-            words.extend([actual.emitted(invocation), actual.ended_strips(invocation)]);
-        }
-        for vertex in 0..actual.stored(invocation) {
-            if layout.max_vertices.is_some() {
-                words.push(actual.strip(invocation, vertex));
-            }
-            let value = |&word: &u32| if actual.is_unwritten(word) { marks.sentinel } else { word };
-            words.extend(actual.vertex(invocation, vertex).iter().map(value));
-        }
-        words.resize((invocation + 1) * layout.words(), marks.sentinel);
-    }
-    words
-}
-
-/// A shipped suite, made ready.
-pub(crate) fn prepared(suite: &str) -> Prepared {
-    let shipped = find(suite).unwrap();
-    let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
-    prepare(&suite, &SourceFile::new(shipped.shader_name, shipped.shader_text)).unwrap()
-}
+pub(super) type Fault = fn(&mut Dispatch<'_>);
 
 /// Runs a shipped suite as [`reports_of`] does.
 fn reports(suite: &str, fault: Fault) -> Vec<Result<Report, LaneError>> {
@@ -133,29 +16,23 @@ fn reports(suite: &str, fault: Fault) -> Vec<Result<Report, LaneError>> {
 }
 
 /// The Vulkan lane with a fault, in dispatches of at most `capacity` invocations.
-pub(super) fn faulty(prepared: &Prepared, fault: Fault, capacity: usize) -> impl Lane + use<> {
-    let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
-    Faulty { lane, fault, capacity, layout: prepared.program.output_layout() }
+pub(super) fn faulty(prepared: &Prepared, fault: Fault, capacity: usize) -> Planted {
+    Planted::new(device(), prepared).with(fault).in_batches_of(capacity)
+}
+
+fn device() -> Box<dyn Lane> {
+    vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"))
 }
 
 /// Runs a suite in the stages that apply, on dispatches of at most 128 invocations.
 pub(super) fn reports_of(prepared: &Prepared, fault: Fault) -> Vec<Result<Report, LaneError>> {
-    let lane = vulkan::open().unwrap_or_else(|missing| panic!("these tests need a Vulkan driver: {missing}"));
-    reports_on(lane, prepared, fault)
+    reports_on(device(), prepared, fault)
 }
 
 /// The same on another lane.
 fn reports_on(lane: Box<dyn Lane>, prepared: &Prepared, fault: Fault) -> Vec<Result<Report, LaneError>> {
-    let lane = Faulty { lane, fault, capacity: 128, layout: prepared.program.output_layout() };
-    let request = Request {
-        samples: Some(512),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
-        arguments: prepared.suite.name.clone(),
-    };
+    let lane = Planted::new(lane, prepared).with(fault).in_batches_of(128);
+    let request = request(prepared, Some(512), Rulings::of_lane(lane.description()));
     let vertex = prepared.vertex.is_some() && lane.description().stages.contains(&Stage::Vertex);
     let stages = if vertex { &[Stage::Compute, Stage::Vertex][..] } else { &[Stage::Compute] };
     stages.iter().map(|&stage| run(prepared, &lane, stage, &request, &mut |_| {})).collect()
@@ -209,7 +86,7 @@ fn a_lane_without_a_fault_passes() {
 #[test]
 fn a_wrong_last_sample_of_a_batch_is_found() {
     // In every dispatch, whatever its size.
-    let last = |b: &mut Buffer| {
+    let last = |b: &mut Dispatch<'_>| {
         let last = b.count - 1;
         nudge(&mut b.record(last)[1]);
     };
@@ -220,7 +97,7 @@ fn a_wrong_last_sample_of_a_batch_is_found() {
 #[test]
 fn what_is_not_promised_never_agrees() {
     // Vulkan promises nothing for the sine beyond π: any value is allowed there, and none is right.
-    let far = |b: &mut Buffer| (0..b.count).for_each(|i| b.record(i)[1] = 32_f32.to_bits());
+    let far = |b: &mut Dispatch<'_>| (0..b.count).for_each(|i| b.record(i)[1] = 32_f32.to_bits());
     for report in reports("sphere", far) {
         let verdicts = report.unwrap().verdicts;
         let [_, no_promise, ..] = verdicts.undetermined;
@@ -231,7 +108,7 @@ fn what_is_not_promised_never_agrees() {
 
 #[test]
 fn a_wrong_last_vertex_is_found() {
-    let last = |b: &mut Buffer| {
+    let last = |b: &mut Dispatch<'_>| {
         for i in 0..b.count {
             let last = b.layout.words() - b.layout.vertex_words() + 1;
             nudge(&mut b.record(i)[last]);
@@ -242,15 +119,15 @@ fn a_wrong_last_vertex_is_found() {
 
 #[test]
 fn a_wrong_w_is_found() {
-    let w = |b: &mut Buffer| (0..b.count).for_each(|i| nudge(&mut b.record(i)[4]));
+    let w = |b: &mut Dispatch<'_>| (0..b.count).for_each(|i| nudge(&mut b.record(i)[4]));
     rings("sphere", w, FindingKind::Deviation, "`gl_Position.w` is ");
 }
 
 #[test]
 fn nan_is_found() {
-    let nan = |b: &mut Buffer| (0..b.count).step_by(7).for_each(|i| b.record(i)[2] = f32::NAN.to_bits());
+    let nan = |b: &mut Dispatch<'_>| (0..b.count).step_by(7).for_each(|i| b.record(i)[2] = f32::NAN.to_bits());
     rings("sphere", nan, FindingKind::Deviation, "`gl_Position.y` is nan");
-    let vertex = |b: &mut Buffer| (0..b.count).for_each(|i| b.record(i)[4] = f32::NAN.to_bits());
+    let vertex = |b: &mut Dispatch<'_>| (0..b.count).for_each(|i| b.record(i)[4] = f32::NAN.to_bits());
     rings("hair", vertex, FindingKind::Deviation, "`gl_Position.x` of vertex 0 is nan");
 }
 
@@ -273,7 +150,7 @@ fn a_wrong_zero_is_found() {
 }
 
 /// Puts `value` in place of the zeros of a function with one number as result.
-fn on_zeros(b: &mut Buffer, value: f32) {
+fn on_zeros(b: &mut Dispatch<'_>, value: f32) {
     for i in 0..b.count {
         let word = &mut b.record(i)[1];
         if *word << 1 == 0 {
@@ -284,7 +161,7 @@ fn on_zeros(b: &mut Buffer, value: f32) {
 
 #[test]
 fn an_output_that_is_not_written_is_found() {
-    let unwritten = |b: &mut Buffer| {
+    let unwritten = |b: &mut Dispatch<'_>| {
         let sentinel = b.marks.sentinel;
         (0..b.count).for_each(|i| b.record(i)[3] = sentinel);
     };
@@ -318,7 +195,7 @@ fn a_stale_buffer_is_refused() {
 
 #[test]
 fn a_stale_buffer_that_bears_the_new_canary_is_found() {
-    let stale = |b: &mut Buffer| {
+    let stale = |b: &mut Dispatch<'_>| {
         let (size, marks) = (b.layout.words(), b.marks);
         if b.before.len() >= b.words.len() {
             let len = b.words.len();
@@ -334,8 +211,8 @@ fn a_stale_buffer_that_bears_the_new_canary_is_found() {
 
 #[test]
 fn a_fault_that_does_not_come_back_is_found_all_the_same() {
-    let once = |b: &mut Buffer| {
-        if b.dispatch == 2 {
+    let once = |b: &mut Dispatch<'_>| {
+        if b.number == 2 {
             b.record(40)[1] = 0x4200_0000;
         }
     };
@@ -345,8 +222,8 @@ fn a_fault_that_does_not_come_back_is_found_all_the_same() {
 #[test]
 fn a_relation_that_fails_alone_is_found() {
     // Wrong only where each invocation has uniforms of its own, which is how relations and samples at edges run.
-    let uniforms = |b: &mut Buffer| {
-        if b.per_case == 1 {
+    let uniforms = |b: &mut Dispatch<'_>| {
+        if b.batch.per_case == 1 {
             (0..b.count).step_by(2).for_each(|i| nudge(&mut b.record(i)[1]));
         }
     };
@@ -362,8 +239,8 @@ fn a_relation_that_fails_alone_is_found() {
 
 #[test]
 fn a_relation_that_fails_and_then_holds_is_found() {
-    let large = |b: &mut Buffer| {
-        if b.per_case == 1 && b.count == 128 {
+    let large = |b: &mut Dispatch<'_>| {
+        if b.batch.per_case == 1 && b.count == 128 {
             b.record(100)[1] = 0x4200_0000;
         }
     };

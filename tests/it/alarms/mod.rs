@@ -8,5 +8,3 @@ mod shaders;
 mod suites;
 mod survey;
 mod translators;
-
-pub(crate) use lanes::{prepared, raw};

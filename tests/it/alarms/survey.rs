@@ -5,11 +5,11 @@ use std::sync::Arc;
 use shadercheck::bound::profile::{Profile, Rulings, by_name, parse};
 use shadercheck::lane::{Lane, Stage};
 use shadercheck::report::check::{finding, json, line, totals};
-use shadercheck::suite::run::{DEFAULT_SEED, Entry, FindingKind, Outcome, Request, Status, Summary, run};
+use shadercheck::suite::run::{DEFAULT_SEED, Entry, FindingKind, Outcome, Status, Summary};
 use shadercheck::text::SourceFile;
 
-use super::lanes::{Buffer, Fault, faulty};
-use super::prepared;
+use super::lanes::{Fault, faulty};
+use crate::support::{self, Dispatch, prepared};
 
 const SAMPLES: u64 = 2048;
 
@@ -18,16 +18,8 @@ fn ran(suite: &str, fault: Fault, measured: Option<Arc<Profile>>) -> Summary {
     let mut prepared = prepared(suite);
     let lane = faulty(&prepared, fault, SAMPLES as usize);
     prepared.relations.clear();
-    let request = Request {
-        samples: Some(SAMPLES),
-        seed: DEFAULT_SEED,
-        quick: true,
-        replay: Vec::new(),
-        replay_only: false,
-        rulings: Rulings { measured, ..Rulings::of_api(lane.description().api) },
-        arguments: suite.to_owned(),
-    };
-    let report = run(&prepared, &lane, Stage::Compute, &request, &mut |_| {}).unwrap();
+    let rulings = Rulings { measured, ..Rulings::of_api(lane.description().api) };
+    let report = support::report(&prepared, &lane, Some(SAMPLES), rulings);
     let entry = Entry {
         suite: suite.to_owned(),
         shader: report.shader.clone(),
@@ -58,7 +50,7 @@ fn profile(line: &str) -> Option<Arc<Profile>> {
 }
 
 /// Three times the largest bound that the device has under these inputs, relative to the point.
-fn worse(b: &mut Buffer) {
+fn worse(b: &mut Dispatch<'_>) {
     for i in 0..b.count {
         let record = b.record(i);
         let size = record[1..5].iter().fold(0.0_f32, |size, &w| size.max(f32::from_bits(w).abs()));
@@ -93,7 +85,7 @@ fn a_lane_that_is_worse_than_it_was_measured_is_warned_of() {
 
 #[test]
 fn a_lane_beyond_its_promise_is_an_error_and_no_warning() {
-    let far = |b: &mut Buffer| (0..b.count).for_each(|i| b.record(i)[1] ^= 0x8000_0000);
+    let far = |b: &mut Dispatch<'_>| (0..b.count).for_each(|i| b.record(i)[1] ^= 0x8000_0000);
     let summary = ran("morph", far, own_profile());
     assert_eq!(summary.status(), Status::Fail);
     let kinds = kinds(&summary);

@@ -9,7 +9,7 @@ use shadercheck::suite::{Suite, parse, shipped};
 use shadercheck::text::SourceFile;
 use shadercheck::verdict::Blame;
 
-use super::lanes::prepared;
+use crate::support::prepared;
 
 /// Instructions of SPIR-V.
 const F_ADD: u32 = 129;
