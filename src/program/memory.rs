@@ -113,7 +113,7 @@ fn any(block: &Block, is: &dyn Fn(&Statement) -> bool) -> bool {
 }
 
 /// The type without atomic numbers and without open ends.
-fn plain(module: &mut Module, ty: Handle<Type>) -> Handle<Type> {
+pub(super) fn plain(module: &mut Module, ty: Handle<Type>) -> Handle<Type> {
     let old = module.types[ty].clone();
     let (name, inner) = match old.inner {
         TypeInner::Atomic(scalar) => (None, TypeInner::Scalar(scalar)),
@@ -186,6 +186,11 @@ fn rewrite(function: &mut Function) -> Result<(), ProgramError> {
         };
         function.expressions[handle] = Expression::As { expr: number, kind: naga::ScalarKind::Uint, convert: Some(4) };
     }
+    without_atomics(function)
+}
+
+/// Atomic functions become ordinary ones.
+pub(super) fn without_atomics(function: &mut Function) -> Result<(), ProgramError> {
     let mut body = std::mem::take(&mut function.body);
     block(&mut body, function)?;
     function.body = body;

@@ -1,6 +1,7 @@
 //! A program: a naga module with the interface that the author sees and the way back to the text.
 
 mod build;
+mod capabilities;
 mod capture;
 mod constants;
 mod contain;
@@ -8,6 +9,7 @@ mod drawn;
 mod front;
 mod fuel;
 mod interface;
+mod lacks;
 mod layout;
 mod memory;
 pub mod probe;

@@ -11,7 +11,8 @@ use naga::valid::ModuleInfo;
 use naga::{Module, ShaderStage};
 use thiserror::Error;
 
-use super::{Entry, Program, ProgramError, contain, strides, validate, validator};
+use super::strides::{self, Gaps};
+use super::{Entry, Program, ProgramError, capabilities, contain, lacks, readback, validate, validator};
 use crate::lower::Role;
 
 /// A target language.
@@ -38,8 +39,16 @@ impl Language {
     pub const ALL: [Self; 7] =
         [Self::SpirV, Self::Wgsl, Self::Glsl330, Self::Glsl450, Self::GlslEs310, Self::Msl, Self::Hlsl];
 
-    /// Those that naga reads as well.
+    /// Those that are read back, by naga or as GLSL by our own front end.
+    pub const READ_BACK: [Self; 5] = [Self::SpirV, Self::Wgsl, Self::Glsl330, Self::Glsl450, Self::GlslEs310];
+
+    /// Those in which suites compare their shaders: the others are the same text with fewer words.
     pub const READABLE: [Self; 3] = [Self::SpirV, Self::Wgsl, Self::Glsl450];
+
+    /// True for the versions of GLSL, which have no groups of bindings.
+    pub fn is_glsl(self) -> bool {
+        matches!(self, Self::Glsl330 | Self::Glsl450 | Self::GlslEs310)
+    }
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -106,7 +115,7 @@ pub enum TranslateError {
         /// What naga says.
         reason: String,
     },
-    /// naga does not read back what it wrote.
+    /// It is not read back.
     #[error("the {language} translation does not read back: {reason}")]
     ReadBack {
         /// The language.
@@ -135,20 +144,30 @@ impl Program {
     /// [`TranslateError`]: what the language lacks.
     pub fn translate(&self, language: Language) -> Result<Translation, TranslateError> {
         match self.role {
-            Role::Vertex => {
+            Role::Vertex | Role::Fragment | Role::Compute => {
+                let host = self.stage_module.as_deref();
+                let (module, info) = host.map_or((&self.module, &self.info), |(module, info)| (module, info));
                 let padded = match (language, self.entry) {
-                    (Language::Wgsl | Language::Msl, Entry::Point(index)) => strides::natural(&self.module, index)?,
+                    (Language::Wgsl, Entry::Point(index)) => strides::natural(module, index, Gaps::Nobody)?,
+                    (Language::Msl, Entry::Point(index)) => strides::natural(module, index, Gaps::Writer)?,
                     _ => None,
                 };
-                let (module, info) = padded.as_ref().map_or((&self.module, &self.info), |(m, i)| (m, i));
-                translate(module, info, ShaderStage::Vertex, language)
+                let (module, info) = padded.as_ref().map_or((module, info), |(module, info)| (module, info));
+                let stage = match self.role {
+                    Role::Vertex => ShaderStage::Vertex,
+                    Role::Fragment => ShaderStage::Fragment,
+                    _ => ShaderStage::Compute,
+                };
+                let narrowed = match language {
+                    Language::Wgsl | Language::GlslEs310 => lacks::narrowed(module, info, stage),
+                    _ => None,
+                };
+                let (module, info) = narrowed.as_ref().map_or((module, info), |(module, info)| (module, info));
+                if let Some(reason) = lacks::lacks(module, info, stage, language) {
+                    return Err(TranslateError::Inexpressible { language, reason });
+                }
+                translate(module, info, stage, language)
             }
-            Role::Fragment => {
-                let (module, info) =
-                    self.stage_module.as_deref().map_or((&self.module, &self.info), |(module, info)| (module, info));
-                translate(module, info, ShaderStage::Fragment, language)
-            }
-            Role::Compute => translate(&self.module, &self.info, ShaderStage::Compute, language),
             Role::Geometry(_) | Role::Function { .. } => {
                 let mut module = self.compute_kernel()?.module;
                 // What the kernel has taken over is left without use, `main` of a library for one.
@@ -194,7 +213,7 @@ fn translate(
 fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
     // No coordinate flip: `gl_Position` is the author's. Names stay, so that people can read it.
     let options = spv::Options { lang_version: (1, 1), flags: spv::WriterFlags::DEBUG, ..spv::Options::default() };
-    spv::write_vec(module, info, &options, None).map_err(|e| e.to_string())
+    spv::write_vec(module, info, &options, None).map(capabilities::declared).map_err(|e| e.to_string())
 }
 
 fn msl_text(module: &Module, info: &ModuleInfo) -> Result<Translation, String> {
@@ -238,7 +257,24 @@ fn glsl_text(
         .map_err(|e| glsl_reason(&e))?
         .write()
         .map_err(|e| glsl_reason(&e))?;
-    Ok(Translation::Text(text))
+    Ok(Translation::Text(mended(text)))
+}
+
+/// Extensions by their right names, and those that the writer leaves out.
+fn mended(text: String) -> String {
+    let text = text.replace("#extension ARB_", "#extension GL_ARB_");
+    let (mut draw, mut out) = (false, text.clone());
+    for name in ["gl_DrawID", "gl_BaseVertex", "gl_BaseInstance"] {
+        // Before GLSL 4.60 they are those of GL_ARB_shader_draw_parameters.
+        draw |= text.contains(name);
+        out = out.replace(name, &format!("{name}ARB")).replace("ARBARB", "ARB");
+    }
+    match out.split_once('\n') {
+        Some((version, rest)) if draw => {
+            format!("{version}\n#extension GL_ARB_shader_draw_parameters : require\n{rest}")
+        }
+        _ => out,
+    }
 }
 
 /// What a version of GLSL lacks, in words.
@@ -248,17 +284,16 @@ fn glsl_reason(error: &glsl::Error) -> String {
     format!("it lacks {}", names.collect::<Vec<_>>().join(", "))
 }
 
-/// Reads a translation back, where naga can: SPIR-V, WGSL, and GLSL 4.50 without `matCx2` in uniforms.
-/// `None` for the others.
+/// Reads a translation back: SPIR-V and WGSL by naga, GLSL by our own front end. `None` for the others.
 ///
 /// # Errors
-/// [`TranslateError::ReadBack`] when naga refuses what it wrote.
+/// [`TranslateError::ReadBack`] when the reader refuses what was written.
 pub fn read_back(translation: &Translation, language: Language, role: &Role) -> Result<Option<Module>, TranslateError> {
     let fails = |reason: String| TranslateError::ReadBack { language, reason };
     let parsed = contain(|| match (translation, language) {
         (Translation::Words(words), Language::SpirV) => {
             let options = naga::front::spv::Options { adjust_coordinate_space: false, ..Default::default() };
-            naga::front::spv::Frontend::new(words.iter().copied(), &options)
+            naga::front::spv::Frontend::new(capabilities::known_to_reader(words).into_iter(), &options)
                 .parse()
                 .map(Some)
                 .map_err(|e| e.to_string())
@@ -266,20 +301,8 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
         (Translation::Text(text), Language::Wgsl) => {
             naga::front::wgsl::parse_str(text).map(Some).map_err(|e| e.emit_to_string(text))
         }
-        (Translation::Text(text), Language::Glsl450) => {
-            let stage = match role {
-                Role::Vertex => ShaderStage::Vertex,
-                Role::Fragment => ShaderStage::Fragment,
-                Role::Compute | Role::Geometry(_) | Role::Function { .. } => ShaderStage::Compute,
-            };
-            let options = naga::front::glsl::Options::from(stage);
-            // naga writes the names of OpenGL, and reads those of Vulkan alone.
-            let text = &text.replace("gl_VertexID", "gl_VertexIndex").replace("gl_InstanceID", "gl_InstanceIndex");
-            match naga::front::glsl::Frontend::default().parse(&options, text) {
-                // naga writes such matrices into std140 blocks, and its own reader has no way to express them.
-                Err(e) if e.errors.iter().any(is_two_row_matrix) => Ok(None),
-                result => result.map(Some).map_err(|e| e.emit_to_string(text)),
-            }
+        (Translation::Text(text), Language::Glsl330 | Language::Glsl450 | Language::GlslEs310) => {
+            readback::glsl::module(text, role).map(Some)
         }
         (Translation::Words(_) | Translation::Text(_), _) => Ok(None),
     });
@@ -290,10 +313,6 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
         .map_err(|panic| fails(format!("naga panicked: {panic}")))?
         .map_err(|e| fails(chain(e.as_inner())))?;
     Ok(Some(module))
-}
-
-fn is_two_row_matrix(error: &naga::front::glsl::Error) -> bool {
-    matches!(error.kind, naga::front::glsl::ErrorKind::UnsupportedMatrixWithTwoRowsInStd140 { .. })
 }
 
 /// An error and its causes in one line. The validator's places are those of a text that nobody has seen.

@@ -1,7 +1,7 @@
 //! Whether a translation means what the shader means.
 //!
-//! naga writes the translation and reads it back, and the interpreter runs both modules in binary64 on
-//! the same inputs. Reader and interpreter are on both sides, so an error of theirs can hide one of
+//! naga writes the translation; it or our own front end reads it back, and the interpreter runs both modules in
+//! binary64 on the same inputs. Reader and interpreter are on both sides, so an error of theirs can hide one of
 //! the writer's; what remains is a statement about the text that a user gets.
 
 use std::fmt;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::interp::{self, Binary64, Executable, FUEL, InterpError, Meaning};
+use crate::interp::{self, Binary32, Binary64, Executable, FUEL, InterpError, Meaning};
 use crate::program::{Language, Program, ReadBack, TranslateError};
 use crate::value::{Batch, Record};
 
@@ -29,9 +29,16 @@ pub struct CompareError(#[from] InterpError);
 /// A program beside its translations, ready to run.
 pub struct Translations {
     /// `None` when the interpreter does not know a construct in it; then nothing is compared.
-    source: Option<Executable>,
-    outputs: Arc<Record>,
+    source: Option<Source>,
     sides: Vec<(Language, Result<Side, Unread>)>,
+}
+
+/// The shader itself.
+struct Source {
+    /// How a stage is bound; a geometry stage and a function take the batch as it is.
+    bound: Option<ReadBack>,
+    executable: Executable,
+    outputs: Arc<Record>,
 }
 
 /// A translation that runs.
@@ -130,24 +137,28 @@ impl fmt::Display for TranslationDeviation {
 }
 
 impl Translations {
-    /// Translates a program to each language that reads back.
+    /// Translates a program to each language in which suites compare it.
     pub fn of(program: &Program) -> Self {
-        let back = |language| (language, program.retranslate(language));
-        Self::new(program, Language::READABLE.into_iter().map(back).collect())
+        Self::to(program, &Language::READABLE)
+    }
+
+    /// Translates a program to these languages.
+    pub fn to(program: &Program, languages: &[Language]) -> Self {
+        let back = |&language: &Language| (language, program.retranslate(language));
+        Self::new(program, languages.iter().map(back).collect())
     }
 
     /// A program beside anything that was read back for it.
     pub fn new(program: &Program, translations: Vec<(Language, Result<Option<ReadBack>, TranslateError>)>) -> Self {
-        let outputs = program.output_layout().vertex;
-        match interp::compile(program) {
+        match Source::of(program) {
             Ok(source) => {
                 let sides = translations.into_iter().map(|(language, read)| (language, side(read))).collect();
-                Self { source: Some(source), outputs, sides }
+                Self { source: Some(source), sides }
             }
-            Err(error) => {
-                let why = Unread::Unsupported(error.locate(program));
+            Err(why) => {
+                let why = Unread::Unsupported(why);
                 let sides = translations.into_iter().map(|(language, _)| (language, Err(why.clone()))).collect();
-                Self { source: None, outputs, sides }
+                Self { source: None, sides }
             }
         }
     }
@@ -179,29 +190,58 @@ impl Translations {
 
     fn compare_some(&self, batch: &Batch, wanted: impl Fn(Language) -> bool) -> Result<Vec<Comparison>, CompareError> {
         let Some(source) = &self.source else { return Ok(Vec::new()) };
-        let source = source.run::<Binary64>(batch, FUEL)?;
+        let laid = source.bound.as_ref().map(|bound| bound.feed(batch));
+        let meaning = source.executable.run::<Binary64>(laid.as_ref().unwrap_or(batch), FUEL)?;
         let readable = self.sides.iter().filter_map(|(language, side)| Some((*language, side.as_ref().ok()?)));
         readable
             .filter(|(language, _)| wanted(*language))
-            .map(|(language, side)| self.one(language, side, batch, &source))
+            .map(|(language, side)| source.beside(language, side, batch, &meaning))
             .collect()
     }
+}
 
-    fn one(
+impl Source {
+    /// The shader, ready to run.
+    fn of(program: &Program) -> Result<Self, String> {
+        let bound = program.bound(Language::SpirV).map_err(|error| error.to_string())?;
+        let executable = match &bound {
+            Some(bound) => interp::compile_read_back(bound),
+            None => interp::compile(program),
+        };
+        let executable = executable.map_err(|error| error.locate(program))?;
+        let outputs = bound.as_ref().map_or_else(|| program.output_layout().vertex, |bound| bound.record.clone());
+        Ok(Self { bound, executable, outputs })
+    }
+
+    fn beside(
         &self,
         language: Language,
         side: &Side,
         batch: &Batch,
         source: &Meaning<f64>,
     ) -> Result<Comparison, CompareError> {
-        let translation = side.executable.run::<Binary64>(&side.back.feed(batch), FUEL)?;
+        let laid = side.back.feed(batch);
+        let translation = side.executable.run::<Binary64>(&laid, FUEL)?;
         let mut comparison = Comparison { language, agreed: 0, deviating: Vec::new(), undetermined: 0, first: None };
+        let mut rounded = None;
         for invocation in 0..source.count() {
-            match self.difference(source, &translation, invocation) {
-                None => comparison.agreed += 1,
+            let Some(what) = self.difference(source, &translation, invocation) else {
+                comparison.agreed += 1;
+                continue;
+            };
+            // Readers fold constants in binary32, which the text leaves to be computed: with every operation rounded
+            // to it, both are the same.
+            if rounded.is_none() {
+                let own = self.bound.as_ref().map(|bound| bound.feed(batch));
+                let own = self.executable.run::<Binary32>(own.as_ref().unwrap_or(batch), FUEL)?;
+                rounded = Some((own, side.executable.run::<Binary32>(&laid, FUEL)?));
+            }
+            let same = rounded.as_ref().is_some_and(|(own, there)| same_bits(own, there, invocation));
+            match what {
+                _ if same => comparison.agreed += 1,
                 // Beyond the range of a type, languages differ in what they promise.
-                Some(_) if !source.flags(invocation).is_empty() => comparison.undetermined += 1,
-                Some(what) => {
+                _ if !source.flags(invocation).is_empty() => comparison.undetermined += 1,
+                what => {
                     comparison.deviating.push(invocation);
                     comparison.first.get_or_insert(TranslationDeviation { language, invocation, what });
                 }
@@ -248,6 +288,19 @@ impl Translations {
     }
 }
 
+/// The same words wherever the shader writes some.
+fn same_bits(shader: &Meaning<u32>, translation: &Meaning<u32>, invocation: usize) -> bool {
+    let vertex = |k: usize| {
+        let (own, there) = (shader.vertex(invocation, k), translation.vertex(invocation, k));
+        let same = |word: usize| {
+            !shader.is_written(invocation, k, word)
+                || translation.is_written(invocation, k, word) && own[word] == there[word]
+        };
+        shader.strip(invocation, k) == translation.strip(invocation, k) && (0..own.len()).all(same)
+    };
+    shader.emitted(invocation) == translation.emitted(invocation) && (0..shader.stored(invocation)).all(vertex)
+}
+
 /// NaN agrees with NaN: both sides are one program.
 fn agree(shader: f64, translation: f64, slack: f64) -> bool {
     shader == translation || (shader.is_nan() && translation.is_nan()) || (shader - translation).abs() <= slack
@@ -258,7 +311,7 @@ fn side(read: Result<Option<ReadBack>, TranslateError>) -> Result<Side, Unread> 
     let unsupported = |what: String| Unread::Unsupported(what.lines().next().unwrap_or_default().to_owned());
     let back = match read {
         Ok(Some(back)) => back,
-        Ok(None) => return Err(unsupported("naga does not read what it writes for this shader".to_owned())),
+        Ok(None) => return Err(unsupported("it is not read back".to_owned())),
         Err(TranslateError::Interface { reason, .. }) => return Err(Unread::Interface(reason)),
         Err(error) => return Err(unsupported(error.to_string())),
     };

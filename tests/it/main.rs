@@ -51,6 +51,7 @@ mod translate;
 mod translate_flips;
 mod translate_validators;
 mod translated;
+mod translated_stages;
 mod undefined;
 mod webgpu;
 mod witnesses;

@@ -69,7 +69,8 @@ fn translated(program: &Program) -> Module {
 }
 
 /// What a host sees of a module: stages, what they take and give at which location, and buffers
-/// with their size. Names are left out: GLSL knows one name for every entry point.
+/// with their size. Names are left out: GLSL knows one name for every entry point. A uniform buffer is as long as a
+/// multiple of 16 bytes: naga writes what it holds as a structure in GLSL, which std140 fills to that.
 fn interface(module: &Module) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for entry in &module.entry_points {
@@ -91,10 +92,11 @@ fn interface(module: &Module) -> BTreeMap<String, String> {
             AddressSpace::Storage { .. } => "storage",
             _ => "other",
         };
-        found.insert(
-            format!("{space} {}.{}", binding.group, binding.binding),
-            format!("{} bytes", layouter[global.ty].size),
-        );
+        let size = match global.space {
+            AddressSpace::Uniform => layouter[global.ty].size.next_multiple_of(16),
+            _ => layouter[global.ty].size,
+        };
+        found.insert(format!("{space} {}.{}", binding.group, binding.binding), format!("{size} bytes"));
     }
     found
 }

@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use shadercheck::lower::Role;
-use shadercheck::program::Language;
+use shadercheck::glsl::Stage;
+use shadercheck::lower::{Role, Target};
+use shadercheck::program::{Language, Program};
+use shadercheck::text::SourceFile;
 
 use crate::binary::say;
 use crate::lowering::{UNIFORMS, names, shipped, stage};
@@ -76,6 +78,24 @@ fn checks(tool: &str, languages: &[Language]) {
 #[test]
 fn spirv_val_accepts_every_module() {
     checks("spirv-val", &[Language::SpirV]);
+}
+
+#[test]
+fn spirv_val_accepts_the_parameters_of_a_draw_and_refuses_them_undeclared() {
+    if !installed("spirv-val") {
+        return say("spirv-val is not on PATH: no module was checked by it");
+    }
+    let text = "#version 460 core\nlayout(location = 0) flat out int id;\n\
+                void main() { id = gl_BaseVertex + gl_BaseInstance; gl_Position = vec4(0.0); }\n";
+    let file = SourceFile::new("draw.vert", text);
+    let program = Program::from_source(&file, Stage::Vertex, |_| Ok(Target::Stage)).unwrap();
+    let words = program.translate(Language::SpirV).unwrap().into_bytes();
+    assert_eq!(validate(Language::SpirV, &program.role, &words), Ok(true));
+    // OpCapability DrawParameters, taken out.
+    let declared = [17, 0, 2, 0, 75, 17, 0, 0];
+    let at = words.windows(8).position(|w| w == declared).unwrap();
+    let without = [&words[..at], &words[at + 8..]].concat();
+    assert!(validate(Language::SpirV, &program.role, &without).unwrap_err().contains("DrawParameters"));
 }
 
 #[test]

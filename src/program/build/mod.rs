@@ -127,6 +127,11 @@ pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<P
     Ok(program)
 }
 
+/// The module that a host gets.
+pub(super) fn host(shader: &Shader) -> std::result::Result<Module, ProgramError> {
+    Ok(one(shader, &Target::Stage, false)?.0.module)
+}
+
 /// One of the two modules of a shader, and whether the other one is not the same.
 fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Program, bool), ProgramError> {
     let mut build = Build {

@@ -124,6 +124,15 @@ impl Fun<'_, '_> {
         }
         let ty = if left.ty.is_scalar() { right.ty.clone() } else { left.ty.clone() };
         let (left, right) = (self.widened(left, &ty), self.widened(right, &ty));
+        if let (BinaryOperator::Modulo, &Type::Vector(_, n)) = (op, &ty) {
+            // What naga writes as SPIR-V for a vector, its own reader refuses.
+            let parts = (0..u32::from(n)).map(|k| {
+                let (left, right) = (self.part(left.e, k), self.part(right.e, k));
+                self.add(Expression::Binary { op, left, right })
+            });
+            let parts = parts.collect();
+            return self.compose(&ty, parts);
+        }
         Ok(Val { e: self.add(Expression::Binary { op, left: left.e, right: right.e }), ty })
     }
 

@@ -3,6 +3,7 @@
 use naga::valid::ModuleInfo;
 use naga::{AddressSpace, Function, GlobalVariable, Handle, Module, Type, TypeInner};
 
+use super::feed::Feed;
 use super::names::nearest;
 use super::{Place, ReadBack};
 use crate::lower::Role;
@@ -62,10 +63,7 @@ impl Search<'_> {
         let outputs = program.outputs.iter().map(place).collect::<Result<Vec<_>, _>>()?;
         let uniforms = program.uniforms.iter().map(place).collect::<Result<Vec<_>, _>>()?;
         // Each takes its words as the program does.
-        let all = |ports: &[Port]| {
-            let words: usize = ports.iter().map(|port| port.field.shape.words()).sum();
-            (0..words as u32).map(Some).collect()
-        };
+        let words = |ports: &[Port]| 0..ports.iter().map(|port| port.field.shape.words() as u32).sum::<u32>();
         Ok(ReadBack {
             language,
             entry: Entry::Function(entry),
@@ -73,10 +71,11 @@ impl Search<'_> {
             uniforms,
             outputs,
             built_ins: Vec::new(),
-            textures: super::textures(self.program, &self.module),
+            textures: super::textures(self.program, &self.module, !language.is_glsl()),
             max_vertices: None,
-            invocation: all(&program.inputs),
-            case: all(&program.uniforms),
+            record: program.output_layout().vertex,
+            invocation: words(&program.inputs).map(Feed::Invocation).collect(),
+            case: words(&program.uniforms).map(Feed::Case).collect(),
             module: self.module,
             info,
         })
@@ -86,6 +85,12 @@ impl Search<'_> {
         let (module, name) = (&self.module, &port.field.name);
         let argument = |k: u32| entry.arguments.get(k as usize).map(|argument| argument.ty);
         let (ty, at) = match port.at {
+            PortAt::Part { global, ref path } => {
+                let global = self.global(global, name)?;
+                let whole = module.global_variables[global].ty;
+                let ty = path.iter().try_fold(whole, |ty, &k| self.inside(ty, k));
+                (ty, PortAt::Part { global, path: path.clone() })
+            }
             PortAt::Argument(k) => (argument(k), PortAt::Argument(k)),
             PortAt::Reference(k) => {
                 let pointer = argument(k).map(|ty| &module.types[ty].inner);
@@ -115,7 +120,7 @@ impl Search<'_> {
                 }
                 return Ok(Place { name: name.clone(), ty, at: PortAt::Vertices { global, member, count } });
             }
-            PortAt::ResultMember(_) | PortAt::Arguments { .. } | PortAt::Part { .. } => {
+            PortAt::ResultMember(_) | PortAt::Arguments { .. } => {
                 return Err(format!("`{name}` lies at {:?}", port.at));
             }
         };
@@ -130,6 +135,14 @@ impl Search<'_> {
         match &self.module.types[ty].inner {
             TypeInner::Struct { members, .. } => members.get(member as usize).map(|member| member.ty),
             _ => None,
+        }
+    }
+
+    /// The type of a member or an element.
+    fn inside(&self, ty: Handle<Type>, k: u32) -> Option<Handle<Type>> {
+        match self.module.types[ty].inner {
+            TypeInner::Array { base, .. } => Some(base),
+            _ => self.member(ty, k),
         }
     }
 

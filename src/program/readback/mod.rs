@@ -1,10 +1,13 @@
 //! A translation read back into a module, with the shader's interface found again in it.
 //!
-//! A vertex stage is found by what a host sees: attributes and varyings by location, uniform buffers
+//! A vertex, fragment or compute stage is found by what a host sees: attributes and varyings by location, buffers
 //! by binding and the places of their words. A geometry stage and a function are ordinary functions
 //! inside the kernel that is translated; they are run there, by themselves, and what they read and
 //! write is found by name.
 
+mod alone;
+mod feed;
+pub(super) mod glsl;
 mod kernel;
 mod names;
 mod stage;
@@ -15,14 +18,12 @@ use naga::compact::KeepUnused;
 use naga::valid::ModuleInfo;
 use naga::{BuiltIn, Handle, Module, Type};
 
+use feed::Feed;
+
 use super::translate::{Language, TranslateError, Translation, read_back};
 use super::{Entry, PortAt, Program, ProgramError, Texture, contain, validate};
 use crate::lower::Role;
 use crate::value::{Batch, Field, Record, Scalar, Shape};
-
-/// Bits of a word of a buffer that no input fills: a NaN with a payload of its own. A translation that
-/// reads beside its inputs gets it.
-const PADDING: u32 = 0x7fda_dada;
 
 /// A value of the interface in the module that was read back.
 #[derive(Clone, Debug)]
@@ -35,7 +36,7 @@ pub struct Place {
     pub at: PortAt,
 }
 
-/// A translation as naga reads it.
+/// A translation as it is read.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
     /// The language.
@@ -58,10 +59,12 @@ pub struct ReadBack {
     pub textures: Vec<Texture>,
     /// For a geometry stage, the number of vertices that are stored.
     pub max_vertices: Option<u32>,
-    /// For each word that an invocation takes here, the word of the program's invocation record.
-    invocation: Vec<Option<u32>>,
-    /// For each word that a case takes here, the word of the program's case record; `None` for padding.
-    case: Vec<Option<u32>>,
+    /// What one vertex or call gives, the same for the program and all its translations.
+    pub record: Arc<Record>,
+    /// For each word that an invocation takes here, where it comes from.
+    invocation: Vec<Feed>,
+    /// For each word of the buffers here, where it comes from.
+    case: Vec<Feed>,
 }
 
 impl Program {
@@ -72,65 +75,74 @@ impl Program {
     /// [`TranslateError`]: the language lacks something, naga refuses what it wrote, or what it wrote
     /// has another interface.
     pub fn retranslate(&self, language: Language) -> Result<Option<ReadBack>, TranslateError> {
-        if !Language::READABLE.contains(&language) {
+        if !Language::READ_BACK.contains(&language) {
             return Ok(None);
         }
         self.read_back(&self.translate(language)?, language)
     }
 
-    /// Reads back any text or words that claim to be a translation of this program. `None` for a
-    /// language that naga does not read, or a construct of it.
+    /// The program itself, bound as a translation to this language is. `None` for one that is run as it is: a
+    /// geometry stage or a function.
     ///
     /// # Errors
-    /// [`TranslateError`]: naga refuses it, or it has another interface.
+    /// [`TranslateError`]: it takes or gives what cannot be bound.
+    pub fn bound(&self, language: Language) -> Result<Option<ReadBack>, TranslateError> {
+        match self.role {
+            Role::Vertex | Role::Fragment | Role::Compute => stage::own(self, language).map(Some),
+            Role::Geometry(_) | Role::Function { .. } => Ok(None),
+        }
+    }
+
+    /// Reads back any text or words that claim to be a translation of this program. `None` for a
+    /// language that is not read.
+    ///
+    /// # Errors
+    /// [`TranslateError`]: its reader refuses it, or it has another interface.
     pub fn read_back(&self, translation: &Translation, language: Language) -> Result<Option<ReadBack>, TranslateError> {
         let Some(mut module) = read_back(translation, language, &self.role)? else { return Ok(None) };
         // A reader puts an access to every block into every function. What has no effect is left out.
         contain(|| naga::compact::compact(&mut module, KeepUnused::No))
             .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?;
-        let info = validate(&module)?;
         let read = match self.role {
-            Role::Vertex => stage::resolve(self, language, module, info),
-            // A fragment or compute stage is translated as it is; what it means is not compared.
-            Role::Fragment | Role::Compute => return Ok(None),
-            Role::Geometry(_) | Role::Function { .. } => kernel::resolve(self, language, module, info),
+            Role::Vertex | Role::Fragment | Role::Compute => stage::resolve(self, language, module),
+            Role::Geometry(_) | Role::Function { .. } => {
+                let info = validate(&module)?;
+                kernel::resolve(self, language, module, info)
+            }
         };
         read.map(Some)
     }
 }
 
 impl ReadBack {
-    /// The same inputs, laid out as the module that was read back takes them.
+    /// The same inputs, laid out as the module that was read back takes them: each invocation is a case of its own.
     pub fn feed(&self, batch: &Batch) -> Batch {
-        let (cases, invocations) = (batch.case_count(), batch.invocation_count());
-        let laid = |words: &[Option<u32>], count: usize, of: &dyn Fn(usize) -> Vec<u32>| -> Vec<u32> {
-            let record = |k| {
-                let from = of(k);
-                words.iter().map(move |word| word.map_or(PADDING, |word| from[word as usize])).collect::<Vec<_>>()
-            };
-            if words.is_empty() { Vec::new() } else { (0..count).flat_map(record).collect() }
+        let count = batch.invocation_count();
+        let laid = |words: &[Feed]| -> Vec<u32> {
+            let of = |k: usize| words.iter().map(move |feed| feed.word(k, batch.invocation(k), batch.case_of(k)));
+            if words.is_empty() { Vec::new() } else { (0..count).flat_map(of).collect() }
         };
-        // With no words at all, the number of invocations is the one of a case.
-        let per_case = if self.case.is_empty() && self.invocation.is_empty() { invocations } else { batch.per_case };
         Batch {
             invocation_record: record(self.invocation.len()),
             case_record: record(self.case.len()),
-            per_case,
-            invocations: laid(&self.invocation, invocations, &|k| batch.invocation(k).to_vec()),
-            cases: laid(&self.case, cases, &|k| batch.case(k).to_vec()),
+            // With no words at all, the number of invocations is the one of a case.
+            per_case: if self.case.is_empty() && self.invocation.is_empty() { count } else { 1 },
+            invocations: laid(&self.invocation),
+            cases: laid(&self.case),
         }
     }
 }
 
 /// The program's textures in a module that was read back: those whose image has the same binding.
-fn textures(program: &Program, module: &Module) -> Vec<Texture> {
+fn textures(program: &Program, module: &Module, grouped: bool) -> Vec<Texture> {
     let binding = |module: &Module, handle: naga::Handle<naga::GlobalVariable>| module.global_variables[handle].binding;
     let mut all = Vec::new();
     for texture in &program.textures {
         let find = |own: naga::Handle<naga::GlobalVariable>| {
             let wanted = binding(&program.module, own)?;
             let mut found = module.global_variables.iter();
-            let same = |v: &naga::GlobalVariable| v.space == naga::AddressSpace::Handle && v.binding == Some(wanted);
+            let here = |b: naga::ResourceBinding| b.binding == wanted.binding && (!grouped || b.group == wanted.group);
+            let same = |v: &naga::GlobalVariable| v.space == naga::AddressSpace::Handle && v.binding.is_some_and(here);
             found.find(|(_, v)| same(v)).map(|(handle, _)| handle)
         };
         if let Some(image) = find(texture.image) {
