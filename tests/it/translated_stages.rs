@@ -243,6 +243,21 @@ fn what_a_language_lacks_is_said_in_its_words() {
     }
 }
 
+#[test]
+fn one_source_of_blending_is_an_output_like_others() {
+    let one = "#version 330 core\nin vec4 v;\nlayout(location = 0, index = 0) out vec4 c;\n\
+               layout(location = 1) out vec4 d;\nvoid main() { c = v; d = v * 0.40625; }\n";
+    let one = program("one.frag", one);
+    agrees(&one, &Language::READ_BACK);
+    rings(&one, Language::Wgsl, "0.40625", "0.40635");
+    let two = "#version 330 core\nin vec4 v;\nlayout(location = 0) out vec4 c;\n\
+               layout(location = 0, index = 1) out vec4 d;\nvoid main() { c = v; d = v * 0.40625; }\n";
+    let two = program("two.frag", two);
+    agrees(&two, &[Language::SpirV, Language::Wgsl]);
+    let wgsl = text(&two, Language::Wgsl);
+    assert!(wgsl.contains("@blend_src(0)") && wgsl.contains("@blend_src(1)"), "{wgsl}");
+}
+
 const STRIP: &str = "#version 330 core
 layout(triangles) in; layout(triangle_strip, max_vertices = 3) out;
 struct Light { vec4 at; float range[2]; };

@@ -1,8 +1,8 @@
 //! The entry point: fills the inputs, runs `main` and hands on the outputs.
 
 use naga::{
-    BuiltIn, EntryPoint, Expression, FunctionResult, GlobalVariable, Handle, ShaderStage, Statement, StructMember,
-    TypeInner,
+    Binding, BuiltIn, EntryPoint, Expression, FunctionResult, GlobalVariable, Handle, ShaderStage, Statement,
+    StructMember, TypeInner,
 };
 
 use super::function::{Fun, Val};
@@ -75,6 +75,7 @@ impl Build<'_> {
         f.prepend(first);
         f.at = span;
         f.clear_if_discarded()?;
+        f.build.settle_sources();
         let outgoing = if f.build.is_geometry() { Vec::new() } else { f.build.outgoing.clone() };
         let result = f.hand_on(&outgoing)?;
         let mut arguments: Vec<_> = incoming.into_iter().map(|i| i.argument).collect();
@@ -108,6 +109,19 @@ impl Build<'_> {
         self.settle_outputs();
         self.discard_output();
         Ok(())
+    }
+
+    /// Sources of blending are told apart where there are two of them. `index = 0` alone is what an output is without it.
+    fn settle_sources(&mut self) {
+        let sources = self.outgoing.iter_mut().filter_map(|output| match &mut output.binding {
+            Binding::Location { blend_src, .. } => Some(blend_src),
+            Binding::BuiltIn(_) => None,
+        });
+        let sources: Vec<&mut Option<u32>> = sources.collect();
+        let two = sources.iter().any(|source| **source == Some(1));
+        for source in sources {
+            *source = two.then(|| source.unwrap_or(0));
+        }
     }
 
     /// Outputs of one member are read from what the entry point returns.
