@@ -16,6 +16,7 @@ pub mod probe;
 mod readback;
 mod source;
 mod strides;
+mod supply;
 pub mod texture;
 mod translate;
 mod wgsl;

@@ -12,7 +12,7 @@ use naga::{Module, ShaderStage};
 use thiserror::Error;
 
 use super::strides::{self, Gaps};
-use super::{Entry, Program, ProgramError, capabilities, contain, lacks, readback, validate, validator};
+use super::{Entry, Program, ProgramError, capabilities, contain, lacks, readback, supply, validate, validator};
 use crate::lower::Role;
 
 /// A target language.
@@ -186,6 +186,8 @@ fn translate(
     language: Language,
 ) -> Result<Translation, TranslateError> {
     let fails = |reason: String| TranslateError::Inexpressible { language, reason };
+    let supplied = supply::supplied(module, info, language)?;
+    let (module, info) = supplied.as_ref().map_or((module, info), |(module, info)| (module, info));
     contain(|| match language {
         Language::SpirV => spirv(module, info).map(Translation::Words),
         Language::Wgsl => wgsl::write_string(module, info, wgsl::WriterFlags::empty())

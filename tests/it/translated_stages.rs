@@ -279,3 +279,46 @@ fn a_geometry_stage_finds_members_of_structures_in_its_buffers() {
     rings(&strip, Language::Wgsl, "0.40625", "0.40635");
     rings(&strip, Language::Glsl450, "0.40625", "0.40635");
 }
+
+/// `inverse` as WGSL has it from naga's writer, and as it is supplied in MSL and HLSL, which nobody reads back.
+#[test]
+fn an_inverse_is_supplied_where_the_writer_has_none() {
+    let supplied = include_str!("../../src/program/supply.wgsl");
+    for n in 2..=4 {
+        let zeros = if n == 4 { "" } else { ", 0.0" };
+        let zeros = zeros.repeat(4 - n);
+        let source = format!(
+            "#version 330 core\nuniform mat{n} m; in vec{n} v;\n\
+             vec{n} of(vec{n} v) {{ return inverse(m + mat{n}(5.0)) * v; }}\n\
+             void main() {{ gl_Position = vec4(of(v){zeros}); }}\n"
+        );
+        let inverse = program("inverse.vert", &source);
+        agrees(&inverse, &Language::READ_BACK);
+        let wgsl = text(&inverse, Language::Wgsl);
+        let call = format!("(_naga_inverse_{n}x{n}_f32(");
+        assert!(wgsl.contains(&call), "{wgsl}");
+        let wgsl = wgsl.replace(&call, &format!("(sc_inverse_{n}(")) + supplied;
+        let found = compared(&inverse, Language::Wgsl, wgsl.clone());
+        assert_eq!((found.agreed, &found.first), (SAMPLES as u64, &None));
+        let faults = [("m[1].y, -m", "m[1].y, m"), ("(m[1], m[2])", "(m[2], m[1])"), ("+ cd * m[1].w", "- cd * m[1].w")];
+        let wrong = wgsl.replacen(faults[n - 2].0, faults[n - 2].1, 1);
+        assert!(!compared(&inverse, Language::Wgsl, wrong).deviating.is_empty(), "mat{n}");
+        for language in [Language::Msl, Language::Hlsl] {
+            let text = text(&inverse, language);
+            assert!(text.matches(&format!("sc_inverse_{n}_(")).count() == 2, "{language}: {text}");
+        }
+    }
+}
+
+#[test]
+fn nan_and_infinity_are_told_by_their_bits_in_wgsl() {
+    let source = "#version 330 core\nin vec3 v; in float s; flat out int found;\n\
+                  void main() { vec3 x = v.x > 0.0 ? v : vec3(intBitsToFloat(0x7fc00000));\n\
+                  bvec3 n = isnan(x); found = int(any(n)) + 2 * int(isinf(s / 0.0)); \n\
+                  gl_Position = vec4(v, 1.0); }\n";
+    let told = program("told.vert", source);
+    let wgsl = text(&told, Language::Wgsl);
+    assert!(!wgsl.contains("isNan(") && wgsl.matches("2139095040u").count() >= 2, "{wgsl}");
+    agrees(&told, &[Language::Wgsl]);
+    rings(&told, Language::Wgsl, "2139095040u", "2149095040u");
+}
