@@ -11,6 +11,11 @@ use super::Language;
 /// What a language lacks for an entry point: `WGSL has no gl_PointCoord`. `None` when nothing is known to be missing.
 pub(super) fn lacks(module: &Module, info: &ModuleInfo, stage: ShaderStage, language: Language) -> Option<String> {
     let (index, entry) = module.entry_points.iter().enumerate().find(|(_, e)| e.stage == stage)?;
+    let varyings = STAND_INS.iter().filter(|name| is_varying(module, entry, name));
+    let varyings: Vec<String> = varyings.map(|name| format!("no `{name}`")).collect();
+    if !varyings.is_empty() {
+        return Some(format!("the translator has {}", varyings.join(" and ")));
+    }
     let name = match language {
         Language::Wgsl => "WGSL",
         Language::GlslEs310 => "GLSL ES 3.10",
@@ -45,6 +50,24 @@ pub(super) fn lacks(module: &Module, info: &ModuleInfo, stage: ShaderStage, lang
     }
     missing.dedup();
     (!missing.is_empty()).then(|| format!("{name} has {}", missing.join(" and ")))
+}
+
+/// Built-in values that naga does not have. To be run they are varyings like others; in a translation nobody would set
+/// or look at them.
+const STAND_INS: [&str; 6] =
+    ["gl_Layer", "gl_ViewportIndex", "gl_SamplePosition", "gl_HelperInvocation", "gl_ClipDistance", "gl_CullDistance"];
+
+/// True when an entry point takes or gives this at a location.
+fn is_varying(module: &Module, entry: &EntryPoint, wanted: &str) -> bool {
+    let located = |name: &Option<String>, binding: &Option<Binding>| {
+        name.as_deref() == Some(wanted) && matches!(binding, Some(Binding::Location { .. }))
+    };
+    let result = entry.function.result.as_ref().map(|result| &module.types[result.ty].inner);
+    let given = match result {
+        Some(TypeInner::Struct { members, .. }) => members.iter().any(|m| located(&m.name, &m.binding)),
+        _ => false,
+    };
+    given || entry.function.arguments.iter().any(|a| located(&a.name, &a.binding))
 }
 
 /// Built-in values of an entry point.

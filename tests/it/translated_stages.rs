@@ -322,3 +322,16 @@ fn nan_and_infinity_are_told_by_their_bits_in_wgsl() {
     agrees(&told, &[Language::Wgsl]);
     rings(&told, Language::Wgsl, "2139095040u", "2149095040u");
 }
+
+#[test]
+fn built_in_values_that_are_varyings_to_be_run_are_no_varyings_of_a_translation() {
+    let layer = "#version 460 core\n#extension GL_ARB_shader_viewport_layer_array : require\n\
+                 void main() { gl_Layer = gl_InstanceID; gl_Position = vec4(1.0); }\n";
+    let helper = "#version 450 core\nlayout(location = 0) out vec4 c;\n\
+                  void main() { c = vec4(gl_SamplePosition, gl_HelperInvocation, gl_FragCoord.x); }\n";
+    for language in Language::ALL {
+        assert_eq!(refused(&program("layer.vert", layer), language), "the translator has no `gl_Layer`");
+        let said = "the translator has no `gl_SamplePosition` and no `gl_HelperInvocation`";
+        assert_eq!(refused(&program("helper.frag", helper), language), said);
+    }
+}
