@@ -4,9 +4,13 @@
 //! A file counts when `glslangValidator` accepts it; where that program is missing, every file counts. A file
 //! without `main` is a part of a stage, and counted apart. With `--run`, what is valid is captured and runs one
 //! batch of ordinary numbers on the vulkan lane. With `--vulkan`, files that are accepted for Vulkan alone
-//! count too.
+//! count too. With `--translate`, what is valid is translated to every language, checked by the validators that are
+//! installed and compared by meaning.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command prints its figures")]
+
+#[path = "survey/translations.rs"]
+mod translations;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -37,6 +41,7 @@ struct Request {
     every: usize,
     run: bool,
     vulkan: bool,
+    translate: bool,
 }
 
 /// What became of one file.
@@ -53,6 +58,8 @@ struct Outcome {
     kernel: Option<Kernel>,
     /// Why it did not run.
     stopped: Option<String>,
+    /// What became of it in each language.
+    translated: Vec<translations::Told>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -134,6 +141,11 @@ fn run() -> Result<()> {
             if let Some(stopped) = o.stopped.as_ref().filter(|r| request.run && r.contains(wanted.as_str())) {
                 println!("{}: does not run: {stopped}", o.path.display());
             }
+            for reason in
+                o.translated.iter().flat_map(translations::Told::reasons).filter(|r| r.contains(wanted.as_str()))
+            {
+                println!("{}: {reason}", o.path.display());
+            }
         }
         return Ok(());
     }
@@ -143,6 +155,9 @@ fn run() -> Result<()> {
         println!("version     stage       files  no main  accepted   valid{ran}");
         report(outcomes.iter().filter(|o| o.extensions == extensions), request.run);
         println!();
+    }
+    if request.translate {
+        translations::print(outcomes.iter().filter(|o| o.counts()).map(|o| o.translated.as_slice()));
     }
     Ok(())
 }
@@ -188,9 +203,10 @@ fn request(mut arguments: impl Iterator<Item = String>) -> Result<Request> {
             "--tree" => request.tree = true,
             "--run" => request.run = true,
             "--vulkan" => request.vulkan = true,
+            "--translate" => request.translate = true,
             "--every" => request.every = arguments.next().context("--every takes a number")?.parse()?,
             _ if argument.starts_with('-') => {
-                bail!("unknown option `{argument}`; known: --list, --tree, --every, --run, --vulkan")
+                bail!("unknown option `{argument}`; known: --list, --tree, --every, --run, --vulkan, --translate")
             }
             _ => request.folders.push(PathBuf::from(argument)),
         }
@@ -244,6 +260,11 @@ fn examine(path: &Path, reference: bool, request: &Request) -> Option<Outcome> {
     let version = parsed.version();
     let es = if version.profile == Profile::Es { " es" } else { "" };
     let made = contain(|| program(&file, stage, request.tree)).unwrap_or_else(|panic| Err(format!("panic: {panic}")));
+    let accepted = !reference || accepted(path, stage, request.vulkan);
+    let translated = match &made {
+        Ok(program) if request.translate && accepted => translations::examine(program),
+        _ => Vec::new(),
+    };
     let (reason, ready) = match made {
         Ok(program) if request.run => (None, contain(|| kernel(program)).unwrap_or_else(Err)),
         Ok(_) => (None, Err(String::new())),
@@ -258,11 +279,12 @@ fn examine(path: &Path, reference: bool, request: &Request) -> Option<Outcome> {
         group: format!("{}{es}", version.number),
         stage,
         extensions: !parsed.extensions().is_empty(),
-        accepted: !reference || accepted(path, stage, request.vulkan),
+        accepted,
         whole: parsed.function("main").is_some(),
         reason,
         kernel,
         stopped,
+        translated,
     })
 }
 
@@ -321,6 +343,19 @@ fn told(error: ProgramError) -> String {
         ProgramError::Unsupported { what } => what,
         ProgramError::Internal(what) => format!("internal: {}", what.chars().take(120).collect::<String>()),
     }
+}
+
+/// A message that is the same for every place and number.
+fn without_numbers(message: &str) -> String {
+    let mut all = String::new();
+    for c in message.chars() {
+        match c {
+            '0'..='9' if all.ends_with('0') => {}
+            '0'..='9' => all.push('0'),
+            _ => all.push(c),
+        }
+    }
+    all
 }
 
 /// A message without the names of the author.
