@@ -232,6 +232,9 @@ pub struct FunctionReport {
     pub inputs: Vec<(String, Vec<Law>)>,
     /// What samplers were bound to, one line each.
     pub textures: Vec<String>,
+    /// Built-in values that are 0 in every sample: a compute stage is run as the first invocation of a dispatch, alone.
+    #[serde(default)]
+    pub first_of_dispatch: Vec<String>,
     /// The largest error of strict binary32 on samples that count, as part of the output's size.
     #[serde(with = "crate::value::exact")]
     pub max_error: f64,

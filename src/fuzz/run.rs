@@ -70,6 +70,7 @@ pub fn run(
         not_run: None,
         inputs: Vec::new(),
         textures: Vec::new(),
+        first_of_dispatch: Vec::new(),
         max_error: 0.0,
         lanes: Vec::new(),
         findings: Vec::new(),
@@ -83,6 +84,7 @@ pub fn run(
     };
     report.inputs = described(ready, domain);
     report.textures = ready.program.textures.iter().map(ToString::to_string).collect();
+    report.first_of_dispatch = ready.program.first_of_dispatch();
     let oracle = match Oracle::new(&ready.program) {
         Ok(oracle) => oracle,
         Err(error) => {

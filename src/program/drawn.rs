@@ -191,6 +191,15 @@ impl Program {
         all
     }
 
+    /// Built-in values of a compute stage, by the author's names. They are no inputs but 0: it is run as the first
+    /// invocation of a dispatch, alone.
+    pub fn first_of_dispatch(&self) -> Vec<String> {
+        let (Role::Compute, Entry::Point(entry)) = (&self.role, self.entry) else { return Vec::new() };
+        let arguments = &self.module.entry_points[entry].function.arguments;
+        let name = |&(k, _): &(u32, BuiltIn)| arguments.get(k as usize)?.name.clone();
+        self.built_ins.iter().filter_map(name).collect()
+    }
+
     /// The largest value of an input that is a number of the draw, where nothing is stated; none for other inputs.
     pub fn largest(&self, input: &str) -> Option<u32> {
         self.ranges.iter().find(|(name, _)| name == input).map(|(_, most)| *most)

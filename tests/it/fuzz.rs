@@ -371,3 +371,20 @@ fn main_of_a_compute_shader_runs_alone() {
     let waits = "layout(local_size_x = 2) in; buffer B { float a; }; void main() { a = 1.0; barrier(); }";
     assert!(functions("a.comp", waits)[0].ready.is_err());
 }
+
+#[test]
+fn built_in_values_of_a_dispatch_that_is_not_run_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |body: &str| {
+        let text = format!(
+            "#version 430\nlayout(local_size_x = 8) in;\nlayout(std430) buffer B {{ float a[]; }};\nvoid main() {{ {body} }}\n"
+        );
+        fs::write(folder.path().join("a.comp"), text).unwrap();
+        run_in(folder.path(), "fuzz a.comp --samples 512 --lane embedded").expect(0).out
+    };
+    let told = run("a[gl_GlobalInvocationID.x] = float(gl_LocalInvocationIndex) + 1.0;");
+    let note = "note: main is run as the first invocation of a dispatch, alone: `gl_GlobalInvocationID`, \
+                `gl_LocalInvocationIndex` = 0 in every sample";
+    assert!(told.contains(note), "{told}");
+    assert!(!run("a[1] = 1.0;").contains("first invocation"));
+}

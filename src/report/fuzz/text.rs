@@ -85,6 +85,14 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
         if shown && !function.textures.is_empty() {
             let _ = writeln!(text, "\nnote: textures of {}: {}", function.function, function.textures.join("; "));
         }
+        if !function.first_of_dispatch.is_empty() {
+            let zeros = function.first_of_dispatch.join("`, `");
+            let _ = writeln!(
+                text,
+                "\nnote: {} is run as the first invocation of a dispatch, alone: `{zeros}` = 0 in every sample",
+                function.function
+            );
+        }
     }
     text
 }
