@@ -2,8 +2,8 @@
 
 use naga::valid::{GlobalUse, ModuleInfo};
 use naga::{
-    AddressSpace, Binding, BuiltIn, EarlyDepthTest, EntryPoint, ImageClass, Module, Scalar, ShaderStage, StorageAccess,
-    StorageFormat, TypeInner,
+    AddressSpace, Binding, Block, BuiltIn, EarlyDepthTest, EntryPoint, Expression, ImageClass, Module, SampleLevel,
+    Scalar, ShaderStage, Statement, StorageAccess, StorageFormat, TypeInner,
 };
 
 use super::Language;
@@ -133,6 +133,27 @@ fn image_missing(inner: &TypeInner) -> Option<String> {
         | F::Rgba8Uint => both.then(|| format!("no image of the format {told} that is both read and written")),
         _ => Some(format!("no image of the format {told}")),
     }
+}
+
+/// True for a module with derivatives, told or part of a look into a texture, in which not all invocations need to come
+/// upon them together.
+pub(super) fn derives_in_branches(module: &Module) -> bool {
+    let derives = |(_, expression): (_, &Expression)| match expression {
+        Expression::Derivative { .. } => true,
+        Expression::ImageSample { level, .. } => matches!(level, SampleLevel::Auto | SampleLevel::Bias(_)),
+        _ => false,
+    };
+    let points = module.entry_points.iter().map(|point| &point.function);
+    let all = || module.functions.iter().map(|(_, function)| function).chain(points.clone());
+    all().any(|function| function.expressions.iter().any(derives)) && all().any(|function| branches(&function.body))
+}
+
+fn branches(block: &Block) -> bool {
+    block.iter().any(|statement| match statement {
+        Statement::If { .. } | Statement::Switch { .. } | Statement::Loop { .. } => true,
+        Statement::Block(inner) => branches(inner),
+        _ => false,
+    })
 }
 
 /// The module with the access to buffers and images that the stage makes use of; `None` when it states no more.

@@ -190,9 +190,7 @@ fn translate(
     let (module, info) = supplied.as_ref().map_or((module, info), |(module, info)| (module, info));
     contain(|| match language {
         Language::SpirV => spirv(module, info).map(Translation::Words),
-        Language::Wgsl => wgsl::write_string(module, info, wgsl::WriterFlags::empty())
-            .map(Translation::Text)
-            .map_err(|e| e.to_string()),
+        Language::Wgsl => wgsl_text(module, info),
         Language::Glsl330 => glsl_text(module, info, stage, glsl::Version::Desktop(330)),
         Language::Glsl450 => glsl_text(module, info, stage, glsl::Version::Desktop(450)),
         Language::GlslEs310 => {
@@ -216,6 +214,13 @@ fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
     // No coordinate flip: `gl_Position` is the author's. Names stay, so that people can read it.
     let options = spv::Options { lang_version: (1, 1), flags: spv::WriterFlags::DEBUG, ..spv::Options::default() };
     spv::write_vec(module, info, &options, None).map(capabilities::declared).map_err(|e| e.to_string())
+}
+
+fn wgsl_text(module: &Module, info: &ModuleInfo) -> Result<Translation, String> {
+    let text = wgsl::write_string(module, info, wgsl::WriterFlags::empty()).map_err(|e| e.to_string())?;
+    // Where neighbours take other branches, GLSL has a derivative undefined, and WGSL refuses it unless it is told so.
+    let told = if lacks::derives_in_branches(module) { "diagnostic(off, derivative_uniformity);\n" } else { "" };
+    Ok(Translation::Text(format!("{told}{text}")))
 }
 
 fn msl_text(module: &Module, info: &ModuleInfo) -> Result<Translation, String> {

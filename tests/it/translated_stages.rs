@@ -113,6 +113,23 @@ fn a_wrong_fragment_stage_is_caught_in_every_language() {
 }
 
 #[test]
+fn derivatives_in_branches_are_allowed_in_wgsl_and_nothing_else() {
+    let text_of = |body: &str| {
+        let source = format!(
+            "#version 330 core\nuniform sampler2D map; in vec2 uv; out vec4 c;\nvoid main() {{ c = vec4(0.0); {body} }}\n"
+        );
+        let branch = program("branch.frag", &source);
+        agrees(&branch, &[Language::Wgsl]);
+        text(&branch, Language::Wgsl)
+    };
+    let told = "diagnostic(off, derivative_uniformity);\n";
+    assert!(text_of("if (uv.x > 0.25) c = texture(map, uv);").starts_with(told));
+    assert!(text_of("for (int i = 0; i < int(uv.x); ++i) c += vec4(dFdx(uv.y));").starts_with(told));
+    assert!(!text_of("c = texture(map, uv);").contains("diagnostic"));
+    assert!(!text_of("if (uv.x > 0.25) c = textureLod(map, uv, 0.0);").contains("diagnostic"));
+}
+
+#[test]
 fn varyings_without_words_for_locations_are_known_by_their_names() {
     let lit = program("lit.frag", LIT);
     let right = text(&lit, Language::Glsl330);
