@@ -178,12 +178,12 @@ fn lint(text: &str, format: &str) -> Ran {
 #[test]
 fn lint_names_the_macro() {
     let text = "#version 330 core\n#define SUM(a) ((a) + vec4(1.0))\n#define ID(a) a\nin vec3 p;\nvoid main() {\n  \
-                gl_Position = vec4(1.0) *\n    SUM(p);\n  float x = ID(p + vec2(1.0)).x;\n}\n";
+                gl_Position = vec4(1.0) *\n    SUM(p);\n  float x = ID((p + vec2(1.0))).x;\n}\n";
     let concise = lint(text, "concise").expect(1).out;
     assert_eq!(
         concise,
         "a.vert:7:5: error[E031]: `+` cannot combine a `vec3` and a `vec4` (in the expansion of `SUM`)\n\
-         a.vert:8:18: error[E031]: `+` cannot combine a `vec3` and a `vec2`\n"
+         a.vert:8:19: error[E031]: `+` cannot combine a `vec3` and a `vec2`\n"
     );
     let found = lint(text, "json").expect(1).json();
     assert_eq!((&found[0]["line"], &found[0]["end_column"]), (&7.into(), &11.into()), "{found:#}");
