@@ -317,7 +317,8 @@ fn an_inverse_is_supplied_where_the_writer_has_none() {
         let wgsl = wgsl.replace(&call, &format!("(sc_inverse_{n}(")) + supplied;
         let found = compared(&inverse, Language::Wgsl, wgsl.clone());
         assert_eq!((found.agreed, &found.first), (SAMPLES as u64, &None));
-        let faults = [("m[1].y, -m", "m[1].y, m"), ("(m[1], m[2])", "(m[2], m[1])"), ("+ cd * m[1].w", "- cd * m[1].w")];
+        let faults =
+            [("m[1].y, -m", "m[1].y, m"), ("(m[1], m[2])", "(m[2], m[1])"), ("+ cd * m[1].w", "- cd * m[1].w")];
         let wrong = wgsl.replacen(faults[n - 2].0, faults[n - 2].1, 1);
         assert!(!compared(&inverse, Language::Wgsl, wrong).deviating.is_empty(), "mat{n}");
         for language in [Language::Msl, Language::Hlsl] {
