@@ -129,14 +129,16 @@ pub(super) struct Arena {
     pub peak: Pool,
     /// For rearrangement: the smallest product of some of its factors.
     pub least: Pool,
+    /// For rearrangement: the same where its factors are distributed over sums.
+    pub part: Pool,
 }
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak, least } = self;
+        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak, least, part } = self;
         nodes.clear();
         masks.clear();
-        for pool in [value, radius, local, partials, size, roundings, peak, least] {
+        for pool in [value, radius, local, partials, size, roundings, peak, least, part] {
             pool.clear();
         }
     }

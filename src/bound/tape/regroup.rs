@@ -66,18 +66,21 @@ impl Tape<'_> {
         }
         *self.arena.roundings.get_mut(terms) = term;
         self.extremes(at, kind);
+        self.smallest_part(at, kind);
         if kind.is_polynomial() {
             let lost = self.lost_inside(kind);
             let height = self.arena.roundings.get(heights);
-            let (size, peak) = (self.arena.size.get(at), self.arena.peak.get(at));
+            let (size, peak, part) = (self.arena.size.get(at), self.arena.peak.get(at), self.arena.part.get(at));
             let radius = self.arena.radius.get_mut(at);
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
             let mut own = [0.0; LANES];
             for lane in 0..LANES {
                 let count = height[lane] + term[lane] - 1.0;
                 let relative = count * unit;
-                // Each result may be flushed, and each term as an argument before that.
-                let flushed = (count + term[lane]) * flush * (1.0 + size[lane]);
+                // Each result may be flushed, and each term as an argument before that; where factors are distributed
+                // over sums, also a part of a term, and its other factors come after.
+                let after = if part[lane] < MIN_NORMAL { size[lane].max(peak[lane]) } else { size[lane] };
+                let flushed = (count + term[lane]) * flush * (1.0 + after);
                 // γ_n = n·u/(1 − n·u); flushed terms keep their size.
                 own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + flushed;
                 // The terms themselves may be too large, whatever their sum is.
@@ -166,6 +169,34 @@ impl Tape<'_> {
                         least[lane] = la[lane].min(lb[lane]).min(la[lane] * lb[lane]);
                     }
                 }
+            }
+        }
+    }
+
+    /// The smallest product of some factors of some term, infinite where there is none but 0: distributed over a sum, a
+    /// factor meets each of its terms.
+    fn smallest_part(&mut self, at: usize, kind: Kind) {
+        self.arena.part.more();
+        let value = self.arena.value.get(at);
+        let (before, part) = self.arena.part.split(at);
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+                for lane in 0..LANES {
+                    part[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
+                }
+            }
+            Kind::Select { mask, a, b } => {
+                *part = *before[b as usize];
+                self.arena.masks[mask as usize].merge(&before[a as usize], part);
+            }
+            Kind::Sum { a, b, signs } => {
+                let other = if signs.1 == 0.0 { a } else { b };
+                let (a, b) = (&before[a as usize], &before[other as usize]);
+                (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]));
+            }
+            Kind::Product { a, b } => {
+                let (a, b) = (&before[a as usize], &before[b as usize]);
+                (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]).min(a[lane] * b[lane]));
             }
         }
     }

@@ -106,6 +106,20 @@ fn another_order_of_a_sum_needs_the_size_of_its_terms() {
 }
 
 #[test]
+fn what_is_flushed_in_a_distributed_product_is_enlarged_by_the_other_factors() {
+    // (p·v + q)·w as a matrix times a matrix times a vector has it: v·w is below the normal numbers, p·(v·w) is not.
+    let function = "float f(float p, float v, float q, float w) { return (p * v + q) * w; }";
+    let of = |p: f32, v: f32| {
+        let arguments = [p, v, 0.0, 2f32.powi(-64)];
+        with(device("vulkan-1.4", true), function, &arguments, |_, _, b| b.bound[0])
+    };
+    let value = 2f64.powi(-121);
+    assert!(of(64.0, 2f32.powi(-63)) > value, "0 is allowed: {:e}", of(64.0, 2f32.powi(-63)));
+    // The same value without a small product on the way.
+    assert!(of(1.0, 2f32.powi(-57)) < value, "0 is not allowed: {:e}", of(1.0, 2f32.powi(-57)));
+}
+
+#[test]
 fn regrouping_reaches_into_what_a_mask_chose() {
     let of = |body: &str, x: f32| {
         let function = format!("float f(float x, float y) {{ float r = 0.5; if (y > 0.0) r = {body}; return r; }}");
