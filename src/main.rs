@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use clap::Parser;
+
 use shadercheck::cli::{Cli, Command, node, run, worker};
-use shadercheck::lane;
 
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
@@ -12,7 +12,7 @@ static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Some(program) = std::env::current_exe().ok().and_then(worker::program) {
-        lane::worker::set_program(program);
+        lanes::worker::set_program(program);
     }
     #[cfg(unix)]
     if let Command::Worker(_) = cli.command {
@@ -21,7 +21,7 @@ fn main() -> ExitCode {
     if cli.command.opens_devices() {
         #[cfg(unix)]
         quiet_loader();
-        lane::webgpu::set_folder(node::package());
+        lanes::webgpu::set_folder(node::package());
     }
     run(&cli).into()
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use proptest::strategy::Strategy;
 
-use crate::property::Own;
-use crate::property::generators::{self, Drawn, Generator, Options};
+use property::Own;
+use property::generators::{self, Drawn, Generator, Options};
 
 /// The values that an input takes.
 ///

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
-use crate::bound::profile::Rulings;
-use crate::property::Sample;
-use crate::suite::ledger::{self, Ledger};
-use crate::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
-use crate::suite::{self, Suite};
-use crate::text::{Shown, SourceFile};
+use base::text::{Shown, SourceFile};
+use engine::suite::ledger::{self, Ledger};
+use engine::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
+use engine::suite::{self, Suite};
+use judge::profile::Rulings;
+use property::Sample;
 
 use super::run;
 

@@ -1,6 +1,6 @@
 //! Inputs as an expectation sees them.
 
-use crate::property::Sample;
+use property::Sample;
 
 /// The inputs of one run of a shader, as numbers: exactly what the shader got.
 #[derive(Clone, Copy, Debug)]

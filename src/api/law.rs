@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::property::relations::law::{self, LawKind};
+use property::law::{self, LawKind};
 
 /// What holds between outputs of related inputs. It is checked on what the shader means and on the values
 /// of each lane.

@@ -1,20 +1,19 @@
 //! From a builder to what came of it.
 
-use crate::bound::profile::Rulings;
-use crate::diagnostic::Lang;
-use crate::lane::{self, Lane};
-use crate::lower::Target;
-use crate::program::Program;
-use crate::property::regressions;
-use crate::property::{InputGroup, Own, Sample, generators};
-use crate::report;
-use crate::suite::draft::guess;
-use crate::suite::run::{
+use base::diagnostic::Lang;
+use base::text::SourceFile;
+use engine::suite::draft::guess;
+use engine::suite::run::{
     Entry, Outcome as Run, Peer, Prepared, Request, RunError, Status, Summary, hear, prepare, prepare_with, run,
 };
-use crate::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
-use crate::text::SourceFile;
-use crate::verdict::{Literals, Reference};
+use engine::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
+use judge::profile::Rulings;
+use judge::verdict::{Literals, Reference};
+use lanes::{self, Lane};
+use program::Program;
+use program::lower::Target;
+use property::regressions;
+use property::{InputGroup, Own, Sample, generators};
 
 use super::{Error, Outcome, Shader};
 
@@ -56,7 +55,7 @@ pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
     Ok(outcome(entries))
 }
 
-fn unfit(suite: &Suite, source: crate::verdict::ReferenceError) -> RunError {
+fn unfit(suite: &Suite, source: judge::verdict::ReferenceError) -> RunError {
     RunError::Reference { suite: suite.name.clone(), shader: suite.shader.clone(), source: Box::new(source) }
 }
 
@@ -81,7 +80,7 @@ fn replay(prepared: &Prepared, text: &str) -> Result<Vec<Sample>, Error> {
 
 /// The lanes that are named; without names every device, and the stand-in where there is none.
 pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
-    let all = lane::registry();
+    let all = lanes::registry();
     if let Some(name) = names.iter().find(|name| all.iter().all(|c| c.name != **name)) {
         let known: Vec<&str> = all.iter().map(|c| c.name).collect();
         return Err(Error::new(format!("there is no lane `{name}`; lanes are {}", known.join(", "))));
@@ -212,10 +211,10 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
 /// Groups for the inputs that the builder does not name.
 fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
     let stage = match shader.stage {
-        Stage::Vertex => crate::glsl::Stage::Vertex,
-        Stage::Geometry => crate::glsl::Stage::Geometry,
-        Stage::Fragment => crate::glsl::Stage::Fragment,
-        Stage::Function => crate::glsl::Stage::from_path(shader.file.name()).unwrap_or(crate::glsl::Stage::Library),
+        Stage::Vertex => syntax::Stage::Vertex,
+        Stage::Geometry => syntax::Stage::Geometry,
+        Stage::Fragment => syntax::Stage::Fragment,
+        Stage::Function => syntax::Stage::from_path(shader.file.name()).unwrap_or(syntax::Stage::Library),
     };
     let target = shader.entry.clone().map_or(Target::Stage, Target::Function);
     let program = Program::from_source_with(&shader.file, stage, &shader.defines, |_| Ok(target))
@@ -223,7 +222,7 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
     let (invocation, case) = (program.invocation_record(), program.case_record());
     let fields = case.fields().iter().chain(invocation.fields());
     let open = fields.filter(|field| shader.inputs.iter().all(|(name, _)| *name != field.name));
-    let group = |field: &crate::value::Field| {
+    let group = |field: &base::value::Field| {
         let guess = guess::of(field);
         let generator = generators::by_name(guess.generator)
             .ok_or_else(|| Error::new(format!("there is no generator `{}`", guess.generator)))?;

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::property::Sample;
-use crate::suite::{self, Includes, Stage};
-use crate::text::SourceFile;
-use crate::verdict::Given;
+use base::text::SourceFile;
+use engine::suite::{self, Includes, Stage};
+use judge::verdict::Given;
+use property::Sample;
 
 use super::{Domain, Error, Inputs, Law, Outcome, run};
 
@@ -109,15 +109,15 @@ impl Shader {
     }
 
     fn of(file: SourceFile) -> Self {
-        let stage = match crate::glsl::Stage::from_path(file.name()) {
-            Some(crate::glsl::Stage::Vertex) => Stage::Vertex,
-            Some(crate::glsl::Stage::Geometry) => Stage::Geometry,
-            Some(crate::glsl::Stage::Fragment) => Stage::Fragment,
+        let stage = match syntax::Stage::from_path(file.name()) {
+            Some(syntax::Stage::Vertex) => Stage::Vertex,
+            Some(syntax::Stage::Geometry) => Stage::Geometry,
+            Some(syntax::Stage::Fragment) => Stage::Fragment,
             Some(
-                crate::glsl::Stage::Compute
-                | crate::glsl::Stage::TessControl
-                | crate::glsl::Stage::TessEvaluation
-                | crate::glsl::Stage::Library,
+                syntax::Stage::Compute
+                | syntax::Stage::TessControl
+                | syntax::Stage::TessEvaluation
+                | syntax::Stage::Library,
             )
             | None => Stage::Function,
         };

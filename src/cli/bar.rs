@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::lane::Stage;
+use lanes::Stage;
 
 /// Progress of one thing after the other.
 pub struct Bar {

@@ -12,16 +12,16 @@ use anyhow::Context;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::bound::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
-use crate::bound::profile::{self, Op};
 use crate::cli::check::Format;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Lane, Stage};
-use crate::property::nearest;
-use crate::shard::Shard;
-use crate::suite::fresh;
-use crate::text::{Shown, SourceFile};
+use base::text::{Shown, SourceFile};
+use engine::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
+use engine::shard::Shard;
+use engine::suite::fresh;
+use judge::profile::{self, Op};
+use lanes::{self, Lane, Stage};
+use property::nearest;
 
 pub use shared::Found;
 
@@ -186,7 +186,7 @@ fn operations(names: &[String]) -> anyhow::Result<Vec<Op>> {
 
 /// Opens the lane of this name, or the first that can be had.
 fn open(name: Option<&str>, err: &mut dyn Write) -> anyhow::Result<Box<dyn Lane>> {
-    let names = || lane::registry().iter().map(|c| c.name);
+    let names = || lanes::registry().iter().map(|c| c.name);
     if let Some(name) = name.filter(|name| names().all(|n| n != *name)) {
         let hint = nearest(name, names()).map_or_else(
             || format!("lanes are {}", names().collect::<Vec<_>>().join(", ")),
@@ -194,7 +194,7 @@ fn open(name: Option<&str>, err: &mut dyn Write) -> anyhow::Result<Box<dyn Lane>
         );
         anyhow::bail!("there is no lane `{name}`; {hint}");
     }
-    for candidate in lane::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
+    for candidate in lanes::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
         match (candidate.open)() {
             Ok(lane) => return Ok(lane),
             Err(missing) => writeln!(err, "lane `{}` cannot be had: {missing}", candidate.name)?,

@@ -16,21 +16,20 @@ use anyhow::Context;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
-use crate::bound::profile::Rulings;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Lane, LaneError, Stage, interrupt};
-use crate::program::Source;
-use crate::property::regressions::{self, Regression};
-use crate::property::{Sample, nearest};
-use crate::report;
-use crate::suite::run::{
+use base::text::{Shown, SourceFile};
+use engine::suite::run::{
     DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
     check_translations, hear, most_from, prepare, run as run_suite, run_from, stage_of,
 };
-use crate::suite::{self, fresh, save_regressions};
-use crate::text::{Shown, SourceFile};
-use crate::verdict::Literals;
+use engine::suite::{self, fresh, save_regressions};
+use judge::profile::Rulings;
+use judge::verdict::Literals;
+use lanes::{self, Lane, LaneError, Stage, interrupt};
+use program::Source;
+use property::regressions::{self, Regression};
+use property::{Sample, nearest};
 
 use bundle::write_bundle;
 use ledger::Ledgers;
@@ -309,7 +308,7 @@ type Lanes = (Vec<Box<dyn Lane>>, Vec<Rulings>);
 
 /// Opens the lanes that are asked for, or all. A required one that is missing is an error.
 fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyhow::Result<Lanes> {
-    let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
+    let names: Vec<&str> = lanes::registry().iter().map(|c| c.name).collect();
     for asked in args.lane.iter().chain(&args.require_lane) {
         if !names.contains(&asked.as_str()) {
             let hint = nearest(asked, names.iter().copied())
@@ -319,7 +318,7 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
     }
     (summary.asked, summary.required) = (args.lane.clone(), args.require_lane.clone());
     let (mut lanes, mut rulings) = (Vec::new(), Vec::new());
-    for candidate in lane::registry() {
+    for candidate in lanes::registry() {
         let named = |list: &[String]| list.iter().any(|n| n == candidate.name);
         let required = named(&args.require_lane);
         let asked = named(&args.lane) || required;
@@ -526,7 +525,7 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: 
     match &args.case {
         Some(text) => {
             let line = format!("{} {text}", selected.suite.name);
-            let file = crate::text::SourceFile::new("--case", line);
+            let file = base::text::SourceFile::new("--case", line);
             let sample = |r: &Regression| r.to_sample(invocation, case);
             let samples =
                 regressions::parse(&file).and_then(|all| all.iter().map(sample).collect::<Result<Vec<_>, _>>());

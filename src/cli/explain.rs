@@ -6,9 +6,9 @@ use clap::Args;
 
 use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
-use crate::glsl::errors;
-use crate::lint::{RULES, by_code, nearest_codes};
-use crate::report::page;
+use lint::{RULES, by_code, nearest_codes};
+use report::page;
+use syntax::errors;
 
 /// Show what a rule of the lint tool means; without a code, list all rules
 #[derive(Args, Clone, Debug, Default)]
@@ -45,7 +45,7 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         return Ok(ExitStatus::Clean);
     };
     if given.eq_ignore_ascii_case("suite") {
-        out.write_all(crate::suite::page().as_bytes())?;
+        out.write_all(engine::suite::page().as_bytes())?;
         return Ok(ExitStatus::Clean);
     }
     let Some(rule) = by_code(given) else {

@@ -12,16 +12,16 @@ use super::bar::Bar;
 use super::check::Format;
 use super::check::shell_word;
 use super::includes::{self, Source};
-use crate::bound::profile::Rulings;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::{Diagnostic, Lang, Severity};
-use crate::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
-use crate::lane::{self, Lane, Stage, interrupt};
-use crate::property::nearest;
-use crate::report;
-use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
-use crate::suite::run::DEFAULT_SEED;
+use base::diagnostic::{Diagnostic, Lang, Severity};
+use engine::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
+use engine::suite::run::DEFAULT_SEED;
+use judge::profile::Rulings;
+use lanes::{self, Lane, Stage, interrupt};
+use property::nearest;
+
+use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
 pub use shared::Found;
 
@@ -355,7 +355,7 @@ impl<'a> Inputs<'a> {
 
 /// Opens the lanes that are asked for, or all.
 fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
-    let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
+    let names: Vec<&str> = lanes::registry().iter().map(|c| c.name).collect();
     for asked in &args.lane {
         if !names.contains(&asked.as_str()) {
             let hint = nearest(asked, names.iter().copied())
@@ -365,7 +365,7 @@ fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<
     }
     summary.asked.clone_from(&args.lane);
     let mut lanes = Vec::new();
-    for candidate in lane::registry() {
+    for candidate in lanes::registry() {
         if !args.lane.is_empty() && !args.lane.iter().any(|n| n == candidate.name) {
             continue;
         }

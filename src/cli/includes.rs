@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, Severity};
-use crate::glsl::{Parsed, Shader, Stage};
-use crate::suite::Includes;
-use crate::text::{Assembly, SourceFile, Span};
+use base::diagnostic::{Diagnostic, Severity};
+use base::text::{Assembly, SourceFile, Span};
+use engine::suite::Includes;
+use syntax::{Parsed, Shader, Stage};
 
 /// A file that is run.
 pub struct Source {

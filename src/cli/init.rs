@@ -9,11 +9,11 @@ use clap::Args;
 use ignore::WalkBuilder;
 
 use crate::cli::status::ExitStatus;
-use crate::glsl::Stage;
-use crate::lane::{self, Lane};
-use crate::suite::draft::{self, Subject};
-use crate::suite::{self, Suite, fresh};
-use crate::text::{Shown, SourceFile};
+use base::text::{Shown, SourceFile};
+use engine::suite::draft::{self, Subject};
+use engine::suite::{self, Suite, fresh};
+use lanes::{self, Lane};
+use syntax::Stage;
 
 /// Write a first suite for every shader of a folder that can run
 ///
@@ -68,7 +68,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
     let devices: Vec<Box<dyn Lane>> =
-        lane::registry().iter().filter(|c| !c.stand_in).filter_map(|c| (c.open)().ok()).collect();
+        lanes::registry().iter().filter(|c| !c.stand_in).filter_map(|c| (c.open)().ok()).collect();
     let mut written = 0;
     for (path, stage) in &shaders {
         let file = match super::includes::read(path, &[]) {

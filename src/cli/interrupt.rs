@@ -8,8 +8,8 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::{flag, low_level};
 
-use crate::lane::interrupt;
-use crate::suite::fresh;
+use engine::suite::fresh;
+use lanes::interrupt;
 
 /// Has a run end early at the first signal; a second one ends the process at once.
 ///

@@ -6,9 +6,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::check::Format;
-use crate::bound::profile::Rulings;
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Description, Unavailable};
+use judge::profile::Rulings;
+use lanes::{self, Description, Unavailable};
 
 /// Arguments of `shadercheck lanes`.
 #[derive(Args, Clone, Debug, Default)]
@@ -34,18 +34,18 @@ struct Found {
 /// # Errors
 /// When `out` cannot be written to.
 pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let one = |candidate: &lane::Candidate| {
+    let one = |candidate: &lanes::Candidate| {
         let opened = (candidate.open)();
         let what = opened.map(|lane| (lane.description().clone(), Rulings::of_lane(lane.description())));
         Found { name: candidate.name, about: candidate.about, what }
     };
-    let all: Vec<Found> = lane::registry().iter().map(one).collect();
+    let all: Vec<Found> = lanes::registry().iter().map(one).collect();
     match args.format {
         Format::Text => {
             out.write_all(table(&all).as_bytes())?;
             let executor = |found: &Found| found.what.as_ref().ok().map(|(lane, _)| lane.executor.clone());
-            if !all.iter().filter_map(executor).any(|executor| executor == lane::vulkan::SWIFTSHADER) {
-                out.write_all(wrapped(lane::vulkan::MORE, "help:", 6).as_bytes())?;
+            if !all.iter().filter_map(executor).any(|executor| executor == lanes::vulkan::SWIFTSHADER) {
+                out.write_all(wrapped(lanes::vulkan::MORE, "help:", 6).as_bytes())?;
             }
         }
         Format::Json => writeln!(out, "{:#}", json!({ "lanes": all.iter().map(value).collect::<Vec<_>>() }))?,
@@ -190,7 +190,7 @@ fn value(found: &Found) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::{Api, Stage};
+    use lanes::{Api, Stage};
 
     fn found(name: &'static str, driver: &str, stages: Vec<Stage>) -> Found {
         let (executor, front_end) = ("gallivm".to_owned(), "glslang".to_owned());

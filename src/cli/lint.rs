@@ -18,12 +18,12 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::{Diagnostic, Lang, Safety, Severity};
-use crate::lint::fix::{FixedFile, Outcome};
-use crate::lint::{Input, Level};
-use crate::report::lint::{Context, FORMATS, Format, by_name};
-use crate::suite::fresh;
-use crate::text::{Encoding, Shown};
+use base::diagnostic::{Diagnostic, Lang, Safety, Severity};
+use base::text::{Encoding, Shown};
+use engine::suite::fresh;
+use lint::fix::{FixedFile, Outcome};
+use lint::{Input, Level};
+use report::lint::{Context, FORMATS, Format, by_name};
 
 use files::Loaded;
 use groups::Groups;

@@ -14,9 +14,9 @@ use serde_json::Value;
 use super::check::Format;
 use super::status::ExitStatus;
 use super::{calibrate, check, fuzz, mutate, refdata};
-use crate::shard::{self, Identity, Sealed, Shard, Sort};
-use crate::suite::fresh;
-use crate::text::Shown;
+use base::text::Shown;
+use engine::shard::{self, Identity, Sealed, Shard, Sort};
+use engine::suite::fresh;
 
 /// Arguments of `shadercheck merge`.
 #[derive(Args, Clone, Debug, Default)]

@@ -26,8 +26,8 @@ use std::io::{IsTerminal, Write};
 
 use clap::{Parser, Subcommand, ValueEnum};
 
-use crate::diagnostic::Lang;
-use crate::text::printable;
+use base::diagnostic::Lang;
+use base::text::printable;
 use status::ExitStatus;
 
 /// Languages by the names that options have for them.

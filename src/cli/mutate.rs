@@ -13,16 +13,16 @@ use super::check::Format;
 use super::check::select::{self, Selected};
 use crate::cli::shard::{ShardArgs, Store, told};
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::Lang;
-use crate::lane::{self, Lane, Stage, interrupt};
-use crate::mutate::operators::{by_name, registry};
-use crate::mutate::{MutateError, Operator, Request, run as run_suite};
-use crate::property::nearest;
-use crate::report::diagnostics;
-use crate::report::mutate::{Summary, json, text};
-use crate::shard::Shard;
-use crate::suite::run::{DEFAULT_SEED, RunError, signal_name};
-use crate::text::{Shown, fingerprint};
+use base::diagnostic::Lang;
+use base::text::{Shown, fingerprint};
+use engine::mutate::operators::{by_name, registry};
+use engine::mutate::{MutateError, Operator, Request, run as run_suite};
+use engine::shard::Shard;
+use engine::suite::run::{DEFAULT_SEED, RunError, signal_name};
+use lanes::{self, Lane, Stage, interrupt};
+use property::nearest;
+use report::diagnostics;
+use report::mutate::{Summary, json, text};
 
 pub use shared::Found;
 
@@ -236,14 +236,14 @@ fn operators(names: &[String]) -> anyhow::Result<Vec<&'static Operator>> {
 /// The lane with this name, or the first one that can be had.
 fn open(name: Option<&str>) -> anyhow::Result<Box<dyn Lane>> {
     let mut missing = Vec::new();
-    for candidate in lane::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
+    for candidate in lanes::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
         match (candidate.open)() {
             Ok(lane) => return Ok(lane),
             Err(why) => missing.push(format!("lane `{}` cannot be had: {why}", candidate.name)),
         }
     }
     if let (Some(name), true) = (name, missing.is_empty()) {
-        let names: Vec<&str> = lane::registry().iter().map(|c| c.name).collect();
+        let names: Vec<&str> = lanes::registry().iter().map(|c| c.name).collect();
         anyhow::bail!("there is no lane `{name}`; lanes are {}", names.join(", "));
     }
     anyhow::bail!("{}", missing.join("; "))
@@ -265,7 +265,7 @@ fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
         for entry in entries {
             let file = entry?.path();
             if file.to_string_lossy().ends_with(".suite.toml") {
-                let loaded = crate::suite::load(&file)?;
+                let loaded = engine::suite::load(&file)?;
                 if path.file_name().is_some_and(|name| name.to_string_lossy() == loaded.suite.shader) {
                     named.push(file.to_string_lossy().into_owned());
                 }

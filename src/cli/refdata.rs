@@ -12,7 +12,6 @@ use std::io::Write;
 use clap::{Args, Subcommand};
 
 use crate::cli::status::ExitStatus;
-use crate::refdata;
 
 /// Arguments of `shadercheck refdata`.
 #[derive(Args, Clone, Debug)]

@@ -10,10 +10,10 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::cli::status::ExitStatus;
-use crate::lane::{self, Unavailable};
-use crate::shard::{self, Identity, Sealed, Shard, Sort};
-use crate::suite::fresh;
-use crate::text::Shown;
+use base::text::Shown;
+use engine::shard::{self, Identity, Sealed, Shard, Sort};
+use engine::suite::fresh;
+use lanes::{self, Unavailable};
 
 /// Arguments of every command that can be shared out.
 #[derive(Args, Clone, Debug, Default)]
@@ -68,7 +68,7 @@ impl Absent {
 
     /// The lanes among those that this program knows.
     pub fn known(self) -> Vec<(&'static str, Unavailable)> {
-        let named = |name: &str| Some(lane::registry().iter().find(|c| c.name == name)?.name);
+        let named = |name: &str| Some(lanes::registry().iter().find(|c| c.name == name)?.name);
         self.0.into_iter().filter_map(|(name, why)| Some((named(&name)?, why))).collect()
     }
 }

@@ -7,13 +7,13 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
-use crate::diagnostic::{Diagnostic, Lang};
-use crate::glsl::{Shader, Stage};
-use crate::lower::Target;
-use crate::program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
-use crate::report::diagnostics;
-use crate::suite::{fresh, read_source};
-use crate::text::{Shown, SourceFile, decode};
+use base::diagnostic::{Diagnostic, Lang};
+use base::text::{Shown, SourceFile, decode};
+use engine::suite::{fresh, read_source};
+use program::lower::Target;
+use program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
+use report::diagnostics;
+use syntax::{Shader, Stage};
 
 /// Arguments of `shadercheck translate`.
 #[derive(Args, Clone, Debug)]

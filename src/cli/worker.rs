@@ -7,8 +7,8 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::status::ExitStatus;
-use crate::lane::remote::planted::Fault;
-use crate::lane::{opengl, remote, worker};
+use lanes::remote::planted::Fault;
+use lanes::{opengl, remote, worker};
 
 /// Arguments of `shadercheck worker`.
 #[derive(Args, Clone, Debug)]

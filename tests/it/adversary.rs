@@ -1,19 +1,19 @@
 //! The shipped suites on a device that errs as far as it may.
 
-use shadercheck::bound::adversary::{Adversary, Strategy};
-use shadercheck::bound::profile;
-use shadercheck::interp::{self, Binary32, Binary64, Laws};
-use shadercheck::lane::{Actual, Lane, LaneError, Stage, embedded};
-use shadercheck::property::{Sampler, Stream};
-use shadercheck::suite::run::{Prepared, prepare};
-use shadercheck::suite::{parse, shipped};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::adversary::{Adversary, Strategy};
+use engine::suite::run::{Prepared, prepare};
+use engine::suite::{parse, shipped};
+use judge::profile;
+use lanes::{Actual, Lane, LaneError, Stage, embedded};
+use program::interp::{self, Binary32, Binary64, Laws};
+use property::{Sampler, Stream};
 
 const SAMPLES: usize = 2000;
 
 fn suites() -> Vec<Prepared> {
-    let ready = shipped().iter().map(|suite| {
+    let ready = shipped().map(|suite| {
         let parsed = parse(&SourceFile::new(suite.path, suite.toml)).unwrap();
         prepare(&parsed, &SourceFile::new(suite.shader_name, suite.shader_text)).unwrap()
     });

@@ -2,22 +2,20 @@
 
 use std::sync::Arc;
 
-use shadercheck::bound::adversary::{Adversary, Fault, Strategy};
-use shadercheck::bound::profile::{Op, Profile, Rulings, by_name};
-use shadercheck::formula::{Args, Formula, Kind, Param, Rule};
-use shadercheck::glsl;
-use shadercheck::interp::{Dependence, Laws};
-use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
-use shadercheck::lower::Target;
-use shadercheck::program::{Kernel, Program};
-use shadercheck::suite::Suite;
-use shadercheck::suite::run::{Case, FindingKind, Prepared, Report};
-use shadercheck::text::SourceFile;
-use shadercheck::value::{Batch, Field, Record, Shape};
-use shadercheck::verdict::diagnosis::Origin;
-use shadercheck::verdict::{
-    Blame, Court, Deviation, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each,
-};
+use engine::adversary::{Adversary, Fault, Strategy};
+use judge::formula::{Args, Formula, Kind, Param, Rule};
+use judge::profile::{Op, Profile, Rulings, by_name};
+
+use base::text::SourceFile;
+use base::value::{Batch, Field, Record, Shape};
+use engine::suite::Suite;
+use engine::suite::run::{Case, FindingKind, Prepared, Report};
+use judge::verdict::diagnosis::Origin;
+use judge::verdict::{Blame, Court, Deviation, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each};
+use lanes::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
+use program::interp::{Dependence, Laws};
+use program::lower::Target;
+use program::{Kernel, Program};
 
 use crate::support::{changed, replaced, report};
 
@@ -209,7 +207,7 @@ fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, Option<Dependence>) {
     let source = format!("#version 150 core\nfloat angle(vec3 a, vec3 b) {{ return {expression}; }}\n");
     let target = Target::Function("angle".into());
     let program =
-        Program::from_source(&SourceFile::new("angle.glsl", source), glsl::Stage::Library, |_| Ok(target)).unwrap();
+        Program::from_source(&SourceFile::new("angle.glsl", source), syntax::Stage::Library, |_| Ok(target)).unwrap();
     let (oracle, reference) = (Oracle::new(&program).unwrap(), Reference::new(&ANGLE, &program).unwrap());
     let rulings = text(vulkan());
     let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage: Stage::Compute };

@@ -1,13 +1,13 @@
 //! Built-in inputs that the host or the draw decides: every lane gives the stage the value of the sample, or refuses it
 //! by name; and a device that gives another one is found.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Runner, embedded, native, opengl, vulkan};
-use shadercheck::program::Kernel;
-use shadercheck::suite::parse;
-use shadercheck::suite::run::{FindingKind, Prepared, Report, prepare, run};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::suite::parse;
+use engine::suite::run::{FindingKind, Prepared, Report, prepare, run};
+use judge::profile::Rulings;
+use lanes::{Actual, Description, Lane, LaneError, Runner, embedded, native, opengl, vulkan};
+use program::Kernel;
 
 use crate::binary::command;
 use crate::support::request;
@@ -36,7 +36,7 @@ fn vertex(version: &str, value: &str) -> Prepared {
 }
 
 fn lanes() -> Vec<Box<dyn Lane>> {
-    let open = |candidate: &shadercheck::lane::Candidate| {
+    let open = |candidate: &lanes::Candidate| {
         (candidate.open)().unwrap_or_else(|missing| panic!("these tests need lane `{}`: {missing}", candidate.name))
     };
     let opengl = opengl::candidates();

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
+use base::text::SourceFile;
+use base::value::Batch;
 use clap::Parser;
+use engine::calibrate::probe;
+use judge::profile::{Allowed, Flush, Op, by_name, for_device, parse};
+use lanes::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, vulkan};
+use program::{Kernel, OutputLayout};
 use serde_json::Value;
-use shadercheck::bound::calibrate::probe;
-use shadercheck::bound::profile::{Allowed, Flush, Op, by_name, for_device, parse};
 use shadercheck::cli::calibrate::{CalibrateArgs, run_on};
 use shadercheck::cli::status::ExitStatus;
 use shadercheck::cli::{Cli, Command};
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Marks, Runner, Stage, vulkan};
-use shadercheck::program::{Kernel, OutputLayout};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
 
 fn arguments(output: &Path, line: &str) -> CalibrateArgs {
     let words = ["shadercheck", "calibrate", "--format", "json"].into_iter().chain(line.split_whitespace());

@@ -98,7 +98,7 @@ fn shipped_suites_run_from_any_folder() {
     let ran = run_in(folder.path(), "check --samples 64 --format json").expect(0);
     let json = ran.json();
     let names: Vec<&str> = json["suites"].as_array().unwrap().iter().map(|s| s["suite"].as_str().unwrap()).collect();
-    for suite in shadercheck::suite::shipped() {
+    for suite in engine::suite::shipped() {
         assert!(names.contains(&suite.name), "{} did not run", suite.name);
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "a run that passes writes nothing");

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use shadercheck::bound::adversary::{Adversary, Strategy};
-use shadercheck::bound::profile::{Profile, Rulings, by_name};
-use shadercheck::glsl;
-use shadercheck::lane::{Lane, Stage, embedded};
-use shadercheck::lower::Target;
-use shadercheck::program::Program;
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
-use shadercheck::verdict::{Court, Oracle, Reason, Reference, Verdict, judge_each};
+use engine::adversary::{Adversary, Strategy};
+use judge::profile::{Profile, Rulings, by_name};
+
+use base::text::SourceFile;
+use base::value::Batch;
+use judge::verdict::{Court, Oracle, Reason, Reference, Verdict, judge_each};
+use lanes::{Lane, Stage, embedded};
+use program::Program;
+use program::lower::Target;
 
 /// Conditions on `x` and `y`. With the inputs of `TINY`, a flush of each changes its answer for some of them.
 const CONDITIONS: [&str; 34] = [
@@ -69,7 +69,7 @@ const NORMAL: [[f32; 2]; 8] =
 fn program(condition: &str) -> Program {
     let text = format!("#version 450 core\nfloat f(float x, float y) {{ return {condition} ? 2.0 : 1.0; }}\n");
     let file = SourceFile::new("f.glsl", text);
-    Program::from_source(&file, glsl::Stage::Library, |_| Ok(Target::Function("f".into())))
+    Program::from_source(&file, syntax::Stage::Library, |_| Ok(Target::Function("f".into())))
         .unwrap_or_else(|error| panic!("{condition}: {error:?}"))
 }
 

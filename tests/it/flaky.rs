@@ -1,9 +1,9 @@
 //! A lane that gives other bits for the same inputs: told as such, and not shrunk.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Lane as _, embedded};
-use shadercheck::suite::run::{Finding, FindingKind, Prepared, Report};
-use shadercheck::verdict::Blame;
+use engine::suite::run::{Finding, FindingKind, Prepared, Report};
+use judge::profile::Rulings;
+use judge::verdict::Blame;
+use lanes::{Lane as _, embedded};
 
 use crate::support::{self, Planted, prepared, replaced};
 

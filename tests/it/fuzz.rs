@@ -3,15 +3,15 @@
 
 use std::fs;
 
-use shadercheck::bound::adversary::{Adversary, Fault, Strategy};
-use shadercheck::bound::profile::{Op, Rulings, by_name};
-use shadercheck::fuzz::{Domain, Finding, FunctionReport, Kind, Request, Severity, Subject, option, run, subjects};
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Runner, embedded};
-use shadercheck::program::Kernel;
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
-use shadercheck::verdict::diagnosis::Origin;
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::adversary::{Adversary, Fault, Strategy};
+use engine::fuzz::{Domain, Finding, FunctionReport, Kind, Request, Severity, Subject, option, run, subjects};
+use judge::profile::{Op, Rulings, by_name};
+use judge::verdict::diagnosis::Origin;
+use lanes::{Actual, Api, Description, Lane, LaneError, Runner, embedded};
+use program::Kernel;
+use syntax::{Shader, Stage};
 
 use crate::binary::{run_in, run_reported};
 
@@ -124,8 +124,7 @@ fn what_overflows_on_the_way_is_not_held_against_a_lane() {
                 float lit(vec3 n, vec3 l) { return max(dot(n, normalize(l)), 0.0); }\n\
                 float turned(vec3 v, float k) { return (v.x * v.y) * v.z + k * (2.0 * v.x); }\n";
     let vulkan = || Rulings::of_api(Api::Vulkan);
-    let device =
-        Adversary::lane(by_name("vulkan-1.4").unwrap(), shadercheck::lane::Stage::Compute, Strategy::Extreme, 5, true);
+    let device = Adversary::lane(by_name("vulkan-1.4").unwrap(), lanes::Stage::Compute, Strategy::Extreme, 5, true);
     for subject in functions("a.glsl", text) {
         for lane in [&*embedded::open().unwrap(), &device as &dyn Lane] {
             for domain in
@@ -141,7 +140,7 @@ fn what_overflows_on_the_way_is_not_held_against_a_lane() {
 
 #[test]
 fn a_library_of_many_kinds_holds_nothing_against_a_lane_that_is_right() {
-    let text = include_str!("../../xtask/benches/library.glsl").replace("#version 330 core", "");
+    let text = include_str!("../../benches/library.glsl").replace("#version 330 core", "");
     let subjects = functions("library.glsl", &text);
     assert_eq!(subjects.len(), 50);
     for subject in subjects {
@@ -161,7 +160,7 @@ fn a_lane_with_a_wrong_sine_is_blamed() {
     let vulkan = by_name("vulkan-1.4").unwrap();
     let rulings = || Rulings { text: vulkan, conformance: None, measured: None };
     let subject = &functions("a.glsl", "float wave(float x) { return 0.5 * sin(x) + 1.0; }")[0];
-    let device = Adversary::lane(vulkan, shadercheck::lane::Stage::Compute, Strategy::Extreme, 1, false);
+    let device = Adversary::lane(vulkan, lanes::Stage::Compute, Strategy::Extreme, 1, false);
     let report = on(subject, "x=[-3,3]", &device, rulings());
     assert!(!report.fails(), "{:?}", report.findings);
     let faulty = device.with_fault(Fault { op: Op::Sin, factor: 2.0 });

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use shadercheck::lane::{Actual, Lane, vulkan};
-use shadercheck::program::{Port, Program};
-use shadercheck::value::{Batch, Scalar};
+use base::value::{Batch, Scalar};
+use lanes::{Actual, Lane, vulkan};
+use program::{Port, Program};
 
 use crate::lowering::stage;
 
@@ -17,7 +17,7 @@ pub fn lane() -> Box<dyn Lane> {
 /// A batch of one case. Values stand in the order of the records; those of integers are converted.
 pub fn batch(program: &Program, invocations: &[Vec<f32>], case: &[f32]) -> Batch {
     let (invocation_record, case_record) = (Arc::new(program.invocation_record()), Arc::new(program.case_record()));
-    let words = |record: &shadercheck::value::Record, values: &[f32]| -> Vec<u32> {
+    let words = |record: &base::value::Record, values: &[f32]| -> Vec<u32> {
         assert_eq!(values.len(), record.words(), "{:?}", record.fields());
         let scalars = record.fields().iter().flat_map(|f| vec![f.shape.scalar; f.shape.words()]);
         let word = |(value, scalar): (&f32, Scalar)| match scalar {

@@ -6,12 +6,12 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
+use base::diagnostic::Severity;
+use base::text::SourceFile;
+use lint::{Input, run};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use shadercheck::diagnostic::Severity;
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::lint::{Input, run};
-use shadercheck::text::SourceFile;
+use syntax::{Shader, Stage};
 
 /// A program, whether it is right, and where the reference compiler thinks otherwise, why.
 struct Case {
@@ -141,8 +141,8 @@ fn the_table_holds_and_the_reference_compiler_agrees() {
 
 /// Files of the repository on which the verdicts differ, and why.
 const FILES: &[(&str, &str)] = &[
-    ("src/glsl/tests/shaders/grammar.frag", "drivers of desktop GLSL take a structure defined inside another"),
-    ("src/glsl/tests/shaders/legacy.vert", "GLSL 1.10 has the variables of the fixed-function pipeline"),
+    ("crates/syntax/src/tests/shaders/grammar.frag", "drivers of desktop GLSL take a structure defined inside another"),
+    ("crates/syntax/src/tests/shaders/legacy.vert", "GLSL 1.10 has the variables of the fixed-function pipeline"),
     ("fixtures/panics/naga_panic_size.vert", "built-in functions of constants are constant, `inverse` too"),
     ("fixtures/errors/recursion.vert", "recursion is told when the program is linked"),
 ];
@@ -152,7 +152,7 @@ fn the_shaders_of_this_repository_get_the_same_verdict() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut texts = BTreeMap::new();
     let mut names = BTreeMap::new();
-    let mut folders = vec![root.join("shaders"), root.join("fixtures"), root.join("src/glsl/tests/shaders")];
+    let mut folders = vec![root.join("shaders"), root.join("fixtures"), root.join("crates/syntax/src/tests/shaders")];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

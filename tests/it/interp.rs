@@ -1,20 +1,20 @@
 //! The interpreter against the formulas of the shipped suites.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::formula::{Args, Emission, Rule};
-use shadercheck::interp::{self, Binary32, Binary64, Meaning};
-use shadercheck::lane::{Actual, Api, Marks, Stage};
-use shadercheck::property::Sampler;
-use shadercheck::suite::run::{Prepared, prepare};
-use shadercheck::suite::{parse, shipped};
-use shadercheck::text::SourceFile;
-use shadercheck::value::{Batch, Scalar};
-use shadercheck::verdict::{Court, judge_batch};
+use base::text::SourceFile;
+use base::value::{Batch, Scalar};
+use engine::suite::run::{Prepared, prepare};
+use engine::suite::{parse, shipped};
+use judge::formula::{Args, Emission, Rule};
+use judge::profile::Rulings;
+use judge::verdict::{Court, judge_batch};
+use lanes::{Actual, Api, Marks, Stage};
+use program::interp::{self, Binary32, Binary64, Meaning};
+use property::Sampler;
 
 const SEED: u64 = 7;
 
 fn prepared(name: &str, edit: impl Fn(&str) -> String) -> Prepared {
-    let shipped = shadercheck::suite::find(name).unwrap();
+    let shipped = engine::suite::find(name).unwrap();
     let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
     prepare(&suite, &SourceFile::new(shipped.shader_name, edit(shipped.shader_text))).unwrap()
 }
@@ -146,7 +146,7 @@ fn deviating(prepared: &Prepared, cases: usize) -> (Vec<String>, usize) {
 
 #[test]
 fn the_meaning_of_every_shipped_shader_is_its_formula() {
-    assert_eq!(shipped().len(), 14);
+    assert_eq!(shipped().count(), 14);
     for suite in shipped() {
         let prepared = prepared(suite.name, str::to_owned);
         let (wrong, compared) = deviating(&prepared, 64);

@@ -221,7 +221,7 @@ fn faults(texts: [&str; 3]) -> Vec<String> {
     unless(completions > 0 && shards.spec.parallelism.unwrap_or(1) <= completions, "not more pods than shards");
     unless(shards.spec.backoff_limit > 0, "a shard that was killed is started again");
     let container = &shards.spec.template.spec.containers[0];
-    let count = container.env.iter().find(|v| v.name == shadercheck::shard::COUNT);
+    let count = container.env.iter().find(|v| v.name == engine::shard::COUNT);
     let same = count.is_some_and(|count| count.value == completions.to_string());
     unless(same, "SHADERCHECK_SHARD_COUNT is the number of completions");
     unless(merge.spec.completion_mode.is_none_or(|mode| mode == CompletionMode::NonIndexed), "one pod merges");

@@ -1,10 +1,10 @@
 //! Every shipped shader in the dialect that naga reads, and the way there for other tests.
 
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::lower::{Lowered, Target, lower};
-use shadercheck::program::{Program, ProgramError};
-use shadercheck::suite;
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use engine::suite;
+use program::lower::{Lowered, Target, lower};
+use program::{Program, ProgramError};
+use syntax::{Shader, Stage};
 
 /// A shader with what is run of it.
 pub struct Case {
@@ -63,7 +63,7 @@ void main()
 
 /// Names of all shipped shaders: of their suites, and `hair_vert`.
 pub fn names() -> Vec<&'static str> {
-    suite::shipped().iter().map(|s| s.name).chain(["hair_vert"]).collect()
+    suite::shipped().map(|s| s.name).chain(["hair_vert"]).collect()
 }
 
 /// A shipped shader by name.

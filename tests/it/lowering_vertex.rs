@@ -1,7 +1,7 @@
 //! Vertex stages of all dialects of desktop GLSL, run on lavapipe as compute and as a vertex stage.
 //! Both give the same words, and the values worked out by hand.
 
-use shadercheck::program::Program;
+use program::Program;
 
 use crate::geometry::{batch, lane, values};
 use crate::lowering::stage;

@@ -1,8 +1,8 @@
 //! The conversion behind `cargo xtask piglit`, on tests of our own.
 
-use shadercheck::lane::vulkan;
+use lanes::vulkan;
 
-#[path = "../../xtask/benches/piglit/mod.rs"]
+#[path = "../../benches/piglit/mod.rs"]
 pub(crate) mod converter;
 
 use converter::convert::{Skipped, convert, tested};

@@ -1,11 +1,11 @@
 //! Faults of many kinds, planted between a device and what is accepted from it, and who is blamed for each: an executor,
 //! a translator, the memory, chance, or nobody.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Api, Lane as _, Stage, embedded};
-use shadercheck::suite::Suite;
-use shadercheck::suite::run::{FindingKind, Peer, Prepared, Report, hear, run};
-use shadercheck::verdict::diagnosis::Fault;
+use engine::suite::Suite;
+use engine::suite::run::{FindingKind, Peer, Prepared, Report, hear, run};
+use judge::profile::Rulings;
+use judge::verdict::diagnosis::Fault;
+use lanes::{Api, Lane as _, Stage, embedded};
 
 use crate::support::{Dispatch, Planted, changed, prepared, request};
 

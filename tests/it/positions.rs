@@ -4,12 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use base::text::SourceFile;
+use program::lower::{Target, lower};
+use program::{Language, NAGA, Program, ProgramError};
 use shadercheck::cli::status::ExitStatus;
 use shadercheck::cli::translate::{TranslateArgs, run};
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::lower::{Target, lower};
-use shadercheck::program::{Language, NAGA, Program, ProgramError};
-use shadercheck::text::SourceFile;
+use syntax::{Shader, Stage};
 
 use crate::lowering::compare_snapshot;
 

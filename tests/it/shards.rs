@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use engine::shard::{self, Sealed};
 use serde_json::Value;
-use shadercheck::shard::{self, Sealed};
 
 use crate::binary::{Ran, command, root, run};
 

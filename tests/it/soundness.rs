@@ -1,17 +1,17 @@
 //! The judge never accuses a device that keeps its promise, and does accuse one that does not.
 
-use shadercheck::bound::adversary::{Fault, Strategy};
-use shadercheck::bound::profile::{Op, by_name};
-use shadercheck::suite::run::soundness::{Request, Soundness, check};
-use shadercheck::suite::run::{Prepared, prepare};
-use shadercheck::suite::{parse, shipped};
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use engine::adversary::{Fault, Strategy};
+use engine::suite::run::soundness::{Request, Soundness, check};
+use engine::suite::run::{Prepared, prepare};
+use engine::suite::{parse, shipped};
+use judge::profile::{Op, by_name};
 
 /// Samples in total: about 20 s on two cores in the profile of the tests. `cargo xtask soundness` runs more.
 const SAMPLES: u64 = 1_000_000;
 
 fn suites(names: &[&str]) -> Vec<Prepared> {
-    let wanted = shipped().iter().filter(|suite| names.is_empty() || names.contains(&suite.name));
+    let wanted = shipped().filter(|suite| names.is_empty() || names.contains(&suite.name));
     let ready = wanted.map(|suite| {
         let parsed = parse(&SourceFile::new(suite.path, suite.toml)).unwrap();
         prepare(&parsed, &SourceFile::new(suite.shader_name, suite.shader_text)).unwrap()
@@ -20,7 +20,7 @@ fn suites(names: &[&str]) -> Vec<Prepared> {
 }
 
 fn complaints(found: &Soundness) -> String {
-    let line = |v: &shadercheck::suite::run::soundness::Violation| {
+    let line = |v: &engine::suite::run::soundness::Violation| {
         let b = v.behaviour;
         let order = if b.rearranges { "rearranged" } else { "in order" };
         format!(
@@ -98,7 +98,7 @@ fn flushed_arguments_are_no_fault() {
     let found = check(&suites, &Request::new(400_000, 3), &mut |_| {}).unwrap();
     assert_eq!(found.violations(), 0, "{}", complaints(&found));
     // Where nothing is flushed, these are numbers like any other.
-    let kept = |row: &&shadercheck::suite::run::soundness::Row| row.behaviour.profile.name == "binary32";
+    let kept = |row: &&engine::suite::run::soundness::Row| row.behaviour.profile.name == "binary32";
     let judged: u64 = found.rows.iter().filter(kept).map(|row| row.judged).sum();
     assert!(judged > 1000, "{judged}");
 }

@@ -2,16 +2,16 @@
 
 use std::fs;
 
+use judge::profile::Rulings;
 use serde_json::Value;
-use shadercheck::bound::profile::Rulings;
-use shadercheck::glsl;
-use shadercheck::lane::{Lane, vulkan};
-use shadercheck::lower::Target;
-use shadercheck::program::{Form, Kernel, Program, Source};
-use shadercheck::suite::run::{FindingKind, Prepared, Report, bundles, run_from};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
-use shadercheck::verdict::Blame;
+
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::suite::run::{FindingKind, Prepared, Report, bundles, run_from};
+use judge::verdict::Blame;
+use lanes::{Lane, vulkan};
+use program::lower::Target;
+use program::{Form, Kernel, Program, Source};
 
 use crate::binary::{Ran, command, run};
 use crate::support::{Planted, prepared, request};
@@ -106,7 +106,7 @@ fn every_source_hands_over_exactly_these_bits() {
         return uvec4(floatBitsToUint(x), uint(y.z), z ? 1u : 0u, floatBitsToUint(m[1][0]) ^ floatBitsToUint(m[0][1]));\n}\n";
     let file = SourceFile::new("bits.glsl", format!("#version 450\n{text}"));
     let target = |_: &_| Ok(Target::Function("f".to_owned()));
-    let program = Program::from_source(&file, glsl::Stage::Library, target).unwrap();
+    let program = Program::from_source(&file, syntax::Stage::Library, target).unwrap();
     let words = [
         0x0000_0000_u32,
         0x8000_0000,

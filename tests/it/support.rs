@@ -4,13 +4,13 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage};
-use shadercheck::program::{Kernel, OutputLayout};
-use shadercheck::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
-use shadercheck::suite::{Suite, find, parse};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
+use engine::suite::{Suite, find, parse};
+use judge::profile::Rulings;
+use lanes::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage};
+use program::{Kernel, OutputLayout};
 
 /// A shipped suite, made ready.
 pub fn prepared(suite: &str) -> Prepared {

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use naga::proc::Layouter;
 use naga::{AddressSpace, Binding, Handle, Module, Type, TypeInner};
-use shadercheck::program::{Language, Program, Translation, read_back};
+use program::{Language, Program, Translation, read_back};
 
 use crate::lowering::{Case, UNIFORMS, compare_snapshot, each_shader, shipped, stage};
 
@@ -59,10 +59,10 @@ fn readable(translation: &Translation, back: Option<&Module>) -> String {
 /// The module that is translated: the stage itself, or the kernel of what naga has no stage for.
 fn translated(program: &Program) -> Module {
     match program.role {
-        shadercheck::lower::Role::Vertex | shadercheck::lower::Role::Fragment | shadercheck::lower::Role::Compute => {
+        program::lower::Role::Vertex | program::lower::Role::Fragment | program::lower::Role::Compute => {
             program.module.clone()
         }
-        shadercheck::lower::Role::Geometry(_) | shadercheck::lower::Role::Function { .. } => {
+        program::lower::Role::Geometry(_) | program::lower::Role::Function { .. } => {
             program.compute_kernel().unwrap().module
         }
     }

@@ -4,8 +4,8 @@
 use naga::back::{glsl, spv};
 use naga::proc::BoundsCheckPolicies;
 use naga::{Block, Constant, Expression, Function, Handle, Literal, Module, ShaderStage, Statement, UnaryOperator};
-use shadercheck::lower::Role;
-use shadercheck::program::{Language, Program, Translation, read_back};
+use program::lower::Role;
+use program::{Language, Program, Translation, read_back};
 
 use crate::lowering::{names, shipped};
 

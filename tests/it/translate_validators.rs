@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use shadercheck::glsl::Stage;
-use shadercheck::lower::{Role, Target};
-use shadercheck::program::{Language, Program};
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use program::lower::{Role, Target};
+use program::{Language, Program};
+use syntax::Stage;
 
 use crate::binary::say;
 use crate::lowering::{UNIFORMS, names, shipped, stage};

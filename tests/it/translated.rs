@@ -3,16 +3,14 @@
 
 use std::fmt::Write as _;
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Api, Stage, embedded};
-use shadercheck::program::{Language, Program, Translation};
-use shadercheck::property::Sampler;
-use shadercheck::suite::run::{
-    FindingKind, Prepared, Report, Request, check_translations, check_translations_with, run,
-};
-use shadercheck::suite::shipped;
-use shadercheck::value::Batch;
-use shadercheck::verdict::{Comparison, Difference, Translations, Unread};
+use base::value::Batch;
+use engine::suite::run::{FindingKind, Prepared, Report, Request, check_translations, check_translations_with, run};
+use engine::suite::shipped;
+use judge::profile::Rulings;
+use judge::verdict::{Comparison, Difference, Translations, Unread};
+use lanes::{Api, Stage, embedded};
+use program::{Language, Program, Translation};
+use property::Sampler;
 
 use crate::lowering::{UNIFORMS, stage};
 use crate::support::{self, prepared};
@@ -255,12 +253,12 @@ fn any_batch(program: &Program, count: usize) -> Batch {
     let mut word = |scalar| {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         match scalar {
-            shadercheck::value::Scalar::F32 => ((seed >> 8) as f32 / 65536.0 - 128.0).to_bits(),
+            base::value::Scalar::F32 => ((seed >> 8) as f32 / 65536.0 - 128.0).to_bits(),
             // Indices of arrays of two.
             _ => seed >> 31,
         }
     };
-    let mut words = |record: &shadercheck::value::Record| -> Vec<u32> {
+    let mut words = |record: &base::value::Record| -> Vec<u32> {
         let fields = record.fields().iter().flat_map(|f| std::iter::repeat_n(f.shape.scalar, f.shape.words()));
         fields.map(&mut word).collect()
     };
@@ -374,7 +372,7 @@ fn another_interface_is_a_finding_without_a_case() {
 #[test]
 #[ignore = "a measurement, for release builds: cargo test --release --test it -- --ignored --nocapture time_of_all"]
 fn time_of_all_shipped_suites() {
-    let prepared: Vec<Prepared> = shipped().iter().map(|suite| prepared(suite.name)).collect();
+    let prepared: Vec<Prepared> = shipped().map(|suite| prepared(suite.name)).collect();
     let mut reports: Vec<_> = prepared.iter().map(|p| (p, request(p), report(p, &request(p)))).collect();
     let start = std::time::Instant::now();
     for (prepared, request, report) in &mut reports {

@@ -1,12 +1,12 @@
 //! Translations of whole stages against the shaders that they are made from, in every language that is read back: what
 //! is right agrees, and what is edited into a wrong one is caught.
 
-use shadercheck::glsl::Stage;
-use shadercheck::lower::Target;
-use shadercheck::program::{Language, Program, TranslateError, Translation};
-use shadercheck::text::SourceFile;
-use shadercheck::value::{Batch, Record, Scalar};
-use shadercheck::verdict::{Comparison, Translations, Unread};
+use base::text::SourceFile;
+use base::value::{Batch, Record, Scalar};
+use judge::verdict::{Comparison, Translations, Unread};
+use program::lower::Target;
+use program::{Language, Program, TranslateError, Translation};
+use syntax::Stage;
 
 const SAMPLES: usize = 64;
 const GLSL: [Language; 3] = [Language::Glsl330, Language::Glsl450, Language::GlslEs310];
@@ -300,7 +300,7 @@ fn a_geometry_stage_finds_members_of_structures_in_its_buffers() {
 /// `inverse` as WGSL has it from naga's writer, and as it is supplied in MSL and HLSL, which nobody reads back.
 #[test]
 fn an_inverse_is_supplied_where_the_writer_has_none() {
-    let supplied = include_str!("../../src/program/supply.wgsl");
+    let supplied = include_str!("../../crates/program/src/supply.wgsl");
     for n in 2..=4 {
         let zeros = if n == 4 { "" } else { ", 0.0" };
         let zeros = zeros.repeat(4 - n);

@@ -1,14 +1,14 @@
 //! Values that GLSL leaves undefined are the shader's fault: told with place and smallest input, and held against no
 //! lane, in every stage.
 
-use shadercheck::bound::profile::{Rulings, by_name};
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
-use shadercheck::program::Kernel;
-use shadercheck::suite::parse;
-use shadercheck::suite::run::{FindingKind, Prepared, Report, prepare, run};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
-use shadercheck::verdict::{Blame, Reason};
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::suite::parse;
+use engine::suite::run::{FindingKind, Prepared, Report, prepare, run};
+use judge::profile::{Rulings, by_name};
+use judge::verdict::{Blame, Reason};
+use lanes::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
+use program::Kernel;
 
 use crate::support::request;
 
@@ -387,7 +387,7 @@ fn an_undefined_value_is_told_as_the_shaders_fault_where_it_matters() {
             }
             // Elsewhere a wrong device is accused as before, and never for what is undefined.
             let accused = check(&undefined, &off);
-            let lane = |f: &&shadercheck::suite::run::Finding| f.kind == FindingKind::Deviation;
+            let lane = |f: &&engine::suite::run::Finding| f.kind == FindingKind::Deviation;
             let by_lane = accused.findings.iter().filter(lane).filter_map(|f| f.case.as_ref()?.deviation.as_ref());
             let blames: Vec<Blame> = by_lane.map(|deviation| deviation.blame).collect();
             let same = accused.verdicts.undetermined[Reason::Undefined as usize];

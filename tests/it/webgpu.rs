@@ -8,9 +8,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use program::Language;
 use serde_json::Value;
 use shadercheck::cli::node;
-use shadercheck::program::Language;
 
 use crate::binary::{Ran, command, root, say};
 use crate::lowering::{UNIFORMS, names, shipped, stage};

@@ -1,10 +1,10 @@
 //! Faults of an executor and of a front end, seen through several lanes: whose fault it is follows from groups.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Api, Lane, Stage, embedded};
-use shadercheck::shard::Shard;
-use shadercheck::suite::run::{FindingKind, Peer, Prepared, Report, Request, Share, hear, hear_parts, run, run_part};
-use shadercheck::verdict::diagnosis::{Fault, Hearing, Stand};
+use engine::shard::Shard;
+use engine::suite::run::{FindingKind, Peer, Prepared, Report, Request, Share, hear, hear_parts, run, run_part};
+use judge::profile::Rulings;
+use judge::verdict::diagnosis::{Fault, Hearing, Stand};
+use lanes::{Api, Lane, Stage, embedded};
 
 use crate::support::{self, Planted, prepared};
 
@@ -135,7 +135,7 @@ fn parts_of_a_run_are_heard_as_the_run_is() {
     hear_parts(&prepared, &peers, &mut parts);
     // What is handed over is read back.
     let text = serde_json::to_string(&parts).unwrap();
-    let [part]: [shadercheck::suite::run::Part; 1] = serde_json::from_str(&text).unwrap();
+    let [part]: [engine::suite::run::Part; 1] = serde_json::from_str(&text).unwrap();
     let mut whole = run(&prepared, &lanes[0], Stage::Compute, &request, &mut |_| {}).unwrap();
     hear(&prepared, &peers, &mut [&mut whole]);
     let heard = |report: &Report| -> Vec<Option<Hearing>> {

@@ -65,8 +65,12 @@ pub fn snapshots(workspace: &Path) -> Result<Vec<PathBuf>> {
 /// files that say the word, so that a helper that wraps the macro of insta is covered as well.
 pub fn modules(workspace: &Path) -> Result<Vec<String>> {
     let mut modules = Vec::new();
-    for root in ["src", "tests/it"] {
-        let root = workspace.join(root);
+    let mut roots = vec![workspace.join("src"), workspace.join("tests/it")];
+    roots.extend(
+        fs::read_dir(workspace.join("crates")).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())),
+    );
+    roots.sort();
+    for root in roots {
         for file in files(&root, &|path| path.extension().is_some_and(|extension| extension == "rs"))? {
             let text = fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
             if text.contains("snapshot") {
@@ -81,7 +85,7 @@ pub fn modules(workspace: &Path) -> Result<Vec<String>> {
 fn module(file: &Path) -> String {
     let names = file.with_extension("");
     let names = names.iter().map(|name| name.to_string_lossy().into_owned());
-    names.filter(|name| !["mod", "lib", "main"].contains(&name.as_str())).map(|name| name + "::").collect()
+    names.filter(|name| !["src", "mod", "lib", "main"].contains(&name.as_str())).map(|name| name + "::").collect()
 }
 
 fn files(root: &Path, wanted: &dyn Fn(&Path) -> bool) -> Result<Vec<PathBuf>> {

@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::{CalibrateArgs, bar, conclude, open, request};
-use crate::bound::calibrate::{self, State};
-use crate::bound::profile::Op;
 use crate::cli::check::Format;
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Store, told};
 use crate::cli::status::ExitStatus;
-use crate::lane::Lane;
-use crate::shard::{Identity, Shard};
+use engine::calibrate::{self, State};
+use engine::shard::{Identity, Shard};
+use judge::profile::Op;
+use lanes::Lane;
 
 /// What some shards measured.
 #[derive(Debug, Serialize, Deserialize)]

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use crate::bound::calibrate::{Behaviour, Standing, State, Tally, Worst, promises};
-use crate::bound::profile::Op;
-use crate::lane::Description;
-use crate::value::F32Bits;
+use base::value::F32Bits;
+use engine::calibrate::{Behaviour, Standing, State, Tally, Worst, promises};
+use judge::profile::Op;
+use lanes::Description;
 
 /// All that is printed.
 pub struct Report<'a> {

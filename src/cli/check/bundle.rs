@@ -6,9 +6,9 @@ use anyhow::Context;
 
 use super::shell_word;
 use crate::cli::paths::relative;
-use crate::suite::fresh;
-use crate::suite::run::Bundle;
-use crate::text::Shown;
+use base::text::Shown;
+use engine::suite::fresh;
+use engine::suite::run::Bundle;
 
 /// A script that goes to the folder in which it was written before it does anything: its paths are relative to that.
 fn from_anywhere(folder: &Path, script: &[u8]) -> Vec<u8> {

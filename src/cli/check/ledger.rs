@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::CheckArgs;
 use super::select::Selected;
-use crate::suite::ledger::{self, Ledger};
-use crate::suite::run::{Entry, LaneUsed};
-use crate::suite::{self, Problem};
-use crate::text::{Shown, SourceFile};
+use base::text::{Shown, SourceFile};
+use engine::catalogue;
+use engine::suite::ledger::{self, Ledger};
+use engine::suite::run::{Entry, LaneUsed};
+use engine::suite::{self, Problem};
 
 /// What `--expectations` takes for no ledger at all.
 const NONE: &str = "none";
@@ -51,7 +52,7 @@ impl Ledgers {
             let file = match (named, &suite.regressions) {
                 (Some(path), _) => Some(read(Path::new(path))?),
                 (None, Some(beside)) => suite::ledger_path(beside).map(|path| read(&path)).transpose()?,
-                (None, None) => Some(SourceFile::new(ledger::SHIPPED.0, ledger::SHIPPED.1)),
+                (None, None) => catalogue::expectations().map(|(name, text)| SourceFile::new(name, text)),
             };
             let place = file.map(|file| ledgers.add(file)).transpose()?;
             ledgers.of.push(place);

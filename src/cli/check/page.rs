@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde_json::Value;
 
-use crate::bound::profile::Rulings;
-use crate::lane::{Lane, LaneError, Stage};
-use crate::report::html::{self, Page, Subject};
-use crate::suite::fresh;
-use crate::suite::run::{Gallery, Prepared, Promised, Report, Request, Summary, gallery, promised};
-use crate::text::{Shown, SourceFile};
+use base::text::{Shown, SourceFile};
+use engine::suite::fresh;
+use engine::suite::run::{Gallery, Prepared, Promised, Report, Request, Summary, gallery, promised};
+use judge::profile::Rulings;
+use lanes::{Lane, LaneError, Stage};
+use report::html::{self, Page, Subject};
 
 /// What a page is made of, for a folder of reports.
 #[derive(Default)]

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use anyhow::Context;
 
-use crate::bound::profile::{self, Profile, Rulings};
-use crate::lane::Description;
-use crate::property::nearest;
-use crate::text::SourceFile;
+use base::text::SourceFile;
+use judge::profile::{self, Profile, Rulings};
+use lanes::Description;
+use property::nearest;
 
 /// The word that asks for no measured profile.
 const NONE: &str = "none";
@@ -74,7 +74,7 @@ pub fn named(argument: &str) -> anyhow::Result<Option<Arc<Profile>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::{Api, Stage};
+    use lanes::{Api, Stage};
 
     fn lane() -> Description {
         let driver = "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)".to_owned();

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::lane::{LaneName, Stage};
-use crate::report::check::short;
+use lanes::{LaneName, Stage};
+use report::check::short;
 
 /// Parts of the bar.
 const PARTS: u64 = 1000;

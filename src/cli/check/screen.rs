@@ -4,9 +4,9 @@ use std::io::{IsTerminal, Write};
 
 use super::CheckArgs;
 use super::select::Selected;
-use crate::lane::Lane;
-use crate::report::check::{Table, brief, finding, line, not_run, totals};
-use crate::suite::run::{Entry, Summary};
+use engine::suite::run::{Entry, Summary};
+use lanes::Lane;
+use report::check::{Table, brief, finding, line, not_run, totals};
 
 /// The widest table; a narrower terminal has a narrower one.
 const WIDEST: usize = 100;

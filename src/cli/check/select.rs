@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use crate::property::regressions::Regression;
-use crate::suite::{self, Suite};
-use crate::text::{Shown, SourceFile, printable};
+use base::text::{Shown, SourceFile, printable};
+use engine::suite::{self, Suite};
+use property::regressions::Regression;
 
 /// A suite that is to be run.
 pub struct Selected {
@@ -25,7 +25,7 @@ pub struct Selected {
 /// The suites that the arguments name; all shipped ones without arguments.
 pub fn select(arguments: &[String]) -> anyhow::Result<Vec<Selected>> {
     if arguments.is_empty() {
-        return suite::shipped().iter().map(shipped).collect();
+        return suite::shipped().map(shipped).collect();
     }
     let mut selected = Vec::new();
     for argument in arguments {

@@ -11,17 +11,16 @@ use super::ledger::{Ledgers, Written};
 use super::progress::Progress;
 use super::select::Selected;
 use super::{CheckArgs, request, shader_of, stages};
-use crate::bound::profile::Rulings;
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
-use crate::lane::{Lane, interrupt};
-use crate::report;
-use crate::shard::{Identity, Shard};
-use crate::suite::run::{
+use base::text::fingerprint;
+use engine::shard::{Identity, Shard};
+use engine::suite::run::{
     Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, hear_parts, prepare, run_part, signal_name,
 };
-use crate::text::fingerprint;
+use judge::profile::Rulings;
+use lanes::{Lane, interrupt};
 
 /// What some shards found.
 #[derive(Debug, Serialize, Deserialize)]

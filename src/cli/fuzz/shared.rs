@@ -6,18 +6,18 @@ use std::io::Write;
 use serde::{Deserialize, Serialize};
 
 use super::{FuzzArgs, Inputs, Source, one_function, status_of};
-use crate::bound::profile::Rulings;
 use crate::cli::bar::Bar;
 use crate::cli::check::Format;
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
-use crate::fuzz::{FunctionReport, Subject};
-use crate::lane::{Description, Lane, interrupt};
-use crate::report::fuzz::{FileReport, Summary, findings, json, line, totals};
-use crate::shard::{Identity, Shard};
-use crate::suite::run::signal_name;
-use crate::text::fingerprint;
+use base::text::fingerprint;
+use engine::fuzz::{FunctionReport, Subject};
+use engine::shard::{Identity, Shard};
+use engine::suite::run::signal_name;
+use judge::profile::Rulings;
+use lanes::{Description, Lane, interrupt};
+use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
 /// What some shards found.
 #[derive(Debug, Default, Serialize, Deserialize)]

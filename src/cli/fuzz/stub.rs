@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Source;
-use crate::fuzz::{FunctionReport, Law};
-use crate::report::fuzz::Summary;
-use crate::suite::fresh;
-use crate::text::Shown;
-use crate::value::{Scalar, Shape};
+use base::text::Shown;
+use base::value::{Scalar, Shape};
+use engine::fuzz::{FunctionReport, Law};
+use engine::suite::fresh;
+use report::fuzz::Summary;
 
 /// Range of an input for which none is stated.
 const RANGE: (f64, f64) = (-2.0, 2.0);

@@ -8,11 +8,11 @@ use thiserror::Error;
 use toml::de::DeTable;
 
 use crate::cli::LangName;
-use crate::lint::{Config, ProgramEntry, Range, Selection, Wrapped, Wrapper};
-use crate::property::nearest;
-use crate::suite::Problem;
-use crate::suite::table::{At, Reader, Table};
-use crate::text::{Shown, SourceFile, TextError};
+use base::text::{Shown, SourceFile, TextError};
+use engine::suite::Problem;
+use engine::suite::table::{At, Reader, Table};
+use lint::{Config, ProgramEntry, Range, Selection, Wrapped, Wrapper};
+use property::nearest;
 
 use super::LevelName;
 

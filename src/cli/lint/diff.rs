@@ -2,7 +2,7 @@
 
 use similar::TextDiff;
 
-use crate::lint::fix::FixedFile;
+use lint::fix::FixedFile;
 
 /// The change of one file as a unified diff that `patch -p0` takes.
 pub fn unified(file: &FixedFile) -> String {
@@ -17,7 +17,7 @@ pub fn unified(file: &FixedFile) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::SourceFile;
+    use base::text::SourceFile;
 
     #[test]
     fn a_patch_has_the_changed_line_twice() {

@@ -10,10 +10,10 @@ use ignore::{WalkBuilder, WalkState};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::lint::fix::FixedFile;
-use crate::lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
-use crate::suite::{MOST_BYTES, read_source};
-use crate::text::{Decoded, Form, Shown, TextError, decode_western};
+use base::text::{Decoded, Form, Shown, TextError, decode_western};
+use engine::suite::{MOST_BYTES, read_source};
+use lint::fix::FixedFile;
+use lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
 
 use super::write::{WriteError, replace};
 

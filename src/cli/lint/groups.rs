@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::cli::LangName;
-use crate::diagnostic::{Diagnostic, Safety};
-use crate::lint::fix::{self, Outcome};
-use crate::lint::{Config, Input, Selection, Settings, by_code, run_with, sort};
-use crate::text::Shown;
+use base::diagnostic::{Diagnostic, Safety};
+use base::text::Shown;
+use lint::fix::{self, Outcome};
+use lint::{Config, Input, Selection, Settings, by_code, run_with, sort};
 
 use super::LintArgs;
 use super::config::{self, FILE_NAME, FileConfig};

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use crate::cli::paths::relative;
-use crate::diagnostic::Diagnostic;
-use crate::lint::baseline::{Baseline, Covered};
-use crate::suite::fresh;
-use crate::text::Shown;
+use base::diagnostic::Diagnostic;
+use base::text::Shown;
+use engine::suite::fresh;
+use lint::baseline::{Baseline, Covered};
 
 use super::files::Loaded;
 use super::groups::Groups;

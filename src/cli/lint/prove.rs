@@ -1,17 +1,17 @@
 //! `--prove`: how far repairs move what a shader computes. The text before and after is run on the
 //! same inputs in strict binary32.
 
-use crate::diagnostic::{Lang, told};
-use crate::glsl::{Shader, Stage};
-use crate::lane::{Actual, LaneError, embedded};
-use crate::lint::fix::FixedFile;
-use crate::lint::{Config, Language, language_of};
-use crate::lower::Target;
-use crate::program::{Kernel, Program, ProgramError};
-use crate::property::Stream;
-use crate::property::generators::Range;
-use crate::text::SourceFile;
-use crate::value::{Batch, Record, Scalar, ulp_distance};
+use base::diagnostic::{Lang, message};
+use base::text::SourceFile;
+use base::value::{Batch, Record, Scalar, ulp_distance};
+use lanes::{Actual, LaneError, embedded};
+use lint::fix::FixedFile;
+use lint::{Config, Language, language_of};
+use program::lower::Target;
+use program::{Kernel, Program, ProgramError};
+use property::Stream;
+use property::generators::Range;
+use syntax::{Shader, Stage};
 
 /// Inputs of a comparison: sets of uniforms, and invocations with each of them.
 const CASES: usize = 256;
@@ -184,15 +184,15 @@ impl Moved {
 pub fn lines(name: &str, function: Option<&str>, proof: &Proof, lang: Lang) -> Vec<String> {
     let place = function.map_or_else(|| name.to_owned(), |f| format!("{name}: {f}"));
     let told = match proof {
-        Proof::New => vec![told!(
+        Proof::New => vec![message!(
             "{place}: not compared: the text before does not compile",
             "{place}: 修正前のテキストがコンパイルできないため、比較しません"
         )],
-        Proof::NotRun(why) => vec![told!("{place}: not compared: {why}", "{place}: 比較できません: {why}")],
+        Proof::NotRun(why) => vec![message!("{place}: not compared: {why}", "{place}: 比較できません: {why}")],
         Proof::Compared { samples, outputs, reshaped } => {
             let mut told: Vec<_> = outputs.iter().map(|moved| line(&place, moved, *samples)).collect();
             if *reshaped > 0 {
-                told.push(told!(
+                told.push(message!(
                     "{place}: other vertices or strips in {reshaped} of {samples} samples",
                     "{place}: {samples} サンプル中 {reshaped} で頂点またはストリップが変わります"
                 ));
@@ -203,15 +203,15 @@ pub fn lines(name: &str, function: Option<&str>, proof: &Proof, lang: Lang) -> V
     told.iter().map(|t| t.in_lang(lang).to_owned()).collect()
 }
 
-fn line(place: &str, moved: &Moved, samples: usize) -> crate::diagnostic::Told {
+fn line(place: &str, moved: &Moved, samples: usize) -> base::diagnostic::Message {
     let Moved { output, differing, most, most_ulp, not_finite } = moved;
     if *differing == 0 {
-        return told!(
+        return message!(
             "{place}: `{output}` is the same in {samples} samples",
             "{place}: `{output}` は {samples} サンプルで変わりません"
         );
     }
-    told!(
+    message!(
         "{place}: `{output}` moves in {differing} of {samples} samples, by {most:.3e} ({most_ulp:.0} ULP) at most; {not_finite} values become finite or cease to be",
         "{place}: `{output}` は {samples} サンプル中 {differing} で変わります。最大の差は {most:.3e} ({most_ulp:.0} ULP)、有限でなくなった、または有限になった値は {not_finite} 個です"
     )

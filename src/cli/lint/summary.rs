@@ -1,7 +1,7 @@
 //! What is said when all is done, in both languages.
 
-use crate::diagnostic::{Diagnostic, Lang, Safety, Severity, told};
-use crate::lint::Input;
+use base::diagnostic::{Diagnostic, Lang, Safety, Severity, message};
+use lint::Input;
 
 /// `1 finding` or `2 findings`.
 fn findings(n: usize) -> String {
@@ -20,7 +20,8 @@ fn plural(n: usize, word: &str) -> String {
 /// How many repairs a patch holds.
 pub fn would_fix(applied: usize, changed: usize, lang: Lang) -> String {
     let (found, within) = (findings(applied), files(changed));
-    let told = told!("{found} in {within} would be fixed", "{changed} 個のファイルの {applied} 件の指摘を修正できます");
+    let told =
+        message!("{found} in {within} would be fixed", "{changed} 個のファイルの {applied} 件の指摘を修正できます");
     told.in_lang(lang).to_owned()
 }
 
@@ -28,9 +29,9 @@ pub fn would_fix(applied: usize, changed: usize, lang: Lang) -> String {
 pub fn fixed(applied: usize, changed: usize, written: usize, lang: Lang) -> String {
     let (found, within, kept) = (findings(applied), files(changed), changed - written);
     let told = if kept == 0 {
-        told!("fixed {found} in {within}", "{changed} 個のファイルの {applied} 件の指摘を修正しました")
+        message!("fixed {found} in {within}", "{changed} 個のファイルの {applied} 件の指摘を修正しました")
     } else {
-        told!(
+        message!(
             "found a fix for {found} in {within}; {kept} could not be written",
             "{changed} 個のファイルに {applied} 件の修正があります。そのうち {kept} 個は書き込めませんでした"
         )
@@ -41,20 +42,22 @@ pub fn fixed(applied: usize, changed: usize, written: usize, lang: Lang) -> Stri
 /// How many findings a baseline took.
 pub fn recorded(count: usize, path: &str, lang: Lang) -> String {
     let found = findings(count);
-    told!("{found} recorded in {path}", "{count} 件の指摘を {path} に記録しました").in_lang(lang).to_owned()
+    message!("{found} recorded in {path}", "{count} 件の指摘を {path} に記録しました").in_lang(lang).to_owned()
 }
 
 /// How many findings a baseline knew.
 pub fn known(count: usize, lang: Lang) -> String {
     let found = findings(count);
     let verb = if count == 1 { "is" } else { "are" };
-    told!("{found} {verb} known from the baseline", "{count} 件の指摘はベースラインにあります").in_lang(lang).to_owned()
+    message!("{found} {verb} known from the baseline", "{count} 件の指摘はベースラインにあります")
+        .in_lang(lang)
+        .to_owned()
 }
 
 /// What the baseline knows and is gone.
 pub fn stale(rule: &str, file: &str, line: &str, count: usize, lang: Lang) -> String {
     let times = if count == 1 { String::new() } else { format!(" ({count})") };
-    let told = told!(
+    let told = message!(
         "no longer found: {rule} in {file}{times}: {line}",
         "すでに見つからない指摘: {file} の {rule}{times}: {line}"
     );
@@ -63,7 +66,7 @@ pub fn stale(rule: &str, file: &str, line: &str, count: usize, lang: Lang) -> St
 
 /// What to do about entries that are gone.
 pub fn prune_hint(lang: Lang) -> String {
-    told!("--prune-baseline removes them from the file", "--prune-baseline で記録から取り除けます")
+    message!("--prune-baseline removes them from the file", "--prune-baseline で記録から取り除けます")
         .in_lang(lang)
         .to_owned()
 }
@@ -74,7 +77,7 @@ pub fn totals(found: &[Diagnostic], inputs: &[Input], lang: Lang) -> Vec<String>
     let looked_at = inputs.iter().filter(|i| i.reported).count();
     let (errors, warnings, infos) = (count(Severity::Error), count(Severity::Warning), count(Severity::Info));
     let (files, error_words, warning_words) = (files(looked_at), plural(errors, "error"), plural(warnings, "warning"));
-    let mut lines = vec![told!(
+    let mut lines = vec![message!(
         "{files}: {error_words}, {warning_words}, {infos} info",
         "{looked_at} 個のファイル: エラー {errors} 件、警告 {warnings} 件、情報 {infos} 件"
     )];
@@ -82,11 +85,11 @@ pub fn totals(found: &[Diagnostic], inputs: &[Input], lang: Lang) -> Vec<String>
     let (safe, risky) = (fixable(Safety::Safe), fixable(Safety::Unsafe));
     if safe > 0 {
         let found = findings(safe);
-        lines.push(told!("{found} can be fixed with --fix", "{safe} 件は --fix で修正できます"));
+        lines.push(message!("{found} can be fixed with --fix", "{safe} 件は --fix で修正できます"));
     }
     if risky > 0 {
         let need = if risky == 1 { "needs" } else { "need" };
-        lines.push(told!(
+        lines.push(message!(
             "{risky} more {need} --fix --unsafe-fixes",
             "さらに {risky} 件は --fix --unsafe-fixes で修正できます"
         ));

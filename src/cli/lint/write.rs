@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::suite::fresh;
-use crate::text::{EncodeError, Encoding, Shown};
+use base::text::{EncodeError, Encoding, Shown};
+use engine::suite::fresh;
 
 /// Why a file was left as it was.
 #[derive(Debug, Error)]

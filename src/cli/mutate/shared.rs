@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::{MutateArgs, conclude};
 use crate::cli::merge::Joined;
 use crate::cli::status::ExitStatus;
-use crate::mutate::{SuiteResult, Tested};
-use crate::report::mutate::Summary;
-use crate::shard::{Identity, Shard};
+use engine::mutate::{SuiteResult, Tested};
+use engine::shard::{Identity, Shard};
+use report::mutate::Summary;
 
 /// The name of the parameter with the lowest score that is no finding.
 pub(super) const FLOOR: &str = "--floor";

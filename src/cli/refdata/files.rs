@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use crate::refdata::Document;
-use crate::refdata::read::{Blocks, Chain, ReadError, Sequence, Shared, Source};
-use crate::text::Shown;
+use base::text::Shown;
+use refdata::Document;
+use refdata::read::{Blocks, Chain, ReadError, Sequence, Shared, Source};
 
 /// The format of a file by its ending.
 pub fn source(path: &Path) -> anyhow::Result<Source> {

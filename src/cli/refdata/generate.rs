@@ -10,18 +10,18 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::files;
 use super::item::{self, Item};
 use super::work::Work;
-use crate::bound::profile::Profile;
 use crate::cli::check::profile;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use crate::refdata::read::Sequence;
-use crate::refdata::write::{Format, Spill, Store};
-use crate::refdata::{Document, Forget, Generator, Subject, copy, produce, scene};
-use crate::shard::Shard;
-use crate::suite::Expect;
-use crate::suite::fresh::{self, Fresh};
-use crate::suite::run::{DEFAULT_SEED, prepare};
-use crate::text::Shown;
+use base::text::Shown;
+use engine::shard::Shard;
+use engine::suite::Expect;
+use engine::suite::fresh::{self, Fresh};
+use engine::suite::run::{DEFAULT_SEED, prepare};
+use judge::profile::Profile;
+use refdata::read::Sequence;
+use refdata::write::{Format, Spill, Store};
+use refdata::{Document, Forget, Generator, Subject, copy, produce, scene};
 
 /// Arguments of `shadercheck refdata generate`.
 #[derive(Args, Clone, Debug)]

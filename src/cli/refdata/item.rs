@@ -6,12 +6,12 @@ use std::path::Path;
 use super::generate::GenerateArgs;
 use crate::cli::check::select::{self, Selected};
 use crate::cli::{fuzz, includes};
-use crate::diagnostic::Lang;
-use crate::glsl::Stage;
-use crate::refdata::{Bare, Origin};
-use crate::report;
-use crate::suite::{self, Expect};
-use crate::text::Shown as _;
+use base::diagnostic::Lang;
+use base::text::Shown as _;
+use engine::suite::{self, Expect};
+use refdata::{Bare, Origin};
+
+use syntax::Stage;
 
 /// Samples of a function without a suite, as of `fuzz`.
 pub const SAMPLES: u64 = 1 << 16;

@@ -12,11 +12,11 @@ use super::{files, generate};
 use crate::cli::check::Format as Shown;
 use crate::cli::merge::MergeArgs;
 use crate::cli::status::ExitStatus;
-use crate::refdata::read::{Sequence, Source};
-use crate::refdata::write::Format;
-use crate::refdata::{CopyError, Document, copy};
-use crate::suite::fresh;
-use crate::text::Shown as _;
+use base::text::Shown as _;
+use engine::suite::fresh;
+use refdata::read::{Sequence, Source};
+use refdata::write::Format;
+use refdata::{CopyError, Document, copy};
 
 /// The parts of reference data that these paths name: files, and folders with parts in them or in the folders
 /// of their suites.

@@ -9,11 +9,10 @@ use clap::{Args, ValueEnum};
 use super::files;
 use crate::cli::check::Format;
 use crate::cli::status::ExitStatus;
-use crate::refdata::read::{self, Dataset, Sequence, Source, Wanted};
-use crate::refdata::verify::{self, Element, Report, Rule, StreamError};
-use crate::report;
-use crate::suite::fresh::Fresh;
-use crate::text::Shown;
+use base::text::Shown;
+use engine::suite::fresh::Fresh;
+use refdata::read::{self, Dataset, Sequence, Source, Wanted};
+use refdata::verify::{self, Element, Report, Rule, StreamError};
 
 /// Arguments of `shadercheck refdata verify`.
 #[derive(Args, Clone, Debug)]

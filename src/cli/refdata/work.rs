@@ -4,8 +4,8 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use crate::refdata::{Block, Generator, Keep, run_key};
-use crate::suite::fresh::Fresh;
+use engine::suite::fresh::Fresh;
+use refdata::{Block, Generator, Keep, run_key};
 
 /// What a file of a block begins with.
 const MAGIC: &[u8; 16] = b"shadercheck-blk1";

@@ -1,12 +1,12 @@
 //! Faults in shaders that show at an edge alone: beside a knot or a branch, at coincident points, for the least and
 //! the greatest number of bones, for a zero with a sign.
 
+use engine::suite::run::{self, DEFAULT_SEED, Prepared, Report};
+use judge::profile::Rulings;
+use judge::verdict::{Court, Failure, shader_deviation};
+use lanes::{self, Stage};
+use property::{Sample, Sampler};
 use rayon::prelude::*;
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{self, Stage};
-use shadercheck::property::{Sample, Sampler};
-use shadercheck::suite::run::{self, DEFAULT_SEED, Prepared, Report};
-use shadercheck::verdict::{Court, Failure, shader_deviation};
 
 use crate::support::{changed, prepared, report};
 
@@ -169,13 +169,13 @@ fn faulty(&(suite, from, to): &Fault) -> Prepared {
 
 /// Runs a suite as `check --quick --lane embedded` does.
 fn quick(prepared: &Prepared) -> Report {
-    let lane = lane::embedded::open().unwrap();
+    let lane = lanes::embedded::open().unwrap();
     report(prepared, lane.as_ref(), None, Rulings::of_lane(lane.description()))
 }
 
 /// The first deviation of the shader among the samples of a quick run: those at edges, then the others.
 fn deviation(prepared: &Prepared) -> Option<Failure> {
-    let rulings = Rulings::of_lane(lane::embedded::open().unwrap().description());
+    let rulings = Rulings::of_lane(lanes::embedded::open().unwrap().description());
     let (oracle, reference) = (&prepared.oracle, &prepared.reference);
     let court = Court { oracle, reference, rulings: &rulings, stage: Stage::Compute };
     let layout = &prepared.compute.output;
@@ -248,7 +248,7 @@ fn shaders_that_branch_where_their_formula_does_not_and_mean_the_same_pass() {
 
 #[test]
 fn shipped_shaders_come_out_both_ways_wherever_they_compare() {
-    for shipped in shadercheck::suite::shipped() {
+    for shipped in engine::suite::shipped() {
         let report = quick(&prepared(shipped.name));
         let reach = report.reach.as_ref().unwrap();
         assert!(reach.edges > 0, "{}", shipped.name);

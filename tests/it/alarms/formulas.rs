@@ -1,8 +1,9 @@
 //! Faults in formulas: what the shipped suites compare with is wrong, and the shaders are right.
 
-use shadercheck::formula::{Args, Emission, Formula, Rule, all, by_name};
-use shadercheck::suite::run::{FindingKind, Report};
-use shadercheck::verdict::Reference;
+use engine::suite::run::{FindingKind, Report};
+use chapter::formula::{all, by_name};
+use judge::formula::{Args, Emission, Formula, Rule};
+use judge::verdict::Reference;
 
 use super::lanes::reports_of;
 use crate::support::prepared;
@@ -42,7 +43,7 @@ macro_rules! rules {
 #[test]
 fn one_part_in_ten_thousand_is_found_in_every_suite() {
     let rules = rules!(0 1 2 3 4 5 6 7 8 9 10 11 12 13);
-    for shipped in shadercheck::suite::shipped() {
+    for shipped in engine::suite::shipped() {
         let formula = prepared(shipped.name).reference.formula().unwrap();
         let index = all().iter().position(|f| f.name == formula.name).unwrap();
         let (pointwise, emission) = rules[index];

@@ -1,10 +1,10 @@
 //! Faults of a device, planted between the device and what is accepted from it. A shader cannot have
 //! them: a stale buffer, a record that was never written, a value that is wrong once.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Lane, LaneError, Stage, embedded, vulkan};
-use shadercheck::suite::run::{Finding, FindingKind, Prepared, Report, run};
-use shadercheck::verdict::Blame;
+use engine::suite::run::{Finding, FindingKind, Prepared, Report, run};
+use judge::profile::Rulings;
+use judge::verdict::Blame;
+use lanes::{Lane, LaneError, Stage, embedded, vulkan};
 
 use crate::support::{Dispatch, Planted, prepared, request};
 

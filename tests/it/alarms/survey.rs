@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use shadercheck::bound::profile::{Profile, Rulings, by_name, parse};
-use shadercheck::lane::{Lane, Stage};
-use shadercheck::report::check::{finding, json, line, totals};
-use shadercheck::suite::run::{DEFAULT_SEED, Entry, FindingKind, Outcome, Status, Summary};
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use engine::suite::run::{DEFAULT_SEED, Entry, FindingKind, Outcome, Status, Summary};
+use judge::profile::{Profile, Rulings, by_name, parse};
+use lanes::{Lane, Stage};
+use report::check::{finding, json, line, totals};
 
 use super::lanes::{Fault, faulty};
 use crate::support::{self, Dispatch, prepared};
@@ -94,7 +94,7 @@ fn a_lane_beyond_its_promise_is_an_error_and_no_warning() {
 
 #[test]
 fn a_device_is_as_it_was_measured() {
-    for suite in shadercheck::suite::shipped() {
+    for suite in engine::suite::shipped() {
         let summary = ran(suite.name, |_| {}, own_profile());
         assert_eq!(kinds(&summary), [], "{}: {}", suite.name, totals(&summary, false));
         let Outcome::Ran(report) = &summary.entries[0].outcome else { panic!("it ran") };

@@ -1,13 +1,13 @@
 //! Faults of translators: put into the SPIR-V that glslang makes, or into the module that naga reads. Each shows on
 //! the lane of that translator, and not on the lane of the other one on the same driver.
 
-use shadercheck::bound::profile::Rulings;
-use shadercheck::lane::{Description, Lane, LaneError, Runner, Stage, native, vulkan};
-use shadercheck::program::Kernel;
-use shadercheck::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
-use shadercheck::suite::{Suite, parse, shipped};
-use shadercheck::text::SourceFile;
-use shadercheck::verdict::Blame;
+use base::text::SourceFile;
+use engine::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
+use engine::suite::{Suite, parse, shipped};
+use judge::profile::Rulings;
+use judge::verdict::Blame;
+use lanes::{Description, Lane, LaneError, Runner, Stage, native, vulkan};
+use program::Kernel;
 
 use crate::support::prepared;
 
@@ -109,7 +109,7 @@ fn report(prepared: &Prepared, lane: &dyn Lane, stage: Stage, samples: u64) -> R
 fn rings(report: &Report, said: &str) {
     let messages: Vec<&str> = report.findings.iter().map(|f| f.message.as_str()).collect();
     let blamed = |blame: Blame| {
-        let of = |d: &shadercheck::verdict::Deviation| d.blame == blame;
+        let of = |d: &judge::verdict::Deviation| d.blame == blame;
         report.findings.iter().filter(|f| f.case.as_ref().and_then(|c| c.deviation.as_ref()).is_some_and(of)).count()
     };
     assert!(messages.iter().any(|message| message.contains(said)), "{messages:#?}");

@@ -1,6 +1,6 @@
 //! Textures, `discard` and derivatives: what a fragment stage has beside the others.
 
-use shadercheck::program::Program;
+use program::Program;
 
 use super::{built, expect, outputs};
 

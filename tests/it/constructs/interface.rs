@@ -1,6 +1,6 @@
 //! What goes in and out: old and new storage qualifiers, blocks, arrays, structures and built-in variables.
 
-use shadercheck::program::Language;
+use program::Language;
 
 use super::{built, expect};
 

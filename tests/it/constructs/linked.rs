@@ -1,9 +1,9 @@
 //! Several texts of one stage, and locations that several variables share.
 
-use shadercheck::glsl::{Stage, link};
-use shadercheck::lower::Target;
-use shadercheck::program::{Program, ProgramError};
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use program::lower::Target;
+use program::{Program, ProgramError};
+use syntax::{Stage, link};
 
 use super::{built, expect, outputs};
 

@@ -1,6 +1,6 @@
 //! Storage blocks, atomic counters, and textures and images that are buffers.
 
-use shadercheck::program::{Language, Program};
+use program::{Language, Program};
 
 use super::{built, expect};
 

@@ -12,12 +12,12 @@ mod shipped;
 
 use std::sync::Arc;
 
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::interp::{self, Binary32, Binary64};
-use shadercheck::lower::Target;
-use shadercheck::program::{Program, ProgramError};
-use shadercheck::text::SourceFile;
-use shadercheck::value::{Batch, Record, Scalar};
+use base::text::SourceFile;
+use base::value::{Batch, Record, Scalar};
+use program::interp::{self, Binary32, Binary64};
+use program::lower::Target;
+use program::{Program, ProgramError};
+use syntax::{Shader, Stage};
 
 /// Builds a program from the syntax tree.
 pub fn built(name: &str, text: &str) -> Result<Program, ProgramError> {

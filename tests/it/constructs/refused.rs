@@ -1,9 +1,9 @@
 //! What no module can say is refused by name, at its place.
 
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::lower::Target;
-use shadercheck::program::{Program, ProgramError};
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use program::lower::Target;
+use program::{Program, ProgramError};
+use syntax::{Shader, Stage};
 
 use super::built;
 

@@ -1,13 +1,13 @@
 //! Every shipped shader means the same by edits in place and built from its syntax tree.
 
-use shadercheck::glsl::{Shader, Stage};
-use shadercheck::interp::{self, Binary32, Binary64};
-use shadercheck::lower::Target;
-use shadercheck::program::Program;
-use shadercheck::property::Sampler;
-use shadercheck::suite::run::prepare;
-use shadercheck::suite::{find, parse, shipped};
-use shadercheck::text::SourceFile;
+use base::text::SourceFile;
+use engine::suite::run::prepare;
+use engine::suite::{find, parse, shipped};
+use program::Program;
+use program::interp::{self, Binary32, Binary64};
+use program::lower::Target;
+use property::Sampler;
+use syntax::{Shader, Stage};
 
 #[test]
 fn both_ways_to_a_module_mean_the_same() {

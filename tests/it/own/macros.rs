@@ -23,9 +23,9 @@ fn computed(ran: &Ran) -> (String, String, Option<String>) {
 const RIGHT: &str = "float f(float x, float y, float z) { return (x * x + y) * 0.5 + z; }\n";
 
 /// What stands before the function, its body, and where the deviation is computed: line and column, text and macro.
-type Told = (&'static str, &'static str, &'static str, &'static str, Option<&'static str>);
+type Message = (&'static str, &'static str, &'static str, &'static str, Option<&'static str>);
 
-const USES: &[Told] = &[
+const USES: &[Message] = &[
     // Without a macro, and with one elsewhere.
     ("", "return z + (x * x + y) * 0.501;", "1:52", "z + (x * x + y) * 0.501", None),
     (

@@ -3,9 +3,9 @@
 use std::fs;
 use std::sync::Arc;
 
-use shadercheck::lane::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
-use shadercheck::program::Kernel;
-use shadercheck::value::Batch;
+use base::value::Batch;
+use lanes::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
+use program::Kernel;
 
 use super::{check, folder};
 use crate::binary::{Ran, command};
@@ -107,11 +107,11 @@ impl Runner for ShiftedRunner {
 
 #[test]
 fn a_lane_that_takes_the_neighbouring_texel_is_to_blame() {
-    use shadercheck::bound::profile::Rulings;
-    use shadercheck::suite::run::{Request, prepare, run};
-    let file = shadercheck::text::SourceFile::new("lit.suite.toml", suite(""));
-    let suite = shadercheck::suite::parse(&file).unwrap();
-    let prepared = prepare(&suite, &shadercheck::text::SourceFile::new("lit.frag", LIT)).unwrap();
+    use engine::suite::run::{Request, prepare, run};
+    use judge::profile::Rulings;
+    let file = base::text::SourceFile::new("lit.suite.toml", suite(""));
+    let suite = engine::suite::parse(&file).unwrap();
+    let prepared = prepare(&suite, &base::text::SourceFile::new("lit.frag", LIT)).unwrap();
     let judged = |lane: &dyn Lane| {
         let request = Request {
             samples: Some(512),

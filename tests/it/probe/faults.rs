@@ -1,7 +1,7 @@
 //! An operation that is wrong on one side is the first step at which two traces part.
 
-use shadercheck::program::Probed;
-use shadercheck::program::probe::{Step, Trace};
+use program::Probed;
+use program::probe::{Step, Trace};
 
 use super::{batch, driver, embedded_lane, function, run, trace};
 

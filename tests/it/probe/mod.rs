@@ -7,13 +7,13 @@ mod small;
 
 use std::sync::Arc;
 
-use shadercheck::glsl::Stage;
-use shadercheck::lane::{Actual, Lane, embedded, vulkan};
-use shadercheck::lower::Target;
-use shadercheck::program::probe::{Trace, What};
-use shadercheck::program::{Probed, Program};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use base::text::SourceFile;
+use base::value::Batch;
+use lanes::{Actual, Lane, embedded, vulkan};
+use program::lower::Target;
+use program::probe::{Trace, What};
+use program::{Probed, Program};
+use syntax::Stage;
 
 fn embedded_lane() -> Box<dyn Lane> {
     embedded::open().unwrap()

@@ -1,13 +1,13 @@
 //! Probed programs of the shipped suites.
 
-use shadercheck::lane::{Actual, Lane, LaneError};
-use shadercheck::program::probe::{Step, What};
-use shadercheck::program::{Kernel, Probed};
-use shadercheck::property::Sampler;
-use shadercheck::suite::run::{Prepared, prepare};
-use shadercheck::suite::{find, parse, shipped};
-use shadercheck::text::SourceFile;
-use shadercheck::value::Batch;
+use base::text::SourceFile;
+use base::value::Batch;
+use engine::suite::run::{Prepared, prepare};
+use engine::suite::{find, parse, shipped};
+use lanes::{Actual, Lane, LaneError};
+use program::probe::{Step, What};
+use program::{Kernel, Probed};
+use property::Sampler;
 
 use super::{driver, embedded_lane, read, run, trace};
 

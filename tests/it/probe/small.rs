@@ -1,9 +1,9 @@
 //! Traces of small functions against values worked out by hand.
 
-use shadercheck::bound::profile::Op;
-use shadercheck::interp::{self, Binary64};
-use shadercheck::program::ProgramError;
-use shadercheck::program::probe::{MAX_WORDS, Source, TraceError, What};
+use judge::profile::Op;
+use program::ProgramError;
+use program::interp::{self, Binary64};
+use program::probe::{MAX_WORDS, Source, TraceError, What};
 
 use super::{batch, driver, embedded_lane, function, read, run, trace};
 

@@ -5,8 +5,20 @@ use std::collections::BTreeSet;
 use super::{Fault, File, expect_none, file, messages, project};
 
 /// Folders of the project that a path in the document may start with.
-const ROOTS: [&str; 10] =
-    ["src/", "shaders/", "fixtures/", "tests/", "xtask/", "docs/", "examples/", ".ci/", ".config/", ".cargo/"];
+const ROOTS: [&str; 12] = [
+    "src/",
+    "crates/",
+    "benches/",
+    "shaders/",
+    "fixtures/",
+    "tests/",
+    "xtask/",
+    "docs/",
+    "examples/",
+    ".ci/",
+    ".config/",
+    ".cargo/",
+];
 
 /// Folders and files that are named and missing, and folders of `src` that the code map leaves out.
 fn map_faults(document: &File, files: &[File]) -> Vec<Fault> {
@@ -21,10 +33,13 @@ fn map_faults(document: &File, files: &[File]) -> Vec<Fault> {
     if map.is_empty() {
         return vec![document.fault(1, "there is no section `## Code map`")];
     }
-    let in_src = files.iter().filter_map(|file| file.path.strip_prefix("src/")?.split_once('/'));
-    for folder in in_src.map(|(folder, _)| folder).collect::<BTreeSet<_>>() {
-        if !map.iter().any(|line| line.contains(&format!("`src/{folder}/`"))) {
-            faults.push(document.fault(first, format!("the code map leaves out `src/{folder}/`")));
+    let folders = files.iter().filter_map(|file| {
+        let root = ["src/", "crates/"].into_iter().find(|root| file.path.starts_with(root))?;
+        Some(format!("{root}{}/", file.path[root.len()..].split_once('/')?.0))
+    });
+    for folder in folders.collect::<BTreeSet<_>>() {
+        if !map.iter().any(|line| line.contains(&format!("`{folder}`"))) {
+            faults.push(document.fault(first, format!("the code map leaves out `{folder}`")));
         }
     }
     faults
@@ -66,16 +81,22 @@ fn invariant_faults(document: &File, files: &[File]) -> Vec<Fault> {
     faults
 }
 
-/// Whether `module::path::name` is a test of the library, of the tasks or of this binary.
+/// Whether `module::path::name` is a test of the library, of the tasks or of this binary, or `name::module::path::name` one
+/// of a crate.
 fn test_exists(test: &str, files: &[File]) -> bool {
     let mut modules: Vec<&str> = test.split("::").collect();
     let name = modules.pop().unwrap_or_default();
     // A module of tests may stand inside the file of its parent or have a file of its own.
     let inner = modules.last().is_some_and(|last| ["tests", "planted"].contains(last));
     let parents = [modules[..modules.len() - usize::from(inner)].join("/"), modules.join("/")];
-    let places = ["src", "tests/it", "xtask/src"].into_iter().flat_map(|root| {
+    let here = ["src", "tests/it", "xtask/src"].into_iter().flat_map(|root| {
         parents.iter().flat_map(move |module| [format!("{root}/{module}.rs"), format!("{root}/{module}/mod.rs")])
     });
+    let of_crate = parents.iter().flat_map(|path| {
+        let (name, module) = path.split_once('/').unwrap_or((path, "lib"));
+        [format!("crates/{name}/src/{module}.rs"), format!("crates/{name}/src/{module}/mod.rs")]
+    });
+    let places = here.chain(of_crate);
     places.into_iter().filter_map(|path| files.iter().find(|file| file.path == path)).any(|file| {
         let lines: Vec<&str> = file.text.lines().map(str::trim).collect();
         let is_test = |at: usize| lines[..at].iter().rev().take_while(|l| l.starts_with("#[")).any(|l| *l == "#[test]");

@@ -1,183 +1,97 @@
-//! Which module may name what. The tables are the architecture; a row changes together with
-//! ARCHITECTURE.md or not at all.
+//! Which crate may depend on what. That edges point one way is Cargo's to hold; what it cannot know is held here: that
+//! nothing below the engine needs a driver, a process or a file, and that the content of the chapter is nobody's need.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::paths::{self, Named};
+use super::paths;
 use super::{Fault, File, expect_none, file, messages, project};
 
-/// Modules of `src`, lowest first, with the modules that each may name. Sides of a comparison do not
-/// meet below `verdict`: no row before it lists both `formula` and `lane`. Test code may name any
-/// module of an earlier row.
-const MODULES: &[(&str, &[&str])] = &[
-    ("text", &[]),
-    ("value", &[]),
-    ("math", &[]),
-    ("diagnostic", &["text"]),
-    ("formula", &[]),
-    ("exact", &["math"]),
-    ("shard", &[]),
-    ("glsl", &["math", "text", "diagnostic", "value"]),
-    ("lint", &["glsl", "text", "diagnostic", "value"]),
-    ("lower", &["glsl", "text", "diagnostic", "value"]),
-    ("program", &["lower", "glsl", "text", "diagnostic", "value"]),
-    ("interp", &["program", "math", "text", "value"]),
-    ("lane", &["interp", "program", "lower", "glsl", "text", "value"]),
-    ("property", &["math", "text", "value"]),
-    ("bound", &["property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "math", "value"]),
-    ("verdict", &["bound", "property", "formula", "lane", "interp", "program", "text", "diagnostic", "value"]),
-    (
-        "suite",
-        &[
-            "verdict",
-            "bound",
-            "property",
-            "lane",
-            "interp",
-            "formula",
-            "program",
-            "lower",
-            "glsl",
-            "text",
-            "diagnostic",
-            "value",
-            "shard",
-        ],
-    ),
-    (
-        "fuzz",
-        &["verdict", "bound", "property", "lane", "interp", "program", "lower", "glsl", "text", "diagnostic", "value"],
-    ),
-    (
-        "mutate",
-        &[
-            "suite",
-            "verdict",
-            "bound",
-            "property",
-            "lane",
-            "program",
-            "lower",
-            "glsl",
-            "text",
-            "diagnostic",
-            "value",
-            "shard",
-        ],
-    ),
-    (
-        "refdata",
-        &[
-            "fuzz", "suite", "verdict", "bound", "property", "lane", "interp", "program", "formula", "exact", "math",
-            "value",
-        ],
-    ),
-    (
-        "report",
-        &[
-            "refdata",
-            "mutate",
-            "fuzz",
-            "suite",
-            "verdict",
-            "property",
-            "lane",
-            "program",
-            "lint",
-            "text",
-            "diagnostic",
-            "value",
-        ],
-    ),
-    (
-        "api",
-        &[
-            "report",
-            "suite",
-            "verdict",
-            "bound",
-            "property",
-            "lane",
-            "program",
-            "lower",
-            "glsl",
-            "text",
-            "diagnostic",
-            "value",
-        ],
-    ),
-    (
-        "cli",
-        &[
-            "report",
-            "refdata",
-            "mutate",
-            "fuzz",
-            "suite",
-            "lint",
-            "verdict",
-            "bound",
-            "property",
-            "lane",
-            "formula",
-            "program",
-            "lower",
-            "glsl",
-            "text",
-            "diagnostic",
-            "value",
-            "shard",
-        ],
-    ),
+/// Crates of the workspace that run in a browser as well: none of them may need what is in [`OUTSIDE`], directly or
+/// through another.
+const INSIDE: [&str; 7] = ["base", "number", "syntax", "property", "program", "judge", "lint"];
+
+/// Libraries that open devices, start processes or write files.
+const OUTSIDE: [&str; 12] = [
+    "wgpu",
+    "ash",
+    "glow",
+    "khronos-egl",
+    "pollster",
+    "tempfile",
+    "signal-hook",
+    "indicatif",
+    "clap",
+    "mimalloc",
+    "terminal_size",
+    "ignore",
 ];
 
-/// Crates, and parts of the standard library, with the places that may name them. A part of the
-/// standard library may be named in test code anywhere.
+/// Crates of the workspace that may depend on the chapter: reference data are made of its formulas and reported, and the
+/// program ships its suites.
+const WITH_CHAPTER: [&str; 3] = ["refdata", "report", "shadercheck"];
+
+/// Libraries, and parts of the standard library, with the places that may name them. A part of the standard library may
+/// be named in test code anywhere.
 const CONFINED: &[(&str, &[&str])] = &[
-    ("wgpu", &["src/lane/vulkan"]),
-    ("pollster", &["src/lane/vulkan"]),
-    ("khronos_egl", &["src/lane/opengl"]),
-    ("glow", &["src/lane/opengl"]),
-    ("ash", &["src/lane/native"]),
-    ("pulp", &["src/math"]),
-    ("naga", &["src/lower", "src/program", "src/interp", "src/lane"]),
-    ("tree_sitter", &["src/lint"]),
-    ("tree_sitter_cpp", &["src/lint"]),
-    ("encoding_rs", &["src/text"]),
-    ("chardetng", &["src/text"]),
-    ("ignore", &["src/cli"]),
-    ("signal_hook", &["src/cli"]),
-    ("globset", &["src/cli"]),
-    ("libtest_mimic", &["src/api"]),
-    ("std::fs", &["src/cli", "src/suite"]),
-    ("std::env", &["src/cli", "src/suite"]),
+    ("wgpu", &["crates/lanes/src/vulkan"]),
+    ("pollster", &["crates/lanes/src/vulkan"]),
+    ("khronos_egl", &["crates/lanes/src/opengl"]),
+    ("glow", &["crates/lanes/src/opengl"]),
+    ("ash", &["crates/lanes/src/native"]),
+    ("std::fs", &["src/cli", "crates/engine/src/suite"]),
+    ("std::env", &["src/cli", "crates/engine/src/suite"]),
     ("std::process::exit", &[]),
 ];
 
-/// Modules that may name these crates and no other: what they judge must not reach the formulas, and
-/// `math` is a leaf.
-/// approx and astro_float are dependencies of tests, and cargo keeps them out of everything else.
-const CLOSED: &[(&str, &[&str])] = &[("formula", &["glam", "approx"]), ("math", &["pulp", "astro_float"])];
+/// Folders whose files may name these libraries and no other: what they judge must not reach them.
+const CLOSED: &[(&str, &[&str])] = &[("crates/chapter/src/formula", &["glam", "approx", "judge"])];
 
-/// Files of the crate that are not inside a module.
-const ROOTS: [&str; 2] = ["src/lib.rs", "src/main.rs"];
-
-/// Names of modules from the crate's root to this file: `src/lint/glsl/mod.rs` is `lint`, `glsl`.
+/// Names of modules from the workspace's root to this file: `crates/lint/src/glsl/mod.rs` is `lint`, `glsl`.
 fn modules_of(path: &str) -> Vec<&str> {
-    let path = path.strip_prefix("src/").unwrap_or(path);
-    path.trim_end_matches(".rs").split('/').filter(|name| !["mod", "lib", "main"].contains(name)).collect()
+    let path = path.strip_prefix("crates/").or_else(|| path.strip_prefix("src/")).unwrap_or(path);
+    path.trim_end_matches(".rs").split('/').filter(|name| !["src", "mod", "lib", "main"].contains(name)).collect()
 }
 
-/// The module of the crate that a path leads to from a file `depth` modules deep, if it leaves its own.
-fn destination(path: &Named, depth: usize) -> Option<&str> {
-    let segments = &path.segments;
-    let ups = segments.iter().take_while(|segment| *segment == "super").count();
-    let at_root = match segments[0].as_str() {
-        "crate" | "shadercheck" => 1,
-        "super" if ups >= depth + path.inside => ups,
-        _ => return None,
+/// The dependencies of each crate of the workspace, without those of tests, by the name of its folder.
+fn graph(files: &[File]) -> BTreeMap<String, BTreeSet<String>> {
+    let of = |file: &File| {
+        let name = match file.path.strip_suffix("Cargo.toml")? {
+            "" => "shadercheck",
+            folder => folder.strip_prefix("crates/")?.trim_end_matches('/'),
+        };
+        let manifest: toml::Table = file.text.parse().expect("Cargo.toml is TOML");
+        let mut names = BTreeSet::new();
+        let unix = || manifest.get("target")?.get("cfg(unix)")?.get("dependencies");
+        for table in [manifest.get("dependencies"), unix()].into_iter().flatten().filter_map(toml::Value::as_table) {
+            names.extend(table.keys().cloned());
+        }
+        Some((name.to_owned(), names))
     };
-    segments.get(at_root).map(String::as_str)
+    files.iter().filter_map(of).collect()
+}
+
+/// Dependencies that a crate must not have, directly or through another crate of the workspace.
+fn wrong_dependencies(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
+    let mut faults = Vec::new();
+    for (name, direct) in graph {
+        let mut reached = direct.clone();
+        let mut open: Vec<&String> = direct.iter().collect();
+        while let Some(next) = open.pop() {
+            for further in graph.get(next).into_iter().flatten() {
+                if reached.insert(further.clone()) {
+                    open.push(further);
+                }
+            }
+        }
+        if INSIDE.contains(&name.as_str()) {
+            let outside = OUTSIDE.iter().filter(|library| reached.contains(**library));
+            faults.extend(outside.map(|library| format!("`{name}` must do without `{library}`")));
+        }
+        if reached.contains("chapter") && !WITH_CHAPTER.contains(&name.as_str()) {
+            faults.push(format!("`{name}` must not need the content of the chapter"));
+        }
+    }
+    faults
 }
 
 /// Modules that exist in test builds alone: declared `mod name;` under `#[cfg(test)]`.
@@ -199,41 +113,6 @@ pub(super) fn test_modules(files: &[File]) -> Vec<Vec<String>> {
 pub(super) fn is_test_file(file: &File, test_modules: &[Vec<String>]) -> bool {
     let own = modules_of(&file.path);
     test_modules.iter().any(|module| own.len() >= module.len() && own.iter().zip(module).all(|(a, b)| a == b))
-}
-
-/// Edges between modules that the table does not have.
-fn wrong_edges(files: &[File], table: &[(&str, &[&str])]) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    let test_modules = test_modules(files);
-    for file in files.iter().filter(|file| is_source(file) && !ROOTS.contains(&file.path.as_str())) {
-        let in_test = is_test_file(file, &test_modules);
-        let modules = modules_of(&file.path);
-        let own = modules[0];
-        let Some(row) = table.iter().position(|(name, _)| *name == own) else {
-            faults.push(file.fault(1, format!("the module `{own}` is not in the table of dependencies")));
-            continue;
-        };
-        match paths::named(&file.text) {
-            Err(error) => faults.push(file.fault(1, format!("cannot be read as Rust: {error}"))),
-            Ok(paths) => faults.extend(paths.iter().filter_map(|path| {
-                let other = destination(path, modules.len())?;
-                let earlier = || table[..row].iter().any(|(name, _)| *name == other);
-                let wrong = other != own && !table[row].1.contains(&other) && !((path.test || in_test) && earlier());
-                wrong.then(|| file.fault(path.line, format!("`{own}` must not depend on `{other}`")))
-            })),
-        }
-    }
-    faults
-}
-
-/// Rows that name a module below them: with none, the table has no cycle.
-fn upward_rows(table: &[(&str, &[&str])]) -> Vec<String> {
-    let below = |at: usize| table[..at].iter().map(|(name, _)| *name).collect::<BTreeSet<_>>();
-    let upward = |(at, (name, uses)): (usize, &(&str, &[&str]))| {
-        let below = below(at);
-        uses.iter().find(|used| !below.contains(*used)).map(|used| format!("{name} names {used}"))
-    };
-    table.iter().enumerate().filter_map(upward).collect()
 }
 
 /// Crates and parts of the standard library outside of their places.
@@ -259,7 +138,7 @@ fn strays(files: &[File], crates: &BTreeSet<String>) -> Vec<Fault> {
             }
             for (module, open) in CLOSED {
                 let root = path.segments[0].as_str();
-                if modules_of(&file.path).first() == Some(module) && crates.contains(root) && !open.contains(&root) {
+                if file.is_below(&[module]) && crates.contains(root) && !open.contains(&root) {
                     let open = open.join(", ");
                     faults.push(file.fault(path.line, format!("`{module}` imports std, {open} alone, not `{root}`")));
                 }
@@ -269,25 +148,25 @@ fn strays(files: &[File], crates: &BTreeSet<String>) -> Vec<Fault> {
     faults
 }
 
-/// The crates that Cargo.toml names, as Rust spells them.
+/// Libraries and crates that any manifest of the workspace names, as Rust spells them.
 fn crates(manifest: &str) -> BTreeSet<String> {
     let manifest: toml::Table = manifest.parse().expect("Cargo.toml is TOML");
-    let sections = ["dependencies", "dev-dependencies"].map(|name| manifest.get(name).and_then(toml::Value::as_table));
-    sections.into_iter().flatten().flat_map(toml::Table::keys).map(|name| name.replace('-', "_")).collect()
+    let all = manifest.get("workspace").and_then(|w| w.get("dependencies")).and_then(toml::Value::as_table);
+    all.into_iter().flat_map(toml::Table::keys).map(|name| name.replace('-', "_")).collect()
 }
 
+/// True for Rust of the program and of its crates.
 pub(super) fn is_source(file: &File) -> bool {
-    file.is_below(&["src"]) && file.path.ends_with(".rs")
+    let inside = file.is_below(&["src"]) || (file.is_below(&["crates"]) && file.path.contains("/src/"));
+    inside && file.path.ends_with(".rs")
 }
 
 #[test]
-fn edges_point_one_way() {
-    expect_none(&wrong_edges(&project(), MODULES));
-}
-
-#[test]
-fn the_table_of_edges_has_no_cycle() {
-    assert_eq!(upward_rows(MODULES), Vec::<String>::new());
+fn nobody_needs_what_it_must_do_without() {
+    let files = project();
+    let graph = graph(&files);
+    assert!(INSIDE.iter().chain(&["lanes", "engine", "chapter"]).all(|name| graph.contains_key(*name)), "{graph:?}");
+    assert_eq!(wrong_dependencies(&graph), Vec::<String>::new());
 }
 
 #[test]
@@ -303,106 +182,70 @@ mod planted {
     #[test]
     fn a_file_of_a_test_module_is_test_code_and_its_neighbour_is_not() {
         let files = [
-            File::new("src/lane/vulkan/mod.rs", "mod gpu;\n#[cfg(test)]\nmod tests;\n"),
-            File::new("src/lane/vulkan/tests.rs", "use crate::diagnostic::Diagnostic;"),
-            File::new("src/lane/vulkan/gpu.rs", "use crate::diagnostic::Diagnostic;"),
+            File::new("crates/judge/src/tape/mod.rs", "mod sweep;\n#[cfg(test)]\nmod tests;\n"),
+            File::new("crates/judge/src/tape/tests.rs", "use std::fs::read;"),
+            File::new("crates/judge/src/tape/sweep.rs", "use std::fs::read;"),
         ];
-        let faults = wrong_edges(&files, MODULES);
+        let faults = strays(&files, &crates("[workspace.dependencies]\n"));
         assert_eq!(messages(&faults).len(), 1, "{:?}", messages(&faults));
-        assert!(faults[0].to_string().contains("gpu.rs"));
+        assert!(faults[0].to_string().contains("sweep.rs"));
     }
 
-    fn edges(path: &str, text: &str) -> Vec<String> {
-        let faults = wrong_edges(&[File::new(path, text)], MODULES);
-        messages(&faults).into_iter().map(String::from).collect()
+    fn faults(manifests: &[(&str, &str)]) -> Vec<String> {
+        let files: Vec<File> = manifests
+            .iter()
+            .map(|(path, names)| {
+                let lines: String = names.split_whitespace().map(|name| format!("{name}.workspace = true\n")).collect();
+                File::new(path, &format!("[dependencies]\n{lines}"))
+            })
+            .collect();
+        wrong_dependencies(&graph(&files))
+    }
+
+    #[test]
+    fn a_driver_below_the_judge_is_reported_however_far_away() {
+        let below = ("crates/number/Cargo.toml", "ash");
+        let told = ["`judge` must do without `ash`", "`number` must do without `ash`"];
+        assert_eq!(faults(&[("crates/judge/Cargo.toml", "number"), below]), told);
+        assert!(faults(&[("crates/judge/Cargo.toml", "number"), ("crates/lanes/Cargo.toml", "ash")]).is_empty());
+    }
+
+    #[test]
+    fn an_engine_that_needs_the_chapter_is_reported() {
+        let told = ["`engine` must not need the content of the chapter"];
+        assert_eq!(faults(&[("crates/engine/Cargo.toml", "chapter judge")]), told);
+        assert!(
+            faults(&[("crates/chapter/Cargo.toml", "engine"), ("crates/refdata/Cargo.toml", "chapter")]).is_empty()
+        );
     }
 
     fn stray(path: &str, text: &str) -> Vec<String> {
-        let crates = crates("[dependencies]\nnaga = '1'\nglam = '1'\n[dev-dependencies]\nglsl-lang = '1'\n");
+        let crates = crates("[workspace.dependencies]\nnaga = '1'\nglam = '1'\nglsl-lang = '1'\n");
         let faults = strays(&[File::new(path, text)], &crates);
         messages(&faults).into_iter().map(String::from).collect()
     }
 
     #[test]
-    fn an_upward_import_is_reported() {
-        assert_eq!(edges("src/text/edit.rs", "use crate::lint::Rule;"), ["`text` must not depend on `lint`"]);
+    fn a_library_outside_of_its_place_is_reported() {
+        let message = "`wgpu` may be named in crates/lanes/src/vulkan alone";
+        assert_eq!(stray("crates/lanes/src/lib.rs", "use wgpu;"), [message]);
+        assert_eq!(stray("crates/judge/src/lib.rs", "fn f(d: &wgpu::Device) {}"), [message]);
+        assert!(stray("crates/lanes/src/vulkan/mod.rs", "use wgpu::Device;").is_empty());
     }
 
     #[test]
-    fn an_upward_path_in_a_body_is_reported_at_its_line() {
-        let faults = wrong_edges(&[File::new("src/lint/mod.rs", "fn f() {\n    crate::lane::all();\n}")], MODULES);
-        assert_eq!(faults, [File::new("src/lint/mod.rs", "").fault(2, "`lint` must not depend on `lane`")]);
-    }
-
-    #[test]
-    fn the_sides_of_a_comparison_do_not_know_each_other() {
-        assert_eq!(edges("src/lane/mod.rs", "use crate::formula::Formula;"), ["`lane` must not depend on `formula`"]);
-        assert_eq!(edges("src/formula/a.rs", "use crate::value::Batch;"), ["`formula` must not depend on `value`"]);
-    }
-
-    #[test]
-    fn climbing_with_super_is_seen_through() {
-        assert_eq!(
-            edges("src/lint/glsl/rule.rs", "use super::super::super::lane::Lane;"),
-            ["`lint` must not depend on `lane`"]
-        );
-        assert!(edges("src/lint/glsl/rule.rs", "use super::super::suppress::Line;").is_empty());
-        assert!(edges("src/lint/mod.rs", "mod tests { use super::lane; }").is_empty());
-        assert_eq!(edges("src/lint/mod.rs", "mod tests { use super::super::lane; }").len(), 1);
-    }
-
-    #[test]
-    fn a_downward_import_is_fine() {
-        assert!(edges("src/lint/mod.rs", "use crate::{glsl::Shader, lint::Rule, text};").is_empty());
-    }
-
-    #[test]
-    fn test_code_may_look_sideways_and_never_up() {
-        let planted = |other: &str| format!("#[cfg(test)]\nmod tests {{\n    use crate::{other};\n}}");
-        assert!(edges("src/property/a.rs", &planted("formula")).is_empty());
-        assert_eq!(edges("src/property/a.rs", &planted("verdict")), ["`property` must not depend on `verdict`"]);
-    }
-
-    #[test]
-    fn a_module_without_a_row_is_reported() {
-        assert_eq!(edges("src/extra/mod.rs", ""), ["the module `extra` is not in the table of dependencies"]);
-    }
-
-    #[test]
-    fn a_row_that_points_upwards_is_reported() {
-        assert_eq!(upward_rows(&[("a", &["b"]), ("b", &["a"])]), ["a names b"]);
-    }
-
-    #[test]
-    fn wgpu_outside_of_its_lane_is_reported() {
-        let message = "`wgpu` may be named in src/lane/vulkan alone";
-        assert_eq!(stray("src/lane/mod.rs", "use wgpu;"), [message]);
-        assert_eq!(stray("src/verdict/mod.rs", "fn f(d: &wgpu::Device) {}"), [message]);
-        assert!(stray("src/lane/vulkan/mod.rs", "use wgpu::Device;").is_empty());
-    }
-
-    #[test]
-    fn naga_in_the_linter_is_reported_in_tests_as_well() {
-        assert_eq!(stray("src/lint/mod.rs", "#[cfg(test)] mod tests { use naga::Module; }").len(), 1);
-    }
-
-    #[test]
-    fn file_access_is_reported_outside_of_tests() {
-        assert_eq!(stray("src/report/mod.rs", "use std::{fmt, fs};").len(), 1);
-        assert_eq!(stray("src/report/mod.rs", "fn f() { std::env::var(\"A\"); }").len(), 1);
-        assert!(stray("src/report/mod.rs", "#[cfg(test)] mod tests { use std::fs; }").is_empty());
+    fn system_access_outside_of_its_place_is_reported() {
+        assert_eq!(stray("crates/report/src/lib.rs", "use std::{fmt, fs};").len(), 1);
+        assert_eq!(stray("crates/report/src/lib.rs", "fn f() { std::env::var(\"A\"); }").len(), 1);
+        assert!(stray("crates/report/src/lib.rs", "#[cfg(test)] mod tests { use std::fs; }").is_empty());
         assert!(stray("src/cli/lint.rs", "use std::fs;").is_empty());
-    }
-
-    #[test]
-    fn leaving_the_process_is_reported() {
         assert_eq!(stray("src/cli/mod.rs", "fn f() { std::process::exit(1) }").len(), 1);
         assert!(stray("src/main.rs", "fn f() { std::process::exit(1) }").is_empty());
     }
 
     #[test]
-    fn formulas_import_std_and_glam_alone() {
-        let message = "`formula` imports std, glam, approx alone, not `glsl_lang`";
-        assert_eq!(stray("src/formula/curve.rs", "use glam::DVec4;\nuse glsl_lang::ast;"), [message]);
+    fn a_library_in_a_formula_is_reported() {
+        let message = "`crates/chapter/src/formula` imports std, glam, approx, judge alone, not `glsl_lang`";
+        assert_eq!(stray("crates/chapter/src/formula/curve.rs", "use glam::DVec4;\nuse glsl_lang::ast;"), [message]);
     }
 }

@@ -3,10 +3,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shadercheck::diagnostic::Safety;
-use shadercheck::lint::fix::fix;
-use shadercheck::lint::{Input, Settings};
-use shadercheck::text::decode;
+use base::diagnostic::Safety;
+use lint::fix::fix;
+use lint::{Input, Settings};
+use base::text::decode;
 
 const NAMES: [&str; 6] = ["a.vert", "a.frag", "a.geom", "a.comp", "a.tesc", "a.tese"];
 

@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shadercheck::lint::{Input, run};
-use shadercheck::text::decode_western;
+use lint::{Input, run};
+use base::text::decode_western;
 
 const NAMES: [&str; 8] = ["a.vert", "a.frag", "a.geom", "a.comp", "a.tesc", "a.tese", "a.glsl", "a.cpp"];
 

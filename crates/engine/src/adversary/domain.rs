@@ -1,0 +1,312 @@
+//! The device as numbers of the interpreter.
+
+use std::sync::Arc;
+
+use base::value::Scalar;
+use judge::profile::Op;
+use program::interp::{
+    Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, LANES, Mask, Site, Source, ToWords,
+    Unary, Words,
+};
+use property::mix;
+
+use super::choice::Place;
+use super::device::{Device, Normalize};
+
+/// Binary32 numbers on a device that errs as far as it may.
+#[derive(Clone, Debug)]
+pub struct Adversary {
+    device: Arc<Device>,
+    /// What has no promise to break is done as the interpreter does it.
+    strict: Binary32,
+    /// Names the inputs of each lane.
+    invocations: Vec<u64>,
+}
+
+/// One number for each lane, and what it was before it was rounded.
+#[derive(Clone, Debug, Default)]
+pub struct Column {
+    values: Numbers<f32>,
+    /// Exact products; NaN in lanes where the number is none. Empty where none is.
+    products: Vec<f64>,
+    /// For the factor of `normalize` that is the inverse of a length: these lengths.
+    lengths: Vec<f64>,
+}
+
+impl Column {
+    /// The numbers.
+    pub fn values(&self) -> &[f32; LANES] {
+        self.values.values()
+    }
+
+    fn wide(&self, lane: usize) -> f64 {
+        f64::from(self.values()[lane])
+    }
+
+    fn product(&self, lane: usize) -> Option<f64> {
+        self.products.get(lane).copied().filter(|product| !product.is_nan())
+    }
+
+    /// Forgets what the numbers were before.
+    fn rounded(&mut self) {
+        self.products.clear();
+        self.lengths.clear();
+    }
+}
+
+impl Adversary {
+    /// Numbers on a device.
+    pub fn new(device: Arc<Device>) -> Self {
+        Self { device, strict: Binary32::default(), invocations: vec![0; LANES] }
+    }
+
+    fn place(&self, site: Site, lane: usize) -> Place {
+        Place { site: site.index(), invocation: self.invocations[lane] }
+    }
+
+    /// A sum or difference, of products before their rounding where they are fused.
+    fn sum(&self, site: Site, op: Op, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
+        let values = out.values.values_mut();
+        active.each(|lane| {
+            let place = self.place(site, lane);
+            let mut args = [a.wide(lane), b.wide(lane)];
+            let products = [a.product(lane), b.product(lane)];
+            if products != [None, None] && self.device.fuses(args, place) {
+                // One of two products is rounded.
+                match products {
+                    [Some(product), _] => args[0] = product,
+                    [None, Some(product)] => args[1] = product,
+                    [None, None] => {}
+                }
+            }
+            values[lane] = self.device.apply(op, &args, place);
+        });
+    }
+
+    fn product(&self, site: Site, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
+        let Column { values, products, .. } = out;
+        let values = values.values_mut();
+        let (x, lengths) = if a.lengths.is_empty() { (a, &b.lengths) } else { (b, &a.lengths) };
+        if !lengths.is_empty() {
+            active.each(|lane| {
+                let args = [x.wide(lane), lengths[lane]];
+                values[lane] = self.device.apply_in(Op::Div, Some(Op::Normalize), &args, self.place(site, lane));
+            });
+            return;
+        }
+        products.resize(LANES, f64::NAN);
+        active.each(|lane| {
+            let args = [a.wide(lane), b.wide(lane)];
+            values[lane] = self.device.apply(Op::Mul, &args, self.place(site, lane));
+            // Exact: 24 digits each.
+            products[lane] = args[0] * args[1];
+        });
+    }
+
+    /// 1/√x as the factor of `normalize`.
+    fn normal_scale(&self, site: Site, active: &Mask, a: &Column, out: &mut Column) {
+        let way = self.device.normalize();
+        let Column { values, lengths, .. } = out;
+        let values = values.values_mut();
+        if way == Normalize::ByLength {
+            lengths.resize(LANES, f64::NAN);
+        }
+        active.each(|lane| {
+            let (x, place) = (a.wide(lane), self.place(site, lane));
+            values[lane] = match way {
+                Normalize::ByInverseSqrt => self.device.apply_in(Op::InverseSqrt, Some(Op::Normalize), &[x], place),
+                Normalize::ByLength => {
+                    lengths[lane] = f64::from(self.device.apply_in(Op::Sqrt, None, &[x], place));
+                    (1.0 / lengths[lane]) as f32
+                }
+                Normalize::Free => self.device.wild(Op::Normalize, 1.0 / x.sqrt(), place),
+            };
+        });
+    }
+}
+
+/// The operation of a profile; `None` for what profiles do not list as a scalar operation.
+fn unary_op(op: Unary) -> Option<Op> {
+    Some(match op {
+        Unary::Negate => Op::Neg,
+        Unary::Abs => Op::Abs,
+        Unary::Sign => Op::Sign,
+        Unary::Floor => Op::Floor,
+        Unary::Ceil => Op::Ceil,
+        Unary::Round => Op::RoundEven,
+        Unary::Trunc => Op::Trunc,
+        Unary::Fract => Op::Fract,
+        Unary::Sqrt => Op::Sqrt,
+        Unary::InverseSqrt => Op::InverseSqrt,
+        Unary::Exp => Op::Exp,
+        Unary::Exp2 => Op::Exp2,
+        Unary::Log => Op::Log,
+        Unary::Log2 => Op::Log2,
+        Unary::Sin => Op::Sin,
+        Unary::Cos => Op::Cos,
+        Unary::Tan => Op::Tan,
+        Unary::Asin => Op::Asin,
+        Unary::Acos => Op::Acos,
+        Unary::Atan => Op::Atan,
+        Unary::Sinh => Op::Sinh,
+        Unary::Cosh => Op::Cosh,
+        Unary::Tanh => Op::Tanh,
+        Unary::Asinh => Op::Asinh,
+        Unary::Acosh => Op::Acosh,
+        Unary::Atanh => Op::Atanh,
+        Unary::Radians => Op::Radians,
+        Unary::Degrees => Op::Degrees,
+        Unary::Half | Unary::FrexpFraction | Unary::NormalScale | Unary::Determinant | Unary::Inverse => return None,
+    })
+}
+
+fn binary_op(op: Binary) -> Op {
+    match op {
+        Binary::Add => Op::Add,
+        Binary::Subtract => Op::Sub,
+        Binary::Multiply => Op::Mul,
+        Binary::Divide => Op::Div,
+        Binary::Remainder => Op::Rem,
+        Binary::Min => Op::Min,
+        Binary::Max => Op::Max,
+        Binary::Pow => Op::Pow,
+        Binary::Atan2 => Op::Atan2,
+        Binary::Step => Op::Step,
+    }
+}
+
+impl Domain for Adversary {
+    type Column = Column;
+    type Word = u32;
+
+    fn begin(&mut self) {
+        self.invocations.fill(0);
+    }
+
+    fn column(&mut self) -> Column {
+        Column { values: self.strict.column(), ..Column::default() }
+    }
+
+    fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Column) {
+        out.rounded();
+        self.strict.constant(site, value, &mut out.values);
+    }
+
+    fn input(&mut self, source: Source, words: &Words, out: &mut Column) {
+        out.rounded();
+        self.strict.input(source, words, &mut out.values);
+        for (invocation, &word) in self.invocations.iter_mut().zip(words) {
+            *invocation = mix(*invocation, u64::from(word));
+        }
+    }
+
+    fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
+        out.rounded();
+        let free = match op {
+            Unary::NormalScale => return self.normal_scale(site, active, a, out),
+            Unary::Determinant => Some(Op::Determinant).filter(|&op| self.device.is_free(op)),
+            Unary::Inverse => Some(Op::Inverse).filter(|&op| self.device.is_free(op)),
+            _ => None,
+        };
+        let Column { values, products, .. } = out;
+        match (unary_op(op), free) {
+            (Some(op), _) => {
+                let values = values.values_mut();
+                active.each(|lane| values[lane] = self.device.apply(op, &[a.wide(lane)], self.place(site, lane)));
+            }
+            (None, Some(op)) => {
+                let values = values.values_mut();
+                active.each(|lane| values[lane] = self.device.wild(op, a.wide(lane), self.place(site, lane)));
+            }
+            (None, None) => self.strict.unary(site, op, active, &a.values, values),
+        }
+        if op == Unary::Negate {
+            products.extend(a.products.iter().map(|product| -product));
+        }
+    }
+
+    fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
+        out.rounded();
+        match op {
+            Binary::Add | Binary::Subtract => self.sum(site, binary_op(op), active, a, b, out),
+            Binary::Multiply => self.product(site, active, a, b, out),
+            _ => {
+                let values = out.values.values_mut();
+                active.each(|lane| {
+                    let args = [a.wide(lane), b.wide(lane)];
+                    values[lane] = self.device.apply(binary_op(op), &args, self.place(site, lane));
+                });
+            }
+        }
+    }
+
+    fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
+        out.rounded();
+        for (lane, value) in out.values.values_mut().iter_mut().enumerate() {
+            // Further powers lead out of binary32 as well, and these are exact in binary64.
+            let power = exponent[lane].cast_signed().clamp(-400, 400);
+            let exact = |args: &[f64]| args[0] * 2f64.powi(power);
+            *value = self.device.apply_to(Op::Ldexp, &[a.wide(lane)], &exact, self.place(site, lane));
+        }
+    }
+
+    fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
+        active.each(|lane| {
+            let [a, b] = self.device.compared([a.wide(lane), b.wide(lane)], self.place(site, lane));
+            out[lane] = u32::from(op.holds(a, b));
+        });
+    }
+
+    fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Column, out: &mut Words) {
+        self.strict.classify(site, class, active, &a.values, out);
+    }
+
+    fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Column, out: &mut Words) -> Mask {
+        let mut seen = a.values.clone();
+        let values = seen.values_mut();
+        active.each(|lane| values[lane] = self.device.converted(a.wide(lane), self.place(site, lane)) as f32);
+        self.strict.words_of(site, op, active, &seen, out)
+    }
+
+    fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Column) {
+        out.rounded();
+        let number = match op {
+            FromWords::Signed => |word: u32| f64::from(word.cast_signed()),
+            FromWords::Unsigned => |word: u32| f64::from(word),
+            FromWords::Bits | FromWords::HalfBits => return self.strict.reals_of(site, op, a, &mut out.values),
+        };
+        for (lane, value) in out.values.values_mut().iter_mut().enumerate() {
+            let args = [number(a[lane])];
+            *value = self.device.apply_to(Op::Convert, &args, &|args| args[0], self.place(site, lane));
+        }
+    }
+
+    fn copy(&mut self, from: &Column, to: &mut Column) {
+        self.strict.copy(&from.values, &mut to.values);
+        to.products.clone_from(&from.products);
+        to.lengths.clone_from(&from.lengths);
+    }
+
+    fn merge(&mut self, mask: &Mask, from: &Column, to: &mut Column) {
+        self.strict.merge(mask, &from.values, &mut to.values);
+        // The factor of `normalize` is used where it is made, and by nothing else.
+        to.lengths.clear();
+        if !from.products.is_empty() || !to.products.is_empty() {
+            to.products.resize(LANES, f64::NAN);
+            mask.each(|lane| to.products[lane] = from.product(lane).unwrap_or(f64::NAN));
+        }
+    }
+
+    fn poison(&mut self, mask: &Mask, to: &mut Column) {
+        self.strict.poison(mask, &mut to.values);
+        to.rounded();
+    }
+
+    fn word(&self, column: &Column, lane: usize) -> Option<u32> {
+        self.strict.word(&column.values, lane)
+    }
+
+    fn exact(word: u32, scalar: Scalar) -> u32 {
+        Binary32::exact(word, scalar)
+    }
+}

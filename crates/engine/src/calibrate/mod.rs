@@ -1,0 +1,398 @@
+//! Measures the operations of a device against exact values, and holds them against a promise.
+//!
+//! References are computed in binary64: within 2 ULP of binary64, and so within 2^-27 ULP of a binary32
+//! result. An error that a table shows is good to that much.
+//!
+//! The work is cut into blocks. What was measured after a block is a [`State`], which can be written
+//! down and continued.
+
+mod definition;
+mod probe;
+mod tally;
+mod write;
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use base::value::Batch;
+use judge::profile::{Entry, Op, Profile, Rule, by_name};
+use judge::single::kernel;
+use lanes::{Actual, Lane, LaneError, Runner, Stage};
+use program::ProgramError;
+
+pub use definition::confirmed;
+pub use judge::single::{Inputs, expression, measurable};
+pub use probe::{Behaviour, Fusion, probe};
+pub use tally::{Judge, Tally, Worst};
+pub use write::Document;
+
+/// Invocations of one dispatch.
+const DISPATCH: usize = 1 << 17;
+/// Words of one block of an exhaustive sweep; a power of two.
+const SWEEP_BLOCK: u64 = 1 << 26;
+/// Words that parts of an exhaustive sweep are multiples of: all numbers of one sign and exponent.
+const SWEEP_UNIT: u64 = 1 << 23;
+/// Samples of one block of a measurement by samples.
+const SAMPLE_BLOCK: u64 = 1 << 22;
+/// Words that are finite numbers of one sign.
+const FINITE: u64 = 0x7f80_0000;
+/// First word of the numbers with a minus sign.
+const NEGATIVE: u64 = 0x8000_0000;
+
+/// Why a device could not be measured.
+#[derive(Debug, Error)]
+pub enum CalibrateError {
+    /// A kernel could not be made.
+    #[error(transparent)]
+    Program(ProgramError),
+    /// The lane failed.
+    #[error(transparent)]
+    Lane(LaneError),
+    /// A probe gave what neither of its alternatives gives.
+    #[error("the probe for {what} gave {found:e}, which is no result of any rule; the device computes wrongly")]
+    Odd {
+        /// What was probed.
+        what: &'static str,
+        /// The result.
+        found: f32,
+    },
+    /// A state was made by another request.
+    #[error("the saved state is of another run: {what}; remove it or leave out --resume")]
+    OtherRun {
+        /// What differs.
+        what: String,
+    },
+    /// The state could not be saved.
+    #[error("cannot save the state: {0}")]
+    Save(std::io::Error),
+}
+
+/// What to measure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Names of the operations, in the order of the table.
+    pub ops: Vec<String>,
+    /// Samples of each operation; specials come on top.
+    pub samples: u64,
+    /// All arguments of functions of one argument.
+    pub exhaustive: bool,
+    /// Device and driver.
+    pub driver: String,
+    /// Which part of the samples of each operation: its number from 0, and of how many.
+    #[serde(default = "whole")]
+    pub part: (u64, u64),
+}
+
+/// The part that is everything.
+pub fn whole() -> (u64, u64) {
+    (0, 1)
+}
+
+impl Request {
+    fn operations(&self) -> Vec<Op> {
+        self.ops.iter().filter_map(|name| Op::by_name(name)).collect()
+    }
+
+    /// True when all arguments of `op` are tried.
+    pub fn sweeps(&self, op: Op) -> bool {
+        self.exhaustive && op.arity() == Some(1)
+    }
+
+    /// Samples of an operation.
+    pub fn size(&self, op: Op) -> u64 {
+        if self.sweeps(op) { 2 * FINITE } else { self.samples + Inputs::new(op).special_count() as u64 }
+    }
+
+    /// The samples of an operation that belong to this part.
+    pub fn range(&self, op: Op) -> Range<u64> {
+        let size = self.size(op);
+        // A dispatch of a sweep begins at a multiple of its size.
+        let unit = if self.sweeps(op) { SWEEP_UNIT } else { 1 };
+        let (index, count) = self.part;
+        let at = |k: u64| {
+            let units = u128::from(size.div_ceil(unit)) * u128::from(k) / u128::from(count.max(1));
+            (units as u64).saturating_mul(unit).min(size)
+        };
+        at(index)..at(index + 1)
+    }
+
+    /// Samples of all operations in this part.
+    pub fn total(&self) -> u64 {
+        self.operations().into_iter().map(|op| self.range(op)).map(|range| range.end - range.start).sum()
+    }
+}
+
+/// True when a lane runs an operation alone: not every driver has every version of GLSL.
+///
+/// # Errors
+/// [`CalibrateError`] when the lane fails for another reason.
+pub fn runs(lane: &dyn Lane, op: Op) -> Result<bool, CalibrateError> {
+    match lane.prepare(&kernel::pointwise(op)?, 1) {
+        Ok(_) => Ok(true),
+        Err(LaneError::Unsupported(_)) => Ok(false),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// What was measured so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    request: Request,
+    /// Tallies of the operations of the request that are complete, and of the one under way.
+    tallies: Vec<Tally>,
+    /// Samples of the last tally; all when it is complete.
+    position: u64,
+}
+
+impl State {
+    /// A state before the first sample.
+    pub fn new(request: Request) -> Self {
+        Self { request, tallies: Vec::new(), position: 0 }
+    }
+
+    /// This state, if it is of the same request.
+    ///
+    /// # Errors
+    /// [`CalibrateError::OtherRun`] with what differs.
+    pub fn resume(self, request: &Request) -> Result<Self, CalibrateError> {
+        let (was, is) = (&self.request, request);
+        let differs = [
+            ("device", was.driver != is.driver, was.driver.clone(), is.driver.clone()),
+            ("operations", was.ops != is.ops, was.ops.join(","), is.ops.join(",")),
+            ("part", was.part != is.part, format!("{:?}", was.part), format!("{:?}", is.part)),
+            ("samples", was.samples != is.samples, was.samples.to_string(), is.samples.to_string()),
+            ("exhaustive", was.exhaustive != is.exhaustive, was.exhaustive.to_string(), is.exhaustive.to_string()),
+        ];
+        match differs.into_iter().find(|(_, differs, ..)| *differs) {
+            Some((what, _, was, is)) => Err(CalibrateError::OtherRun { what: format!("{what} was {was} and is {is}") }),
+            None => Ok(self),
+        }
+    }
+
+    /// Samples done.
+    pub fn done(&self) -> u64 {
+        let complete = self.tallies.len().saturating_sub(1);
+        let mut ranges = self.request.operations().into_iter().map(|op| self.request.range(op));
+        let sizes: u64 = ranges.by_ref().take(complete).map(|range| range.end - range.start).sum();
+        let begin = ranges.next().map_or(0, |range| range.start);
+        sizes + if self.tallies.is_empty() { 0 } else { self.position.saturating_sub(begin) }
+    }
+
+    /// Adds what was measured on another part of the same samples; the order does not matter. The result is a
+    /// state of the whole once all parts are joined.
+    ///
+    /// # Errors
+    /// [`CalibrateError::OtherRun`] when the other is no part of this, or one of both is not complete.
+    pub fn join(&mut self, other: Self) -> Result<(), CalibrateError> {
+        let is = Request { part: other.request.part, ..self.request.clone() };
+        let other = other.resume(&is)?;
+        let complete = |state: &Self| state.tallies.len() == state.request.ops.len();
+        if !complete(self) || !complete(&other) {
+            return Err(CalibrateError::OtherRun { what: "a part of it is not complete".to_owned() });
+        }
+        self.request.part = whole();
+        self.tallies.iter_mut().zip(&other.tallies).for_each(|(one, other)| one.merge(other));
+        self.position = self.request.operations().last().map_or(0, |op| self.request.size(*op));
+        Ok(())
+    }
+
+    /// Each operation with its tally.
+    pub fn measurements(&self) -> Vec<(Op, &Tally)> {
+        self.request.operations().into_iter().zip(&self.tallies).collect()
+    }
+
+    /// The request.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+}
+
+/// Measures what is still to do. `saved` gets the state after every block, and the name of the
+/// operation.
+///
+/// # Errors
+/// [`CalibrateError`]; what was saved can be continued.
+pub fn run(
+    lane: &dyn Lane,
+    state: &mut State,
+    saved: &mut dyn FnMut(&State, Op) -> std::io::Result<()>,
+) -> Result<(), CalibrateError> {
+    let (text, suite) = promises();
+    for (index, op) in state.request.operations().into_iter().enumerate() {
+        let Range { start, end: size } = state.request.range(op);
+        let complete = index + 1 < state.tallies.len() || (index + 1 == state.tallies.len() && state.position >= size);
+        if complete {
+            continue;
+        }
+        if index == state.tallies.len() {
+            state.tallies.push(Tally::default());
+            state.position = start;
+        }
+        let judge = Judge::new(op, text, suite, Stage::Compute);
+        let sweeps = state.request.sweeps(op);
+        let mut device = Device::new(lane, op, sweeps)?;
+        let block = if sweeps { SWEEP_BLOCK } else { SAMPLE_BLOCK };
+        while state.position < size {
+            let end = size.min(state.position + block);
+            let mut tally = Tally::default();
+            device.block(&judge, state.position..end, &mut tally)?;
+            state.tallies[index].merge(&tally);
+            state.position = end;
+            saved(state, op).map_err(CalibrateError::Save)?;
+        }
+    }
+    Ok(())
+}
+
+/// The text of the specification that devices promise, and the rule of its conformance suite.
+pub fn promises() -> (&'static Profile, &'static Profile) {
+    let shipped = |name| by_name(name).unwrap_or_else(|| unreachable!("the profile `{name}` is part of the program"));
+    (shipped("vulkan-1.4"), shipped("vulkan-cts"))
+}
+
+/// A kernel on a lane with what feeds it.
+struct Device {
+    runner: Box<dyn Runner>,
+    batch: Batch,
+    op: Op,
+    /// Results of one invocation.
+    width: usize,
+    inputs: Inputs,
+}
+
+impl Device {
+    fn new(lane: &dyn Lane, op: Op, sweeps: bool) -> Result<Self, CalibrateError> {
+        let kernel = if sweeps { kernel::sweep(op)? } else { kernel::pointwise(op)? };
+        let batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, DISPATCH);
+        let width = if sweeps { kernel::SWEEP } else { 1 };
+        Ok(Self { runner: lane.prepare(&kernel, DISPATCH)?, batch, op, width, inputs: Inputs::new(op) })
+    }
+
+    /// Runs samples `range` and tallies them.
+    fn block(&mut self, judge: &Judge<'_>, range: Range<u64>, tally: &mut Tally) -> Result<(), CalibrateError> {
+        // A power of two, so that no part of a sweep crosses from one binade to the next.
+        let step = (1 << self.runner.capacity().max(1).ilog2()) * self.width as u64;
+        let mut from = range.start;
+        // What the device gave last is tallied while it computes the next.
+        let mut last: Option<(Batch, Actual)> = None;
+        let mut spare = self.batch.clone();
+        while from < range.end || last.is_some() {
+            let to = range.end.min(from + step);
+            let (op, width) = (self.op, self.width);
+            let (part, next) = std::thread::scope(|scope| {
+                let tallying = last
+                    .as_ref()
+                    .map(|(batch, actual)| scope.spawn(|| dispatch_tally(judge, op, width, batch, actual)));
+                let next = (from < to).then(|| {
+                    self.fill(&mut spare, from..to);
+                    self.runner.run(&spare)
+                });
+                (tallying.map(|thread| thread.join()), next)
+            });
+            match part {
+                Some(Ok(part)) => tally.merge(&part),
+                // A defect of ours, shown as what it is.
+                Some(Err(panic)) => std::panic::resume_unwind(panic),
+                None => {}
+            }
+            let free = last.take().map(|(batch, _)| batch);
+            if let Some(actual) = next {
+                let filled = std::mem::replace(&mut spare, free.unwrap_or_else(|| self.batch.clone()));
+                last = Some((filled, actual?));
+            }
+            from = to;
+        }
+        Ok(())
+    }
+
+    /// Writes the arguments of samples `range`.
+    fn fill(&self, batch: &mut Batch, range: Range<u64>) {
+        let arity = self.op.arity().unwrap_or(1);
+        batch.invocations.clear();
+        if self.width > 1 {
+            batch.invocations.extend(range.step_by(self.width).map(swept));
+        } else {
+            batch.invocations.extend(range.flat_map(|k| self.inputs.at(k).into_iter().take(arity)));
+        }
+    }
+}
+
+/// The tally of a dispatch.
+fn dispatch_tally(judge: &Judge<'_>, op: Op, width: usize, batch: &Batch, actual: &Actual) -> Tally {
+    match op.column().filter(|_| width > 1) {
+        Some(column) => sweep_tally(judge, column, batch, actual),
+        None => judge.tally(batch.invocation_count(), |k| {
+            let mut arguments = [0; 3];
+            let record = batch.invocation(k);
+            arguments[..record.len()].copy_from_slice(record);
+            (arguments, actual.vertex(k, 0)[0])
+        }),
+    }
+}
+
+/// Invocations of a sweep that one thread takes at a time: a part of a binade.
+const PART: usize = 1 << 14;
+
+/// The tally of a dispatch of the sweeping kernel.
+fn sweep_tally(judge: &Judge<'_>, column: fn(&[f64], &mut [f64]), batch: &Batch, actual: &Actual) -> Tally {
+    let part = |(k, words): (usize, &[u32])| {
+        let mut results = Vec::with_capacity(words.len() * kernel::SWEEP);
+        (k * PART..k * PART + words.len()).for_each(|i| results.extend_from_slice(actual.vertex(i, 0)));
+        judge.tally_neighbours(words[0], &results, column)
+    };
+    batch.invocations.par_chunks(PART).enumerate().map(part).reduce(Tally::default, |mut a, b| {
+        a.merge(&b);
+        a
+    })
+}
+
+/// The `k`-th finite number: those with a plus sign first.
+fn swept(k: u64) -> u32 {
+    (if k < FINITE { k } else { k - FINITE + NEGATIVE }) as u32
+}
+
+/// How the measured errors of an operation relate to what is promised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// All within the text of the specification.
+    Inside,
+    /// Some outside of the text, all accepted by the conformance suite.
+    InsideSuite,
+    /// Some that the conformance suite does not accept.
+    Outside,
+    /// Nothing is promised.
+    NoPromise,
+}
+
+impl Standing {
+    /// Of an operation with its tally.
+    pub fn of(op: Op, tally: &Tally) -> Self {
+        let (text, _) = promises();
+        let promised = match text.entry(op) {
+            Entry::Promised(pieces) => pieces.iter().any(|p| p.rule != Rule::NoPromise),
+            Entry::Measured(_) => true,
+        };
+        match (promised, tally.outside_suite, tally.outside_text) {
+            (false, ..) => Self::NoPromise,
+            (true, 0, 0) => Self::Inside,
+            (true, 0, _) => Self::InsideSuite,
+            (true, ..) => Self::Outside,
+        }
+    }
+
+    /// A few words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inside => "inside",
+            Self::InsideSuite => "inside the conformance rule only",
+            Self::Outside => "outside",
+            Self::NoPromise => "no promise",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

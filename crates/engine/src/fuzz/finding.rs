@@ -1,0 +1,257 @@
+//! What a run of one function gives.
+
+use super::domain::Law;
+use judge::verdict::BatchVerdict;
+use judge::verdict::diagnosis::{Diagnosis, Place};
+use lanes::LaneName;
+use serde::{Deserialize, Serialize};
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Kind {
+    /// A lane gives something else than the function means.
+    LaneDeviation,
+    /// A lane gives different outputs for the same inputs.
+    NotDeterministic,
+    /// A lane could not run the function to its end.
+    LaneFailed,
+    /// An output has no value.
+    NoValue,
+    /// An output is infinite.
+    Infinite,
+    /// A value on the way is too large for binary32, and the output is not.
+    Overflow,
+    /// A value on the way is too small for binary32, and that is lost in the output.
+    Underflow,
+    /// Rounding on the way leaves binary32 without a value where real numbers have one.
+    Lost,
+    /// An output is not written.
+    NotWritten,
+    /// More vertices than `max_vertices`.
+    TooManyVertices,
+    /// A loop does not end in reasonable time.
+    Endless,
+    /// A variable that is read before it has a value, or a function that ends without `return`.
+    Unset,
+    /// An operation on arguments for which the language leaves its value undefined.
+    Undefined,
+    /// An index outside of its array.
+    Index,
+    /// An integer divided by zero.
+    DivisionByZero,
+    /// A shift by 32 or more.
+    Shift,
+    /// A number that does not fit the integer that it is converted to.
+    Conversion,
+    /// A signed integer that does not fit.
+    IntegerOverflow,
+    /// Rounding is enlarged so much that an output has few right digits.
+    IllConditioned,
+    /// An output is too large for binary32.
+    TooLarge,
+}
+
+impl Kind {
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LaneDeviation => "lane_deviation",
+            Self::NotDeterministic => "not_deterministic",
+            Self::LaneFailed => "lane_failed",
+            Self::NoValue => "no_value",
+            Self::Infinite => "infinite",
+            Self::Overflow => "overflow",
+            Self::Underflow => "underflow",
+            Self::Lost => "lost",
+            Self::NotWritten => "not_written",
+            Self::TooManyVertices => "too_many_vertices",
+            Self::Endless => "endless",
+            Self::Unset => "unset",
+            Self::Undefined => "undefined",
+            Self::Index => "index",
+            Self::DivisionByZero => "division_by_zero",
+            Self::Shift => "shift",
+            Self::Conversion => "conversion",
+            Self::IntegerOverflow => "integer_overflow",
+            Self::IllConditioned => "ill_conditioned",
+            Self::TooLarge => "too_large",
+        }
+    }
+
+    /// How bad it is, where samples that count show it (`counting`) or only others, and where every input
+    /// has a stated domain or not.
+    pub fn severity(self, counting: bool, stated: bool) -> Severity {
+        match self {
+            Self::LaneDeviation | Self::NotDeterministic | Self::LaneFailed => Severity::Finding,
+            Self::NoValue
+            | Self::Infinite
+            | Self::Overflow
+            | Self::Underflow
+            | Self::Lost
+            | Self::NotWritten
+            | Self::Unset
+            | Self::TooManyVertices
+                if counting =>
+            {
+                Severity::Finding
+            }
+            Self::IllConditioned if counting => Severity::Warning,
+            // What whole numbers a function takes, and how large its results may be, only its author knows.
+            Self::Undefined
+            | Self::Index
+            | Self::DivisionByZero
+            | Self::Shift
+            | Self::Conversion
+            | Self::IntegerOverflow
+            | Self::TooLarge
+            | Self::Endless
+                if stated =>
+            {
+                Severity::Finding
+            }
+            Self::NoValue
+            | Self::Infinite
+            | Self::Overflow
+            | Self::Underflow
+            | Self::Lost
+            | Self::NotWritten
+            | Self::TooManyVertices
+            | Self::IllConditioned
+            | Self::Unset
+            | Self::Undefined
+            | Self::Index
+            | Self::DivisionByZero
+            | Self::Shift
+            | Self::Conversion
+            | Self::IntegerOverflow
+            | Self::TooLarge
+            | Self::Endless => Severity::Note,
+        }
+    }
+}
+
+/// How bad something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Severity {
+    /// Wrong: the run fails.
+    Finding,
+    /// Worth a look; the run does not fail.
+    Warning,
+    /// For inputs alone that may never come.
+    Note,
+}
+
+impl Severity {
+    /// `finding`, `warning` or `note`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Finding => "finding",
+            Self::Warning => "warning",
+            Self::Note => "note",
+        }
+    }
+}
+
+/// One input of a case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputValue {
+    /// Type and name.
+    pub name: String,
+    /// The words.
+    pub bits: Vec<u32>,
+    /// The values in decimal.
+    pub decimal: Vec<String>,
+}
+
+/// One thing that was found.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it is.
+    pub kind: Kind,
+    /// How bad it is.
+    pub severity: Severity,
+    /// One sentence without a full stop.
+    pub message: String,
+    /// Where it stands in the author's file, with the text there.
+    pub place: Option<Place>,
+    /// The lane, for what concerns one.
+    #[serde(with = "lanes::known::option")]
+    pub lane: Option<LaneName>,
+    /// Samples that show it.
+    pub count: u64,
+    /// How many of these count: inputs inside of stated domains, or of moderate size.
+    pub counting: u64,
+    /// The smallest inputs that show it.
+    pub inputs: Vec<InputValue>,
+    /// The output that shows it.
+    pub output: Option<String>,
+    /// What the output means in real numbers.
+    #[serde(with = "base::value::exact::option")]
+    pub meaning: Option<f64>,
+    /// Bits of what binary32, or the lane, gives.
+    pub found: Option<u32>,
+    /// By how much the operation enlarges relative errors.
+    #[serde(with = "base::value::exact::option")]
+    pub condition: Option<f64>,
+    /// Of what loses digits: the largest error of strict binary32, as part of the output's size, and the
+    /// inputs that show it.
+    #[serde(with = "base::value::exact::beside")]
+    pub worst: Option<(f64, Vec<InputValue>)>,
+    /// Where a deviation of a lane comes from.
+    pub diagnosis: Option<Diagnosis>,
+    /// A command that shows it again.
+    pub reproduce: Option<String>,
+}
+
+/// What one lane gave.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LaneReport {
+    /// Name of the lane.
+    #[serde(with = "lanes::known")]
+    pub lane: LaneName,
+    /// Verdicts.
+    pub verdicts: BatchVerdict,
+    /// Why it did not run.
+    pub not_run: Option<String>,
+}
+
+/// What came of one function.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FunctionReport {
+    /// Name of the function.
+    pub function: String,
+    /// Where it stands.
+    pub at: String,
+    /// Samples that were looked at.
+    pub samples: u64,
+    /// Samples beside these that lie at edges of what the function decides.
+    pub edges: u64,
+    /// Why it was not run.
+    pub not_run: Option<String>,
+    /// Each input, type and name, with what is stated of it.
+    pub inputs: Vec<(String, Vec<Law>)>,
+    /// What samplers were bound to, one line each.
+    pub textures: Vec<String>,
+    /// Built-in values that are 0 in every sample: a compute stage is run as the first invocation of a dispatch, alone.
+    #[serde(default)]
+    pub first_of_dispatch: Vec<String>,
+    /// The largest error of strict binary32 on samples that count, as part of the output's size.
+    #[serde(with = "base::value::exact")]
+    pub max_error: f64,
+    /// The lanes.
+    pub lanes: Vec<LaneReport>,
+    /// What was found, the worst first.
+    pub findings: Vec<Finding>,
+}
+
+impl FunctionReport {
+    /// Findings of this severity.
+    pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(move |f| f.severity == severity)
+    }
+
+    /// True when the run of this function fails.
+    pub fn fails(&self) -> bool {
+        self.of(Severity::Finding).next().is_some()
+    }
+}

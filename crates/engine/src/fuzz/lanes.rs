@@ -1,0 +1,281 @@
+//! A function on one lane: verdicts on its outputs, blame, and whether equal inputs give equal outputs.
+
+use super::domain::{Domain, Shrinking};
+use super::finding::{Finding, Kind, LaneReport, Severity};
+use super::shrinking::inputs;
+use super::subject::Ready;
+use base::value::{Batch, Scalar};
+use judge::profile::Rulings;
+use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
+use judge::verdict::{BatchVerdict, Court, Fence, Fenced, Oracle, Reference, Verdict, What, judge_batch, judge_each};
+use lanes::{Actual, Lane, LaneError, LaneName, Runner, Stage, interrupt};
+use program::Program;
+use property::Sample;
+use property::shrink::shrink;
+
+/// Failing samples that are shrunk.
+const SHRUNK: usize = 4;
+
+/// A function on a lane.
+pub struct OnLane<'a> {
+    lane: &'a dyn Lane,
+    rulings: &'a Rulings,
+    ready: &'a Ready,
+    reference: &'a Reference,
+    oracle: &'a Oracle,
+    runner: Result<Fence<'a>, String>,
+    verdicts: BatchVerdict,
+    failing: Vec<Sample>,
+    unstable: Vec<Sample>,
+    unstable_count: u64,
+    failed: Option<String>,
+}
+
+impl<'a> OnLane<'a> {
+    /// Makes the function ready for batches of `capacity` samples.
+    pub fn new(
+        (lane, rulings): (&'a dyn Lane, &'a Rulings),
+        ready: &'a Ready,
+        (reference, oracle): (&'a Reference, &'a Oracle),
+        capacity: usize,
+    ) -> Self {
+        let (runner, failed) = match lane.prepare(&ready.kernel, capacity) {
+            Ok(runner) => (Ok(Fence::new(runner, oracle, &ready.kernel.output)), None),
+            Err(error @ LaneError::Unsupported(_)) => (Err(error.to_string()), None),
+            // A lane that fails before it runs anything fails all the same.
+            Err(error) => (Err(error.to_string()), Some(error.to_string())),
+        };
+        Self {
+            lane,
+            rulings,
+            ready,
+            reference,
+            oracle,
+            runner,
+            verdicts: BatchVerdict::default(),
+            failing: Vec::new(),
+            unstable: Vec::new(),
+            unstable_count: 0,
+            failed,
+        }
+    }
+
+    fn court(&self) -> Court<'a> {
+        Court { oracle: self.oracle, reference: self.reference, rulings: self.rulings, stage: Stage::Compute }
+    }
+
+    fn dispatch(&mut self, batch: &Batch) -> Option<Actual> {
+        let runner = self.runner.as_mut().ok()?;
+        match runner.run(batch) {
+            Ok(actual) => Some(actual),
+            // A device that is given up because the run ends has not failed.
+            Err(_) if interrupt::asked() => None,
+            Err(error) => {
+                self.failed.get_or_insert(error.to_string());
+                None
+            }
+        }
+    }
+
+    /// The failure of the lane at a sample whose behaviour is undefined, if there was one.
+    pub fn fenced(&self) -> Option<(LaneName, Fenced)> {
+        let fenced = self.runner.as_ref().ok()?.found()?;
+        Some((self.lane.description().name, fenced.clone()))
+    }
+
+    /// Runs samples at edges: those that deviate count, and no others.
+    pub fn run_edges(&mut self, batch: &Batch) {
+        let before = self.verdicts.clone();
+        self.run(batch, &[]);
+        let BatchVerdict { deviated, shader_deviated, .. } = self.verdicts;
+        self.verdicts = BatchVerdict { deviated, shader_deviated, ..before };
+    }
+
+    /// Runs a batch. Each pair of samples in `twins` has the same inputs.
+    pub fn run(&mut self, batch: &Batch, twins: &[(usize, usize)]) {
+        let Ok(runner) = &self.runner else { return };
+        if self.failed.is_some() {
+            return;
+        }
+        let (count, capacity) = (batch.invocation_count(), runner.capacity().max(1));
+        let mut outputs: Vec<Vec<u32>> = vec![Vec::new(); if twins.is_empty() { 0 } else { count }];
+        for first in (0..count).step_by(capacity) {
+            let part = part_of(batch, first, capacity.min(count - first));
+            let part = part.as_ref().unwrap_or(batch);
+            let Some(actual) = self.dispatch(part) else { return };
+            let verdict = judge_batch(&self.court(), part, &actual);
+            let room = 16_usize.saturating_sub(self.failing.len());
+            self.failing.extend(verdict.failures.iter().take(room).map(|f| Sample::of(part, f.invocation)));
+            self.verdicts.merge(verdict);
+            for &(a, b) in twins {
+                for k in [a, b].into_iter().filter(|k| (first..first + capacity).contains(k)) {
+                    outputs[k] = words_of(&actual, k - first);
+                }
+            }
+        }
+        for &(a, b) in twins {
+            if outputs[a] != outputs[b] {
+                self.unstable_count += 1;
+                if self.unstable.is_empty() {
+                    self.unstable.push(Sample::of(batch, a));
+                }
+            }
+        }
+    }
+
+    /// What the lane gave, and what is wrong with it. `reproduce` makes the command for a sample.
+    pub fn finish(mut self, domain: &Domain, reproduce: &dyn Fn(&Sample) -> String) -> (LaneReport, Vec<Finding>) {
+        let name = self.lane.description().name;
+        let mut findings = Vec::new();
+        let blank = |kind, message| Finding {
+            kind,
+            severity: Severity::Finding,
+            message,
+            place: None,
+            lane: Some(name),
+            count: 0,
+            counting: 0,
+            inputs: Vec::new(),
+            output: None,
+            meaning: None,
+            found: None,
+            condition: None,
+            worst: None,
+            diagnosis: None,
+            reproduce: None,
+        };
+        if let Some(sample) = self.unstable.first() {
+            findings.push(Finding {
+                count: self.unstable_count,
+                inputs: inputs(sample),
+                reproduce: Some(reproduce(sample)),
+                ..blank(Kind::NotDeterministic, "the same inputs give different outputs in one dispatch".to_owned())
+            });
+        }
+        if !self.failing.is_empty() {
+            match self.deviations(domain, reproduce, &blank) {
+                Ok(found) => findings.extend(found),
+                Err(_) if interrupt::asked() => {
+                    let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
+                    findings.push(Finding { count: self.verdicts.deviated, ..blank(Kind::LaneDeviation, message) });
+                }
+                Err(error) => {
+                    self.failed.get_or_insert(error.to_string());
+                }
+            }
+        }
+        if let Some(error) = &self.failed {
+            findings.push(blank(Kind::LaneFailed, error.clone()));
+        }
+        let not_run = self.runner.err();
+        (LaneReport { lane: name, verdicts: self.verdicts, not_run }, findings)
+    }
+
+    /// Shrinks the failing samples together, and tells each kind of deviation once.
+    fn deviations(
+        &mut self,
+        domain: &Domain,
+        reproduce: &dyn Fn(&Sample) -> String,
+        blank: &dyn Fn(Kind, String) -> Finding,
+    ) -> Result<Vec<Finding>, LaneError> {
+        let court = self.court();
+        let Ok(runner) = &mut self.runner else { return Ok(Vec::new()) };
+        let first: Vec<Sample> = self.failing.iter().take(SHRUNK).cloned().collect();
+        let mut deviates = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
+            let mut all = Vec::with_capacity(samples.len());
+            for chunk in samples.chunks(runner.capacity().max(1)) {
+                let batch = Sample::batch(chunk);
+                let actual = runner.run(&batch)?;
+                let verdicts = judge_each(&court, &batch, &actual);
+                all.extend(verdicts.iter().map(|v| matches!(v, Verdict::Deviate(_))));
+            }
+            Ok(all)
+        };
+        let shrunk = shrink(first, &Shrinking { domain, counting: false }, &mut deviates)?;
+        let samples: Vec<Sample> = shrunk.into_iter().map(|s| s.sample).collect();
+        let mut findings: Vec<Finding> = Vec::new();
+        let mut told: Vec<(String, Sample)> = Vec::new();
+        for sample in samples {
+            let batch = Sample::batch(std::slice::from_ref(&sample));
+            let actual = runner.run(&batch)?;
+            let Some(Verdict::Deviate(deviation)) = judge_each(&court, &batch, &actual).pop() else {
+                // Message once, as a lane that gives different outputs for the same inputs is.
+                if let Some(told) = findings.iter_mut().find(|told| told.kind == Kind::NotDeterministic) {
+                    told.count += 1;
+                    continue;
+                }
+                if !self.unstable.is_empty() {
+                    continue;
+                }
+                let message = "a sample deviated, and agreed when it was run again".to_owned();
+                findings.push(Finding {
+                    count: 1,
+                    inputs: inputs(&sample),
+                    reproduce: Some(reproduce(&sample)),
+                    ..blank(Kind::NotDeterministic, message)
+                });
+                continue;
+            };
+            let output = match &deviation.what {
+                What::Value(value) => value.component.clone(),
+                What::NotWritten { component, .. } => component.clone(),
+                What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } | What::Endless => {
+                    "vertices".to_owned()
+                }
+            };
+            if told.iter().any(|(o, s)| *o == output || *s == sample) {
+                continue;
+            }
+            let kernel = |program: &Program| program.compute_kernel();
+            let suspected = Suspected {
+                lane: self.lane,
+                stage: Stage::Compute,
+                kernel: &kernel,
+                batch: &batch,
+                deviation: &deviation,
+            };
+            let diagnosis =
+                diagnosis::lane(&court, &self.ready.program, &suspected).unwrap_or_else(|_| Diagnosis::default());
+            findings.push(Finding {
+                count: self.verdicts.deviated,
+                inputs: inputs(&sample),
+                output: Some(output.clone()),
+                meaning: deviation.value().map(|v| v.meaning),
+                found: deviation.value().map(|v| v.actual),
+                diagnosis: Some(diagnosis),
+                reproduce: Some(reproduce(&sample)),
+                ..blank(Kind::LaneDeviation, deviation.to_string())
+            });
+            told.push((output, sample));
+        }
+        Ok(findings)
+    }
+}
+
+/// A part of a batch; `None` for all of it.
+fn part_of(batch: &Batch, first: usize, count: usize) -> Option<Batch> {
+    if first == 0 && count == batch.invocation_count() {
+        return None;
+    }
+    let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
+    let mut part = Batch::with_capacity(invocation, case, 1, count);
+    for k in first..first + count {
+        part.invocations.extend_from_slice(batch.invocation(k));
+        part.cases.extend_from_slice(batch.case_of(k));
+    }
+    Some(part)
+}
+
+/// Everything that an invocation wrote; any NaN is as good as any other.
+fn words_of(actual: &Actual, invocation: usize) -> Vec<u32> {
+    let record = &actual.layout().vertex;
+    let mut words = vec![actual.emitted(invocation)];
+    for vertex in 0..actual.stored(invocation) {
+        words.push(actual.strip(invocation, vertex));
+        for (word, &bits) in actual.vertex(invocation, vertex).iter().enumerate() {
+            let nan = record.scalar_of(word) == Scalar::F32 && f32::from_bits(bits).is_nan();
+            words.push(if nan { f32::NAN.to_bits() } else { bits });
+        }
+    }
+    words
+}

@@ -1,0 +1,330 @@
+//! The second look at samples that are in trouble: which operation brings it about.
+
+use rayon::prelude::*;
+
+use super::scan::{LIMIT, Look, ROUNDS, Trouble};
+use super::subject::Ready;
+use base::text::Span;
+use base::value::Batch;
+use judge::profile::{Op, Profile, Rulings};
+use judge::tape::{Model, Tape};
+use judge::verdict::diagnosis::Place;
+use lanes::{Api, Stage};
+use program::interp::{Binary32, Binary64, Dependence, LANES, Machine, OutputColumn, Site, author_span};
+
+use super::finding::Kind;
+
+/// What is known about the trouble of one sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// What it is.
+    pub kind: Kind,
+    /// The operation.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// Its value, exactly.
+    pub value: f64,
+    /// By how much it enlarges a relative error of its arguments.
+    pub condition: f64,
+    /// The output word: vertex and word.
+    pub place: (usize, usize),
+    /// What the word means.
+    pub meaning: f64,
+    /// What strict binary32 gives.
+    pub strict: f32,
+    /// Why a value is undefined.
+    pub why: Option<String>,
+}
+
+/// Samples with one name are one finding.
+pub type Key = (Kind, Option<Op>, Option<Site>);
+
+impl Named {
+    /// Trouble of a kind of which nothing else is known.
+    fn blank(kind: Kind, place: (usize, usize)) -> Self {
+        Self {
+            kind,
+            op: None,
+            site: None,
+            args: Vec::new(),
+            value: f64::NAN,
+            condition: f64::NAN,
+            place,
+            meaning: f64::NAN,
+            strict: f32::NAN,
+            why: None,
+        }
+    }
+
+    /// What makes it one finding with others.
+    pub fn key(&self) -> Key {
+        (self.kind, self.op, self.site)
+    }
+}
+
+/// A device that rounds every operation correctly.
+fn strict() -> &'static Profile {
+    Rulings::of_api(Api::Binary32).text
+}
+
+/// Names the trouble of samples; `None` where there is none after all: a comparison could go either way,
+/// and decides the output.
+pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option<Named>> {
+    let model = Model::Device { profile: strict(), stage: Stage::Compute, rearranged: false };
+    let chunks: Vec<Vec<Option<Named>>> = looks
+        .par_chunks(LANES)
+        .map_init(
+            || {
+                let executable = &ready.executable;
+                (
+                    Machine::new(executable, Tape::new(model), ROUNDS),
+                    Machine::new(executable, Binary32::default(), ROUNDS),
+                    Machine::new(executable, Binary64::default(), ROUNDS),
+                )
+            },
+            |(tape, narrow, wide), looks| {
+                let invocations: Vec<usize> = looks.iter().map(|(i, _)| *i).collect();
+                tape.run_some(batch, &invocations);
+                narrow.run_some(batch, &invocations);
+                let one = |(lane, (invocation, look)): (usize, &(usize, Look))| {
+                    one(tape, narrow, wide, batch, (lane, *invocation), look)
+                };
+                looks.iter().enumerate().map(one).collect()
+            },
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+fn one(
+    tape: &mut Machine<'_, Tape<'_>>,
+    narrow: &Machine<'_, Binary32>,
+    wide: &mut Machine<'_, Binary64>,
+    batch: &Batch,
+    (lane, invocation): (usize, usize),
+    look: &Look,
+) -> Option<Named> {
+    let trouble = look.trouble?;
+    let mut named = Named::blank(Kind::Endless, look.place);
+    let plain = |kind| Some(Named { kind, ..named.clone() });
+    if let Some(kind) = trouble.of_integers() {
+        wide.take_findings();
+        wide.run_some(batch, &[invocation]);
+        named.site = wide.take_findings().iter().find(|f| f.kind == kind).map(|f| f.site);
+        named.kind = of_undefined(trouble);
+        return Some(named);
+    }
+    if matches!(trouble, Trouble::Unset | Trouble::Undefined) {
+        let found = wide.dependences(batch, &[invocation], false).pop().flatten()?;
+        named.kind = of_undefined(trouble);
+        named.site = Some(found.of.site);
+        named.why = Some(found.of.why(&found.args));
+        return Some(named);
+    }
+    match trouble {
+        Trouble::Endless => return plain(Kind::Endless),
+        Trouble::TooManyVertices => return plain(Kind::TooManyVertices),
+        Trouble::NotWritten => return plain(Kind::NotWritten),
+        _ => {}
+    }
+    let (vertex, word) = look.place;
+    if tape.domain().given_up(lane).is_some() {
+        return long(named, narrow, wide, batch, (lane, invocation), trouble);
+    }
+    let OutputColumn::Real(&column) = tape.output(vertex, word) else { return None };
+    named.strict = strictly(narrow, named.place, lane);
+    let tape = tape.domain();
+    named.meaning = tape.values(column)[lane];
+    let undefined = matches!(trouble, Trouble::NoValue | Trouble::Infinite);
+    let mut culprit = tape.culprit(column, lane, LIMIT);
+    // Where real numbers have no value, binary64 may have lost one on the way; if not, the operation
+    // without one is meant.
+    if undefined && !culprit.as_ref().is_some_and(|(cause, _)| vanished(cause.op, &cause.args, cause.value)) {
+        culprit = tape.culprit(column, lane, f64::INFINITY);
+    }
+    let forked = tape.fork(lane).is_some();
+    if let Some((cause, condition)) = &culprit {
+        (named.op, named.site, named.args, named.value) = (cause.op, cause.site, cause.args.clone(), cause.value);
+        named.condition = *condition;
+    }
+    let value = named.value;
+    named.kind = match trouble {
+        _ if vanished(named.op, &named.args, value) => Kind::Underflow,
+        Trouble::NoValue | Trouble::Infinite if value.is_infinite() && !is_pole(named.op, &named.args) => {
+            Kind::TooLarge
+        }
+        Trouble::NoValue | Trouble::Infinite | Trouble::TooLarge => of_results(trouble),
+        _ if value.abs() > f64::from(f32::MAX) => Kind::Overflow,
+        _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => Kind::Underflow,
+        _ if forked => return None,
+        _ => of_results(trouble),
+    };
+    Some(named)
+}
+
+/// Trouble of a sample with a loop too long to be followed: without the operation that brings it about.
+fn long(
+    mut named: Named,
+    narrow: &Machine<'_, Binary32>,
+    wide: &mut Machine<'_, Binary64>,
+    batch: &Batch,
+    (lane, invocation): (usize, usize),
+    trouble: Trouble,
+) -> Option<Named> {
+    let (vertex, word) = named.place;
+    wide.run_some(batch, &[invocation]);
+    if let OutputColumn::Real(found) = wide.output(vertex, word) {
+        named.meaning = found.values()[0];
+    }
+    named.strict = strictly(narrow, named.place, lane);
+    named.kind = of_results(trouble);
+    Some(named)
+}
+
+/// What strict binary32 gives in a word.
+fn strictly(narrow: &Machine<'_, Binary32>, (vertex, word): (usize, usize), lane: usize) -> f32 {
+    match narrow.output(vertex, word) {
+        OutputColumn::Real(found) => found.values()[lane],
+        _ => f32::NAN,
+    }
+}
+
+/// The name of an operation whose value is undefined, without the output that shows it.
+pub fn undefined(because: &Dependence) -> Named {
+    let why = Some(because.of.why(&because.args));
+    let kind = of_undefined(Trouble::of(because.of.kind));
+    Named { site: Some(because.of.site), why, ..Named::blank(kind, (0, 0)) }
+}
+
+/// What an undefined value is called.
+fn of_undefined(trouble: Trouble) -> Kind {
+    match trouble {
+        Trouble::Index => Kind::Index,
+        Trouble::DivisionByZero => Kind::DivisionByZero,
+        Trouble::Shift => Kind::Shift,
+        Trouble::Conversion => Kind::Conversion,
+        Trouble::Unset => Kind::Unset,
+        Trouble::Undefined => Kind::Undefined,
+        _ => Kind::IntegerOverflow,
+    }
+}
+
+/// What trouble is by its result alone.
+fn of_results(trouble: Trouble) -> Kind {
+    match trouble {
+        Trouble::NoValue => Kind::NoValue,
+        Trouble::Infinite => Kind::Infinite,
+        Trouble::TooLarge => Kind::TooLarge,
+        Trouble::Lost => Kind::Lost,
+        _ => Kind::IllConditioned,
+    }
+}
+
+/// True for an operation whose value is too small even for binary64.
+fn vanished(op: Option<Op>, args: &[f64], value: f64) -> bool {
+    let some = args.iter().all(|x| *x != 0.0 && x.is_finite());
+    let can = match op {
+        Some(Op::Mul | Op::Div) => some,
+        Some(Op::Exp | Op::Exp2) => true,
+        Some(Op::Pow) => args.first() != Some(&0.0),
+        Some(_) | None => false,
+    };
+    can && value == 0.0
+}
+
+/// True for an operation that is infinite at its arguments, and not merely too large for binary64.
+fn is_pole(op: Option<Op>, args: &[f64]) -> bool {
+    let zero = |k: usize| args.get(k) == Some(&0.0);
+    match op {
+        Some(Op::Div | Op::Rem | Op::Mod) => zero(1),
+        Some(Op::Log | Op::Log2 | Op::InverseSqrt | Op::Pow) => zero(0),
+        Some(Op::Atanh) => true,
+        Some(_) | None => false,
+    }
+}
+
+/// An operation with its arguments, as people write it.
+pub fn applied(op: Op, args: &[f64]) -> String {
+    let args: Vec<String> = args.iter().map(|&x| decimal(x)).collect();
+    let sign = match op {
+        Op::Add => " + ",
+        Op::Sub => " - ",
+        Op::Mul => " * ",
+        Op::Div => " / ",
+        _ => return format!("{}({})", op.name(), args.join(", ")),
+    };
+    let grouped: Vec<String> =
+        args.into_iter().map(|x| if x.starts_with('-') { format!("({x})") } else { x }).collect();
+    grouped.join(sign)
+}
+
+/// A number in few enough digits to read, and enough to see what it is near to.
+pub fn decimal(x: f64) -> String {
+    const DIGITS: usize = 12;
+    if x.is_nan() {
+        return "nan".to_owned();
+    }
+    let plain = x == 0.0 || x.is_infinite() || (1e-4..1e7).contains(&x.abs());
+    let exact = if plain { format!("{x:?}") } else { format!("{x:e}") };
+    if exact.len() <= DIGITS {
+        return exact;
+    }
+    let rounded = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x);
+    // 0.9999999999999 is not 1.
+    if rounded == rounded.round() && plain {
+        return exact;
+    }
+    if plain { format!("{rounded:?}") } else { format!("{rounded:e}") }
+}
+
+/// Where a site stands in the author's files, and the text there; none in generated text.
+pub fn place(ready: &Ready, site: Option<Site>) -> Option<Place> {
+    let span = author_span(&ready.program, &ready.executable.place(site?))?;
+    let file = &ready.program.lowered.file;
+    let (origin, there) = file.origin(span);
+    if there.is_empty() {
+        return None;
+    }
+    let text = origin.slice(there).split_whitespace().collect::<Vec<_>>().join(" ");
+    // Spans of expressions leave out brackets at their ends that belong to them.
+    let (mut open, mut missing) = (0_usize, 0_usize);
+    for c in text.chars() {
+        match c {
+            '(' => open += 1,
+            ')' if open > 0 => open -= 1,
+            ')' => missing += 1,
+            _ => {}
+        }
+    }
+    let plain = |c: &char| !c.is_whitespace();
+    let behind = origin.slice(Span::new(there.end, origin.text().len()));
+    let closing = behind.chars().filter(plain).take_while(|&c| c == ')').count();
+    let before = origin.slice(Span::new(0, there.start));
+    let opening = before.chars().rev().filter(plain).take_while(|&c| c == '(').count();
+    let text = format!("{}{text}{}", "(".repeat(missing.min(opening)), ")".repeat(open.min(closing)));
+    Some(Place { text, ..Place::of(file, span) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_what_is_near_to_one_is_not_one() {
+        let told = |x| decimal(x);
+        assert_eq!([told(0.5), told(-0.0), told(1e-30), told(f64::NAN)], ["0.5", "-0.0", "1e-30", "nan"]);
+        assert_eq!([told(1.0 / 3.0), told(2e30 / 3.0)], ["0.333333333333", "6.66666666667e29"]);
+        assert_ne!(told(1.0 - 1e-14), "1.0");
+        assert_eq!(applied(Op::Sub, &[1.0, -2.0]), "1.0 - (-2.0)");
+        assert_eq!(applied(Op::Pow, &[0.0, -1.0]), "pow(0.0, -1.0)");
+    }
+
+    #[test]
+    fn what_vanishes_in_binary64_is_told_from_what_is_zero() {
+        assert!(vanished(Some(Op::Exp), &[-1e4], 0.0) && vanished(Some(Op::Mul), &[1e-200, 1e-200], 0.0));
+        assert!(!vanished(Some(Op::Mul), &[0.0, 1e-200], 0.0) && !vanished(Some(Op::Sub), &[1.0, 1.0], 0.0));
+    }
+}

@@ -1,0 +1,428 @@
+//! One function from its inputs to what was found.
+
+use std::collections::HashMap;
+
+use super::domain::{Domain, InputDomain, Law};
+use super::finding::{Finding, FunctionReport, Kind, Severity};
+use super::generate;
+use super::lanes::OnLane;
+use super::name::{Key, Named, applied, decimal, name, place, undefined};
+use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
+use super::shrinking::{inputs, smallest};
+use super::subject::{Ready, Subject};
+use base::value::{Batch, Record};
+use judge::profile::Rulings;
+use judge::verdict::{Fenced, Oracle, Reference, edges};
+use lanes::{Lane, LaneName, interrupt};
+use property::{Sample, Stream, regressions};
+
+/// Samples of one batch, and words of its largest record in all.
+const BATCH: usize = 1 << 16;
+const BATCH_WORDS: usize = 1 << 22;
+/// Every sixteenth sample is one that the batch has elsewhere already.
+const TWIN: usize = 16;
+/// Samples among which edges are sought.
+const PILOT: u64 = 512;
+/// Places that are told for one function; the rest is counted.
+const TOLD: usize = 8;
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Samples of each function.
+    pub samples: u64,
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// Inputs that are run alone, as `name=words` parts.
+    pub case: Option<String>,
+    /// Notes are shrunk as findings are; without it they are told with the first sample that shows them.
+    pub notes: bool,
+    /// The command line up to the function, for reproduction.
+    pub command: String,
+}
+
+/// Trouble with one name.
+struct Group {
+    count: u64,
+    counting: u64,
+    /// One that shows it, and whether it counts.
+    sample: Sample,
+    counts: bool,
+    /// The one with the largest error of those that count, or of all where none does.
+    worst: (f64, Sample),
+}
+
+/// Runs a function on all lanes. `Err` for a case that does not fit its inputs.
+///
+/// # Errors
+/// What is wrong with the case that was asked for.
+pub fn run(
+    subject: &Subject,
+    domain: &Domain,
+    lanes: &[(&dyn Lane, Rulings)],
+    request: &Request,
+) -> Result<FunctionReport, String> {
+    let mut report = FunctionReport {
+        function: subject.label.clone(),
+        at: subject.at.clone(),
+        samples: 0,
+        edges: 0,
+        not_run: None,
+        inputs: Vec::new(),
+        textures: Vec::new(),
+        first_of_dispatch: Vec::new(),
+        max_error: 0.0,
+        lanes: Vec::new(),
+        findings: Vec::new(),
+    };
+    let ready = match &subject.ready {
+        Ok(ready) => ready,
+        Err(why) => {
+            report.not_run = Some(why.clone());
+            return Ok(report);
+        }
+    };
+    report.inputs = described(ready, domain);
+    report.textures = ready.program.textures.iter().map(ToString::to_string).collect();
+    report.first_of_dispatch = ready.program.first_of_dispatch();
+    let oracle = match Oracle::new(&ready.program) {
+        Ok(oracle) => oracle,
+        Err(error) => {
+            report.not_run = Some(error.locate(&ready.program));
+            return Ok(report);
+        }
+    };
+    let reference = Reference::nothing(&ready.program);
+    let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
+    let (invocation, uniforms) = (&ready.kernel.invocation, &ready.kernel.case);
+    let widest = ready.kernel.output.words().max(invocation.words()).max(uniforms.words()).max(1);
+    let size = BATCH.min(BATCH_WORDS / widest).max(1);
+    let constant = invocation.words() + uniforms.words() == 0;
+    let samples = if case.is_some() || constant { 1 } else { request.samples };
+    let capacity = size.min(samples as usize);
+    let mut on: Vec<OnLane<'_>> = lanes
+        .iter()
+        .map(|(lane, rulings)| OnLane::new((*lane, rulings), ready, (&reference, &oracle), capacity))
+        .collect();
+    let key = stream_key(request.seed, &subject.label);
+    let mut groups: HashMap<Key, Group> = HashMap::new();
+    let mut first = 0;
+    while first < samples && !interrupt::asked() {
+        let count = (samples - first).min(size as u64) as usize;
+        let mut batch = match &case {
+            Some(sample) => Sample::batch(std::slice::from_ref(sample)),
+            None => generate::batch(invocation, uniforms, domain, key, first, count),
+        };
+        let twins = double(&mut batch, count);
+        let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+        sort(ready, domain, &batch, &looks, &mut groups, &mut report);
+        // What is undefined may differ from one invocation to the next.
+        let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
+        let (batch, twins) = without_endless(batch, &looks, twins);
+        if batch.invocation_count() > 0 && !(constant && looks[0].trouble == Some(Trouble::Endless)) {
+            on.iter_mut().for_each(|lane| lane.run(&batch, &twins));
+        }
+        first += count as u64;
+        report.samples += count as u64;
+    }
+    if case.is_none() && !constant {
+        let count = samples.min(PILOT) as usize;
+        let pilot = generate::batch(invocation, uniforms, domain, key, 0, count);
+        let found = edges(&oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
+        report.edges = found.len() as u64;
+        if !found.is_empty() {
+            let batch = Sample::batch(&found);
+            let mut looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+            let (kept, _) = without_endless(batch.clone(), &looks, Vec::new());
+            // Beside a jump rounding takes the other side, whatever the function.
+            looks
+                .iter_mut()
+                .filter(|look| look.trouble == Some(Trouble::Moved))
+                .for_each(|look| *look = Look::default());
+            looks.iter_mut().for_each(|look| look.error = 0.0);
+            sort(ready, domain, &batch, &looks, &mut groups, &mut report);
+            if kept.invocation_count() > 0 {
+                on.iter_mut().for_each(|lane| lane.run_edges(&kept));
+            }
+        }
+    }
+    let reproduce = |sample: &Sample| {
+        let inputs = regressions::inputs_text(sample);
+        let plain = subject.label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let function = if plain { subject.label.clone() } else { format!("'{}'", subject.label) };
+        format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
+    };
+    let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
+    for (lane, fenced) in &fenced {
+        report.findings.push(at_failure(ready, domain, (lane, fenced), &mut groups, &reproduce));
+    }
+    for lane in on {
+        let (lane, findings) = lane.finish(domain, &reproduce);
+        report.lanes.push(lane);
+        report.findings.extend(findings);
+    }
+    tell(ready, domain, groups, request, &reproduce, &mut report);
+    report.findings.sort_by_key(|f| (f.severity, f.kind));
+    Ok(report)
+}
+
+/// The key of the inputs of a function, which [`batch`](super::batch) takes.
+pub fn stream_key(seed: u64, label: &str) -> u64 {
+    property::mix(seed, text_key(label))
+}
+
+fn text_key(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |key, byte| Stream::new(key ^ u64::from(byte)).bits())
+}
+
+/// Each input with its laws.
+fn described(ready: &Ready, domain: &Domain) -> Vec<(String, Vec<Law>)> {
+    let side = |record: &Record, inputs: &[InputDomain]| -> Vec<(String, Vec<Law>)> {
+        let all = record.fields().iter().zip(inputs);
+        all.map(|(field, input)| (format!("{} {}", field.shape, field.name), input.laws.clone())).collect()
+    };
+    [side(&ready.kernel.invocation, &domain.invocation), side(&ready.kernel.case, &domain.case)].concat()
+}
+
+/// The sample of `--case`.
+fn given(ready: &Ready, text: &str) -> Result<Sample, String> {
+    let file = base::text::SourceFile::new("--case", format!("case {text}"));
+    let parsed = regressions::parse(&file).map_err(|e| e.to_string())?;
+    let first = parsed.first().ok_or("--case is empty; give inputs such as `t=3f000000`")?;
+    first.to_sample(&ready.kernel.invocation, &ready.kernel.case).map_err(|e| e.to_string())
+}
+
+/// Puts copies of samples into a batch; gives the pairs.
+fn double(batch: &mut Batch, count: usize) -> Vec<(usize, usize)> {
+    let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
+    let mut twins = Vec::new();
+    for copy in (TWIN - 1..count).step_by(TWIN) {
+        // From the other half: another work group, and another thread of most devices.
+        let mut from = (copy + count / 2) % count;
+        if from % TWIN == TWIN - 1 {
+            from -= 1;
+        }
+        batch.invocations.copy_within(from * words..(from + 1) * words, copy * words);
+        batch.cases.copy_within(from * case_words..(from + 1) * case_words, copy * case_words);
+        twins.push((from, copy));
+    }
+    twins
+}
+
+/// Sorts samples in trouble by its name.
+fn sort(
+    ready: &Ready,
+    domain: &Domain,
+    batch: &Batch,
+    looks: &[Look],
+    groups: &mut HashMap<Key, Group>,
+    report: &mut FunctionReport,
+) {
+    let open: Vec<(usize, Look)> =
+        looks.iter().copied().enumerate().filter(|(_, look)| look.trouble.is_some()).collect();
+    for (invocation, look) in looks.iter().enumerate() {
+        if look.error > report.max_error && domain.counts(&Sample::of(batch, invocation)) {
+            report.max_error = look.error;
+        }
+    }
+    for ((invocation, look), named) in open.iter().zip(name(ready, batch, &open)) {
+        let Some(named) = named else { continue };
+        let sample = Sample::of(batch, *invocation);
+        let counts = domain.counts(&sample);
+        let group = groups.entry(named.key()).or_insert_with(|| Group {
+            count: 0,
+            counting: 0,
+            sample: sample.clone(),
+            counts,
+            worst: (look.error, sample.clone()),
+        });
+        group.count += 1;
+        group.counting += u64::from(counts);
+        let first = counts && !group.counts;
+        if first || (counts == group.counts && look.error > group.worst.0) {
+            group.worst = (look.error, sample.clone());
+        }
+        if first {
+            (group.sample, group.counts) = (sample, true);
+        }
+    }
+}
+
+/// Leaves out the samples that would hold a device up.
+fn without_endless(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> (Batch, Vec<(usize, usize)>) {
+    let endless = |k: usize| looks[k].trouble == Some(Trouble::Endless);
+    if !(0..looks.len()).any(endless) || batch.invocation_record.words() + batch.case_record.words() == 0 {
+        return (batch, twins);
+    }
+    let (invocation, case) = (batch.invocation_record.clone(), batch.case_record.clone());
+    let mut kept = Batch::with_capacity(invocation, case, 1, looks.len());
+    let mut moved = vec![usize::MAX; looks.len()];
+    for (count, k) in (0..looks.len()).filter(|&k| !endless(k)).enumerate() {
+        kept.invocations.extend_from_slice(batch.invocation(k));
+        kept.cases.extend_from_slice(batch.case_of(k));
+        moved[k] = count;
+    }
+    let twins = twins.into_iter().filter(|&(a, b)| !endless(a) && !endless(b)).map(|(a, b)| (moved[a], moved[b]));
+    (kept, twins.collect())
+}
+
+/// A failure of a lane where the function's behaviour is undefined; it stands for the group of the same operation.
+fn at_failure(
+    ready: &Ready,
+    domain: &Domain,
+    (lane, fenced): (&LaneName, &Fenced),
+    groups: &mut HashMap<Key, Group>,
+    reproduce: &dyn Fn(&Sample) -> String,
+) -> Finding {
+    let named = undefined(&fenced.because);
+    let alone = (1, u64::from(domain.counts(&fenced.sample)));
+    let counts = groups.remove(&named.key()).map_or(alone, |group| (group.count, group.counting));
+    let finding = finding(ready, Severity::Finding, &named, &fenced.sample, counts, reproduce);
+    Finding { lane: Some(lane), message: format!("{}; {}", finding.message, fenced.error.at_undefined()), ..finding }
+}
+
+/// Shrinks one sample of each group and tells it.
+fn tell(
+    ready: &Ready,
+    domain: &Domain,
+    groups: HashMap<Key, Group>,
+    request: &Request,
+    reproduce: &dyn Fn(&Sample) -> String,
+    report: &mut FunctionReport,
+) {
+    let stated = domain.is_stated();
+    let mut groups: Vec<(Key, Group)> = groups.into_iter().collect();
+    let severity = |key: &Key, group: &Group| key.0.severity(group.counts, stated);
+    groups.sort_by_key(|(key, group)| {
+        (
+            severity(key, group),
+            key.0,
+            std::cmp::Reverse(group.counting),
+            key.2.map(|s| s.index()),
+            key.1.map(|op| op.name()),
+        )
+    });
+    for (index, (key, group)) in groups.into_iter().enumerate() {
+        let severity = severity(&key, &group);
+        let shrunk = request.case.is_none() && index < TOLD && (request.notes || severity != Severity::Note);
+        let (sample, named) = if !shrunk {
+            let named = super::shrinking::names(ready, std::slice::from_ref(&group.sample)).pop().flatten();
+            (group.sample, named)
+        } else {
+            smallest(ready, domain, group.sample, key, group.counts)
+        };
+        let Some(named) = named else { continue };
+        let mut finding = finding(ready, severity, &named, &sample, (group.count, group.counting), reproduce);
+        if named.kind == Kind::IllConditioned && request.case.is_none() {
+            finding.worst = Some((group.worst.0, inputs(&group.worst.1)));
+        }
+        report.findings.push(finding);
+    }
+}
+
+fn finding(
+    ready: &Ready,
+    severity: Severity,
+    named: &Named,
+    sample: &Sample,
+    (count, counting): (u64, u64),
+    reproduce: &dyn Fn(&Sample) -> String,
+) -> Finding {
+    let record = &ready.kernel.output.vertex;
+    let (vertex, word) = named.place;
+    let output = record.word_name(word);
+    let shown = if ready.kernel.output.max_vertices.is_some() {
+        format!("{output}` of vertex {vertex}")
+    } else {
+        format!("{output}`")
+    };
+    let real = matches!(
+        named.kind,
+        Kind::NoValue
+            | Kind::Infinite
+            | Kind::Overflow
+            | Kind::Underflow
+            | Kind::Lost
+            | Kind::IllConditioned
+            | Kind::TooLarge
+    );
+    Finding {
+        kind: named.kind,
+        severity,
+        message: message(named, &shown),
+        place: place(ready, named.site),
+        lane: None,
+        count,
+        counting,
+        inputs: inputs(sample),
+        output: real.then_some(output),
+        meaning: real.then_some(named.meaning),
+        found: real.then_some(named.strict.to_bits()),
+        condition: (named.kind == Kind::IllConditioned && named.condition.is_finite()).then_some(named.condition),
+        worst: None,
+        diagnosis: None,
+        reproduce: Some(reproduce(sample)),
+    }
+}
+
+/// What is wrong, in one sentence. `shown` is the name of the output with the closing quote.
+fn message(named: &Named, shown: &str) -> String {
+    let op = named.op.map(|op| applied(op, &named.args));
+    let by = |what: &str| op.as_ref().map_or_else(String::new, |op| format!(": {op} {what}"));
+    // Where binary64 loses the value on the way, it knows no result either.
+    let known = named.meaning.is_finite();
+    let result = if known { format!("the result is {}, ", decimal(named.meaning)) } else { String::new() };
+    let strict = if named.strict.is_nan() { "nan".to_owned() } else { format!("{:?}", named.strict) };
+    match named.kind {
+        Kind::NoValue if named.value.is_infinite() => format!("`{shown} has no value{}", by("is infinite")),
+        Kind::NoValue => format!("`{shown} has no value{}", by("has none")),
+        Kind::Infinite => format!("`{shown} is infinite{}", by("is")),
+        Kind::Overflow => format!(
+            "overflow on the way to `{shown}{}; {result}binary32 gives {strict}",
+            by("is too large for binary32")
+        ),
+        Kind::Underflow => format!(
+            "underflow on the way to `{shown}{}; {result}binary32 gives {strict}",
+            by("is too small for binary32")
+        ),
+        Kind::Lost => format!(
+            "rounding leaves `{shown} without a value{}; binary32 gives {strict}",
+            by("has no right digit left")
+        ),
+        Kind::IllConditioned => {
+            let lost = (f64::from(named.strict) - named.meaning).abs() / named.meaning.abs();
+            let bits = (24.0 + lost.max(LIMIT * LIMIT).log2()).clamp(0.0, 24.0);
+            let many = if named.condition == 0.0 {
+                // `floor` and the like: flat on both sides.
+                " has a jump beside its argument".to_owned()
+            } else if named.condition.is_finite() {
+                format!(" enlarges rounding errors {} times", short(named.condition))
+            } else {
+                " keeps no right digit".to_owned()
+            };
+            let op = op.as_ref().map_or_else(|| "an operation".to_owned(), Clone::clone);
+            format!(
+                "ill-conditioned: {op}{many}; `{shown} is {}, binary32 gives {strict}: {bits:.0} of 24 bits are lost",
+                decimal(named.meaning)
+            )
+        }
+        Kind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
+        Kind::NotWritten => format!("`{shown} is not written"),
+        Kind::TooManyVertices => "more vertices are emitted than `max_vertices`; those past it are lost".to_owned(),
+        Kind::Endless => format!("a loop goes on after {ROUNDS} rounds"),
+        Kind::Unset | Kind::Undefined => {
+            format!("the value is undefined: {}", named.why.as_deref().unwrap_or("the operation leaves its range"))
+        }
+        Kind::Index => "an index lies outside of its array".to_owned(),
+        Kind::DivisionByZero => "an integer is divided by zero".to_owned(),
+        Kind::Shift => "a shift by 32 bits or more".to_owned(),
+        Kind::Conversion => "a number does not fit the integer that it is converted to".to_owned(),
+        Kind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
+        Kind::LaneDeviation | Kind::NotDeterministic | Kind::LaneFailed => named.kind.name().to_owned(),
+    }
+}
+
+/// A factor, in few digits.
+fn short(x: f64) -> String {
+    if x < 1e4 { format!("{x:.0}") } else { format!("{x:.1e}") }
+}

@@ -1,0 +1,234 @@
+//! The first look at samples: what a function means, in binary64, beside what strict binary32 gives.
+
+use rayon::prelude::*;
+
+use base::value::{Batch, Record};
+use program::interp::{Binary32, Binary64, Executable, Kind, LANES, Machine, Number, OutputColumn, POISON};
+
+/// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
+pub const LIMIT: f64 = 1.0 / 1024.0;
+
+/// Rounds of loops that one sample may go through: far above what shaders need, and few enough that
+/// samples without end do not hold everything up.
+pub const ROUNDS: u32 = 1 << 13;
+
+const MAX_FINITE: f64 = f32::MAX as f64;
+const MIN_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+
+/// What is wrong with a sample, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Trouble {
+    /// A loop goes on for longer than `ROUNDS`.
+    Endless,
+    /// An output is NaN in real numbers.
+    NoValue,
+    /// An output is infinite in real numbers.
+    Infinite,
+    /// An output is NaN or infinite in binary32, and fits binary32 in real numbers.
+    Lost,
+    /// An output is too large for binary32 in real numbers.
+    TooLarge,
+    /// An output is never written.
+    NotWritten,
+    /// More vertices than `max_vertices`.
+    TooManyVertices,
+    /// An output depends on a variable without a value.
+    Unset,
+    /// An output depends on an operation whose value is undefined.
+    Undefined,
+    /// Rounding moves an output by more than [`LIMIT`] of its size.
+    Moved,
+    /// An index outside of its array.
+    Index,
+    /// An integer divided by zero.
+    DivisionByZero,
+    /// A shift by 32 or more.
+    Shift,
+    /// A number that does not fit the integer that it is converted to.
+    Conversion,
+    /// A signed integer that does not fit.
+    IntegerOverflow,
+}
+
+impl Trouble {
+    /// The trouble that an undefined value is.
+    pub fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Index => Self::Index,
+            Kind::DivisionByZero => Self::DivisionByZero,
+            Kind::Shift => Self::Shift,
+            Kind::Conversion => Self::Conversion,
+            Kind::Overflow => Self::IntegerOverflow,
+            // These follow from the text, whatever the inputs.
+            Kind::Unset | Kind::NoReturn | Kind::Overlap => Self::Unset,
+            Kind::Quotient | Kind::Remainder | Kind::BitField | Kind::Argument | Kind::Fuel | Kind::Killed => {
+                Self::Undefined
+            }
+        }
+    }
+
+    /// What the interpreter calls it, for what concerns integers.
+    pub fn of_integers(self) -> Option<Kind> {
+        Some(match self {
+            Self::Index => Kind::Index,
+            Self::DivisionByZero => Kind::DivisionByZero,
+            Self::Shift => Kind::Shift,
+            Self::Conversion => Kind::Conversion,
+            Self::IntegerOverflow => Kind::Overflow,
+            Self::Endless
+            | Self::NoValue
+            | Self::Infinite
+            | Self::Lost
+            | Self::TooLarge
+            | Self::NotWritten
+            | Self::TooManyVertices
+            | Self::Unset
+            | Self::Undefined
+            | Self::Moved => return None,
+        })
+    }
+}
+
+/// One sample, looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// What is wrong with it.
+    pub trouble: Option<Trouble>,
+    /// Where it shows: vertex and word of the output.
+    pub place: (usize, usize),
+    /// The largest error of binary32, as part of the size of the variable; 0 where there is trouble of
+    /// another kind.
+    pub error: f64,
+    /// An output depends on an undefined value: devices need not agree on it, nor with themselves.
+    pub undefined: bool,
+}
+
+impl Look {
+    fn note(&mut self, trouble: Trouble, place: (usize, usize)) {
+        if self.trouble.is_none_or(|before| trouble < before) {
+            (self.trouble, self.place) = (Some(trouble), place);
+        }
+    }
+}
+
+/// Looks at every sample of a batch, on all cores. `record` is that of the outputs.
+pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look> {
+    let count = batch.invocation_count();
+    let chunks: Vec<Vec<Look>> = (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || {
+                let meaning = Machine::new(executable, Binary64::default(), ROUNDS);
+                (meaning, Machine::new(executable, Binary32::default(), ROUNDS))
+            },
+            |(meaning, strict), chunk| {
+                let mut looks = chunk_of(meaning, strict, record, batch, chunk * LANES);
+                undefined(meaning, batch, chunk * LANES, &mut looks);
+                looks
+            },
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+fn chunk_of(
+    meaning: &mut Machine<'_, Binary64>,
+    strict: &mut Machine<'_, Binary32>,
+    record: &Record,
+    batch: &Batch,
+    first: usize,
+) -> Vec<Look> {
+    let lanes = meaning.run(batch, first);
+    strict.run(batch, first);
+    // They are asked for one by one when they are named.
+    meaning.take_findings();
+    strict.take_findings();
+    let mut looks = vec![Look::default(); lanes];
+    for (lane, look) in looks.iter_mut().enumerate() {
+        let (wide, narrow) = (meaning.flags()[lane], strict.flags()[lane]);
+        if wide.has(Kind::Fuel) || narrow.has(Kind::Fuel) {
+            look.note(Trouble::Endless, (0, 0));
+            continue;
+        }
+        // Whether it matters is found out at the end.
+        look.undefined = wide.is_undefined();
+        if wide.has(Kind::Overflow) {
+            look.note(Trouble::IntegerOverflow, (0, 0));
+        }
+        if meaning.is_emitting() && meaning.emitted()[lane] as usize > meaning.room() {
+            look.note(Trouble::TooManyVertices, (0, 0));
+        }
+    }
+    for vertex in 0..meaning.room() {
+        for field in 0..record.fields().len() {
+            let range = record.range(field);
+            let mut scale = [0.0_f64; LANES];
+            for word in range.clone() {
+                if let OutputColumn::Real(column) = meaning.output(vertex, word) {
+                    scale.iter_mut().zip(column.values()).for_each(|(s, v)| *s = s.max(v.abs()));
+                }
+            }
+            for word in range {
+                let (wide, narrow) = match (meaning.output(vertex, word), strict.output(vertex, word)) {
+                    (OutputColumn::Real(wide), OutputColumn::Real(narrow)) => (wide, narrow),
+                    (OutputColumn::Word(words), _) => {
+                        for (lane, look) in looks.iter_mut().enumerate().filter(|(lane, _)| words[*lane] == POISON) {
+                            if !meaning.is_emitting() || (vertex as u32) < meaning.emitted()[lane] {
+                                look.note(Trouble::NotWritten, (vertex, word));
+                            }
+                        }
+                        continue;
+                    }
+                    (OutputColumn::Real(_), OutputColumn::Word(_)) => continue,
+                };
+                for (lane, look) in looks.iter_mut().enumerate() {
+                    let emitted = |count: u32| !meaning.is_emitting() || (vertex as u32) < count;
+                    // Where binary32 goes another way there is nothing to compare.
+                    if !emitted(meaning.emitted()[lane]) || !emitted(strict.emitted()[lane]) {
+                        continue;
+                    }
+                    let (exact, found) = (wide.values()[lane], narrow.values()[lane]);
+                    value(look, exact, f64::from(found), found.is_poison(), scale[lane], (vertex, word));
+                }
+            }
+        }
+    }
+    looks
+}
+
+/// Leaves undefined values out that no output depends on, and notes the others.
+fn undefined(meaning: &mut Machine<'_, Binary64>, batch: &Batch, first: usize, looks: &mut [Look]) {
+    let touched: Vec<usize> = (0..looks.len()).filter(|&lane| looks[lane].undefined).collect();
+    if touched.is_empty() {
+        return;
+    }
+    let invocations: Vec<usize> = touched.iter().map(|lane| first + lane).collect();
+    for (lane, found) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)) {
+        looks[lane].undefined = found.is_some();
+        if let Some(found) = found {
+            looks[lane].note(Trouble::of(found.of.kind), (0, 0));
+        }
+    }
+}
+
+/// Compares one word.
+fn value(look: &mut Look, exact: f64, found: f64, unwritten: bool, scale: f64, place: (usize, usize)) {
+    if exact.is_nan() {
+        let trouble = if exact.is_poison() { Trouble::NotWritten } else { Trouble::NoValue };
+        look.note(trouble, place);
+    } else if exact.is_infinite() {
+        look.note(Trouble::Infinite, place);
+    } else if exact.abs() > MAX_FINITE {
+        look.note(Trouble::TooLarge, place);
+    } else if !found.is_finite() {
+        if !unwritten {
+            look.note(Trouble::Lost, place);
+        }
+    } else if (MIN_NORMAL..=MAX_FINITE).contains(&scale) {
+        let error = (found - exact).abs() / scale;
+        if error > LIMIT {
+            look.note(Trouble::Moved, place);
+        }
+        look.error = look.error.max(error);
+    }
+}

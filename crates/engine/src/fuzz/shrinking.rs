@@ -1,0 +1,50 @@
+//! Samples as small as they can be while the same operation brings about the same trouble.
+
+use std::convert::Infallible;
+
+use super::domain::{Domain, Shrinking};
+use super::finding::InputValue;
+use super::name::{Key, Named, name};
+use super::scan::{Look, scan};
+use super::subject::Ready;
+use property::shrink::shrink;
+use property::{Sample, regressions};
+
+/// Looks at samples and names their trouble.
+pub fn names(ready: &Ready, samples: &[Sample]) -> Vec<Option<Named>> {
+    let batch = Sample::batch(samples);
+    let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+    let open: Vec<(usize, Look)> = looks.into_iter().enumerate().filter(|(_, l)| l.trouble.is_some()).collect();
+    let mut all = vec![None; samples.len()];
+    for ((invocation, _), named) in open.iter().zip(name(ready, &batch, &open)) {
+        all[*invocation] = named;
+    }
+    all
+}
+
+/// The smallest sample with this trouble, and what is known about it.
+pub fn smallest(ready: &Ready, domain: &Domain, sample: Sample, key: Key, counting: bool) -> (Sample, Option<Named>) {
+    let admits = Shrinking { domain, counting };
+    let same = |named: &Option<Named>| named.as_ref().is_some_and(|n| n.key() == key);
+    let mut oracle =
+        |samples: &[Sample]| -> Result<Vec<bool>, Infallible> { Ok(names(ready, samples).iter().map(same).collect()) };
+    let found = match shrink(vec![sample.clone()], &admits, &mut oracle) {
+        Ok(shrunk) => shrunk.into_iter().next().map_or(sample, |s| s.sample),
+        Err(never) => match never {},
+    };
+    let named = names(ready, std::slice::from_ref(&found)).pop().flatten();
+    (found, named)
+}
+
+/// The inputs of a sample, for reports.
+pub fn inputs(sample: &Sample) -> Vec<InputValue> {
+    let mut inputs = Vec::new();
+    for (record, words) in [(&sample.invocation_record, &sample.invocation), (&sample.case_record, &sample.case)] {
+        for (k, field) in record.fields().iter().enumerate() {
+            let bits = words[record.range(k)].to_vec();
+            let decimal = bits.iter().map(|&w| regressions::decimal(w, field.shape.scalar)).collect();
+            inputs.push(InputValue { name: format!("{} {}", field.shape, field.name), bits, decimal });
+        }
+    }
+    inputs
+}

@@ -1,0 +1,261 @@
+//! One function of a shader alone: everything that it does not need is left out, so that it can be run
+//! whatever the rest of the file does, and what it takes from the stage becomes a plain variable.
+
+use std::collections::BTreeSet;
+
+use super::builtin;
+use base::text::{Edit, Span};
+use syntax::Shader;
+use syntax::ast::{Item, ItemKind, TypeKind};
+use syntax::interface::{Storage, Variable};
+use syntax::symbols::{FunctionId, SymbolId, SymbolKind};
+use syntax::types::Type;
+
+/// A global variable that goes in or comes out.
+#[derive(Clone, Debug)]
+pub struct Global {
+    /// Its name in the sliced text.
+    pub name: String,
+    /// Its name as the author knows it.
+    pub shown: String,
+    /// Its type.
+    pub ty: Type,
+    /// Its value is used.
+    pub reads: bool,
+    /// It gets a value.
+    pub writes: bool,
+}
+
+/// What is left of a shader for one function.
+#[derive(Clone, Debug)]
+pub struct Slice {
+    /// Edits of the author's text; they do not overlap.
+    pub edits: Vec<Edit>,
+    /// Declarations that have to stand before all others.
+    pub head: String,
+    /// Where they stand.
+    pub head_at: usize,
+    /// Variables that the function reads and writes.
+    pub globals: Vec<Global>,
+}
+
+/// Leaves everything out that `root` does not need.
+pub fn slice(shader: &Shader, root: FunctionId) -> Slice {
+    let functions = shader.reachable(root);
+    let used = shader.used_by(&functions);
+    let mut slice = Slice { edits: Vec::new(), head: String::new(), head_at: head_at(shader), globals: Vec::new() };
+    let mut dropped: Vec<bool> = shader.unit().items.iter().map(|_| false).collect();
+    for (index, item) in shader.unit().items.iter().enumerate() {
+        dropped[index] = match &item.kind {
+            ItemKind::Function(_) => !functions.iter().any(|&f| {
+                let info = shader.function_info(f);
+                info.definition == Some(index) || info.prototypes.contains(&index)
+            }),
+            ItemKind::Declaration(_) => {
+                if defines_structure(shader, index) {
+                    continue;
+                }
+                let variables: Vec<&Variable> = shader.interface().variables().filter(|v| v.item == index).collect();
+                let stays = |v: &&Variable| match v.storage {
+                    Storage::In | Storage::Out | Storage::Uniform | Storage::Buffer | Storage::Shared => {
+                        used.contains(&v.symbol)
+                    }
+                    Storage::Const | Storage::Global => true,
+                };
+                !variables.is_empty() && !variables.iter().any(stays)
+            }
+            ItemKind::Block(_) => {
+                !shader.interface().blocks.iter().enumerate().any(|(k, b)| b.item == index && is_used(shader, k, &used))
+            }
+            ItemKind::Qualified(_) => true,
+            ItemKind::Precision(_) | ItemKind::Empty | ItemKind::Error => false,
+        };
+    }
+    // A stage chooses among its subroutines; one of them alone is an ordinary function.
+    let main = shader.function_info(root).name.name == "main";
+    for (index, item) in shader.unit().items.iter().enumerate().filter(|(_, item)| is_subroutine(item)) {
+        dropped[index] &= !main;
+        if let (ItemKind::Function(function), false, false) = (&item.kind, main, dropped[index]) {
+            let qualifiers = Span::new(function.head_span.start, function.return_type.span.start);
+            slice.edits.push(Edit::delete(qualifiers));
+        }
+    }
+    let spans: Vec<Span> = shader.unit().items.iter().map(|item| item.span).collect();
+    for (index, item) in shader.unit().items.iter().enumerate().filter(|(k, _)| dropped[*k]) {
+        // Items of one macro have one place: they go together or stay together.
+        let overlaps = |s: Span| s.start < item.span.end && item.span.start < s.end;
+        let shared = spans.iter().enumerate().any(|(k, s)| k != index && !dropped[k] && overlaps(*s));
+        let before = slice.edits.iter().any(|e| overlaps(e.span));
+        if !shared && !before {
+            slice.edits.extend(without_directives(shader, item.span));
+        }
+    }
+    let kept = |item: usize| !dropped[item];
+    plain_variables(shader, &used, &kept, &mut slice);
+    plain_blocks(shader, &used, &kept, &mut slice);
+    built_ins(shader, &used, &functions, &mut slice);
+    slice.edits.sort_by_key(|e| (e.span.start, e.span.end));
+    slice
+}
+
+fn is_used(shader: &Shader, block: usize, used: &BTreeSet<SymbolId>) -> bool {
+    used.iter().any(|&id| match shader.symbol(id).kind {
+        SymbolKind::BlockMember(k) | SymbolKind::BlockInstance(k) => k == block,
+        SymbolKind::Builtin | SymbolKind::Global(_) | SymbolKind::Param(_) | SymbolKind::Local => false,
+    })
+}
+
+/// Deletes a span, but for the lines of directives in it.
+fn without_directives(shader: &Shader, span: Span) -> Vec<Edit> {
+    let text = shader.file().text();
+    let (mut edits, mut at, mut start) = (Vec::new(), span.start, span.start);
+    let mut goes_on = false;
+    for line in text[span.range()].split_inclusive('\n') {
+        let end = start + line.len();
+        // The first part of the span may begin in the middle of a line, and is then no directive.
+        let directive = goes_on || (line.trim_start().starts_with('#') && start != span.start);
+        goes_on = directive && line.trim_end_matches(['\n', '\r']).ends_with('\\');
+        if directive {
+            if at < start {
+                edits.push(Edit::replace(Span::new(at, start), "\n"));
+            }
+            at = end;
+        }
+        start = end;
+    }
+    if at < span.end {
+        edits.push(Edit::delete(Span::new(at, span.end)));
+    }
+    edits
+}
+
+/// Where declarations can stand before all others: before the first item.
+fn head_at(shader: &Shader) -> usize {
+    shader.unit().items.iter().map(|item| item.span.start).min().unwrap_or(shader.file().text().len())
+}
+
+fn is_subroutine(item: &Item) -> bool {
+    match &item.kind {
+        ItemKind::Declaration(declaration) => declaration.qualifiers.is_subroutine(),
+        ItemKind::Function(function) => function.qualifiers.is_subroutine(),
+        ItemKind::Block(_) | ItemKind::Qualified(_) | ItemKind::Precision(_) | ItemKind::Empty | ItemKind::Error => {
+            false
+        }
+    }
+}
+
+/// The structure that a declaration defines in place: where it ends, and its name.
+fn structure_of(shader: &Shader, item: usize) -> Option<(usize, &str)> {
+    let ItemKind::Declaration(declaration) = &shader.unit().items.get(item)?.kind else { return None };
+    let TypeKind::Struct(structure) = &declaration.ty.kind else { return None };
+    Some((structure.span.end, &structure.name.as_ref()?.name))
+}
+
+fn defines_structure(shader: &Shader, item: usize) -> bool {
+    structure_of(shader, item).is_some()
+}
+
+fn accesses(shader: &Shader, used: &BTreeSet<SymbolId>, symbol: SymbolId) -> (bool, bool) {
+    if !used.contains(&symbol) {
+        return (false, false);
+    }
+    let all = || shader.uses_of(symbol);
+    (all().any(|u| u.access.reads()), all().any(|u| u.access.writes()))
+}
+
+/// Inputs, outputs and uniforms become plain variables. Samplers stay what they are.
+fn plain_variables(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usize) -> bool, slice: &mut Slice) {
+    for variable in shader.interface().variables().filter(|v| kept(v.item)) {
+        let (mut reads, mut writes) = accesses(shader, used, variable.symbol);
+        let fed = match variable.storage {
+            Storage::Const | Storage::Shared | Storage::Buffer => continue,
+            // A variable that starts with a value of its own takes none.
+            Storage::Global => {
+                reads &= variable.initializer.is_none();
+                false
+            }
+            Storage::In | Storage::Uniform => {
+                writes = false;
+                true
+            }
+            Storage::Out => {
+                reads = false;
+                true
+            }
+        };
+        if variable.ty.contains_opaque() {
+            continue;
+        }
+        if fed && variable.position == 0 {
+            let qualifiers = Span::new(variable.declaration_span.start, variable.type_span.start);
+            if !qualifiers.is_empty() {
+                slice.edits.push(Edit::delete(qualifiers));
+            }
+            if let Some((end, name)) = structure_of(shader, variable.item) {
+                slice.edits.push(Edit::insert(end, format!("; {name}")));
+            }
+        }
+        if reads || writes {
+            let (name, shown) = (variable.name.clone(), variable.name.clone());
+            slice.globals.push(Global { name, shown, ty: variable.ty.clone(), reads, writes });
+        }
+    }
+}
+
+/// A block with an instance becomes a structure with a variable, one without its members.
+fn plain_blocks(shader: &Shader, used: &BTreeSet<SymbolId>, kept: &dyn Fn(usize) -> bool, slice: &mut Slice) {
+    for (index, block) in shader.interface().blocks.iter().enumerate().filter(|(_, b)| kept(b.item)) {
+        let fed = match block.storage {
+            Storage::In | Storage::Uniform => true,
+            Storage::Out => false,
+            Storage::Buffer | Storage::Shared | Storage::Const | Storage::Global => continue,
+        };
+        if !is_used(shader, index, used) || block.ty.contains_opaque() {
+            continue;
+        }
+        let mut declarations: Vec<Span> = Vec::new();
+        for member in block.members.iter() {
+            let qualifiers = Span::new(member.declaration_span.start, member.type_span.start);
+            if !qualifiers.is_empty() && !declarations.contains(&qualifiers) {
+                slice.edits.push(Edit::delete(qualifiers));
+                declarations.push(qualifiers);
+            }
+        }
+        let mut global = |name: &str, ty: &Type| {
+            let (name, ty) = (name.to_owned(), ty.clone());
+            slice.globals.push(Global { shown: name.clone(), name, ty, reads: fed, writes: !fed });
+        };
+        match &block.instance {
+            Some(instance) => {
+                global(&instance.name, &block.ty);
+                slice.edits.push(Edit::replace(Span::new(block.span.start, block.name.span.start), "struct "));
+                slice.edits.push(Edit::insert(instance.span.start, format!("; {} ", block.name.name)));
+            }
+            None => {
+                block.members.iter().for_each(|member| global(&member.name.name, &member.ty));
+                slice.edits.push(Edit::delete(Span::new(block.span.start, block.body_span.start + 1)));
+                slice.edits.push(Edit::delete(Span::new(block.body_span.end - 1, block.span.end)));
+            }
+        }
+    }
+}
+
+/// Variables of the stage that the language knows become plain ones under other names.
+fn built_ins(shader: &Shader, used: &BTreeSet<SymbolId>, functions: &[FunctionId], slice: &mut Slice) {
+    for (id, symbol) in shader.symbols().filter(|(_, s)| s.kind == SymbolKind::Builtin) {
+        let Some(known) = builtin::by_name(&symbol.name).filter(|_| used.contains(&id)) else { continue };
+        let uses = || shader.uses_of(id).filter(|u| u.function.is_some_and(|f| functions.contains(&f)));
+        let (reads, writes) = (uses().any(|u| u.access.reads()), uses().any(|u| u.access.writes()));
+        let name = format!("sc_{}", symbol.name);
+        slice.head.push_str(&builtin::declaration(known, &name));
+        for token in shader.tokens().iter().filter(|t| shader.file().slice(t.span) == symbol.name) {
+            let gone = slice.edits.iter().any(|e| e.span.start < token.span.end && token.span.start < e.span.end);
+            if !gone {
+                slice.edits.push(Edit::replace(token.span, name.clone()));
+            }
+        }
+        let ty = builtin::type_of(known);
+        let reads = reads && !(writes && known.output);
+        slice.globals.push(Global { name, shown: symbol.name.clone(), ty, reads, writes });
+    }
+}

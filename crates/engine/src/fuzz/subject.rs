@@ -1,0 +1,182 @@
+//! The functions of a file, each made ready to run or told why it cannot be.
+
+use super::domain::{Interval, Law, Stated};
+use super::hint;
+use super::slice::slice;
+use super::wrapper::{self, Wrapped};
+use base::diagnostic::Diagnostic;
+use base::text::Span;
+use program::interp::{self, Executable};
+use program::lower::Target;
+use program::{DISCARD, Kernel, Program, ProgramError};
+use syntax::symbols::{FunctionId, FunctionInfo};
+use syntax::{Shader, Stage};
+
+/// A function of a file.
+pub struct Subject {
+    /// Its name; with the types of its parameters where the file has several of that name.
+    pub label: String,
+    /// `name:line:column` of its name.
+    pub at: String,
+    /// The function, ready to run, or why it cannot be run.
+    pub ready: Result<Box<Ready>, String>,
+    /// Domains that comments in the file state for it.
+    pub stated: Vec<Stated>,
+}
+
+/// A function that can be run.
+pub struct Ready {
+    /// The program.
+    pub program: Program,
+    /// Its kernel.
+    pub kernel: Kernel,
+    /// What the interpreter runs.
+    pub executable: Executable,
+}
+
+/// A comment that cannot be read, or names no input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadHint {
+    /// Where.
+    pub at: String,
+    /// What is wrong.
+    pub why: String,
+}
+
+/// The functions of a shader that have a body, in the order of the text; those that `wanted` wants are
+/// made ready.
+///
+/// # Errors
+/// Comments that state domains in a way that cannot be read.
+pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Subject>, BadHint> {
+    let hints = Hints::read(shader)?;
+    let defined: Vec<(FunctionId, &FunctionInfo)> =
+        shader.functions().filter(|(_, f)| f.definition.is_some()).collect();
+    let mut subjects = Vec::new();
+    let ranges = program::ranges(shader);
+    for &(id, info) in &defined {
+        let name = &info.name.name;
+        let overloaded = defined.iter().filter(|(_, f)| f.name.name == *name).count() > 1;
+        let label = if overloaded { signature(info) } else { name.clone() };
+        if !wanted(name) && !wanted(&label) {
+            continue;
+        }
+        let at = shader.file().locate(info.name.span.start);
+        let mut stated = hints.about(info);
+        let ready = ready(shader, id, info).map(Box::new);
+        stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
+        subjects.push(Subject { label, at, ready, stated });
+    }
+    Ok(subjects)
+}
+
+/// The ranges of inputs that are numbers of the draw, where nothing else is stated of them.
+fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]) -> Vec<Stated> {
+    let reads = |name: &str| ready.kernel.invocation.index_of(name).or(ready.kernel.case.index_of(name)).is_some();
+    let open = |name: &str| !stated.iter().any(|stated| stated.input == name);
+    let within = |(name, most): &(String, u32)| {
+        let interval = Interval { low: 0.0, high: f64::from(*most), open_low: false, open_high: false };
+        Stated { input: name.clone(), law: Law::Within(interval), at: "the draw".to_owned(), whole_file: true }
+    };
+    ranges.iter().filter(|(name, _)| reads(name) && open(name)).map(within).collect()
+}
+
+/// `name(vec3, float)`
+fn signature(info: &FunctionInfo) -> String {
+    let types: Vec<String> = info.params.iter().map(|p| p.ty.to_string()).collect();
+    format!("{}({})", info.name.name, types.join(", "))
+}
+
+fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
+    let main = info.name.name == "main";
+    if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
+        // The stage as it is; where that cannot be run, the same as an ordinary function.
+        let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
+        let with_memory = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
+        match with_memory.and_then(made) {
+            Ok(ready) => return Ok(ready),
+            Err(why) if matches!(shader.stage(), Stage::Geometry | Stage::Compute) => return Err(why),
+            // What stops the stage says more than what stops the function.
+            Err(why) => return alone(shader, id, info).map_err(|_| why),
+        }
+    }
+    alone(shader, id, info)
+}
+
+/// The function in a text of its own.
+fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
+    let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
+    let target = Target::Function(wrapper::NAME.to_owned());
+    let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;
+    // Whether it discards is an output that nobody declares.
+    let own = program.outputs.iter().filter(|port| port.field.name != DISCARD).count();
+    if (program.inputs.len(), own) != (inputs.len(), outputs.len()) {
+        return Err("internal error, please report: its parameters got lost".to_owned());
+    }
+    program.inputs.iter_mut().zip(inputs).for_each(|(port, name)| port.field.name = name);
+    program.outputs.iter_mut().zip(outputs).for_each(|(port, name)| port.field.name = name);
+    made(program)
+}
+
+fn made(program: Program) -> Result<Ready, String> {
+    let kernel = program.compute_kernel().map_err(|e| reason(&e))?;
+    if kernel.output.is_empty() {
+        return Err("it writes no output".to_owned());
+    }
+    let executable = interp::compile(&program).map_err(|e| e.locate(&program))?;
+    Ok(Ready { program, kernel, executable })
+}
+
+/// Why a program cannot be made, in one line with the place in the author's file.
+fn reason(error: &ProgramError) -> String {
+    let first = |found: &[Diagnostic]| {
+        let d = found.first()?.clone().at_origin();
+        Some(format!("{}: {}", d.file.locate(d.span.start), d.message))
+    };
+    match error {
+        ProgramError::Source(found) => first(found).unwrap_or_else(|| error.to_string()),
+        ProgramError::Unsupported { .. } | ProgramError::Internal(_) => error.to_string(),
+    }
+}
+
+/// Domains that comments state.
+struct Hints {
+    /// Each with the item that it stands before: the function's, or none for a comment before anything
+    /// else, which is about the whole file.
+    all: Vec<(Option<usize>, Stated)>,
+}
+
+impl Hints {
+    fn read(shader: &Shader) -> Result<Self, BadHint> {
+        use syntax::ast::ItemKind;
+        let items = &shader.unit().items;
+        let mut all = Vec::new();
+        for comment in shader.comments() {
+            let text = shader.file().slice(comment.span);
+            let at = shader.file().locate(comment.span.start);
+            let stated = match hint::comment(text, &at) {
+                None => continue,
+                Some(Ok(stated)) => stated,
+                Some(Err(why)) => return Err(BadHint { at, why }),
+            };
+            // A comment inside of a function, or behind its head, is about that function.
+            let inside = items.iter().position(|item| item.span.contains(comment.span.start));
+            let after = items.iter().position(|item| item.span.start >= comment.span.end);
+            let on_line = |index: &usize| {
+                let between = Span::new(items[*index].span.end, comment.span.start);
+                !between.is_empty() && !shader.file().slice(between).contains('\n')
+            };
+            let before = (0..items.len()).rev().find(|&k| items[k].span.end <= comment.span.start).filter(on_line);
+            let item = inside.or(before).or(after);
+            let function = item.filter(|&k| matches!(items[k].kind, ItemKind::Function(_)));
+            all.extend(stated.into_iter().map(|s| (function, Stated { whole_file: function.is_none(), ..s })));
+        }
+        Ok(Self { all })
+    }
+
+    fn about(&self, info: &FunctionInfo) -> Vec<Stated> {
+        let here =
+            |item: &Option<usize>| item.is_none_or(|k| info.definition == Some(k) || info.prototypes.contains(&k));
+        self.all.iter().filter(|(item, _)| here(item)).map(|(_, s)| s.clone()).collect()
+    }
+}

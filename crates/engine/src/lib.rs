@@ -1,0 +1,10 @@
+//! Running suites and single functions on lanes: inputs, batches, verdicts, shrinking and parts of a run; mutants of
+//! shaders, measurements of devices, and a device that errs as far as it may.
+
+pub mod adversary;
+pub mod calibrate;
+pub mod catalogue;
+pub mod fuzz;
+pub mod mutate;
+pub mod shard;
+pub mod suite;

@@ -1,0 +1,284 @@
+//! First suites for shaders that have none: what can be run, domains guessed from names and types, and laws
+//! that were seen to hold.
+
+pub mod guess;
+
+use std::fmt::Write;
+
+use super::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, RunError, prepare, run};
+use super::{Stage, parse};
+use base::diagnostic::Diagnostic;
+use base::text::SourceFile;
+use base::value::{Field, Scalar, Shape};
+use judge::profile::Rulings;
+use lanes::{self, Lane};
+use program::lower::Target;
+use program::{Program, ProgramError};
+use syntax::{self, Shader};
+
+/// Samples on which a new suite is tried.
+const SAMPLES: u64 = 2048;
+/// Functions of one file that get a suite.
+const MOST_FUNCTIONS: usize = 12;
+
+/// What a suite could be about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// What is run.
+    pub stage: Stage,
+    /// The function, for [`Stage::Function`].
+    pub entry: Option<String>,
+}
+
+/// A suite that was written and tried.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// Its text.
+    pub text: String,
+    /// Inputs that are filled.
+    pub inputs: usize,
+    /// Laws that held and stand in it.
+    pub laws: usize,
+    /// What is wrong all the same; the suite tells it in a comment.
+    pub complaints: Vec<String>,
+}
+
+/// What can be run of a shader: its stage, or its functions. With the number of functions that are left
+/// out because there are so many.
+pub fn subjects(file: &SourceFile, stage: syntax::Stage) -> (Vec<Subject>, usize) {
+    let whole = |stage| vec![Subject { stage, entry: None }];
+    match stage {
+        syntax::Stage::Vertex => return (whole(Stage::Vertex), 0),
+        syntax::Stage::Geometry => return (whole(Stage::Geometry), 0),
+        syntax::Stage::Fragment
+        | syntax::Stage::Compute
+        | syntax::Stage::TessControl
+        | syntax::Stage::TessEvaluation
+        | syntax::Stage::Library => {}
+    }
+    let shader = Shader::parse(file, stage).shader;
+    let names: Vec<&str> =
+        shader.functions().filter(|(_, f)| f.definition.is_some()).map(|(_, f)| f.name.name.as_str()).collect();
+    let single = |name: &&&str| **name != "main" && names.iter().filter(|n| **n == **name).count() == 1;
+    let fragment = (stage == syntax::Stage::Fragment && names.contains(&"main")).then_some(Stage::Fragment);
+    let whole = fragment.map(|stage| Subject { stage, entry: None });
+    let mut all: Vec<Subject> = names
+        .iter()
+        .filter(single)
+        .map(|name| Subject { stage: Stage::Function, entry: Some((*name).to_owned()) })
+        .collect();
+    let rest = all.len().saturating_sub(MOST_FUNCTIONS);
+    all.truncate(MOST_FUNCTIONS);
+    (whole.into_iter().chain(all).collect(), rest)
+}
+
+/// Writes a suite called `name` about a subject of a shader, and tries it on the embedded lane and on
+/// `devices`. `shader` is the path that the suite names.
+///
+/// # Errors
+/// Why the subject cannot be run, in a line.
+pub fn draft(
+    file: &SourceFile,
+    stage: syntax::Stage,
+    subject: &Subject,
+    name: &str,
+    shader: &str,
+    devices: &[Box<dyn Lane>],
+) -> Result<Draft, String> {
+    let target = subject.entry.clone().map_or(Target::Stage, Target::Function);
+    let program = Program::from_source(file, stage, |_| Ok(target)).map_err(|error| in_a_line(&error))?;
+    let (invocation, case) = (program.invocation_record(), program.case_record());
+    let outputs = program.output_layout().vertex;
+    if outputs.fields().is_empty() {
+        return Err("it has no output to look at".to_owned());
+    }
+    let inputs: Vec<&Field> = case.fields().iter().chain(invocation.fields()).collect();
+    if inputs.is_empty() {
+        return Err("it takes nothing that could be varied".to_owned());
+    }
+    let head = head(subject, name, shader);
+    let groups = groups(&inputs, case.fields().len(), &program);
+    let candidates = laws(subject.stage, &inputs, outputs.fields());
+    let assemble = |laws: &[String], floors: &str| {
+        let mut text = head.clone();
+        if !laws.is_empty() {
+            text.push_str("# Held on all samples that were tried; keep those that are meant.\nrelations = [\n");
+            laws.iter().for_each(|law| {
+                let _ = writeln!(text, "    {law},");
+            });
+            text.push_str("]\n");
+        }
+        text.push_str(&groups);
+        text.push_str(floors);
+        text
+    };
+    let lane = lanes::registry()
+        .iter()
+        .find(|candidate| candidate.name == "embedded")
+        .ok_or("there is no embedded lane")
+        .and_then(|candidate| (candidate.open)().map_err(|_| "the embedded lane cannot be opened"))?;
+    let all: Vec<String> = candidates.iter().map(|(_, law)| law.clone()).collect();
+    let report = tried(&ready(&assemble(&all, ""), file)?, &*lane)?;
+    let broken: Vec<&str> = report
+        .findings
+        .iter()
+        .filter(|f| matches!(f.kind, FindingKind::Relation | FindingKind::Vacuous))
+        .filter_map(|f| f.message.split('`').nth(1))
+        .collect();
+    let laws: Vec<String> =
+        candidates.into_iter().filter(|(name, _)| !broken.contains(&name.as_str())).map(|(_, law)| law).collect();
+    // A device leaves more samples open than the interpreter, which is more exact than is promised.
+    let mut floors = floors(&report);
+    let mut worst = share(&report);
+    let prepared = ready(&assemble(&laws, ""), file)?;
+    for report in devices.iter().filter_map(|device| tried(&prepared, &**device).ok()) {
+        if share(&report) > worst {
+            (worst, floors) = (share(&report), self::floors(&report));
+        }
+    }
+    let text = assemble(&laws, &floors);
+    let prepared = ready(&text, file)?;
+    let mut reports = vec![tried(&prepared, &*lane)?];
+    // What a device cannot run is told when the suite is run.
+    reports.extend(devices.iter().filter_map(|device| tried(&prepared, &**device).ok()));
+    let mut complaints: Vec<String> = Vec::new();
+    for message in reports.iter().flat_map(Report::errors).map(|finding| &finding.message) {
+        if !complaints.contains(message) {
+            complaints.push(message.clone());
+        }
+    }
+    let comment: String =
+        complaints.iter().map(|complaint| format!("# Found when this was written: {complaint}\n")).collect();
+    Ok(Draft { text: format!("{comment}{text}"), inputs: inputs.len(), laws: laws.len(), complaints })
+}
+
+/// The first thing that is wrong, in a line.
+fn in_a_line(error: &ProgramError) -> String {
+    match error {
+        ProgramError::Source(diagnostics) => first_of(diagnostics),
+        other => other.to_string().lines().next().unwrap_or_default().to_owned(),
+    }
+}
+
+fn first_of(diagnostics: &[Diagnostic]) -> String {
+    diagnostics.first().map_or_else(
+        || "it does not compile".to_owned(),
+        |d| format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message),
+    )
+}
+
+/// The suite of a text, ready to be run.
+fn ready(text: &str, shader: &SourceFile) -> Result<Prepared, String> {
+    let suite = parse(&SourceFile::new("the new suite", text)).map_err(|error| error.to_string())?;
+    prepare(&suite, shader).map_err(|error| match error {
+        RunError::Shader { diagnostics, .. } => first_of(&diagnostics),
+        other => other.to_string(),
+    })
+}
+
+fn tried(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, String> {
+    let request = Request {
+        samples: Some(SAMPLES),
+        seed: DEFAULT_SEED,
+        quick: false,
+        replay: Vec::new(),
+        replay_only: false,
+        rulings: Rulings::of_lane(lane.description()),
+        arguments: prepared.suite.name.clone(),
+    };
+    run(prepared, lane, lanes::Stage::Compute, &request, &mut |_| {}).map_err(|error| error.to_string())
+}
+
+fn head(subject: &Subject, name: &str, shader: &str) -> String {
+    let mut text = format!("suite = {name:?}\nshader = {shader:?}\nstage = {:?}\n", subject.stage.name());
+    if let Some(entry) = &subject.entry {
+        let _ = writeln!(text, "entry = {entry:?}");
+    }
+    text.push_str(
+        "# What is right? Say it with one of these; until then lanes are held against the shader's own meaning.\n\
+         # reference = { file = \"reference.glsl\", function = \"expected\" }\n\
+         # recorded = \"values.csv\"\n\
+         samples = 16384\n",
+    );
+    text
+}
+
+/// The groups of inputs: those that are filled alike stand together, uniforms apart from the others.
+fn groups(inputs: &[&Field], uniforms: usize, program: &Program) -> String {
+    let mut groups: Vec<(bool, guess::Guess, Vec<&str>)> = Vec::new();
+    for (k, field) in inputs.iter().enumerate() {
+        let guess = match program.largest(&field.name) {
+            Some(most) => guess::number_of_the_draw(most),
+            None => guess::of(field),
+        };
+        let uniform = k < uniforms;
+        // Bones and weights keep laws between the inputs of a group; others only share a range.
+        let joins = |g: &&mut (bool, guess::Guess, Vec<&str>)| {
+            g.0 == uniform && g.1 == guess && matches!(guess.generator, "interval" | "index" | "point")
+        };
+        match groups.iter_mut().find(joins) {
+            Some(group) => group.2.push(&field.name),
+            None => groups.push((uniform, guess, vec![&field.name])),
+        }
+    }
+    let mut text = String::new();
+    for (_, guess, names) in groups {
+        let list: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        let _ = write!(text, "\n[[inputs]] # taken for {}\n", guess.taken_for);
+        let _ = write!(text, "names = [{}]\ngenerator = {:?}\n", list.join(", "), guess.generator);
+        if let Some([lo, hi]) = guess.range {
+            let _ = writeln!(text, "range = [{lo:?}, {hi:?}]");
+        }
+    }
+    text
+}
+
+/// Laws that may hold, with their names in reports.
+fn laws(stage: Stage, inputs: &[&Field], outputs: &[Field]) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for field in outputs {
+        let Shape { scalar, columns, rows, .. } = field.shape;
+        let name = &field.name;
+        if scalar == Scalar::F32 && columns == 1 && rows > 1 {
+            all.push((format!("unit({name})"), format!("{{ kind = \"unit\", outputs = [{name:?}] }}")));
+        }
+        if scalar == Scalar::F32 {
+            let law = format!("{{ kind = \"range\", range = [0.0, 1.0], outputs = [{name:?}] }}");
+            all.push((format!("range({name})"), law));
+        }
+    }
+    if stage != Stage::Function {
+        return all;
+    }
+    let floats: Vec<&&Field> = inputs.iter().filter(|f| f.shape.scalar == Scalar::F32).collect();
+    for field in &floats {
+        for kind in ["odd", "even"] {
+            let name = &field.name;
+            all.push((format!("{kind}({name})"), format!("{{ kind = {kind:?}, inputs = [{name:?}] }}")));
+        }
+    }
+    for (k, a) in inputs.iter().enumerate() {
+        for b in inputs[k + 1..].iter().filter(|b| b.shape == a.shape) {
+            let (a, b) = (&a.name, &b.name);
+            let law = format!("{{ kind = \"symmetric\", inputs = [{a:?}, {b:?}] }}");
+            all.push((format!("symmetric({a}, {b})"), law));
+        }
+    }
+    all
+}
+
+/// Floors that the run reaches, where the usual ones are too high.
+fn share(report: &Report) -> f64 {
+    report.verdicts.undetermined_count() as f64 / report.verdicts.seen().max(1) as f64
+}
+
+fn floors(report: &Report) -> String {
+    let share = share(report);
+    if share <= 0.04 || share >= 1.0 {
+        return String::new();
+    }
+    let ceiling = ((share * 1.25 + 0.01) * 100.0).ceil().min(100.0) / 100.0;
+    let why = report.doubts.first().map_or_else(|| "not known".to_owned(), ToString::to_string);
+    let why = why.split_once(" undetermined, ").map_or(why.as_str(), |(_, why)| why).replace(['"', '\\'], "'");
+    format!("\n[floors]\nundetermined = {ceiling:?}\nreason = \"{why}\"\n")
+}

@@ -1,0 +1,166 @@
+//! `#include` in shaders that are run: where files are looked for, and what is told of those that are not there.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::elsewhere;
+use super::error::LoadError;
+use super::files::{MOST_BYTES, read_source};
+use base::diagnostic::Diagnostic;
+use base::text::{Shown, SourceFile, decode};
+use syntax::include::{self, Wanted};
+
+/// Files that a text includes, at most, each as often as it does.
+const MOST_FILES: u32 = 1 << 14;
+
+/// Folders that are searched, and what was not found in them.
+#[derive(Clone, Debug, Default)]
+pub struct Includes {
+    /// Folders that are searched for `<path>`, and for `"path"` after the folder of the file that asks.
+    pub folders: Vec<PathBuf>,
+    /// What was asked for and is not there. It is told only where the shader needs it.
+    missing: Vec<Wanted>,
+    /// The user names the folders, and not a file.
+    trusted: bool,
+    /// How a user names a folder, to be said where one is missing.
+    named_by: &'static str,
+}
+
+impl Includes {
+    /// Folders that a user names in a certain way: `` `-I FOLDER` ``.
+    pub fn new(folders: Vec<PathBuf>, named_by: &'static str) -> Self {
+        Self { folders, missing: Vec::new(), trusted: true, named_by }
+    }
+
+    /// Folders that a suite file names.
+    pub(super) fn of_suite(folders: Vec<PathBuf>) -> Self {
+        Self { trusted: false, ..Self::new(folders, "`include = [\"FOLDER\"]`") }
+    }
+
+    /// The text of a file with that of the files that it includes.
+    ///
+    /// # Errors
+    /// [`LoadError::Include`] for a file that is there and cannot be read or is no text.
+    pub fn resolve(&mut self, file: &SourceFile) -> Result<SourceFile, LoadError> {
+        let mut failed = None;
+        let (mut files, mut bytes) = (0, file.text().len() as u64);
+        let mut within = vec![Path::new(file.name()).parent().unwrap_or(Path::new(""))];
+        within.extend(self.folders.iter().filter(|_| self.trusted).map(PathBuf::as_path));
+        let included = include::resolve(file, &mut |wanted| {
+            if failed.is_some() {
+                return None;
+            }
+            let found = find(wanted, &self.folders, &within).and_then(|found| {
+                // Files that each include another one twice have no end that anyone lives to see.
+                files += 1;
+                bytes += found.as_ref().map_or(0, |file| file.text().len() as u64);
+                let whole = files <= MOST_FILES && bytes <= MOST_BYTES;
+                whole.then_some(found).ok_or_else(|| {
+                    format!("with what it includes, the text has more than {MOST_FILES} files or {MOST_BYTES} bytes")
+                })
+            });
+            found.unwrap_or_else(|why| {
+                let at = wanted.from.locate(wanted.span.start).to_string();
+                failed.get_or_insert(LoadError::Include { at, path: wanted.path.clone(), why });
+                None
+            })
+        });
+        self.missing.extend(included.missing);
+        failed.map_or(Ok(included.file), Err)
+    }
+
+    /// A diagnostic at its place in the file that it is about, with what is known about includes that were
+    /// not found.
+    pub fn explained(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = diagnostic.at_origin();
+        let here = |w: &&Wanted| w.from.name() == diagnostic.file.name() && w.span.touches(diagnostic.span);
+        let Some(wanted) = self.missing.iter().find(here) else { return diagnostic };
+        let mut searched: Vec<String> = self.folders.iter().map(|f| f.shown().to_string()).collect();
+        if wanted.quoted {
+            searched.insert(0, "the folder of the file".to_owned());
+        }
+        let message = format!("`{}` is not found", wanted.path);
+        let why = match searched.is_empty() {
+            true => "no folder was searched".to_owned(),
+            false => format!("searched: {}", searched.join(", ")),
+        };
+        let new = Diagnostic::new(diagnostic.code, diagnostic.severity, &wanted.from, wanted.span, message);
+        new.with_why(why).with_help(format!("name its folder with {}", self.named_by))
+    }
+}
+
+/// The file that is asked for; none where there is none.
+fn find(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Result<Option<SourceFile>, String> {
+    let beside = Path::new(wanted.from.name()).parent().filter(|_| wanted.quoted).map(Path::to_owned);
+    // A path from the root is one of the virtual file system of ARB_shading_language_include.
+    let path = wanted.path.trim_start_matches('/');
+    for folder in beside.into_iter().chain(folders.iter().cloned()) {
+        let path = if folder.as_os_str().is_empty() { PathBuf::from(path) } else { folder.join(path) };
+        let refusal = || elsewhere::refusal(&path, within).map(|why| std::io::Error::new(ErrorKind::InvalidInput, why));
+        match read_source(&path).and_then(|bytes| refusal().map_or(Ok(bytes), Err)) {
+            Ok(bytes) => return decode(&plain(&path), &bytes).map(|d| Some(d.file)).map_err(|e| e.to_string()),
+            Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+            Err(error) => return Err(format!("{}: {error}", path.shown())),
+        }
+    }
+    Ok(None)
+}
+
+/// A path without `.` and without `..` behind a folder, so that a file has one name.
+fn plain(path: &Path) -> String {
+    use std::path::Component;
+    let mut parts = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(parts.components().next_back(), Some(Component::Normal(_))) => {
+                parts.pop();
+            }
+            _ => parts.push(part),
+        }
+    }
+    parts.display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(path: &Path) -> SourceFile {
+        SourceFile::new(path.display().to_string(), std::fs::read_to_string(path).unwrap())
+    }
+
+    #[test]
+    fn files_have_one_name() {
+        assert_eq!(plain(Path::new("./a/../b/./c.glsl")), "b/c.glsl");
+        assert_eq!(plain(Path::new("../a.glsl")), "../a.glsl");
+    }
+
+    #[test]
+    fn quoted_files_lie_beside_and_others_in_the_folders() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("lib")).unwrap();
+        std::fs::write(at("main.glsl"), "#include \"near.glsl\"\n#include <far.glsl>\n#include <near.glsl>\n").unwrap();
+        std::fs::write(at("near.glsl"), "float near;\n").unwrap();
+        std::fs::write(at("lib/far.glsl"), "float far;\n").unwrap();
+        let mut includes = Includes::new(vec![at("lib")], "`-I FOLDER`");
+        let whole = includes.resolve(&file(&at("main.glsl"))).unwrap();
+        assert!(whole.text().contains("float near;") && whole.text().contains("float far;"));
+        assert_eq!(includes.missing.iter().map(|w| w.path.as_str()).collect::<Vec<_>>(), ["near.glsl"]);
+    }
+
+    #[test]
+    fn a_file_that_is_there_and_is_no_text_is_not_called_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("main.glsl"), "float a;\n#include \"b.glsl\"\n").unwrap();
+        std::fs::write(at("b.glsl"), [0u8, 159, 146, 150, 0, 1]).unwrap();
+        let error = Includes::default().resolve(&file(&at("main.glsl"))).unwrap_err().to_string();
+        assert!(error.contains("main.glsl:2:1: cannot include `b.glsl`"), "{error}");
+        std::fs::remove_file(at("b.glsl")).unwrap();
+        std::fs::create_dir(at("b.glsl")).unwrap();
+        let error = Includes::default().resolve(&file(&at("main.glsl"))).unwrap_err().to_string();
+        assert!(error.contains("cannot include `b.glsl`"), "{error}");
+    }
+}

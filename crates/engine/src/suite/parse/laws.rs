@@ -1,0 +1,116 @@
+//! `relations`: names of relations that come with the crate, and laws.
+
+use super::super::table::{At, Item, Table};
+use super::{Names, known};
+use property::law::{Law, LawKind};
+
+/// The relations and laws of a suite, in their order.
+pub(super) fn relations(root: Table<'_>, names: &Names) -> (Vec<String>, Vec<Law>) {
+    let (mut named, mut laws) = (Vec::new(), Vec::new());
+    for item in root.texts_or_tables("relations", "[[relations]]") {
+        match item {
+            Item::Text(given) => {
+                named.extend(known(root, "relation", &given, names.relations.iter().map(String::as_str)));
+            }
+            Item::Table(table) => laws.extend(law(table)),
+        }
+    }
+    (named, laws)
+}
+
+/// Keys of each kind, beside `kind` and `outputs`.
+fn keys(kind: &str) -> &'static [&'static str] {
+    match kind {
+        "periodic" => &["inputs", "period"],
+        "monotone" => &["inputs", "direction"],
+        "range" => &["range"],
+        "unit" => &[],
+        "rigid" => &["points", "directions", "mirrored"],
+        "scales" => &["inputs", "degree"],
+        // odd, even, symmetric
+        _ => &["inputs"],
+    }
+}
+
+fn law(table: Table<'_>) -> Option<Law> {
+    let given = table.required_text("kind", "kind = \"odd\"")?;
+    let kind = known(table, "kind", &given, LawKind::NAMES.into_iter())?;
+    let table = table.only(&[&["kind", "outputs"], keys(&kind)].concat());
+    let outputs = table.texts("outputs").into_iter().map(|t| t.value).collect();
+    let at = table.reader.locate(table.offset);
+    let kind = match kind.as_str() {
+        "odd" => LawKind::Odd { inputs: inputs(table, 1)? },
+        "even" => LawKind::Even { inputs: inputs(table, 1)? },
+        "periodic" => {
+            let (inputs, period) = (inputs(table, 1), period(table));
+            LawKind::Periodic { inputs: inputs?, period: period? }
+        }
+        "monotone" => {
+            let (inputs, rising) = (inputs(table, 1), rising(table));
+            let mut inputs = inputs?;
+            if inputs.len() > 1 {
+                let message = "`inputs` of a monotone law names one input; state one law for each";
+                table.reader.problem(table.offset_of("inputs"), message);
+            }
+            LawKind::Monotone { input: inputs.swap_remove(0), rising: rising? }
+        }
+        "range" => {
+            if !table.has("range") {
+                table.missing("range", "range = [0.0, 1.0]");
+            }
+            LawKind::Range { range: super::range(table)? }
+        }
+        "unit" => LawKind::Unit,
+        "symmetric" => LawKind::Symmetric { inputs: inputs(table, 2)? },
+        "rigid" => {
+            let list = |key| table.texts(key).into_iter().map(|t| t.value).collect::<Vec<_>>();
+            let (points, directions) = (list("points"), list("directions"));
+            if !table.has("points") && !table.has("directions") {
+                table.missing("points", "points = [\"p\", \"gl_Position\"]");
+                return None;
+            }
+            LawKind::Rigid { points, directions, mirrored: table.flag("mirrored").unwrap_or(false) }
+        }
+        _ => {
+            let inputs = inputs(table, 1);
+            let degree = table.signed("degree", -8, 8);
+            if !table.has("degree") {
+                table.missing("degree", "degree = 1");
+            }
+            LawKind::Scales { inputs: inputs?, degree: degree? as i32 }
+        }
+    };
+    Some(Law { kind, outputs, at })
+}
+
+fn inputs(table: Table<'_>, least: usize) -> Option<Vec<String>> {
+    let example = if least > 1 { "inputs = [\"a\", \"b\"]" } else { "inputs = [\"x\"]" };
+    if !table.has("inputs") {
+        table.missing("inputs", example);
+        return None;
+    }
+    let names: Vec<String> = table.texts("inputs").into_iter().map(|t| t.value).collect();
+    if names.len() < least {
+        let message = format!("`inputs` names {least} or more inputs, such as {example}");
+        table.reader.problem(table.offset_of("inputs"), message);
+        return None;
+    }
+    Some(names)
+}
+
+fn period(table: Table<'_>) -> Option<f64> {
+    if !table.has("period") {
+        table.missing("period", "period = 6.283185307179586");
+    }
+    let At { value, offset } = table.number("period")?;
+    if value != 0.0 && (value as f32).is_normal() {
+        return Some(value);
+    }
+    table.reader.problem(offset, format!("`period` is {value}; it is a number that is neither 0 nor infinite"));
+    None
+}
+
+fn rising(table: Table<'_>) -> Option<bool> {
+    let given = table.required_text("direction", "direction = \"rising\"")?;
+    Some(known(table, "direction", &given, ["rising", "falling"].into_iter())? == "rising")
+}

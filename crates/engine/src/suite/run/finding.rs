@@ -1,0 +1,445 @@
+//! Findings: what a report shows a person.
+
+use std::borrow::Cow;
+
+use super::part::{Failing, Shown, Terms};
+use super::position::{self, Place, Tied};
+use super::trial::Trial;
+use super::{Report, Request, repeat};
+use crate::suite::Suite;
+use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
+use judge::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
+use lanes::{Lane, LaneError, Stage as LaneStage};
+use program::{Port, Program, Source};
+use property::shrink::{self, Shrunk};
+use property::{Sample, regressions};
+use serde::{Deserialize, Serialize};
+
+/// What a finding is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum FindingKind {
+    /// Outputs deviate from the formula.
+    Deviation,
+    /// An output of the shader depends on a value that the language leaves undefined.
+    Undefined,
+    /// The same inputs gave other outputs: a fault of the lane.
+    Flaky,
+    /// A relation between outputs does not hold.
+    Relation,
+    /// A translation means something else than the shader.
+    Translation,
+    /// Parts of what should be drawn are not.
+    Coverage,
+    /// Fewer samples were judged, or more left undetermined, than the suite allows.
+    Floor,
+    /// Something that was asked for tested nothing.
+    Vacuous,
+    /// A ledger expects a failure that did not come.
+    UnexpectedPass,
+    /// The lane is worse than its device was measured to be, and keeps what is promised: a warning.
+    Quality,
+    /// The bounds are so wide that they test little: a warning.
+    VacuousBound,
+    /// Real numbers are fine and binary32 is not: a weakness of the shader, and a warning.
+    Range,
+    /// A literal is a known constant in few digits, and is judged as the constant: a warning.
+    RoundedLiteral,
+}
+
+impl FindingKind {
+    /// All kinds.
+    pub const ALL: [Self; 13] = [
+        Self::Deviation,
+        Self::Undefined,
+        Self::Flaky,
+        Self::Relation,
+        Self::Translation,
+        Self::Coverage,
+        Self::Floor,
+        Self::Vacuous,
+        Self::UnexpectedPass,
+        Self::Quality,
+        Self::VacuousBound,
+        Self::Range,
+        Self::RoundedLiteral,
+    ];
+
+    /// What it means, in a sentence.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Deviation => "Outputs deviate from what is expected, or from what the shader means.",
+            Self::Undefined => "An output of the shader depends on a value that the language leaves undefined.",
+            Self::Flaky => "The same inputs gave other outputs when they ran again: a fault of the lane.",
+            Self::Relation => "A relation between outputs does not hold.",
+            Self::Translation => "A translation means something else than the shader.",
+            Self::Coverage => "Parts of what should be drawn are not.",
+            Self::Floor => "Too few samples were judged, or too many left undetermined.",
+            Self::Vacuous => "Something that was asked for tested nothing.",
+            Self::UnexpectedPass => "The ledger expects a failure that did not come.",
+            Self::Quality => "The lane is worse than its device was measured to be, and keeps what is promised.",
+            Self::VacuousBound => "The bounds are so wide that they test little.",
+            Self::Range => "Real numbers are fine and binary32 is not.",
+            Self::RoundedLiteral => "A literal is a known constant in few digits, and is judged as the constant.",
+        }
+    }
+
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Deviation => "deviation",
+            Self::Undefined => "undefined",
+            Self::Flaky => "flaky",
+            Self::Relation => "relation",
+            Self::Translation => "translation",
+            Self::Coverage => "coverage",
+            Self::Floor => "floor",
+            Self::Vacuous => "vacuous",
+            Self::UnexpectedPass => "unexpected_pass",
+            Self::Quality => "quality",
+            Self::VacuousBound => "vacuous_bound",
+            Self::Range => "range",
+            Self::RoundedLiteral => "rounded_literal",
+        }
+    }
+
+    /// True for what does not make a run fail.
+    pub fn is_warning(self) -> bool {
+        match self {
+            Self::Quality | Self::VacuousBound | Self::Range | Self::RoundedLiteral => true,
+            Self::Deviation
+            | Self::Undefined
+            | Self::Flaky
+            | Self::Relation
+            | Self::Translation
+            | Self::Coverage
+            | Self::Floor
+            | Self::Vacuous
+            | Self::UnexpectedPass => false,
+        }
+    }
+}
+
+/// Something that is wrong.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it is about.
+    pub kind: FindingKind,
+    /// What is wrong, in a sentence without a full stop.
+    pub message: String,
+    /// The simplest sample that shows it.
+    pub case: Option<Case>,
+    /// Samples that show it.
+    pub count: u64,
+    /// A command that shows it again.
+    pub reproduce: Option<String>,
+}
+
+/// The inputs that show a finding.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Case {
+    /// The inputs, uniforms last.
+    pub inputs: Vec<InputValue>,
+    /// How the sample deviates.
+    pub deviation: Option<Deviation>,
+    /// What the shader was compared with, in a word: `formula`, `reference`.
+    pub against: Cow<'static, str>,
+    /// Where that comes from, as far as it could be found out.
+    pub diagnosis: Diagnosis,
+    /// Rounds of shrinking.
+    pub rounds: usize,
+    /// Candidates that were tried.
+    pub tried: usize,
+}
+
+/// One input of a case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputValue {
+    /// Name, with the type before it.
+    pub name: String,
+    /// The words.
+    pub bits: Vec<u32>,
+    /// The values in decimal, in the order of the words.
+    pub decimal: Vec<String>,
+}
+
+/// A case for a report.
+pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
+    let sample = &shrunk.sample;
+    let mut inputs = Vec::new();
+    for (record, words) in [(&sample.invocation_record, &sample.invocation), (&sample.case_record, &sample.case)] {
+        for (k, field) in record.fields().iter().enumerate() {
+            let bits = words[record.range(k)].to_vec();
+            let decimal = bits.iter().map(|&w| regressions::decimal(w, field.shape.scalar)).collect();
+            inputs.push(InputValue { name: format!("{} {}", field.shape, field.name), bits, decimal });
+        }
+    }
+    let diagnosis = Diagnosis::default();
+    Case { inputs, deviation, against: "formula".into(), diagnosis, rounds: shrunk.rounds, tried: shrunk.tried }
+}
+
+/// The command that runs one sample again.
+pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> String {
+    let inputs = regressions::inputs_text(sample);
+    format!("shadercheck check {} --lane {} {} --case '{inputs}'", request.arguments, report.lane, way(report))
+}
+
+/// The arguments that choose the stage or the source of inputs.
+fn way(report: &Report) -> String {
+    match report.source {
+        Some(source) if source != Source::Storage => format!("--sources {}", source.name()),
+        Some(_) | None => format!("--stage {}", report.stage),
+    }
+}
+
+/// Flaky samples are told once.
+const FLAKY: &str = "flaky";
+
+/// Samples that fail by their place are told once.
+const POSITION: &str = "position";
+
+/// A finding about a sample that deviates by its place in a buffer. It takes the whole batch to show it again.
+pub(super) fn tied(request: &Request, report: &Report, sample: &Sample, tied: Tied, against: &'static str) -> Finding {
+    let Tied { position, deviation, .. } = tied;
+    let message = deviation.told(against);
+    let shrunk = unshrunk(sample.clone());
+    let diagnosis = Diagnosis { position: Some(position), ..Diagnosis::default() };
+    let samples = request.samples.map_or_else(String::new, |samples| format!(" --samples {samples}"));
+    let quick = if request.quick { " --quick" } else { "" };
+    Finding {
+        kind: FindingKind::Deviation,
+        message,
+        case: Some(Case { diagnosis, against: against.into(), ..case(&shrunk, Some(deviation)) }),
+        count: 0,
+        reproduce: Some(format!(
+            "shadercheck check {} --lane {} {} --seed {}{samples}{quick}",
+            request.arguments,
+            report.lane,
+            way(report),
+            request.seed
+        )),
+    }
+}
+
+/// Samples that were asked for one by one: they are reported as they are.
+pub(super) fn as_given(samples: Vec<Sample>) -> Vec<Shrunk> {
+    samples.into_iter().map(unshrunk).collect()
+}
+
+/// A sample as it is.
+pub(super) fn unshrunk(sample: Sample) -> Shrunk {
+    Shrunk { original: sample.clone(), sample, rounds: 0, tried: 0, accepted: 0, minimal: false }
+}
+
+/// Shrinks the failing samples, all together, and reports each kind of deviation once.
+pub(super) fn deviations(
+    trial: &mut Trial<'_>,
+    lane: &dyn Lane,
+    failing: &[Failing],
+    request: &Request,
+    report: &Report,
+) -> Result<Vec<Shown>, LaneError> {
+    if failing.is_empty() {
+        return Ok(Vec::new());
+    }
+    let plan = trial.prepared.plan.clone();
+    let against = trial.prepared.reference.noun();
+    let first: Vec<Sample> = failing.iter().map(|failing| failing.sample(&plan)).collect();
+    let prints: Vec<u64> = failing.iter().map(|failing| failing.print).collect();
+    let mut shown: Vec<Shown> = Vec::new();
+    let mut tied: Option<Tied> = None;
+    let (mut steady, mut numbers) = (Vec::new(), Vec::new());
+    for ((sample, failing), again) in first.iter().zip(failing).zip(repeat::again(trial, &first, &prints)?) {
+        let number = failing.number;
+        // A shader that is wrong is wrong on a flaky lane too.
+        if !again.is_flaky() || again.is_shader() {
+            steady.push(sample.clone());
+            numbers.push(number);
+        }
+        if again.is_flaky() && !again.is_shader() {
+            let place = Place::of(failing);
+            if place.is_some_and(|place| tied.as_ref().is_some_and(|tied| tied.explains(place))) {
+                continue;
+            }
+            let found = place.map(|place| position::probe(trial, request, sample, place)).transpose()?.flatten();
+            if let Some(found) = found {
+                let words = [&sample.case[..], &sample.invocation[..]].concat();
+                let finding = self::tied(request, report, sample, found.clone(), against);
+                shown.push(Shown { number, alike: Some(POSITION.to_owned()), words, finding, sample: None });
+                tied = Some(found);
+                continue;
+            }
+        }
+        if again.is_flaky() {
+            let words = [&sample.case[..], &sample.invocation[..]].concat();
+            let finding = again.finding(request, report, &unshrunk(sample.clone()));
+            shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
+        }
+    }
+    if steady.is_empty() {
+        return Ok(shown);
+    }
+    let first = steady;
+    // On a flaky lane only what is wrong whatever the lane gives is made simpler.
+    let flaky = !shown.is_empty();
+    let counts = |d: &Deviation| !flaky || d.blame == Blame::Shader;
+    let mut oracle = |samples: &[Sample]| trial.deviates(samples, &counts);
+    let shrunk = if request.replay_only { as_given(first) } else { shrink::shrink(first, &*plan, &mut oracle)? };
+    let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
+    let batch = Sample::batch(&samples);
+    let actual = trial.run(&batch)?;
+    let verdicts = judge_each(&trial.court(), &batch, &actual);
+    for ((shrunk, verdict), number) in shrunk.iter().zip(verdicts).zip(numbers) {
+        let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+        let Verdict::Deviate(deviation) = verdict else {
+            // The same inputs gave another answer: nothing that was found may get lost over it.
+            let finding = Finding {
+                kind: FindingKind::Flaky,
+                message: "flaky: a sample failed, and passed when it was run again: the lane is not deterministic"
+                    .to_owned(),
+                case: Some(case(shrunk, None)),
+                count: 1,
+                reproduce: Some(reproduce(request, report, &shrunk.sample)),
+            };
+            let told = shown.iter().any(|s| s.alike.as_deref() == Some(FLAKY));
+            if !told {
+                shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
+            }
+            continue;
+        };
+        let what = kind_of(&deviation);
+        let same = |s: &Shown| s.alike.as_ref().is_some_and(|alike| *alike == what || s.words == words);
+        if shown.iter().any(same) {
+            continue;
+        }
+        let diagnosis = diagnose(trial, lane, &shrunk.sample, &deviation)?;
+        let finding = Finding {
+            kind: FindingKind::Deviation,
+            message: deviation.told(against),
+            // Known when all parts of the run are.
+            count: 0,
+            reproduce: Some(reproduce(request, report, &shrunk.sample)),
+            case: Some(Case { diagnosis, against: against.into(), ..case(shrunk, Some(deviation)) }),
+        };
+        shown.push(Shown { number, alike: Some(what), words, finding, sample: Some(shrunk.sample.clone()) });
+    }
+    shown.sort_by_key(|shown| shown.number);
+    Ok(shown)
+}
+
+/// Where the deviation of a sample comes from.
+fn diagnose(
+    trial: &Trial<'_>,
+    lane: &dyn Lane,
+    sample: &Sample,
+    deviation: &Deviation,
+) -> Result<Diagnosis, LaneError> {
+    let (court, prepared) = (trial.court(), trial.prepared);
+    let batch = Sample::batch(std::slice::from_ref(sample));
+    match deviation.blame {
+        Blame::Shader => Ok(diagnosis::shader(&court, &prepared.program, &batch, deviation)),
+        Blame::Lane => {
+            let vertex = prepared.vertex.is_some();
+            let kernel = |program: &Program| match (trial.source, court.stage) {
+                (Some(source @ (Source::Constants | Source::Uniforms)), _) => program.kernel_from(source, &batch),
+                (Some(source @ Source::Attributes), _) if !vertex => program.kernel_from(source, &batch),
+                (_, LaneStage::Compute) => program.compute_kernel(),
+                (_, LaneStage::Vertex) => program.vertex_kernel(&components(&prepared.suite, program)),
+                (_, LaneStage::Geometry) => program.geometry_kernel(),
+            };
+            let suspected = Suspected { lane, stage: court.stage, kernel: &kernel, batch: &batch, deviation };
+            diagnosis::lane(&court, &prepared.program, &suspected)
+        }
+    }
+}
+
+/// How many floats the host feeds for each attribute.
+pub(super) fn components(suite: &Suite, program: &Program) -> Vec<u8> {
+    let of = |port: &Port| suite.components(&port.field.name).unwrap_or(port.field.shape.rows);
+    program.inputs.iter().map(of).collect()
+}
+
+/// Deviations that are told once: the same component, or the same kind of shape.
+fn kind_of(deviation: &Deviation) -> String {
+    let what = match &deviation.what {
+        What::Value(value) => value.component.as_str(),
+        What::NotWritten { component, .. } => component.as_str(),
+        What::VertexCount { .. } => "count",
+        What::Strip { .. } => "strip",
+        What::TooManyVertices { .. } => "limit",
+        What::Endless => "loop",
+    };
+    format!("{} {what}", deviation.blame.name())
+}
+
+/// Share of the samples that leave the range of binary32 before that is told as a finding: inputs that
+/// are subnormal themselves come by chance.
+const RANGE_SHARE: f64 = 1e-3;
+
+/// Where samples leave the range of binary32 although their values in real numbers are fine.
+pub(super) fn ranges(report: &mut Report) {
+    let seen = report.verdicts.seen();
+    for doubtful in report.doubts.iter().filter(|doubtful| doubtful.reason.is_range()) {
+        if doubtful.count as f64 > RANGE_SHARE * seen as f64 {
+            report.findings.push(Finding {
+                kind: FindingKind::Range,
+                message: format!("outside of the range of binary32: {doubtful}"),
+                case: None,
+                count: doubtful.count,
+                reproduce: None,
+            });
+        }
+    }
+}
+
+/// Findings about the run itself: too little judged, too much undetermined, segments not drawn.
+pub(super) fn shortfalls(terms: &Terms, report: &mut Report) {
+    if let Some(coverage) = &report.coverage
+        && !coverage.is_complete()
+    {
+        report.findings.push(Finding {
+            kind: FindingKind::Coverage,
+            message: coverage.to_string(),
+            case: None,
+            count: coverage.missing() as u64,
+            reproduce: None,
+        });
+    }
+    let mut floor = |message: String, count| {
+        let kind = FindingKind::Floor;
+        report.findings.push(Finding { kind, message, case: None, count, reproduce: None });
+    };
+    let judged = report.verdicts.agreed + report.verdicts.deviated;
+    let seen = report.verdicts.seen();
+    let reasons = reasons(&report.verdicts.undetermined);
+    if judged == 0 {
+        floor(format!("no sample was judged: of {seen}, all are undetermined ({reasons})"), seen);
+        return;
+    }
+    if terms.replay_only {
+        return;
+    }
+    let least = terms.least;
+    // What is stated one by one is no part of a number of samples to be made.
+    if judged < least && terms.makes_samples {
+        floor(format!("only {judged} samples were judged; the suite asks for {least}"), judged);
+    }
+    let undetermined = report.verdicts.undetermined_count();
+    let share = undetermined as f64 / seen.max(1) as f64;
+    if share > terms.undetermined {
+        floor(
+            format!(
+                "{:.1} % of the samples are undetermined ({reasons}); the suite allows {:.1} %",
+                100.0 * share,
+                100.0 * terms.undetermined
+            ),
+            undetermined,
+        );
+    }
+}
+
+/// Undetermined samples by reason, those reasons left out that there are none of.
+fn reasons(undetermined: &[u64]) -> String {
+    let some = Reason::ALL.iter().zip(undetermined).filter(|(_, n)| **n > 0);
+    let parts: Vec<String> = some.map(|(reason, n)| format!("{n} {reason}")).collect();
+    parts.join(", ")
+}

@@ -1,0 +1,334 @@
+//! Running a suite on a lane: from a suite and a shader to counted verdicts and findings.
+
+mod bundle;
+mod coverage;
+mod doubts;
+mod edges;
+mod finding;
+mod gallery;
+mod part;
+mod position;
+mod prepare;
+mod relate;
+mod repeat;
+mod rounded;
+mod sampling;
+mod shader_test;
+pub mod soundness;
+mod sources;
+mod summary;
+mod survey;
+mod translation;
+mod trial;
+mod undefined;
+mod witness;
+
+use std::ops::ControlFlow;
+
+use crate::shard::Shard;
+use crate::suite::Suite;
+use base::text::printable;
+use judge::profile::Rulings;
+use judge::verdict::{BatchVerdict, Survey};
+use lanes::{Lane, LaneError, Stage, interrupt};
+use program::{Kernel, Source};
+use property::Sample;
+
+use part::Counted;
+
+pub use bundle::{Bundle, bundles};
+pub use coverage::{Coverage, check as coverage};
+pub use doubts::Doubtful;
+pub use edges::{Asked, Reach, of as edges_of};
+pub use finding::{Case, Finding, FindingKind, InputValue};
+pub use gallery::{Axis, Cell, Errors, Gallery, LARGEST, Promised, SMALLEST, Scene, State, Worst, gallery, promised};
+pub use part::Part;
+pub use prepare::{Prepared, RunError, prepare, prepare_with};
+pub use relate::Probes;
+pub use repeat::Repeated;
+pub use sampling::Sampled;
+pub use sources::{Apart, most as most_from, run_from};
+pub use summary::{
+    Against, Entry, Expectation, Known, LaneUsed, Outcome, Standing, Status, Summary, Totals, signal_name,
+};
+pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
+pub use trial::Trial;
+pub use trial::stage_of;
+pub use witness::{Peer, hear, hear_parts};
+
+/// Seed of a run that names none: the same inputs on every machine.
+pub const DEFAULT_SEED: u64 = 0x5eed;
+
+/// Why a shader like `void main() { }` is not run.
+const NO_OUTPUT: &str = "the shader writes no output";
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Samples to judge; `None` for what the suite says.
+    pub samples: Option<u64>,
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// A short run: an eighth of the samples.
+    pub quick: bool,
+    /// Samples that failed before; they run first.
+    pub replay: Vec<Sample>,
+    /// Only the samples of `replay`.
+    pub replay_only: bool,
+    /// What the results are held against.
+    pub rulings: Rulings,
+    /// The arguments of `shadercheck check` that name the suite and the shader, for reproduction.
+    pub arguments: String,
+}
+
+impl Request {
+    /// Samples of this request for a suite.
+    pub fn samples_of(&self, suite: &Suite) -> u64 {
+        match self.samples {
+            Some(samples) => samples,
+            None if self.quick => (suite.samples / 8).max(1),
+            None => suite.samples,
+        }
+    }
+}
+
+/// What came out of one suite on one stage of one lane.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Name of the suite.
+    pub suite: String,
+    /// The shader, as it was named.
+    pub shader: String,
+    /// Name of the lane.
+    pub lane: &'static str,
+    /// Stage of the lane.
+    pub stage: Stage,
+    /// Where inputs came from, when the run was asked for a source.
+    pub source: Option<Source>,
+    /// How the outputs differ in bits from those of inputs in storage, for another source.
+    pub apart: Option<Apart>,
+    /// Verdicts on the samples, replayed ones included.
+    pub verdicts: BatchVerdict,
+    /// Samples that this lane cannot run.
+    pub unsupported: u64,
+    /// Why, where that is known.
+    pub unsupported_because: Option<String>,
+    /// Saved samples that were run before the generated ones.
+    pub replayed: u64,
+    /// Undetermined samples by reason and place, the most frequent first.
+    pub doubts: Vec<Doubtful>,
+    /// What samplers were bound to, one line each.
+    pub textures: Vec<String>,
+    /// Relations: name, samples for which it was checked.
+    pub relations: Vec<(String, u64)>,
+    /// Which segments of strands are drawn, for a suite with strands.
+    pub coverage: Option<Coverage>,
+    /// What was reached of the questions that the shader asks; `None` where no samples were made.
+    pub reach: Option<Reach>,
+    /// What the shader's translations mean, on the first report of a suite; empty on the others.
+    pub translations: Vec<Translated>,
+    /// What came of running the first samples twice; `None` where that was not done.
+    pub repeated: Option<Repeated>,
+    /// How tight the bounds are, for a run on generated samples.
+    pub survey: Option<Survey>,
+    /// What is wrong, worst first; warnings last.
+    pub findings: Vec<Finding>,
+    /// Findings that a ledger expects: they do not make the run fail.
+    pub known: Vec<Known>,
+    /// Failing samples as shrunk, to be saved.
+    pub failing: Vec<Sample>,
+    /// Samples of relations that hold only where literals stand for the constants that they round.
+    pub reread: u64,
+}
+
+impl Report {
+    /// Samples that got a verdict: they agree or deviate.
+    pub fn judged(&self) -> u64 {
+        self.verdicts.agreed + self.verdicts.deviated
+    }
+
+    /// The findings that make a run fail.
+    pub fn errors(&self) -> Vec<&Finding> {
+        self.findings.iter().filter(|finding| !finding.kind.is_warning()).collect()
+    }
+
+    /// The other findings.
+    pub fn warnings(&self) -> Vec<&Finding> {
+        self.findings.iter().filter(|finding| finding.kind.is_warning()).collect()
+    }
+}
+
+impl Report {
+    /// A report of nothing.
+    pub(super) fn empty(prepared: &Prepared, lane: &'static str, stage: Stage) -> Self {
+        part::Part::new(prepared, lane, stage, 0).report()
+    }
+}
+
+/// Which part of a run is done, from where, and who is told how far it is.
+pub struct Share<'a> {
+    /// The part.
+    pub shard: Shard,
+    /// How far this part was done before.
+    pub resume: Option<Sampled>,
+    /// Message after each batch; may stop the run.
+    pub save: &'a mut dyn FnMut(&Sampled) -> ControlFlow<()>,
+    /// True where what was judged until the run is interrupted is of use; a part that is handed over has to be whole.
+    pub partial: bool,
+}
+
+/// Runs a prepared suite on one stage of a lane. `progress` is told the number of samples done.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
+pub fn run(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    stage: Stage,
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    usual(prepared, lane, (stage, None), request, progress)
+}
+
+/// The usual run of a stage, under the name of a source.
+fn usual(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (stage, source): (Stage, Option<Source>),
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    let mut save = |_: &Sampled| ControlFlow::Continue(());
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
+    let part = part_of(prepared, lane, (stage, source), request, share, progress)?;
+    let report = part.map_or_else(|| Report::empty(prepared, lane.description().name, stage), Part::report);
+    Ok(Report { source, ..report })
+}
+
+/// Runs one part of the samples of a suite. The first part also does what is done once for a run: samples that
+/// failed before, relations, coverage. Gives nothing when `share.save` stopped it.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
+pub fn run_part(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    stage: Stage,
+    request: &Request,
+    share: Share<'_>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Option<Part>, LaneError> {
+    part_of(prepared, lane, (stage, None), request, share, progress)
+}
+
+fn part_of(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (stage, source): (Stage, Option<Source>),
+    request: &Request,
+    share: Share<'_>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Option<Part>, LaneError> {
+    let name = lane.description().name;
+    let once = share.shard.is_first();
+    let makes_samples = prepared.plan.makes_samples();
+    let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
+    let unsupported = || Part::new(prepared, name, stage, if once { wanted } else { 0 });
+    let Some(kernel) = prepared.kernel(stage) else { return Ok(Some(unsupported())) };
+    if kernel.output.is_empty() {
+        return Ok(Some(unsupported().because(NO_OUTPUT.to_owned())));
+    }
+    match on_kernel(prepared, lane, (kernel, stage, source), (wanted, once), request, share, progress) {
+        // Some lanes see only what comes out whether they can run it.
+        Err(LaneError::Unsupported(why)) => Ok(Some(unsupported().because(printable(&why)))),
+        other => other,
+    }
+}
+
+fn on_kernel(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    (kernel, stage, source): (&Kernel, Stage, Option<Source>),
+    (wanted, once): (u64, bool),
+    request: &Request,
+    mut share: Share<'_>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Option<Part>, LaneError> {
+    let name = lane.description().name;
+    let makes_samples = prepared.plan.makes_samples();
+    let mut trial = trial::Trial::new(prepared, lane, kernel, &request.rulings)?.in_stage(stage);
+    let mut report = Report { source, ..Report::empty(prepared, name, stage) };
+    let mut counted = Counted::default();
+    let given = request.replay.len() as u64;
+    if once {
+        report.replayed = given;
+        counted = sampling::replay(&mut trial, &request.replay, 0)?;
+    }
+    if !request.replay_only {
+        if once {
+            counted.join(sampling::replay(&mut trial, &prepared.rows, given)?);
+        }
+        if makes_samples {
+            let before = given + prepared.rows.len() as u64;
+            let sampled = sampling::sample(&mut trial, request, (wanted, before), &mut share, progress)?;
+            let Some(sampled) = sampled else { return Ok(None) };
+            counted.join(sampled);
+        }
+        let whole = !(share.partial && interrupt::asked());
+        if makes_samples && once && whole {
+            // Behind all samples of the run, the last case of which may be longer than asked for.
+            let first = given + prepared.rows.len() as u64 + wanted.next_multiple_of(1 << 20);
+            let (deviations, reach) = edges::judge(&mut trial, request, (wanted, first))?;
+            counted.join(deviations);
+            report.reach = Some(reach);
+        }
+        if let Some(strands) = prepared.suite.strands.filter(|_| once && whole) {
+            report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
+        }
+    }
+    if share.partial && interrupt::asked() {
+        return Ok(Some(interrupted(&mut trial, lane, (report, counted), request)));
+    }
+    if once {
+        let related = if request.quick { relate::QUICK_SAMPLES } else { relate::SAMPLES };
+        relate::check(&mut trial, request, related, &mut report)?;
+        repeat::check(&mut trial, request, &mut report)?;
+    }
+    let rounded = if once { rounded::look(&trial, request, &report)? } else { Vec::new() };
+    let shown = [
+        finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
+        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &report),
+    ];
+    let suite = &prepared.suite;
+    let terms = part::Terms {
+        least: suite.floors.judged_of(wanted.min(suite.samples), suite.samples),
+        undetermined: suite.floors.undetermined,
+        makes_samples,
+        replay_only: request.replay_only,
+    };
+    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, (shown, rounded), Some(terms))))
+}
+
+/// What a run found until it was interrupted. Failing samples are reported as they are, and what a whole run has to
+/// reach is not asked for.
+fn interrupted(
+    trial: &mut Trial<'_>,
+    lane: &dyn Lane,
+    (mut report, counted): (Report, Counted),
+    request: &Request,
+) -> Part {
+    let part = Part::new(trial.prepared, report.lane, report.stage, 0);
+    let request = Request { replay_only: true, ..request.clone() };
+    let shown = finding::deviations(trial, lane, &counted.failing, &request, &report).unwrap_or_else(|_| {
+        let deviated = counted.verdicts.deviated;
+        let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
+        let kind = FindingKind::Deviation;
+        report.findings.push(Finding { kind, message, case: None, count: deviated, reproduce: None });
+        Vec::new()
+    });
+    let shown = [shown, undefined::findings((trial.prepared, trial.fenced()), &counted.undefined, &request, &report)];
+    let terms = part::Terms { least: 0, undetermined: 1.0, makes_samples: false, replay_only: true };
+    let terms = (counted.verdicts.agreed + counted.verdicts.deviated > 0).then_some(terms);
+    part.of(report, counted, (shown, Vec::new()), terms)
+}

@@ -1,0 +1,327 @@
+//! A suite and its shader made ready, whatever the lane.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::suite::record::{self, Interface};
+use crate::suite::{Expect, Problem, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
+use base::diagnostic::Diagnostic;
+use base::text::SourceFile;
+use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
+use lanes::{Lane, Stage as LaneStage};
+use program::lower::Target;
+use program::{Kernel, Program, ProgramError};
+use property::law::LawError;
+use property::{Own, Plan, PlanError, Relation, Sample};
+
+/// Why a suite cannot be run.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The shader is wrong, or cannot be run; the diagnostics say where.
+    #[error("{} of suite `{suite}` does not compile", .diagnostics.first().map_or("the shader", |d| d.file.name()))]
+    Shader {
+        /// Name of the suite.
+        suite: String,
+        /// What is wrong with it.
+        diagnostics: Vec<Diagnostic>,
+    },
+    /// The program cannot be captured.
+    #[error("suite `{suite}`: {source}")]
+    Program {
+        /// Name of the suite.
+        suite: String,
+        /// Why.
+        source: ProgramError,
+    },
+    /// The formula does not fit the shader.
+    #[error("suite `{suite}`, {shader}: {source}")]
+    Reference {
+        /// Name of the suite.
+        suite: String,
+        /// The shader.
+        shader: String,
+        /// Why.
+        source: Box<ReferenceError>,
+    },
+    /// The reference shader is wrong, or cannot be run.
+    #[error("the reference of suite `{suite}` cannot be used: {source}")]
+    ReferenceProgram {
+        /// Name of the suite.
+        suite: String,
+        /// Why.
+        source: ProgramError,
+    },
+    /// Recorded values cannot be read.
+    #[error("{}", .problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+    Recorded {
+        /// What is wrong in the file.
+        problems: Vec<Problem>,
+    },
+    /// A law does not fit the shader.
+    #[error("suite `{suite}`, {shader}: {source}")]
+    Law {
+        /// Name of the suite.
+        suite: String,
+        /// The shader.
+        shader: String,
+        /// Why.
+        source: LawError,
+    },
+    /// A texture does not fit the shader.
+    #[error("suite `{suite}`: {source}")]
+    Texture {
+        /// Name of the suite.
+        suite: String,
+        /// Where and why.
+        source: RunTextureError,
+    },
+    /// The inputs of the suite do not fit the shader.
+    #[error("suite `{suite}`, {shader}: {source}")]
+    Plan {
+        /// Name of the suite.
+        suite: String,
+        /// The shader.
+        shader: String,
+        /// Why.
+        source: Box<PlanError>,
+    },
+}
+
+/// A suite with its program, formula and plan.
+pub struct Prepared {
+    /// The suite.
+    pub suite: Suite,
+    /// Name of the shader file.
+    pub shader: String,
+    /// The program.
+    pub program: Program,
+    /// Its compute kernel.
+    pub compute: Kernel,
+    /// Its vertex kernel, for a vertex suite.
+    pub vertex: Option<Kernel>,
+    /// Its geometry kernel, for a geometry suite.
+    pub geometry: Option<Kernel>,
+    /// The formula, bound to the program.
+    pub reference: Reference,
+    /// What fills the inputs.
+    pub plan: Arc<Plan>,
+    /// The relations that the suite names.
+    pub relations: Vec<Own<dyn Relation>>,
+    /// Samples that the suite states one by one: the rows of recorded values.
+    pub rows: Vec<Sample>,
+    /// What the program means.
+    pub oracle: Oracle,
+    /// Samples at its edges, once they were sought.
+    pub(super) edges: super::edges::Found,
+}
+
+impl Prepared {
+    /// The kernel for a stage of a lane; none where the suite is not of that stage.
+    pub fn kernel(&self, stage: LaneStage) -> Option<&Kernel> {
+        match stage {
+            LaneStage::Compute => Some(&self.compute),
+            LaneStage::Vertex if self.suite.stage == Stage::Function => Some(&self.compute),
+            LaneStage::Vertex => self.vertex.as_ref(),
+            LaneStage::Geometry => self.geometry.as_ref(),
+        }
+    }
+
+    /// The stages of a lane in which this runs. A function has no stage: it runs as compute, or in the vertex stage of
+    /// a lane that offers that instead.
+    pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
+        let all = &lane.description().stages;
+        let spare = self.suite.stage == Stage::Function && !lane.calls_functions();
+        let runs = |stage: &LaneStage| self.kernel(*stage).is_some() && !(spare && *stage == LaneStage::Vertex);
+        all.iter().copied().filter(runs).collect()
+    }
+}
+
+/// Reads, lowers, translates and captures the shader of a suite, and binds what is expected and inputs to
+/// it.
+///
+/// # Errors
+/// [`RunError`]: what does not fit.
+pub fn prepare(suite: &Suite, shader: &SourceFile) -> Result<Prepared, RunError> {
+    prepare_with(suite, shader, &|program| expected(suite, shader, program))
+}
+
+/// What is expected of a program, with the samples that this is stated for.
+type Expectation = (Reference, Vec<Sample>);
+
+/// The same, with an expectation of the caller's in place of what the suite names.
+///
+/// # Errors
+/// [`RunError`]: what does not fit.
+pub fn prepare_with(
+    suite: &Suite,
+    shader: &SourceFile,
+    expected: &dyn Fn(&Program) -> Result<Expectation, RunError>,
+) -> Result<Prepared, RunError> {
+    let name = || suite.name.clone();
+    let captured = |source| match source {
+        ProgramError::Source(found) => {
+            let diagnostics = found.into_iter().map(|d| suite.includes.explained(d)).collect();
+            RunError::Shader { suite: name(), diagnostics }
+        }
+        source => RunError::Program { suite: name(), source },
+    };
+    let mut program = program(suite, shader, suite.entry.as_deref()).map_err(captured)?;
+    super::super::textures::bind(suite, &mut program, true)
+        .map_err(|source| RunError::Texture { suite: name(), source })?;
+    let compute = program.compute_kernel().map_err(captured)?;
+    let vertex = match suite.stage {
+        Stage::Vertex => Some(program.vertex_kernel(&super::finding::components(suite, &program)).map_err(captured)?),
+        Stage::Geometry | Stage::Fragment | Stage::Function => None,
+    };
+    let geometry = (suite.stage == Stage::Geometry).then(|| program.geometry_kernel()).transpose().map_err(captured)?;
+    let shader_name = || shader.name().to_owned();
+    let (reference, rows) = expected(&program)?;
+    // Recorded rows are samples enough: a suite need not say how to make others.
+    let plan = if suite.inputs.is_empty() && !rows.is_empty() {
+        Plan::of_given(compute.invocation.clone(), compute.case.clone())
+    } else {
+        suite.plan_for(&program, &compute.invocation, &compute.case).map_err(|source| RunError::Plan {
+            suite: name(),
+            shader: shader_name(),
+            source: Box::new(source),
+        })?
+    };
+    let oracle = Oracle::with_literals(&program, &suite.literals).map_err(|error| RunError::Program {
+        suite: name(),
+        source: ProgramError::Unsupported { what: error.locate(&program) },
+    })?;
+    let mut all: Vec<Own<dyn Relation>> =
+        suite.relations.iter().filter_map(|r| crate::catalogue::relation(r)).map(Own::Static).collect();
+    let range = |input: &str| {
+        suite.inputs.iter().find(|g| g.names.iter().any(|n| n == input)).and_then(|group| group.options.range)
+    };
+    for law in &suite.laws {
+        let bound = law.bind(reference.fields(), [&compute.invocation, &compute.case], &range);
+        all.push(bound.map_err(|source| RunError::Law { suite: name(), shader: shader_name(), source })?);
+    }
+    Ok(Prepared {
+        oracle,
+        edges: super::edges::Found::default(),
+        relations: all,
+        rows,
+        suite: suite.clone(),
+        shader: shader_name(),
+        plan: Arc::new(plan),
+        program,
+        compute,
+        vertex,
+        geometry,
+        reference,
+    })
+}
+
+/// What a suite runs of a text: its stage, or a function. A name that ends in `.wgsl` means WGSL.
+fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
+    if is_wgsl(shader) {
+        let unnamed = || ProgramError::Unsupported { what: "a stage in WGSL; name one of its functions".to_owned() };
+        return Program::from_wgsl(shader, function.ok_or_else(unnamed)?);
+    }
+    let stage = stage_of(suite, shader, function);
+    let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
+    let texts: Vec<SourceFile> = std::iter::once(shader).chain(&suite.linked_texts).cloned().collect();
+    Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
+}
+
+fn is_wgsl(shader: &SourceFile) -> bool {
+    shader.name().ends_with(".wgsl")
+}
+
+/// The stage that a text is read for.
+fn stage_of(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> syntax::Stage {
+    match suite.stage {
+        Stage::Vertex if function.is_none() => syntax::Stage::Vertex,
+        Stage::Geometry if function.is_none() => syntax::Stage::Geometry,
+        Stage::Fragment if function.is_none() => syntax::Stage::Fragment,
+        Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Function => {
+            syntax::Stage::from_path(shader.name()).unwrap_or(syntax::Stage::Library)
+        }
+    }
+}
+
+/// What a suite says is expected of its program.
+fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Expectation, RunError> {
+    let name = || suite.name.clone();
+    let unfit =
+        |source| RunError::Reference { suite: name(), shader: shader.name().to_owned(), source: Box::new(source) };
+    let unread = |file: &str| RunError::Program {
+        suite: name(),
+        source: ProgramError::Internal(format!("`{file}` has not been read")),
+    };
+    match &suite.expect {
+        Expect::Formula(formula) => {
+            // The suite file was checked against the registry when it was read.
+            let formula = crate::catalogue::formula(formula).ok_or_else(|| RunError::Program {
+                suite: name(),
+                source: ProgramError::Internal(format!("there is no formula `{formula}`")),
+            })?;
+            Ok((Reference::new(formula, program).map_err(unfit)?, Vec::new()))
+        }
+        Expect::Reference(ReferenceFile { file, function, output, text, at: _ }) => {
+            let text = text.as_ref().ok_or_else(|| unread(file))?;
+            let entry = function.as_deref().or(suite.entry.as_deref());
+            // Hosts put a version in front of a text, and a suite has no place for one.
+            let stage = stage_of(suite, text, entry);
+            let first = || Some(syntax::Shader::parse(shader, stage_of(suite, shader, None)).shader.version().clone());
+            let text = &if is_wgsl(text) { text.clone() } else { syntax::fitting(text, stage, &suite.chosen, first) };
+            let mut model = self::program(suite, text, entry).map_err(|source| {
+                let source = match source {
+                    ProgramError::Source(found) => {
+                        ProgramError::Source(found.into_iter().map(|d| suite.includes.explained(d)).collect())
+                    }
+                    other => other,
+                };
+                RunError::ReferenceProgram { suite: name(), source }
+            })?;
+            // A reference may do without some of them.
+            super::super::textures::bind(suite, &mut model, false)
+                .map_err(|source| RunError::Texture { suite: name(), source })?;
+            let by = match function {
+                Some(function) => format!("the reference `{function}` of {}", text.name()),
+                None => format!("the reference {}", text.name()),
+            };
+            Ok((Reference::model(&model, &by, output.as_deref(), program).map_err(unfit)?, Vec::new()))
+        }
+        Expect::Recorded(recorded) => {
+            let text = recorded.text.as_ref().ok_or_else(|| unread(&recorded.file))?;
+            let (invocation, case) = (Arc::new(program.invocation_record()), Arc::new(program.case_record()));
+            let output = program.output_layout().vertex;
+            let interface = Interface { invocation: &invocation, case: &case, output: &output };
+            rows_of(recorded, text, &interface, program).map_err(|error| error.into_run_error(&unfit))
+        }
+        Expect::Nothing => Ok((Reference::nothing(program), Vec::new())),
+    }
+}
+
+/// What can be wrong with recorded values.
+enum RowsError {
+    File(Vec<Problem>),
+    Fit(ReferenceError),
+}
+
+impl RowsError {
+    fn into_run_error(self, unfit: &dyn Fn(ReferenceError) -> RunError) -> RunError {
+        match self {
+            Self::File(problems) => RunError::Recorded { problems },
+            Self::Fit(error) => unfit(error),
+        }
+    }
+}
+
+fn rows_of(
+    recorded: &RecordedFile,
+    text: &SourceFile,
+    interface: &Interface<'_>,
+    program: &Program,
+) -> Result<Expectation, RowsError> {
+    let (outputs, rows) = record::rows(recorded, text, interface).map_err(RowsError::File)?;
+    let samples = rows.iter().map(|row| row.sample.clone()).collect();
+    let by = format!("the record {}", text.name());
+    let record = Recorded::new(by, outputs, rows).map_err(RowsError::Fit)?;
+    Ok((Reference::recorded(record, program).map_err(RowsError::Fit)?, samples))
+}

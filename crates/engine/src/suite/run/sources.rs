@@ -1,0 +1,190 @@
+//! The same property with inputs from another source: compilers fold constants, and load uniforms,
+//! storage and attributes each in a way of its own.
+
+use std::ops::ControlFlow;
+
+use super::part::{Part, Terms};
+use super::sampling::Sampled;
+use super::trial::{Trial, stage_of, weight};
+use super::{Prepared, Report, Request, Share, finding, relate, sampling, undefined};
+use crate::shard::Shard;
+use base::value::{Batch, Scalar, ulp_distance};
+use lanes::{Actual, Lane, LaneError};
+use program::Source;
+use property::{Sample, Sampler};
+
+/// Most samples as constants: each is compiled.
+const CONSTANTS: u64 = 64;
+/// Fewest samples as constants, of shaders that take long to compile.
+const FEW_CONSTANTS: u64 = 8;
+/// Expressions that are compiled for these samples.
+const COMPILED: usize = 1 << 14;
+/// Most samples as uniforms: each is a dispatch.
+const UNIFORMS: u64 = 4096;
+/// Most samples as attributes of what is no vertex stage.
+const ATTRIBUTES: u64 = 16384;
+/// Samples for which each relation is checked.
+const RELATED: u64 = 96;
+/// Samples whose outputs are compared with those of inputs in storage.
+const COMPARED: u64 = 256;
+
+/// How outputs differ in bits from those of the same inputs in storage. Within the bounds that is no
+/// fault.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Apart {
+    /// Samples that were compared.
+    pub samples: u64,
+    /// Samples with other bits, all NaN being alike.
+    pub different: u64,
+    /// Largest distance between two numbers, in ULP.
+    pub ulp: f64,
+    /// The component where that is; empty where there is none.
+    pub component: String,
+}
+
+/// Runs a prepared suite on a lane with inputs from a source. `progress` is told the number of samples
+/// done. Inputs in storage, and the attributes of a vertex stage, are those of [`run`](super::run).
+///
+/// # Errors
+/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
+pub fn run_from(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    source: Source,
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    let stage = stage_of(source);
+    let mut report = match source {
+        Source::Storage => return super::usual(prepared, lane, (stage, Some(source)), request, progress),
+        Source::Attributes if prepared.vertex.is_some() => {
+            super::usual(prepared, lane, (stage, Some(source)), request, progress)?
+        }
+        Source::Attributes | Source::Uniforms | Source::Constants => other(prepared, lane, source, request, progress)?,
+    };
+    if report.verdicts.seen() > 0 {
+        report.apart = apart(prepared, lane, source, request)?;
+    }
+    Ok(report)
+}
+
+/// Most samples of a source beside those of the usual run.
+pub fn most(prepared: &Prepared, source: Source) -> u64 {
+    match source {
+        Source::Constants => ((COMPILED / weight(&prepared.program)) as u64).clamp(FEW_CONSTANTS, CONSTANTS),
+        Source::Uniforms => UNIFORMS,
+        Source::Attributes => ATTRIBUTES,
+        Source::Storage => u64::MAX,
+    }
+}
+
+fn other(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    source: Source,
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    let (name, stage) = (lane.description().name, stage_of(source));
+    let mut report = Report { source: Some(source), ..Report::empty(prepared, name, stage) };
+    let makes_samples = prepared.plan.makes_samples();
+    let all = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
+    let wanted = all.min(most(prepared, source));
+    if prepared.compute.output.is_empty() {
+        return Ok(Report { unsupported: wanted, unsupported_because: Some(super::NO_OUTPUT.to_owned()), ..report });
+    }
+    let mut trial = match Trial::from_source(prepared, lane, source, &request.rulings, wanted as usize) {
+        Ok(trial) => trial,
+        Err(LaneError::Unsupported(why)) => {
+            return Ok(Report {
+                unsupported: wanted,
+                unsupported_because: Some(base::text::printable(&why)),
+                ..report
+            });
+        }
+        Err(error) => return Err(error),
+    };
+    let given = request.replay.len() as u64;
+    report.replayed = given;
+    let mut counted = sampling::replay(&mut trial, &request.replay, 0)?;
+    if !request.replay_only {
+        let rows = &prepared.rows[..prepared.rows.len().min(wanted as usize)];
+        counted.join(sampling::replay(&mut trial, rows, given)?);
+        if makes_samples {
+            let mut save = |_: &Sampled| ControlFlow::Continue(());
+            let mut share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
+            let before = given + rows.len() as u64;
+            let sampled = sampling::sample(&mut trial, request, (wanted, before), &mut share, progress)?;
+            sampled.into_iter().for_each(|sampled| counted.join(sampled));
+        }
+    }
+    // How tight the bounds are is told of the usual run.
+    counted.survey = None;
+    let related = if source == Source::Constants { (wanted / 16).clamp(1, 4) } else { RELATED };
+    relate::check(&mut trial, request, related, &mut report)?;
+    let shown = [
+        finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
+        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &report),
+    ];
+    // A handful of samples need not keep the shares of a whole run; but something has to be judged.
+    let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
+    let report = Part::new(prepared, name, stage, 0).of(report, counted, (shown, Vec::new()), Some(terms)).report();
+    Ok(Report { source: Some(source), ..report })
+}
+
+/// Compares the outputs with those of the same inputs in storage.
+fn apart(prepared: &Prepared, lane: &dyn Lane, source: Source, request: &Request) -> Result<Option<Apart>, LaneError> {
+    let count = COMPARED.min(most(prepared, source)).min(request.samples_of(&prepared.suite));
+    let samples: Vec<Sample> = if request.replay_only {
+        request.replay.clone()
+    } else if prepared.plan.makes_samples() {
+        let batch = Sampler::new(prepared.plan.clone(), request.seed).batch(0, count as usize, 1);
+        (0..batch.invocation_count()).map(|i| Sample::of(&batch, i)).collect()
+    } else {
+        prepared.rows.iter().take(count as usize).cloned().collect()
+    };
+    if samples.is_empty() {
+        return Ok(None);
+    }
+    let most = samples.len();
+    let mut here = Trial::from_source(prepared, lane, source, &request.rulings, most)?;
+    let mut storage = Trial::from_source(prepared, lane, Source::Storage, &request.rulings, here.capacity())?;
+    let mut found = Apart::default();
+    let size = here.capacity().min(storage.capacity()).max(1);
+    for chunk in samples.chunks(size) {
+        let batch = Sample::batch(chunk);
+        compare(&batch, &here.run(&batch)?, &storage.run(&batch)?, &mut found);
+    }
+    Ok(Some(found))
+}
+
+fn compare(batch: &Batch, here: &Actual, storage: &Actual, found: &mut Apart) {
+    let record = &here.layout().vertex;
+    for i in (0..batch.invocation_count()).filter(|&i| !here.is_absent(i) && !storage.is_absent(i)) {
+        found.samples += 1;
+        let shape =
+            |a: &Actual| (a.emitted(i), a.ended_strips(i), (0..a.stored(i)).map(|v| a.strip(i, v)).collect::<Vec<_>>());
+        let mut different = shape(here) != shape(storage);
+        for vertex in 0..here.stored(i).min(storage.stored(i)) {
+            for (word, (&a, &b)) in here.vertex(i, vertex).iter().zip(storage.vertex(i, vertex)).enumerate() {
+                let float = record.scalar_of(word) == Scalar::F32;
+                let nan = |w: u32| float && f32::from_bits(w).is_nan();
+                // Words that nobody wrote differ from run to run.
+                if a == b || (nan(a) && nan(b)) {
+                    continue;
+                }
+                different = true;
+                let ulp = if float {
+                    let ulp = ulp_distance(f64::from(f32::from_bits(b)), f32::from_bits(a));
+                    if ulp.is_nan() { f64::INFINITY } else { ulp }
+                } else {
+                    f64::INFINITY
+                };
+                if ulp > found.ulp {
+                    (found.ulp, found.component) = (ulp, record.word_name(word));
+                }
+            }
+        }
+        found.different += u64::from(different);
+    }
+}

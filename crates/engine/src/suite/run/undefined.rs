@@ -1,0 +1,96 @@
+//! Findings about values that the language leaves undefined: the shader is at fault, and no lane is asked.
+
+use std::convert::Infallible;
+
+use super::finding::{self, Finding, FindingKind};
+use super::part::{Failing, Shown};
+use super::{Prepared, Report, Request};
+use judge::verdict::diagnosis::Place;
+use judge::verdict::{Fenced, dependences};
+use program::interp::{Dependence, author_span};
+use property::Sample;
+use property::shrink::{self, Shrunk};
+
+/// Operations that are told of one suite.
+const TOLD: usize = 4;
+
+/// Shrinks samples that depend on undefined values, one for each operation, and reports them; first the one at which
+/// the executor failed outright, if it did.
+pub(super) fn findings(
+    (prepared, fenced): (&Prepared, Option<&Fenced>),
+    failing: &[Failing],
+    request: &Request,
+    report: &Report,
+) -> Vec<Shown> {
+    let mut shown: Vec<Shown> =
+        fenced.into_iter().map(|fenced| at_failure(prepared, fenced, request, report)).collect();
+    if failing.is_empty() {
+        return shown;
+    }
+    let samples: Vec<Sample> = failing.iter().map(|failing| failing.sample(&prepared.plan)).collect();
+    let found = dependences(&prepared.oracle, &Sample::batch(&samples));
+    for ((sample, failing), found) in samples.into_iter().zip(failing).zip(found) {
+        let Some(found) = found else { continue };
+        let alike = Some(format!("{:?}", found.of));
+        if shown.len() == TOLD || shown.iter().any(|shown| shown.alike == alike) {
+            continue;
+        }
+        let shrunk = if request.replay_only { finding::unshrunk(sample) } else { smallest(prepared, sample, &found) };
+        let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+        let again = dependences(&prepared.oracle, &Sample::batch(std::slice::from_ref(&shrunk.sample)));
+        let found = again.into_iter().flatten().next().unwrap_or(found);
+        let mut case = finding::case(&shrunk, None);
+        case.diagnosis.written = place(prepared, &found);
+        let finding = Finding {
+            kind: FindingKind::Undefined,
+            message: message(prepared, &found),
+            case: Some(case),
+            // Known when all parts of the run are.
+            count: 0,
+            reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+        };
+        shown.push(Shown { number: failing.number, alike, words, finding, sample: Some(shrunk.sample) });
+    }
+    shown
+}
+
+/// A failure of the executor where the shader's behaviour is undefined. Which smaller sample would bring it about, only
+/// more failures could tell.
+fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, report: &Report) -> Shown {
+    let shrunk = finding::unshrunk(fenced.sample.clone());
+    let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+    let finding = Finding {
+        kind: FindingKind::Undefined,
+        message: format!("{}; {}", message(prepared, &fenced.because), fenced.error.at_undefined()),
+        case: Some(finding::case(&shrunk, None)),
+        count: 0,
+        reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+    };
+    let alike = Some(format!("{:?}", fenced.because.of));
+    Shown { number: 0, alike, words, finding, sample: Some(shrunk.sample) }
+}
+
+/// The smallest sample that depends on the same operation.
+fn smallest(prepared: &Prepared, sample: Sample, found: &Dependence) -> Shrunk {
+    let same = |other: &Option<Dependence>| other.as_ref().is_some_and(|other| other.of == found.of);
+    let mut oracle = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
+        Ok(dependences(&prepared.oracle, &Sample::batch(samples)).iter().map(same).collect())
+    };
+    match shrink::shrink(vec![sample.clone()], &*prepared.plan, &mut oracle) {
+        Ok(shrunk) => shrunk.into_iter().next().unwrap_or_else(|| finding::unshrunk(sample)),
+        Err(never) => match never {},
+    }
+}
+
+/// What is undefined, where and why.
+fn message(prepared: &Prepared, found: &Dependence) -> String {
+    let at = place(prepared, found).map_or_else(String::new, |place| format!("{place}: "));
+    format!("the shader gives an undefined value: {at}{}", found.of.why(&found.args))
+}
+
+/// Where it becomes undefined.
+fn place(prepared: &Prepared, found: &Dependence) -> Option<Place> {
+    let (program, executable) = (&prepared.program, prepared.oracle.executable());
+    let span = author_span(program, &executable.place(found.of.site))?;
+    Some(Place::of(&program.lowered.file, span))
+}

@@ -1,0 +1,178 @@
+//! What the tape remembers: one node for each operation on a chunk of lanes, its columns side by side.
+
+use crate::profile::Op;
+use program::interp::{LANES, Mask, Site};
+
+/// One binary64 number for each lane.
+pub(super) type Lanes = [f64; LANES];
+
+/// Number of a node within its chunk.
+pub(super) type Id = u32;
+
+/// How a node comes from others. A partial is the derivative at the exact arguments, with the
+/// distance to the derivative anywhere between these and what a device may have instead.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Kind {
+    /// An input, a constant, or a value that was never written.
+    Leaf,
+    /// The sum with signs ±1 (0 leaves an argument out).
+    Sum { a: Id, b: Id, signs: (f64, f64) },
+    /// The product of two nodes; they are each other's partials.
+    Product { a: Id, b: Id },
+    /// A function of one node, with the number of its partial.
+    One { a: Id, partial: u32 },
+    /// A function of two nodes, with the numbers of the partials.
+    Two { a: Id, b: Id, partials: [u32; 2] },
+    /// `a` in the lanes of a mask, `b` in the others.
+    Select { mask: u32, a: Id, b: Id },
+}
+
+impl Kind {
+    /// True for sums, products and selections, which rearrangement may regroup.
+    pub(super) fn is_polynomial(self) -> bool {
+        match self {
+            Self::Sum { .. } | Self::Product { .. } | Self::Select { .. } => true,
+            Self::Leaf | Self::One { .. } | Self::Two { .. } => false,
+        }
+    }
+}
+
+/// What is known of a node in all lanes together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meta {
+    pub kind: Kind,
+    /// The operation as profiles call it; `None` for leaves and selections.
+    pub op: Option<Op>,
+    pub site: Option<Site>,
+    /// True when the local error is zero in every lane.
+    pub exact: bool,
+    /// True when some lane may hold a subnormal number.
+    pub tiny: bool,
+    /// True when no rounding makes the value negative: squares and sums of them.
+    pub not_negative: bool,
+}
+
+/// A pool of columns that are used again for each chunk.
+#[derive(Default)]
+pub(super) struct Pool {
+    #[expect(clippy::vec_box, reason = "one more column must not move the others, of 2 KiB each")]
+    columns: Vec<Box<Lanes>>,
+    used: usize,
+}
+
+/// Columns of a chunk, of all pools together, at which the tape is full: a quarter of a GiB. Each round of a loop adds some for
+/// each of its operations; shaders without very long loops have a few thousand.
+const MOST: usize = 1 << 17;
+
+/// Columns of a pool that are kept between chunks.
+const KEPT: usize = 1 << 12;
+
+impl Pool {
+    pub(super) fn clear(&mut self) {
+        self.used = 0;
+        self.columns.truncate(KEPT);
+    }
+
+    /// One more column; what it holds is left from before.
+    pub(super) fn more(&mut self) -> usize {
+        if self.used == self.columns.len() {
+            self.columns.push(Box::new([0.0; LANES]));
+        }
+        self.used += 1;
+        self.used - 1
+    }
+
+    pub(super) fn get(&self, at: usize) -> &Lanes {
+        &self.columns[at]
+    }
+
+    pub(super) fn get_mut(&mut self, at: usize) -> &mut Lanes {
+        &mut self.columns[at]
+    }
+
+    /// The column at `at` and the one after it.
+    pub(super) fn pair_mut(&mut self, at: usize) -> (&mut Lanes, &mut Lanes) {
+        let (first, second) = self.columns[at..].split_at_mut(1);
+        (&mut first[0], &mut second[0])
+    }
+
+    /// The columns of two partials with their distances; they stand one after the other.
+    pub(super) fn quad_mut(&mut self, at: usize) -> [&mut Lanes; 4] {
+        let [a, b, c, d] = self.columns[at..].first_chunk_mut().expect("two partials are made together");
+        [a, b, c, d]
+    }
+
+    /// Columns before `at`, and the one at it.
+    pub(super) fn split(&mut self, at: usize) -> (&[Box<Lanes>], &mut Lanes) {
+        let (before, rest) = self.columns.split_at_mut(at);
+        (before, &mut rest[0])
+    }
+}
+
+/// The nodes of one chunk.
+#[derive(Default)]
+pub(super) struct Arena {
+    pub nodes: Vec<Meta>,
+    /// Exact values: what the program means.
+    pub value: Pool,
+    /// How far a device's value may be from the exact one, over everything before it.
+    pub radius: Pool,
+    /// What the operation itself may add to that.
+    pub local: Pool,
+    /// Partials and their distances, in turn.
+    pub partials: Pool,
+    pub masks: Vec<Mask>,
+    /// For rearrangement: the value with all terms positive, and the number of roundings.
+    pub size: Pool,
+    pub roundings: Pool,
+    /// For rearrangement: the largest value on any way to this one.
+    pub peak: Pool,
+    /// For rearrangement: the smallest product of some of its factors.
+    pub least: Pool,
+    /// For rearrangement: the same where its factors are distributed over sums.
+    pub part: Pool,
+}
+
+impl Arena {
+    pub(super) fn clear(&mut self) {
+        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak, least, part } = self;
+        nodes.clear();
+        masks.clear();
+        for pool in [value, radius, local, partials, size, roundings, peak, least, part] {
+            pool.clear();
+        }
+    }
+
+    /// True when a chunk has as many columns as it may have.
+    pub(super) fn is_full(&self) -> bool {
+        let Self { value, radius, local, partials, size, roundings, peak, least, .. } = self;
+        let pools = [value, radius, local, partials, size, roundings, peak, least];
+        pools.iter().map(|pool| pool.used).sum::<usize>() >= MOST
+    }
+
+    /// One more node. Its columns hold what is left from before.
+    pub(super) fn push(&mut self, meta: Meta) -> Id {
+        self.nodes.push(meta);
+        for pool in [&mut self.value, &mut self.radius, &mut self.local] {
+            pool.more();
+        }
+        (self.nodes.len() - 1) as Id
+    }
+
+    /// One more partial with its distance.
+    pub(super) fn partial(&mut self) -> u32 {
+        let at = self.partials.more();
+        self.partials.more();
+        (at / 2) as u32
+    }
+
+    /// A partial and its distance.
+    pub(super) fn partial_at(&self, at: u32) -> (&Lanes, &Lanes) {
+        (self.partials.get(2 * at as usize), self.partials.get(2 * at as usize + 1))
+    }
+
+    pub(super) fn mask(&mut self, mask: Mask) -> u32 {
+        self.masks.push(mask);
+        (self.masks.len() - 1) as u32
+    }
+}

@@ -1,0 +1,173 @@
+//! Loops over the columns of a node, written so that they become vector instructions.
+
+use super::arena::Lanes;
+use super::functions::{Image1, Image2};
+use super::model::{BINARY64, gap};
+use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
+
+use program::interp::LANES;
+
+/// Values and radii of an argument.
+pub(super) type Pair<'a> = (&'a Lanes, &'a Lanes);
+
+/// The columns of a new node.
+pub(super) struct Node<'a> {
+    pub value: &'a mut Lanes,
+    pub radius: &'a mut Lanes,
+    pub local: &'a mut Lanes,
+}
+
+/// How the error of a rounding becomes that of a node.
+#[derive(Clone, Copy)]
+pub(super) struct Closing {
+    /// Part of a gap that one rounding is.
+    pub part: f64,
+    /// Subnormal results may become zero.
+    pub flushes: bool,
+    /// The radius takes the local error in.
+    pub own: bool,
+}
+
+/// Error of one rounding of a value that is `v` exactly, and within `e` of it on a device.
+#[inline(always)]
+pub(super) fn rounding(part: f64, v: f64, e: f64) -> f64 {
+    // Exact arguments with a result that is a binary32 number: rounding leaves it.
+    let kept = (e == 0.0) & (f64::from(v as f32) == v);
+    let moved = part * gap(v.abs() + e);
+    if kept { 0.0 } else { moved }
+}
+
+/// A local error with what holds for every operation of a device: binary64 itself, flushed results,
+/// overflow. The second is true when the result may be subnormal.
+#[inline(always)]
+pub(super) fn finished(v: f64, e: f64, b: f64, flushes: bool) -> (f64, bool) {
+    let v = v.abs();
+    // The reference itself is computed in binary64.
+    let b = if b > 0.0 { b + v * BINARY64 } else { b };
+    let reach = v + e + b;
+    let small = (v - e - b < MIN_NORMAL) & (reach > 0.0);
+    // What is flushed may lie above the subnormal numbers by the operation's own error.
+    let flushed = b.max(reach.min(MIN_NORMAL + b));
+    let b = if small & flushes { flushed } else { b };
+    let b = if reach > MAX_FINITE { f64::INFINITY } else { b };
+    // Where an argument may be anything, nothing is to be said of this operation.
+    (if e == f64::INFINITY { 0.0 } else { b }, small)
+}
+
+/// A sum, rounded once, from its arguments to its radius. True when some result may be subnormal.
+#[inline(always)]
+pub(super) fn rounded_sum(
+    (x, ex): Pair<'_>,
+    (y, ey): Pair<'_>,
+    signs: (f64, f64),
+    closing: Closing,
+    node: Node<'_>,
+) -> bool {
+    rounded(closing, node, |lane| (signs.0 * x[lane] + signs.1 * y[lane], ex[lane] + ey[lane]))
+}
+
+/// The same for a product.
+#[inline(always)]
+pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: Node<'_>) -> bool {
+    let Node { value, radius, local } = node;
+    let again = Node { value, radius, local };
+    let tiny =
+        rounded(closing, again, |lane| (x[lane] * y[lane], carried_by_product(x[lane], ex[lane], y[lane], ey[lane])));
+    // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
+    for lane in 0..LANES {
+        local[lane] = if radius[lane] < f64::INFINITY { local[lane] } else { f64::INFINITY };
+    }
+    tiny
+}
+
+/// A radius that is no number says nothing: 0 times an infinite one is one that may be anything.
+#[inline(always)]
+pub(super) fn or_infinite(e: f64) -> f64 {
+    if e < f64::INFINITY { e } else { f64::INFINITY }
+}
+
+/// How far a product moves within the radii of its factors.
+#[inline(always)]
+pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
+    x.abs() * ey + (y.abs() + ey) * ex
+}
+
+#[inline(always)]
+fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64)) -> bool {
+    let mut tiny = 0_u64;
+    for lane in 0..LANES {
+        let (v, e) = of(lane);
+        let e = or_infinite(e);
+        let (b, small) = finished(v, e, rounding(closing.part, v, e), closing.flushes);
+        value[lane] = v;
+        local[lane] = b;
+        radius[lane] = if closing.own { e + b } else { e };
+        tiny |= u64::from(small);
+    }
+    tiny != 0
+}
+
+/// [`finished`] on a column.
+pub(super) fn finish(value: &Lanes, carried: &Lanes, local: &mut Lanes, flushes: bool) -> bool {
+    number::wide(|| {
+        let mut tiny = 0_u64;
+        for lane in 0..LANES {
+            let (b, small) = finished(value[lane], carried[lane], local[lane], flushes);
+            local[lane] = b;
+            tiny |= u64::from(small);
+        }
+        tiny != 0
+    })
+}
+
+/// What a function of one number writes: value, movement, partial and its distance.
+pub(super) struct Out1<'a> {
+    pub value: &'a mut Lanes,
+    pub moves: &'a mut Lanes,
+    pub slope: &'a mut Lanes,
+    pub bend: &'a mut Lanes,
+}
+
+/// The images of a function of one number in all lanes. Only what is inlined into `image` gains.
+#[inline(always)]
+pub(super) fn images1((x, e): Pair<'_>, out: &mut Out1<'_>, image: impl Fn(f64, f64) -> Image1) {
+    let Out1 { value, moves, slope, bend } = out;
+    for lane in 0..LANES {
+        let found = image(x[lane], e[lane]);
+        (value[lane], moves[lane], slope[lane], bend[lane]) = (found.value, found.moves, found.slope, found.bends);
+    }
+}
+
+/// What a function of two numbers writes.
+pub(super) struct Out2<'a> {
+    pub value: &'a mut Lanes,
+    pub moves: &'a mut Lanes,
+    pub slopes: [&'a mut Lanes; 2],
+    pub bends: [&'a mut Lanes; 2],
+}
+
+/// [`images1`] for two numbers.
+#[inline(always)]
+pub(super) fn images2(
+    (x, ex): Pair<'_>,
+    (y, ey): Pair<'_>,
+    out: &mut Out2<'_>,
+    image: impl Fn((f64, f64), (f64, f64)) -> Image2,
+) {
+    let Out2 { value, moves, slopes: [sx, sy], bends: [bx, by] } = out;
+    for lane in 0..LANES {
+        let found = image((x[lane], ex[lane]), (y[lane], ey[lane]));
+        (value[lane], moves[lane]) = (found.value, found.moves);
+        (sx[lane], sy[lane]) = (found.slopes[0], found.slopes[1]);
+        (bx[lane], by[lane]) = (found.bends[0], found.bends[1]);
+    }
+}
+
+/// How far the value may be that a function gets: a subnormal argument may be flushed to zero.
+#[inline(always)]
+pub(super) fn reach(x: f64, radius: f64, flushes: bool) -> f64 {
+    let most = x.abs() + radius;
+    let tiny = flushes & (most > 0.0) & (x.abs() - radius < MIN_NORMAL);
+    let flushed = radius + most.min(MIN_NORMAL);
+    if tiny { flushed } else { radius }
+}

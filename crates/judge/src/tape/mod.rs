@@ -1,0 +1,343 @@
+//! The tape: a domain of numbers that remembers how every value came about, and from that how far a
+//! conforming device may be off at each output.
+//!
+//! Every operation becomes a node with its exact value, what the operation itself may add to the error
+//! (by a [`Model`]), and its derivatives. The bound of an output y is Σ |∂y/∂v_k|·b_k over the nodes k,
+//! by one reverse sweep. To hold beyond the first order, derivatives are not taken at the exact values
+//! alone: a forward pass keeps for each node a radius, within which a device's value lies, and each
+//! derivative is accompanied by how far it moves within these radii. By the mean value theorem the sum
+//! with the derivatives at their largest is a bound.
+//!
+//! Where there is no derivative (the root at 0, a jump of `floor`) the whole movement of the value
+//! within its radius counts as an error of that operation, and nothing before it counts.
+
+mod arena;
+mod columns;
+mod decay;
+mod decision;
+mod functions;
+mod inherited;
+#[cfg(test)]
+mod inside;
+mod kernels;
+mod model;
+mod operations;
+mod regroup;
+mod sweep;
+#[cfg(test)]
+mod tests;
+mod why;
+
+use crate::profile::{Op, grid};
+use base::value::Scalar;
+use program::interp::{
+    Binary, Class, Comparison, Domain, FromWords, LANES, Mask, Number, Site, Source, ToWords, Unary, Words,
+};
+
+use arena::{Arena, Id, Kind, Lanes, Meta};
+pub use decay::FADED;
+pub use model::Model;
+pub use sweep::Bounds;
+pub use why::{Cause, Share, Why};
+
+/// A value on the tape. The default marks a place and is no value.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Column(Id);
+
+/// What stands in the place of a literal of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Literal {
+    /// The real number that the author wrote.
+    pub value: f64,
+    /// How far that may be from what was meant, by rounding alone; 0 when it is written exactly.
+    pub slack: f64,
+}
+
+/// The domain.
+pub struct Tape<'p> {
+    model: Model<'p>,
+    literals: &'p [Option<Literal>],
+    arena: Arena,
+    /// Lanes in which a decision could have gone the other way, with the first place where.
+    forks: [Option<Site>; LANES],
+    /// Lanes in which that decision is the one between two texels.
+    edges: [bool; LANES],
+    /// Lanes that were given up in a loop, for the tape was full, with the place of the loop.
+    given_up: [Option<Site>; LANES],
+    sweep: sweep::Scratch,
+}
+
+impl<'p> Tape<'p> {
+    /// A tape for devices that follow a model.
+    pub fn new(model: Model<'p>) -> Self {
+        Self {
+            model,
+            literals: &[],
+            arena: Arena::default(),
+            forks: [None; LANES],
+            edges: [false; LANES],
+            given_up: [None; LANES],
+            sweep: sweep::Scratch::default(),
+        }
+    }
+
+    /// A tape on which literals have the values that their author wrote: by the number of their site,
+    /// where that is another number than the module's binary32.
+    #[must_use]
+    pub fn with_literals(mut self, literals: &'p [Option<Literal>]) -> Self {
+        self.literals = literals;
+        self
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model<'p> {
+        &self.model
+    }
+
+    /// The exact values of a column.
+    pub fn values(&self, column: Column) -> &[f64; LANES] {
+        self.arena.value.get(column.0 as usize)
+    }
+
+    /// Where a decision in this lane could have gone the other way on a conforming device: a
+    /// comparison of numbers that are nearer to each other than their errors.
+    pub fn fork(&self, lane: usize) -> Option<Site> {
+        self.forks[lane]
+    }
+
+    /// True when that decision is the one between two texels.
+    pub fn is_texel_edge(&self, lane: usize) -> bool {
+        self.edges[lane]
+    }
+
+    /// The loop in which this lane was given up: it has more rounds than there is room for on a tape. Nothing is known of
+    /// the values of such a lane, and every bound is infinite.
+    pub fn given_up(&self, lane: usize) -> Option<Site> {
+        self.given_up[lane]
+    }
+
+    /// Gives back the room that very long loops took.
+    pub fn rest(&mut self) {
+        self.arena.clear();
+        self.sweep.rest();
+    }
+
+    fn leaf(&mut self, value: impl FnOnce(&mut Lanes)) -> Id {
+        let meta = Meta { kind: Kind::Leaf, op: None, site: None, exact: true, tiny: false, not_negative: false };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        value(self.arena.value.get_mut(at));
+        self.arena.radius.get_mut(at).fill(0.0);
+        self.arena.local.get_mut(at).fill(0.0);
+        let values = self.arena.value.get(at);
+        let tiny = values.iter().any(|v| v.abs() < grid::MIN_NORMAL && *v != 0.0);
+        let not_negative = values.iter().all(|v| *v >= 0.0);
+        let meta = &mut self.arena.nodes[at];
+        (meta.tiny, meta.not_negative) = (tiny, not_negative);
+        self.group(id);
+        id
+    }
+
+    /// A register may still hold a value of the chunk before; in the lanes where it is read it was
+    /// written since, so any value will do.
+    fn id(&self, column: &Column) -> Id {
+        if (column.0 as usize) < self.arena.nodes.len() { column.0 } else { 0 }
+    }
+
+    /// True when some lane of a column may be subnormal, and a device may take it for zero.
+    fn flushed(&self, at: usize) -> bool {
+        self.arena.nodes[at].tiny && self.model.flushes()
+    }
+
+    fn note_fork(&mut self, site: Site, lanes: impl Iterator<Item = usize>) {
+        for lane in lanes {
+            self.forks[lane].get_or_insert(site);
+        }
+    }
+}
+
+impl Domain for Tape<'_> {
+    type Column = Column;
+    type Word = f64;
+
+    fn begin(&mut self) {
+        self.arena.clear();
+        self.forks = [None; LANES];
+        self.edges = [false; LANES];
+        self.given_up = [None; LANES];
+        // Node 0 holds zeros: what a column holds that nobody wrote.
+        self.leaf(|value| value.fill(0.0));
+    }
+
+    fn column(&mut self) -> Column {
+        Column(0)
+    }
+
+    fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Column) {
+        let literal = site.and_then(|site| self.literals.get(site.index()).copied().flatten());
+        let literal = literal.unwrap_or(Literal { value: f64::from(value), slack: 0.0 });
+        let id = self.leaf(|v| v.fill(literal.value));
+        let at = id as usize;
+        self.arena.nodes[at].site = site;
+        if literal.slack > 0.0 {
+            self.arena.nodes[at].exact = false;
+            self.arena.local.get_mut(at).fill(literal.slack);
+            self.arena.radius.get_mut(at).fill(literal.slack);
+        }
+        out.0 = id;
+    }
+
+    fn input(&mut self, _: Source, words: &Words, out: &mut Column) {
+        out.0 = self.leaf(|value| {
+            for (v, &word) in value.iter_mut().zip(words) {
+                *v = f64::from(f32::from_bits(word));
+            }
+        });
+    }
+
+    fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
+        let a = self.id(a);
+        out.0 = self.apply1(site, op, active, a);
+    }
+
+    fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
+        let (a, b) = (self.id(a), self.id(b));
+        let op = match op {
+            Binary::Add => Op::Add,
+            Binary::Subtract => Op::Sub,
+            Binary::Multiply => Op::Mul,
+            Binary::Divide => Op::Div,
+            Binary::Remainder => Op::Rem,
+            Binary::Min => Op::Min,
+            Binary::Max => Op::Max,
+            Binary::Pow => Op::Pow,
+            Binary::Atan2 => Op::Atan2,
+            Binary::Step => Op::Step,
+        };
+        out.0 = self.apply2(site, op, active, a, b);
+    }
+
+    fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
+        let a = self.id(a);
+        // ldexp is the product with a power of two, rounded once.
+        let factor = self.leaf(|value| {
+            for (v, &word) in value.iter_mut().zip(exponent) {
+                *v = 2f64.powi(word.cast_signed().clamp(-1000, 1000));
+            }
+        });
+        out.0 = self.product(site, Op::Ldexp, a, factor);
+    }
+
+    fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
+        let (a, b) = (self.id(a) as usize, self.id(b) as usize);
+        let (x, y) = (self.arena.value.get(a), self.arena.value.get(b));
+        let (ex, ey) = (self.arena.radius.get(a), self.arena.radius.get(b));
+        let flushes = self.flushed(a) || self.flushed(b);
+        let open = |lane: usize| {
+            let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+            (a != b && decision::is_near(x, y)) || (flushes && decision::flush_decides(op, x, y))
+        };
+        let forks: Vec<usize> = active.lanes().filter(|&lane| open(lane)).collect();
+        for (lane, out) in out.iter_mut().enumerate() {
+            *out = u32::from(op.holds(x[lane], y[lane]));
+        }
+        self.note_fork(site, forks.into_iter());
+    }
+
+    fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Column, out: &mut Words) {
+        let a = self.id(a) as usize;
+        let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
+        for (out, x) in out.iter_mut().zip(x) {
+            *out = u32::from(match class {
+                Class::Nan => x.is_nan(),
+                Class::Infinite => x.is_infinite(),
+            });
+        }
+        let forks: Vec<usize> = active.lanes().filter(|&lane| !e[lane].is_finite()).collect();
+        self.note_fork(site, forks.into_iter());
+    }
+
+    fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Column, out: &mut Words) -> Mask {
+        let a = self.id(a) as usize;
+        let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
+        let outside = program::interp::to_words(op, x, out);
+        let (mut low, mut high) = ([0; LANES], [0; LANES]);
+        let texel = matches!(op, ToWords::Texel { .. });
+        let (relative, absolute) = if texel { self.model.texel_slack() } else { (0.0, 0.0) };
+        let flushes = self.flushed(a);
+        let reach = |lane: usize| kernels::reach(x[lane], e[lane], flushes) + relative * x[lane].abs() + absolute;
+        // In real numbers the bits of an input are those that were given, the sign of a zero among them. The sign of a
+        // computed zero is promised by nobody.
+        let given = matches!(self.model, Model::Binary64) && matches!(self.arena.nodes[a].kind, Kind::Leaf);
+        let end = |lane: usize, sign: f64| if given { x[lane] } else { x[lane] + sign * reach(lane) };
+        let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| end(lane, sign)) };
+        program::interp::to_words(op, &ends(-1.0), &mut low);
+        program::interp::to_words(op, &ends(1.0), &mut high);
+        // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
+        let far = |x: f64| !x.is_finite() || (absolute > 0.0 && x.abs() >= 8_388_608.0);
+        let lost = |lane: usize| e[lane].is_nan() || (texel && far(x[lane]));
+        let forks: Vec<usize> = active.lanes().filter(|&lane| low[lane] != high[lane] || lost(lane)).collect();
+        for &lane in forks.iter().filter(|&&lane| texel && self.forks[lane].is_none()) {
+            self.edges[lane] = true;
+        }
+        self.note_fork(site, forks.into_iter());
+        outside
+    }
+
+    fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Column) {
+        let id = self.leaf(|value| program::interp::from_words(op, a, value));
+        let at = id as usize;
+        if matches!(op, FromWords::Signed | FromWords::Unsigned) {
+            let args = [model::Arg { value: self.arena.value.get(at), radius: self.arena.radius.get(at) }];
+            let mut local = [0.0; LANES];
+            self.model.local(Op::Convert, &args, args[0].value, &[0.0; LANES], &mut local);
+            // Integers of up to 24 bits are kept whatever the rounding.
+            for (b, v) in local.iter_mut().zip(args[0].value) {
+                *b = if f64::from(*v as f32) == *v { 0.0 } else { *b };
+            }
+            let exact = local.iter().all(|b| *b == 0.0);
+            *self.arena.radius.get_mut(at) = local;
+            *self.arena.local.get_mut(at) = local;
+            let meta = &mut self.arena.nodes[at];
+            (meta.exact, meta.op, meta.site) = (exact, Some(Op::Convert), Some(site));
+        }
+        out.0 = id;
+    }
+
+    fn doubt(&mut self, site: Site, lanes: &Mask) {
+        self.note_fork(site, lanes.lanes());
+    }
+
+    fn is_full(&self) -> bool {
+        self.arena.is_full()
+    }
+
+    fn give_up(&mut self, site: Site, lanes: &Mask) {
+        self.note_fork(site, lanes.lanes());
+        lanes.lanes().for_each(|lane| self.given_up[lane] = Some(site));
+    }
+
+    fn copy(&mut self, from: &Column, to: &mut Column) {
+        to.0 = self.id(from);
+    }
+
+    fn merge(&mut self, mask: &Mask, from: &Column, to: &mut Column) {
+        let (a, b) = (self.id(from), self.id(to));
+        to.0 = self.select(mask, a, b);
+    }
+
+    fn poison(&mut self, mask: &Mask, to: &mut Column) {
+        let mark = self.leaf(|value| value.fill(f64::poison()));
+        let b = self.id(to);
+        to.0 = self.select(mask, mark, b);
+    }
+
+    fn word(&self, column: &Column, lane: usize) -> Option<f64> {
+        let value = self.values(*column)[lane];
+        (!value.is_poison()).then_some(value)
+    }
+
+    fn exact(word: u32, scalar: Scalar) -> f64 {
+        <f64 as Number>::exact(word, scalar)
+    }
+}

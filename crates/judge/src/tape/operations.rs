@@ -1,0 +1,565 @@
+//! Operations as nodes: values, radii, local errors and derivatives.
+
+use super::Tape;
+use super::arena::{Id, Kind, Lanes, Meta};
+use super::columns::{WORTH_A_COLUMN, column1, column2};
+use super::functions::{Image1, Image2, image1, image2};
+use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
+use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
+use super::model::Arg;
+use crate::profile::grid::MIN_NORMAL;
+use crate::profile::{Definition, Op};
+
+use program::interp::{LANES, Mask, Site, Unary};
+
+impl Tape<'_> {
+    /// An operation on one number.
+    pub(super) fn apply1(&mut self, site: Site, op: Unary, active: &Mask, a: Id) -> Id {
+        let op = match op {
+            Unary::Negate => return self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0)),
+            Unary::NormalScale => return self.normal_scale(site, active, a),
+            Unary::Determinant => return self.mark(site, Op::Determinant, a),
+            Unary::Inverse => return self.mark(site, Op::Inverse, a),
+            Unary::Half => return self.half(site, a),
+            Unary::FrexpFraction => return self.frexp_fraction(site, a),
+            Unary::Abs => Op::Abs,
+            Unary::Sign => Op::Sign,
+            Unary::Floor => Op::Floor,
+            Unary::Ceil => Op::Ceil,
+            Unary::Round => Op::RoundEven,
+            Unary::Trunc => Op::Trunc,
+            Unary::Fract => Op::Fract,
+            Unary::Sqrt => Op::Sqrt,
+            Unary::InverseSqrt => Op::InverseSqrt,
+            Unary::Exp => Op::Exp,
+            Unary::Exp2 => Op::Exp2,
+            Unary::Log => Op::Log,
+            Unary::Log2 => Op::Log2,
+            Unary::Sin => Op::Sin,
+            Unary::Cos => Op::Cos,
+            Unary::Tan => Op::Tan,
+            Unary::Asin => Op::Asin,
+            Unary::Acos => Op::Acos,
+            Unary::Atan => Op::Atan,
+            Unary::Sinh => Op::Sinh,
+            Unary::Cosh => Op::Cosh,
+            Unary::Tanh => Op::Tanh,
+            Unary::Asinh => Op::Asinh,
+            Unary::Acosh => Op::Acosh,
+            Unary::Atanh => Op::Atanh,
+            Unary::Radians => Op::Radians,
+            Unary::Degrees => Op::Degrees,
+        };
+        self.function1(site, op, active, a)
+    }
+
+    /// A function of one number, by the definition that it inherits from where it has one.
+    fn function1(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
+        let Some((definition, or)) = self.model.definition(op) else { return self.one(site, op, active, a) };
+        let id = match definition {
+            Definition::SqrtByInverseSqrt => self.one(site, op, active, a),
+            Definition::SinOverCos => {
+                let (sin, cos) = (self.function1(site, Op::Sin, active, a), self.function1(site, Op::Cos, active, a));
+                self.two(site, Op::Div, active, sin, cos)
+            }
+            Definition::SinhOverCosh => {
+                let (sinh, cosh) =
+                    (self.function1(site, Op::Sinh, active, a), self.function1(site, Op::Cosh, active, a));
+                self.two(site, Op::Div, active, sinh, cosh)
+            }
+            Definition::AsinByAtan2 => {
+                let side = self.cathetus(site, active, a);
+                self.two(site, Op::Atan2, active, a, side)
+            }
+            Definition::AcosByAtan2 => {
+                let side = self.cathetus(site, active, a);
+                self.two(site, Op::Atan2, active, side, a)
+            }
+            Definition::SinhByExp | Definition::CoshByExp => {
+                let sign = if definition == Definition::SinhByExp { -1.0 } else { 1.0 };
+                let rising = self.function1(site, Op::Exp, active, a);
+                let negative = self.sum(Some(site), Op::Neg, a, a, (-1.0, 0.0));
+                let falling = self.function1(site, Op::Exp, active, negative);
+                let both = self.sum(Some(site), Op::Add, rising, falling, (1.0, sign));
+                self.scaled(site, both, 0.5)
+            }
+            Definition::AsinhByLog | Definition::AcoshByLog => {
+                let sign = if definition == Definition::AsinhByLog { 1.0 } else { -1.0 };
+                let square = self.product(site, Op::Mul, a, a);
+                let one = self.number(1.0);
+                let shifted = self.sum(Some(site), Op::Add, square, one, (1.0, sign));
+                let root = self.function1(site, Op::Sqrt, active, shifted);
+                let sum = self.sum(Some(site), Op::Add, a, root, (1.0, 1.0));
+                self.function1(site, Op::Log, active, sum)
+            }
+            Definition::AtanhByLog => {
+                let one = self.number(1.0);
+                let above = self.sum(Some(site), Op::Add, one, a, (1.0, 1.0));
+                let below = self.sum(Some(site), Op::Sub, one, a, (1.0, -1.0));
+                let quotient = self.two(site, Op::Div, active, above, below);
+                let log = self.function1(site, Op::Log, active, quotient);
+                self.scaled(site, log, 0.5)
+            }
+            Definition::FractByFloor => {
+                let floor = self.function1(site, Op::Floor, active, a);
+                self.sum(Some(site), Op::Sub, a, floor, (1.0, -1.0))
+            }
+            Definition::RadiansByProduct => self.scaled(site, a, std::f64::consts::PI / 180.0),
+            Definition::DegreesByProduct => self.scaled(site, a, 180.0 / std::f64::consts::PI),
+            // Definitions of operations on two numbers or on vectors.
+            Definition::PowByExp2
+            | Definition::ModByFloor
+            | Definition::RemByTrunc
+            | Definition::MultiplyAdd
+            | Definition::MixByWeights
+            | Definition::SmoothStepByCubic
+            | Definition::SumOfProducts
+            | Definition::LengthByDot
+            | Definition::DistanceByLength
+            | Definition::NormalizeByInverseSqrt
+            | Definition::NormalizeByLength
+            | Definition::DifferenceOfProducts
+            | Definition::ReflectByDot
+            | Definition::RefractByDot
+            | Definition::FaceForwardByDot
+            | Definition::MatrixBySums => self.one(site, op, active, a),
+        };
+        self.inherited(site, op, id, or)
+    }
+
+    /// √(1 − x²).
+    fn cathetus(&mut self, site: Site, active: &Mask, a: Id) -> Id {
+        let square = self.product(site, Op::Mul, a, a);
+        let one = self.number(1.0);
+        let rest = self.sum(Some(site), Op::Sub, one, square, (1.0, -1.0));
+        self.function1(site, Op::Sqrt, active, rest)
+    }
+
+    /// An operation on two numbers.
+    pub(super) fn apply2(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+        match op {
+            Op::Add => return self.sum(Some(site), op, a, b, (1.0, 1.0)),
+            Op::Sub => return self.sum(Some(site), op, a, b, (1.0, -1.0)),
+            Op::Mul => return self.product(site, op, a, b),
+            _ => {}
+        }
+        let Some((definition, or)) = self.model.definition(op) else { return self.two(site, op, active, a, b) };
+        let id = match definition {
+            Definition::RemByTrunc | Definition::ModByFloor => {
+                let whole = if definition == Definition::RemByTrunc { Op::Trunc } else { Op::Floor };
+                let quotient = self.two(site, Op::Div, active, a, b);
+                let whole = self.function1(site, whole, active, quotient);
+                let product = self.product(site, Op::Mul, b, whole);
+                self.sum(Some(site), Op::Sub, a, product, (1.0, -1.0))
+            }
+            _ => self.two(site, op, active, a, b),
+        };
+        self.inherited(site, op, id, or)
+    }
+
+    /// The result of an operation by its definition: what is allowed in any case, and the step outward
+    /// that a profile may take around the operation as a whole, after those of the definition.
+    fn inherited(&mut self, site: Site, op: Op, id: Id, or: f64) -> Id {
+        let id = self.allow(id, or);
+        let at = id as usize;
+        let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
+        let step: Lanes = std::array::from_fn(|lane| self.model.outward(value[lane].abs() + radius[lane]));
+        let none = step.iter().all(|step| *step == 0.0);
+        if none { id } else { self.identity(Some(site), Some(op), id, &step) }
+    }
+
+    /// 1/√x as the factor of `normalize`: 1/length where the profile defines it so.
+    fn normal_scale(&mut self, site: Site, active: &Mask, a: Id) -> Id {
+        match self.model.definition(Op::Normalize) {
+            Some((Definition::NormalizeByLength, _)) => {
+                let length = self.function1(site, Op::Sqrt, active, a);
+                let one = self.number(1.0);
+                // x/length(x) is rounded once, x·(1/length(x)) twice: the bound covers both.
+                self.two(site, Op::Div, active, one, length)
+            }
+            _ => self.one(site, Op::InverseSqrt, active, a),
+        }
+    }
+
+    fn number(&mut self, value: f64) -> Id {
+        self.leaf(|v| v.fill(value))
+    }
+
+    /// The product with a constant, which the device has as the nearest binary32 number.
+    fn scaled(&mut self, site: Site, a: Id, factor: f64) -> Id {
+        let id = self.number(factor);
+        let id = self.allow(id, (f64::from(factor as f32) - factor).abs());
+        self.product(site, Op::Mul, a, id)
+    }
+
+    /// The node, off by `error` more.
+    fn allow(&mut self, id: Id, error: f64) -> Id {
+        if error > 0.0 { self.identity(None, None, id, &[error; LANES]) } else { id }
+    }
+
+    /// The same value once more, with an error of its own: what is added is not regrouped.
+    fn identity(&mut self, site: Option<Site>, op: Option<Op>, a: Id, error: &Lanes) -> Id {
+        let partial = self.arena.partial();
+        self.arena.partials.get_mut(2 * partial as usize).fill(1.0);
+        self.arena.partials.get_mut(2 * partial as usize + 1).fill(0.0);
+        let Meta { tiny, not_negative, .. } = self.arena.nodes[a as usize];
+        let kind = Kind::One { a, partial };
+        let id = self.arena.push(Meta { kind, op, site, exact: false, tiny, not_negative });
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        *value = *before[a as usize];
+        let (before, radius) = self.arena.radius.split(at);
+        for (lane, radius) in radius.iter_mut().enumerate() {
+            *radius = before[a as usize][lane] + error[lane];
+        }
+        *self.arena.local.get_mut(at) = *error;
+        self.group(id);
+        id
+    }
+
+    /// Marks the result of an operation that is made of others, of which nothing may be promised.
+    fn mark(&mut self, site: Site, op: Op, a: Id) -> Id {
+        let at = a as usize;
+        let mut local = [0.0; LANES];
+        let args = [Arg { value: self.arena.value.get(at), radius: self.arena.radius.get(at) }];
+        if matches!(self.model, super::Model::Device { .. }) && self.model.definition(op).is_none() {
+            self.model.local(op, &args, args[0].value, args[0].radius, &mut local);
+        }
+        self.identity(Some(site), Some(op), a, &local)
+    }
+
+    /// The nearest binary16.
+    fn half(&mut self, site: Site, a: Id) -> Id {
+        let before = *self.arena.value.get(a as usize);
+        let mut values = before;
+        program::interp::to_half(&mut values);
+        // To either neighbour, of the exact value or of the device's.
+        let error: Lanes = std::array::from_fn(|lane| {
+            (values[lane] - before[lane]).abs() + 2f64.powi(-10) * before[lane].abs() + 2f64.powi(-24)
+        });
+        let id = self.identity(Some(site), Some(Op::Convert), a, &error);
+        *self.arena.value.get_mut(id as usize) = values;
+        id
+    }
+
+    /// x·2^-e with the exponent of the exact value; a device may have the neighbouring one.
+    fn frexp_fraction(&mut self, site: Site, a: Id) -> Id {
+        let at = a as usize;
+        let (x, e) = (*self.arena.value.get(at), *self.arena.radius.get(at));
+        let exponent = |x: f64| if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log2().floor() + 1.0 };
+        let factor = self.leaf(|v| {
+            for (v, x) in v.iter_mut().zip(&x) {
+                *v = (-exponent(*x)).exp2();
+            }
+        });
+        let id = self.product(site, Op::Ldexp, a, factor);
+        let doubt: Lanes = std::array::from_fn(|lane| {
+            let same = exponent(x[lane] - e[lane]) == exponent(x[lane] + e[lane]);
+            if same { 0.0 } else { 1.0 }
+        });
+        self.identity(Some(site), Some(Op::Ldexp), id, &doubt)
+    }
+
+    /// ±a ± b.
+    pub(super) fn sum(&mut self, site: Option<Site>, op: Op, a: Id, b: Id, signs: (f64, f64)) -> Id {
+        let nodes = &self.arena.nodes;
+        let (left, right) = (nodes[a as usize], nodes[b as usize]);
+        let single = signs.1 == 0.0;
+        let not_negative = signs == (1.0, 1.0) && left.not_negative && right.not_negative;
+        let kind = Kind::Sum { a, b, signs };
+        let id = self.arena.push(Meta { kind, op: Some(op), site, exact: single, tiny: false, not_negative });
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, y) = (&before[a as usize], &before[b as usize]);
+        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        if single {
+            for lane in 0..LANES {
+                value[lane] = signs.0 * x[lane];
+                carried[lane] = ex[lane];
+            }
+            self.arena.local.get_mut(at).fill(0.0);
+            self.arena.nodes[at].tiny = left.tiny;
+            if left.tiny && self.model.flushes() {
+                self.arena.nodes[at].exact = false;
+                self.flush(id, &[(a, None)]);
+                let (radius, local) = (self.arena.radius.get_mut(at), self.arena.local.get(at));
+                radius.iter_mut().zip(local).for_each(|(e, b)| *e += b);
+            }
+            self.group(id);
+            return id;
+        }
+        if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny]) {
+            let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
+            let tiny = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
+            self.arena.nodes[at].tiny = tiny;
+            self.group(id);
+            return id;
+        }
+        for lane in 0..LANES {
+            value[lane] = signs.0 * x[lane] + signs.1 * y[lane];
+            carried[lane] = ex[lane] + ey[lane];
+        }
+        let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
+        let op = if op == Op::Neg { Op::Sub } else { op };
+        self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
+        self.flush(id, &[(a, None), (b, None)]);
+        self.close(id);
+        id
+    }
+
+    /// a·b.
+    pub(super) fn product(&mut self, site: Site, op: Op, a: Id, b: Id) -> Id {
+        let nodes = &self.arena.nodes;
+        let tiny = [nodes[a as usize].tiny, nodes[b as usize].tiny];
+        let not_negative = a == b || (nodes[a as usize].not_negative && nodes[b as usize].not_negative);
+        let kind = Kind::Product { a, b };
+        let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, y) = (&before[a as usize], &before[b as usize]);
+        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        if let Some(closing) = self.model.closing(op, tiny) {
+            let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
+            let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
+            self.arena.nodes[at].tiny = tiny;
+            self.group(id);
+            return id;
+        }
+        for lane in 0..LANES {
+            value[lane] = x[lane] * y[lane];
+            carried[lane] = or_infinite(kernels::carried_by_product(x[lane], ex[lane], y[lane], ey[lane]));
+        }
+        let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
+        self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
+        self.flush(id, &[(a, Some(b)), (b, Some(a))]);
+        self.close(id);
+        id
+    }
+
+    /// `a` in the lanes of a mask, `b` in the others.
+    pub(super) fn select(&mut self, mask: &Mask, a: Id, b: Id) -> Id {
+        if a == b {
+            return a;
+        }
+        let nodes = &self.arena.nodes;
+        let (left, right) = (nodes[a as usize], nodes[b as usize]);
+        let number = self.arena.mask(*mask);
+        let id = self.arena.push(Meta {
+            kind: Kind::Select { mask: number, a, b },
+            op: None,
+            site: None,
+            exact: true,
+            tiny: left.tiny || right.tiny,
+            not_negative: left.not_negative && right.not_negative,
+        });
+        let at = id as usize;
+        for pool in [&mut self.arena.value, &mut self.arena.radius] {
+            let (before, to) = pool.split(at);
+            *to = *before[b as usize];
+            mask.merge(&before[a as usize], to);
+        }
+        self.arena.local.get_mut(at).fill(0.0);
+        self.group(id);
+        id
+    }
+
+    /// A function of one number as a node of its own.
+    fn one(&mut self, site: Site, op: Op, active: &Mask, a: Id) -> Id {
+        let partial = self.arena.partial();
+        let not_negative = self.arena.nodes[a as usize].not_negative;
+        let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
+        let kind = Kind::One { a, partial };
+        let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative: keeps };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, ex) = (&before[a as usize], &radii[a as usize]);
+        let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
+        let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
+        let mut out = Out1 { value, moves: carried, slope, bend };
+        if active.count() < WORTH_A_COLUMN || !column1(op, (x, ex), flushes, not_negative, &mut out) {
+            let Out1 { value, moves, slope, bend } = out;
+            if !active.is_full() {
+                [&mut *value, moves, slope, bend].into_iter().for_each(|column| column.fill(0.0));
+            }
+            active.each(|lane| {
+                let found: Image1 = image1(op, x[lane], reach(x[lane], ex[lane], flushes), not_negative);
+                (value[lane], moves[lane], slope[lane], bend[lane]) =
+                    (found.value, found.moves, found.slope, found.bends);
+            });
+        }
+        let args = [Arg { value: x, radius: ex }];
+        let local = self.arena.local.get_mut(at);
+        if op == Op::Sqrt && self.model.definition(op).is_some() {
+            root_by_inverse(&self.model, args[0], value, carried, local);
+        } else {
+            self.model.local(op, &args, value, carried, local);
+        }
+        self.flush(id, &[(a, None)]);
+        self.cut(id, &[partial]);
+        self.close(id);
+        id
+    }
+
+    /// A function of two numbers as a node of its own.
+    fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
+        let partials = [self.arena.partial(), self.arena.partial()];
+        let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
+        let not_negative = match op {
+            Op::Pow => true,
+            Op::Div | Op::Min => left.not_negative && right.not_negative,
+            // `max(x, 0.0)` has no sign, whatever that of x is.
+            Op::Max => left.not_negative || right.not_negative,
+            _ => false,
+        };
+        let kind = Kind::Two { a, b, partials };
+        let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
+        let id = self.arena.push(meta);
+        let at = id as usize;
+        let (before, value) = self.arena.value.split(at);
+        let (radii, carried) = self.arena.radius.split(at);
+        let (x, y) = (&before[a as usize], &before[b as usize]);
+        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        let flushes = [left.tiny, right.tiny].map(|tiny| tiny && self.model.flushes());
+        let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
+        let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
+        if active.count() < WORTH_A_COLUMN || !column2(op, (x, ex), (y, ey), flushes, &mut out) {
+            let Out2 { value, moves, slopes: [sx, sy], bends: [bx, by] } = out;
+            if !active.is_full() {
+                [&mut *value, moves, sx, sy, bx, by].into_iter().for_each(|column| column.fill(0.0));
+            }
+            active.each(|lane| {
+                let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+                let found: Image2 = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
+                (value[lane], moves[lane]) = (found.value, found.moves);
+                (sx[lane], sy[lane]) = (found.slopes[0], found.slopes[1]);
+                (bx[lane], by[lane]) = (found.bends[0], found.bends[1]);
+            });
+        }
+        let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
+        let local = self.arena.local.get_mut(at);
+        let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
+        let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };
+        if op == Op::Pow && left.not_negative && at_zero(args, active, &mut out) {
+            power_at_zero(&self.model, args, out, local);
+        } else if op == Op::Pow {
+            power(&self.model, args, value, carried, local);
+        } else {
+            self.model.local(op, &args, value, carried, local);
+        }
+        self.flush(id, &[(a, None), (b, None)]);
+        self.cut(id, &partials);
+        self.close(id);
+        id
+    }
+
+    /// Adds what a flushed argument may do. `None` for the other factor stands for the node's own
+    /// partials.
+    fn flush(&mut self, id: Id, args: &[(Id, Option<Id>)]) {
+        if !self.model.flushes() || args.iter().all(|(a, _)| !self.arena.nodes[*a as usize].tiny) {
+            return;
+        }
+        let at = id as usize;
+        let mut more = [0.0; LANES];
+        for (k, &(a, other)) in args.iter().enumerate() {
+            let a = a as usize;
+            if !self.arena.nodes[a].tiny {
+                continue;
+            }
+            let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
+            for lane in 0..LANES {
+                let reach = x[lane].abs() + e[lane];
+                if reach == 0.0 || x[lane].abs() - e[lane] >= MIN_NORMAL {
+                    continue;
+                }
+                let slope = match (other, self.arena.nodes[at].kind) {
+                    (Some(other), _) => {
+                        let other = other as usize;
+                        self.arena.value.get(other)[lane].abs() + self.arena.radius.get(other)[lane]
+                    }
+                    (None, Kind::One { partial, .. }) => {
+                        let (slope, bend) = self.arena.partial_at(partial);
+                        slope[lane].abs() + bend[lane]
+                    }
+                    (None, Kind::Two { partials, .. }) => {
+                        let (slope, bend) = self.arena.partial_at(partials[k]);
+                        slope[lane].abs() + bend[lane]
+                    }
+                    (None, _) => 1.0,
+                };
+                // Without a finite slope the movement counts as a whole, the flush included.
+                if slope.is_finite() {
+                    more[lane] += slope * reach.min(MIN_NORMAL);
+                }
+            }
+        }
+        self.arena.local.get_mut(at).iter_mut().zip(&more).for_each(|(b, more)| *b += more);
+    }
+
+    /// Where a derivative is not finite, the node's movement becomes its own error.
+    fn cut(&mut self, id: Id, partials: &[u32]) {
+        let at = id as usize;
+        let finite = |lane: usize| {
+            let of = |&p: &u32| self.arena.partial_at(p);
+            partials.iter().map(of).all(|(slope, bend)| slope[lane].is_finite() && bend[lane].is_finite())
+        };
+        let lost = partials.iter().any(|&p| {
+            let (slope, bend) = self.arena.partial_at(p);
+            // 0 times what is not finite is NaN.
+            number::wide(|| {
+                slope.iter().zip(bend).fold(0_u64, |lost, (s, b)| lost | u64::from((s * 0.0 + b * 0.0) != 0.0))
+            }) != 0
+        });
+        if !lost {
+            return;
+        }
+        let lanes: Vec<usize> = (0..LANES).filter(|&lane| !finite(lane)).collect();
+        for lane in lanes {
+            for &p in partials {
+                self.arena.partials.get_mut(2 * p as usize)[lane] = 0.0;
+                self.arena.partials.get_mut(2 * p as usize + 1)[lane] = 0.0;
+            }
+            let carried = self.arena.radius.get(at)[lane];
+            self.arena.local.get_mut(at)[lane] += carried;
+            self.arena.radius.get_mut(at)[lane] = 0.0;
+        }
+    }
+
+    /// An argument that may be infinite, or no number, may give anything, whatever the function's values
+    /// elsewhere are: a device's `sin` of infinity is NaN, and so is 0 times infinity. Derivatives do not
+    /// say so.
+    fn lose(&mut self, id: Id) {
+        let at = id as usize;
+        let args = match self.arena.nodes[at].kind {
+            Kind::One { a, .. } => [a, a],
+            Kind::Two { a, b, .. } | Kind::Product { a, b } => [a, b],
+            Kind::Leaf | Kind::Sum { .. } | Kind::Select { .. } => return,
+        };
+        let local = self.arena.local.get_mut(at);
+        for arg in args {
+            let radius = self.arena.radius.get(arg as usize);
+            for lane in 0..LANES {
+                local[lane] = if radius[lane] < f64::INFINITY { local[lane] } else { f64::INFINITY };
+            }
+        }
+    }
+
+    /// Completes a node: its local error and with it its radius.
+    fn close(&mut self, id: Id) {
+        let at = id as usize;
+        let (value, local) = (self.arena.value.get(at), self.arena.local.get_mut(at));
+        let carried = self.arena.radius.get_mut(at);
+        self.arena.nodes[at].tiny = self.model.finish(value, carried, local);
+        self.lose(id);
+        let (local, carried) = (self.arena.local.get(at), self.arena.radius.get_mut(at));
+        let regrouped = self.model.is_rearranged() && self.arena.nodes[at].kind.is_polynomial();
+        if !regrouped {
+            number::wide(|| carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b));
+        }
+        self.group(id);
+    }
+}

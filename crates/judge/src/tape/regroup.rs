@@ -1,0 +1,203 @@
+//! Sums and products that a device may regroup: what any order of their terms may round to.
+
+use super::Tape;
+use super::arena::{Id, Kind};
+use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
+use program::interp::{LANES, Mask};
+
+impl Tape<'_> {
+    /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
+    pub(super) fn group(&mut self, id: Id) {
+        if !self.model.is_rearranged() {
+            return;
+        }
+        let at = id as usize;
+        self.arena.size.more();
+        // Number of terms of a sum, and roundings of the worst of them.
+        let (terms, heights) = (self.arena.roundings.more(), self.arena.roundings.more());
+        debug_assert_eq!((terms, heights), (2 * at, 2 * at + 1));
+        let unit = self.model.unit();
+        let (earlier, size) = self.arena.size.split(at);
+        let (counts, height) = self.arena.roundings.split(heights);
+        // The column of heights is the last one; that of terms stands just before it.
+        let mut term = [1.0; LANES];
+        let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
+        let kind = self.arena.nodes[at].kind;
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+                let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
+                for lane in 0..LANES {
+                    size[lane] = v[lane].abs() + e[lane];
+                }
+                height.fill(0.0);
+            }
+            Kind::Sum { a, b, signs } => {
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    if signs.1 == 0.0 {
+                        (size[lane], term[lane], height[lane]) = (sa[lane], ta[lane], ha[lane]);
+                    } else {
+                        size[lane] = sa[lane] + sb[lane];
+                        term[lane] = ta[lane] + tb[lane];
+                        height[lane] = ha[lane].max(hb[lane]);
+                    }
+                }
+            }
+            Kind::Product { a, b } => {
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    size[lane] = sa[lane] * sb[lane];
+                    // Each factor is a sum with its own roundings; one more for the product.
+                    height[lane] = ha[lane] + ta[lane] - 1.0 + hb[lane] + tb[lane] - 1.0 + 1.0;
+                }
+            }
+            Kind::Select { mask, a, b } => {
+                let mask = self.arena.masks[mask as usize];
+                let ((ta, ha), (tb, hb)) = (of(a), of(b));
+                *size = *earlier[b as usize];
+                mask.merge(&earlier[a as usize], size);
+                term = **tb;
+                mask.merge(ta, &mut term);
+                *height = **hb;
+                mask.merge(ha, height);
+            }
+        }
+        *self.arena.roundings.get_mut(terms) = term;
+        self.extremes(at, kind);
+        self.smallest_part(at, kind);
+        if kind.is_polynomial() {
+            let lost = self.lost_inside(kind);
+            let height = self.arena.roundings.get(heights);
+            let (size, peak, part) = (self.arena.size.get(at), self.arena.peak.get(at), self.arena.part.get(at));
+            let radius = self.arena.radius.get_mut(at);
+            let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
+            let mut own = [0.0; LANES];
+            for lane in 0..LANES {
+                let count = height[lane] + term[lane] - 1.0;
+                let relative = count * unit;
+                // Each result may be flushed, and each term as an argument before that; where factors are distributed
+                // over sums, also a part of a term, and its other factors come after.
+                let after = if part[lane] < MIN_NORMAL { size[lane].max(peak[lane]) } else { size[lane] };
+                let flushed = (count + term[lane]) * flush * (1.0 + after);
+                // γ_n = n·u/(1 − n·u); flushed terms keep their size.
+                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + flushed;
+                // The terms themselves may be too large, whatever their sum is.
+                if lost[lane] || peak[lane] + own[lane] > MAX_FINITE {
+                    own[lane] = f64::INFINITY;
+                }
+                radius[lane] += own[lane];
+            }
+            *self.arena.local.get_mut(at) = own;
+            self.arena.nodes[at].exact = false;
+        }
+    }
+
+    /// In which lanes a sum or product inside of this one leaves the range of binary32: it is too large,
+    /// or some factors of a product give one that a device may flush to zero. What a regrouped whole errs
+    /// by does not say that.
+    fn lost_inside(&self, kind: Kind) -> [bool; LANES] {
+        let parts = match kind {
+            Kind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
+            Kind::Product { a, b } => [a, b],
+            Kind::Select { mask, a, b } => return self.lost_of_chosen(&self.arena.masks[mask as usize], a, b),
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => return [false; LANES],
+        };
+        let mut lost = [false; LANES];
+        for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
+            let local = self.arena.local.get(part as usize);
+            for lane in 0..LANES {
+                lost[lane] |= local[lane] == f64::INFINITY;
+            }
+        }
+        if let Kind::Product { a, b } = kind {
+            let [a, b] = [a, b].map(|x| (self.arena.value.get(x as usize), self.arena.least.get(x as usize)));
+            for lane in 0..LANES {
+                let ((x, lx), (y, ly)) = ((a.0[lane].abs(), a.1[lane]), (b.0[lane].abs(), b.1[lane]));
+                // All factors together are the product itself, which may be flushed as any result.
+                let some = if lx < x || ly < y { lx * ly } else { f64::INFINITY };
+                lost[lane] |= x != 0.0 && y != 0.0 && lx.min(ly).min(some) < MIN_NORMAL;
+            }
+        }
+        lost
+    }
+
+    /// The same for what a mask chooses between.
+    fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> [bool; LANES] {
+        std::array::from_fn(|lane| {
+            let chosen = if mask.has(lane) { a } else { b } as usize;
+            self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[lane] == f64::INFINITY
+        })
+    }
+
+    /// The largest value on any way to a sum or product, where small factors may be taken out and come
+    /// last; and the smallest product of some factors of a product, infinite where it is 0.
+    fn extremes(&mut self, at: usize, kind: Kind) {
+        self.arena.peak.more();
+        self.arena.least.more();
+        let size = *self.arena.size.get(at);
+        let value = self.arena.value.get(at);
+        let (before, peak) = self.arena.peak.split(at);
+        let (earlier, least) = self.arena.least.split(at);
+        for lane in 0..LANES {
+            least[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
+        }
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => *peak = size,
+            Kind::Select { mask, a, b } => {
+                let mask = self.arena.masks[mask as usize];
+                (*peak, *least) = (*before[b as usize], *earlier[b as usize]);
+                mask.merge(&before[a as usize], peak);
+                mask.merge(&earlier[a as usize], least);
+            }
+            Kind::Sum { a, b, signs } => {
+                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                for lane in 0..LANES {
+                    peak[lane] = if signs.1 == 0.0 { pa[lane] } else { pa[lane] + pb[lane] };
+                }
+                if signs.1 == 0.0 {
+                    *least = *earlier[a as usize];
+                }
+            }
+            Kind::Product { a, b } => {
+                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                let (la, lb) = (&earlier[a as usize], &earlier[b as usize]);
+                for lane in 0..LANES {
+                    peak[lane] = pa[lane].max(pb[lane]).max(pa[lane] * pb[lane]);
+                    if value[lane] != 0.0 {
+                        least[lane] = la[lane].min(lb[lane]).min(la[lane] * lb[lane]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The smallest product of some factors of some term, infinite where there is none but 0: distributed over a sum, a
+    /// factor meets each of its terms.
+    fn smallest_part(&mut self, at: usize, kind: Kind) {
+        self.arena.part.more();
+        let value = self.arena.value.get(at);
+        let (before, part) = self.arena.part.split(at);
+        match kind {
+            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+                for lane in 0..LANES {
+                    part[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
+                }
+            }
+            Kind::Select { mask, a, b } => {
+                *part = *before[b as usize];
+                self.arena.masks[mask as usize].merge(&before[a as usize], part);
+            }
+            Kind::Sum { a, b, signs } => {
+                let other = if signs.1 == 0.0 { a } else { b };
+                let (a, b) = (&before[a as usize], &before[other as usize]);
+                (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]));
+            }
+            Kind::Product { a, b } => {
+                let (a, b) = (&before[a as usize], &before[b as usize]);
+                (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]).min(a[lane] * b[lane]));
+            }
+        }
+    }
+}

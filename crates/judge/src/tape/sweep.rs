@@ -1,0 +1,267 @@
+//! The reverse sweep: how much each node's error is worth at an output.
+
+use super::arena::{Arena, Id, Kind, Lanes};
+use super::{Column, Tape};
+
+use program::interp::LANES;
+
+const NONE: u32 = u32::MAX;
+
+/// Derivatives of the output by a node: at the exact values, and how far they move from there.
+struct Adjoint(Lanes, Lanes);
+
+impl Default for Adjoint {
+    fn default() -> Self {
+        Self([0.0; LANES], [0.0; LANES])
+    }
+}
+
+/// Room for sweeps, used again and again.
+#[derive(Default)]
+pub(super) struct Scratch {
+    /// For each node, the number of its adjoint.
+    slots: Vec<u32>,
+    adjoints: Vec<Box<Adjoint>>,
+    free: Vec<u32>,
+    spare: Option<Box<Adjoint>>,
+    /// What one node adds to a bound or to an adjoint, where somebody looks at it.
+    part: Box<Adjoint>,
+}
+
+impl Scratch {
+    fn begin(&mut self, nodes: usize) {
+        self.slots.clear();
+        self.slots.resize(nodes, NONE);
+        self.free.clear();
+        self.free.extend(0..self.adjoints.len() as u32);
+    }
+
+    /// Gives back what very many nodes took.
+    pub(super) fn rest(&mut self) {
+        self.slots = Vec::new();
+        self.adjoints.truncate(1 << 10);
+        self.free = Vec::new();
+    }
+
+    fn take(&mut self, node: Id) -> Option<u32> {
+        let slot = std::mem::replace(&mut self.slots[node as usize], NONE);
+        (slot != NONE).then_some(slot)
+    }
+
+    /// The adjoint of a node. True when it is new: what it holds is left from before.
+    fn of(&mut self, node: Id) -> (&mut Adjoint, bool) {
+        let slot = &mut self.slots[node as usize];
+        let new = *slot == NONE;
+        if new {
+            *slot = self.free.pop().unwrap_or_else(|| {
+                self.adjoints.push(Box::default());
+                (self.adjoints.len() - 1) as u32
+            });
+        }
+        (&mut self.adjoints[*slot as usize], new)
+    }
+}
+
+/// What a sweep found.
+#[derive(Clone, Debug)]
+pub struct Bounds {
+    /// How far a conforming device may be from the exact value, for each lane. A sweep that was ended
+    /// early gives less. Infinite where nothing can be said.
+    pub bound: Box<[f64; LANES]>,
+}
+
+/// Nodes between two looks at whether the sweep may end.
+const STRIDE: u32 = 8;
+
+impl Tape<'_> {
+    /// Bounds for one output in all lanes. The sweep may end once `enough` says so of the bounds that
+    /// it has: they only grow.
+    pub fn bounds(&mut self, output: Column, enough: &mut dyn FnMut(&[f64; LANES]) -> bool) -> Bounds {
+        self.bounds_with(output, enough, &mut |_, _| {})
+    }
+
+    /// The same; `see` gets each node's part of the bound, node after node.
+    pub(super) fn bounds_with(
+        &mut self,
+        output: Column,
+        enough: &mut dyn FnMut(&[f64; LANES]) -> bool,
+        see: &mut dyn FnMut(Id, &Lanes),
+    ) -> Bounds {
+        let root = self.id(&output);
+        let rearranged = self.model.is_rearranged();
+        let Self { arena, sweep, .. } = self;
+        let mut bounds = Bounds { bound: Box::new([0.0; LANES]) };
+        sweep.begin(root as usize + 1);
+        *sweep.of(root).0 = Adjoint([1.0; LANES], [0.0; LANES]);
+        for id in (0..=root).rev() {
+            let Some(slot) = sweep.take(id) else { continue };
+            // The box goes out of its place for as long as others are written.
+            let adjoint = std::mem::replace(&mut sweep.adjoints[slot as usize], sweep.spare.take().unwrap_or_default());
+            let meta = arena.nodes[id as usize];
+            // Regrouped sums and products err as a whole, where something else takes their value.
+            let counts = !meta.exact && (!rearranged || id == root || !meta.kind.is_polynomial());
+            if counts {
+                let share = &mut sweep.part.0;
+                add(arena.local.get(id as usize), &adjoint, &mut bounds.bound, share);
+                see(id, share);
+            }
+            if rearranged && !meta.kind.is_polynomial() {
+                // Each polynomial argument errs as a whole, as far as this node hands it on.
+                regrouped(arena, sweep, id, &adjoint, &mut |a, worth, share| {
+                    add(arena.local.get(a as usize), worth, &mut bounds.bound, share);
+                    see(a, share);
+                });
+            }
+            propagate(arena, sweep, id, &adjoint);
+            sweep.spare = Some(std::mem::replace(&mut sweep.adjoints[slot as usize], adjoint));
+            sweep.free.push(slot);
+            if id % STRIDE == 0 && enough(&bounds.bound) {
+                break;
+            }
+        }
+        for (bound, given_up) in bounds.bound.iter_mut().zip(&self.given_up) {
+            if given_up.is_some() {
+                *bound = f64::INFINITY;
+            }
+        }
+        bounds
+    }
+}
+
+/// Adds a node's own error, times what it is worth. `share` becomes what was added.
+fn add(local: &Lanes, adjoint: &Adjoint, bound: &mut Lanes, share: &mut Lanes) {
+    let finite = number::wide(|| add_finite(local, adjoint, bound, share));
+    if !finite {
+        for (bound, share) in bound.iter_mut().zip(share) {
+            // Infinite or NaN.
+            if !(*share < f64::INFINITY) {
+                *bound = f64::INFINITY;
+            }
+        }
+    }
+}
+
+/// The loop of [`add`]. True when every share is finite.
+#[inline(always)]
+fn add_finite(local: &Lanes, Adjoint(m, r): &Adjoint, bound: &mut Lanes, share: &mut Lanes) -> bool {
+    let mut lost = 0_u64;
+    for lane in 0..LANES {
+        let worth = m[lane].abs() + r[lane];
+        // What does not reach the output is not looked at, whatever it is.
+        let part = worth * local[lane];
+        let part = if worth == 0.0 || local[lane] == 0.0 { 0.0 } else { part };
+        share[lane] = part;
+        bound[lane] += part;
+        lost |= u64::from(!(part < f64::INFINITY));
+    }
+    lost == 0
+}
+
+/// What an argument gets from a node: the node's adjoint times the partial.
+#[inline(always)]
+fn handed(m: f64, r: f64, slope: f64, bend: f64) -> (f64, f64) {
+    let reaches = m != 0.0 || r != 0.0;
+    let (more, moved) = (m * slope, m.abs() * bend + r * (slope.abs() + bend));
+    if reaches { (more, moved) } else { (0.0, 0.0) }
+}
+
+/// Adds to an adjoint what a node hands on, or writes it where the adjoint is new.
+#[inline(always)]
+fn pass((Adjoint(am, ar), new): (&mut Adjoint, bool), Adjoint(m, r): &Adjoint, slope: &Lanes, bend: &Lanes) {
+    number::wide(|| {
+        if new {
+            for lane in 0..LANES {
+                (am[lane], ar[lane]) = handed(m[lane], r[lane], slope[lane], bend[lane]);
+            }
+        } else {
+            for lane in 0..LANES {
+                let (more, moved) = handed(m[lane], r[lane], slope[lane], bend[lane]);
+                am[lane] += more;
+                ar[lane] += moved;
+            }
+        }
+    });
+}
+
+/// The arguments of a function with their partials.
+fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Lanes, &Lanes))> {
+    let both = match arena.nodes[id as usize].kind {
+        Kind::One { a, partial } => [Some((a, partial)), None],
+        Kind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
+        Kind::Leaf | Kind::Sum { .. } | Kind::Product { .. } | Kind::Select { .. } => [None, None],
+    };
+    both.into_iter().flatten().map(|(to, partial)| (to, arena.partial_at(partial)))
+}
+
+/// Hands each polynomial argument of a function to `used`, with what it gets and room for its share.
+fn regrouped(
+    arena: &Arena,
+    sweep: &mut Scratch,
+    id: Id,
+    adjoint: &Adjoint,
+    used: &mut dyn FnMut(Id, &Adjoint, &mut Lanes),
+) {
+    for (to, (slope, bend)) in partials(arena, id) {
+        if arena.nodes[to as usize].kind.is_polynomial() {
+            let mut share = [0.0; LANES];
+            pass((&mut sweep.part, true), adjoint, slope, bend);
+            used(to, &sweep.part, &mut share);
+        }
+    }
+}
+
+/// Hands an adjoint on to the arguments.
+fn propagate(arena: &Arena, sweep: &mut Scratch, id: Id, adjoint: &Adjoint) {
+    let Adjoint(m, r) = adjoint;
+    match arena.nodes[id as usize].kind {
+        Kind::Leaf => {}
+        Kind::Sum { a, b, signs } => {
+            for (to, sign) in [(a, signs.0), (b, signs.1)] {
+                if sign != 0.0 {
+                    let (Adjoint(am, ar), new) = sweep.of(to);
+                    number::wide(|| {
+                        if new {
+                            for lane in 0..LANES {
+                                am[lane] = sign * m[lane];
+                                ar[lane] = r[lane];
+                            }
+                        } else {
+                            for lane in 0..LANES {
+                                am[lane] += sign * m[lane];
+                                ar[lane] += r[lane];
+                            }
+                        }
+                    });
+                }
+            }
+        }
+        Kind::Product { a, b } => {
+            for (to, other) in [(a, b), (b, a)] {
+                let other = other as usize;
+                pass(sweep.of(to), adjoint, arena.value.get(other), arena.radius.get(other));
+            }
+        }
+        Kind::One { .. } | Kind::Two { .. } => {
+            for (to, (slope, bend)) in partials(arena, id) {
+                pass(sweep.of(to), adjoint, slope, bend);
+            }
+        }
+        Kind::Select { mask, a, b } => {
+            let mask = arena.masks[mask as usize];
+            for (to, wanted) in [(a, true), (b, false)] {
+                let (Adjoint(am, ar), new) = sweep.of(to);
+                if new {
+                    am.fill(0.0);
+                    ar.fill(0.0);
+                }
+                for lane in 0..LANES {
+                    // A lane that is not handed on must not hand on a NaN either.
+                    if mask.has(lane) == wanted {
+                        am[lane] += m[lane];
+                        ar[lane] += r[lane];
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Answers about single lanes, for reports: what a bound is made of, and why there is none.
+
+use super::arena::{Id, Kind};
+use super::functions::{image1, image2};
+use super::{Column, Model, Tape};
+use crate::profile::grid::MAX_FINITE;
+use crate::profile::{Allowed, Op};
+use program::interp::{Number, Site};
+
+/// Why a value or a bound is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Why {
+    /// The operation has no value for these arguments.
+    Domain,
+    /// The arguments are so uncertain that they reach a place where the operation has no value.
+    Singular,
+    /// The API promises nothing for the operation, or for these arguments.
+    NoPromise,
+    /// The value is, or may be, too large for binary32.
+    Overflow,
+}
+
+/// The operation that is to blame for a value or a bound that is not finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    /// Why.
+    pub why: Why,
+    /// The operation; `None` for what is not one, an input that is NaN for example.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// Its value, exactly.
+    pub value: f64,
+}
+
+/// The part of a bound that one operation has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    /// The operation; `None` for a literal.
+    pub op: Option<Op>,
+    /// Where it stands.
+    pub site: Option<Site>,
+    /// Its arguments, exactly.
+    pub args: Vec<f64>,
+    /// Its value, exactly.
+    pub value: f64,
+    /// Its part of the bound, in the unit of the output.
+    pub share: f64,
+}
+
+impl From<Share> for Cause {
+    /// The operation of a share as a cause; its value is a number.
+    fn from(Share { op, site, args, value, share: _ }: Share) -> Self {
+        Self { why: Why::Singular, op, site, args, value }
+    }
+}
+
+impl Tape<'_> {
+    /// A comparison as a cause.
+    pub fn decision(&self, site: Site) -> Cause {
+        Cause { why: Why::Singular, op: None, site: Some(site), args: Vec::new(), value: f64::NAN }
+    }
+
+    /// Why a value is no finite number in a lane, or why nothing bounds its error.
+    pub fn cause(&self, output: Column, lane: usize) -> Option<Cause> {
+        let loose = |id: &Id| !self.arena.radius.get(*id as usize)[lane].is_finite();
+        let lost = |id: &Id| !self.arena.value.get(*id as usize)[lane].is_finite();
+        let mut id = self.id(&output);
+        if !lost(&id) && !loose(&id) {
+            return None;
+        }
+        // Arguments have smaller numbers: this ends. A lost value is followed first.
+        loop {
+            let arguments = || self.arguments(id, lane);
+            let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| loose(a)));
+            match before {
+                Some(before) => id = before,
+                None => return Some(self.cause_at(id, lane)),
+            }
+        }
+    }
+
+    /// The largest parts of a bound in a lane, largest first.
+    pub fn shares(&mut self, output: Column, lane: usize, most: usize) -> Vec<Share> {
+        let mut parts: Vec<(Id, f64)> = Vec::new();
+        self.bounds_with(output, &mut |_| false, &mut |id, part| {
+            if part[lane] > 0.0 {
+                parts.push((id, part[lane]));
+            }
+        });
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        parts.truncate(most);
+        let share = |(id, share): (Id, f64)| Share {
+            op: self.arena.nodes[id as usize].op,
+            site: self.arena.nodes[id as usize].site,
+            args: self.argument_values(id, lane),
+            value: self.arena.value.get(id as usize)[lane],
+            share,
+        };
+        parts.into_iter().map(share).collect()
+    }
+
+    /// The operation at which a value goes wrong in a lane: the first on the way to it that has no finite
+    /// value, is too large for binary32, or has an error of more than `limit` of its size; of errors
+    /// nothing is asked where `limit` is infinite. With its relative condition number. `None` where the
+    /// value itself is fine.
+    pub fn culprit(&self, output: Column, lane: usize, limit: f64) -> Option<(Cause, f64)> {
+        let value = |id: Id| self.arena.value.get(id as usize)[lane];
+        let lost = |id: &Id| !value(*id).is_finite();
+        let large = |id: &Id| value(*id).abs() > MAX_FINITE;
+        // Written so that a radius that is no number counts.
+        let loose =
+            |id: &Id| limit.is_finite() && !(self.arena.radius.get(*id as usize)[lane] <= limit * value(*id).abs());
+        let mut id = self.id(&output);
+        if !lost(&id) && !large(&id) && !loose(&id) {
+            return None;
+        }
+        // Arguments have smaller numbers: this ends.
+        loop {
+            let arguments = || self.arguments(id, lane);
+            let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| large(a)));
+            let before = before.or_else(|| arguments().find(|a| loose(a)));
+            match before {
+                Some(before) => id = before,
+                None => return Some((self.cause_at(id, lane), self.condition(Column(id), lane))),
+            }
+        }
+    }
+
+    /// The operation behind a column in a lane, selections left out.
+    fn operation(&self, column: Column, lane: usize) -> Id {
+        let mut id = self.id(&column);
+        while let Kind::Select { .. } = self.arena.nodes[id as usize].kind {
+            let Some(before) = self.arguments(id, lane).next() else { break };
+            id = before;
+        }
+        id
+    }
+
+    /// Where the operation stands that gives a column its value in a lane; `None` for an input.
+    pub fn site_of(&self, column: Column, lane: usize) -> Option<Site> {
+        self.arena.nodes[self.operation(column, lane) as usize].site
+    }
+
+    /// The exact arguments of the operation that gives a column its value in a lane.
+    pub fn arguments_of(&self, column: Column, lane: usize) -> Vec<f64> {
+        self.argument_values(self.operation(column, lane), lane)
+    }
+
+    /// The relative condition number of that operation: Σ |∂y/∂a · a| / |y| over its arguments; NaN for
+    /// what is no operation.
+    pub fn condition(&self, column: Column, lane: usize) -> f64 {
+        let id = self.operation(column, lane);
+        let value = |id: Id| self.arena.value.get(id as usize)[lane];
+        let slope = |partial: u32| self.arena.partial_at(partial).0[lane];
+        let moved = match self.arena.nodes[id as usize].kind {
+            Kind::Leaf | Kind::Select { .. } => f64::NAN,
+            Kind::Sum { a, b, signs } => (signs.0 * value(a)).abs() + (signs.1 * value(b)).abs(),
+            Kind::Product { .. } => 2.0 * value(id).abs(),
+            Kind::One { a, partial } => (slope(partial) * value(a)).abs(),
+            Kind::Two { a, b, partials: [p, q] } => (slope(p) * value(a)).abs() + (slope(q) * value(b)).abs(),
+        };
+        moved / value(id).abs()
+    }
+
+    fn arguments(&self, id: Id, lane: usize) -> impl Iterator<Item = Id> + use<> {
+        let both = match self.arena.nodes[id as usize].kind {
+            Kind::Leaf => [None, None],
+            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => [Some(a), None],
+            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => [Some(a), Some(b)],
+            Kind::Select { mask, a, b } => [Some(if self.arena.masks[mask as usize].has(lane) { a } else { b }), None],
+        };
+        both.into_iter().flatten()
+    }
+
+    fn argument_values(&self, id: Id, lane: usize) -> Vec<f64> {
+        self.arguments(id, lane).map(|a| self.arena.value.get(a as usize)[lane]).collect()
+    }
+
+    /// True when an operation has a value wherever its arguments may be, and nothing is promised for
+    /// some of these.
+    fn reaches_out(&self, id: Id, lane: usize) -> bool {
+        let meta = self.arena.nodes[id as usize];
+        let at = |a: Id| (self.arena.value.get(a as usize)[lane], self.arena.radius.get(a as usize)[lane]);
+        let moves = match (meta.kind, meta.op) {
+            (Kind::One { a, .. }, Some(op)) => {
+                let (x, e) = at(a);
+                image1(op, x, e, self.arena.nodes[a as usize].not_negative).moves
+            }
+            (Kind::Two { a, b, .. }, Some(op)) => image2(op, at(a), at(b)).moves,
+            _ => return false,
+        };
+        moves.is_finite()
+    }
+
+    fn cause_at(&self, id: Id, lane: usize) -> Cause {
+        let at = id as usize;
+        let meta = self.arena.nodes[at];
+        let (value, args) = (self.arena.value.get(at)[lane], self.argument_values(id, lane));
+        let reach = value.abs() + self.arena.radius.get(at)[lane];
+        let promise = match (self.model, meta.op) {
+            (Model::Device { profile, stage, .. }, Some(op)) => Some(profile.allowed(op, &args, value, stage)),
+            _ => None,
+        };
+        let why = if value.is_nan() && !value.is_poison() {
+            Why::Domain
+        } else if matches!(promise, Some(Allowed::NoPromise | Allowed::OutsideDomain)) || self.reaches_out(id, lane) {
+            Why::NoPromise
+        } else if value.abs() > MAX_FINITE || (value.is_finite() && reach.is_finite() && reach > MAX_FINITE) {
+            Why::Overflow
+        } else {
+            Why::Singular
+        };
+        Cause { why, op: meta.op, site: meta.site, args, value }
+    }
+}

@@ -1,0 +1,183 @@
+//! Deviations of a lane: what its device computes on the way, operation by operation.
+
+use super::shader::written;
+use super::{Diagnosis, Divergence, Origin, Place};
+use crate::profile::{Op, Profile};
+use crate::replay::{ReplayError, replay};
+use crate::tape::{Model, Tape};
+use crate::verdict::judge::{Deviation, agrees};
+use crate::verdict::oracle::Court;
+use base::value::{Batch, Scalar};
+use program::interp::{self, FUEL, Machine, Number, OutputColumn};
+use program::lane::{Actual, Lane, LaneError, Stage};
+use program::probe::{Step, Trace};
+use program::{Kernel, Probed, Program, ProgramError};
+
+/// Words of a trace: some hundred operations.
+const WORDS: u32 = 1 << 11;
+
+/// A lane and the sample on which it deviates.
+pub struct Suspected<'a> {
+    /// The lane.
+    pub lane: &'a dyn Lane,
+    /// The stage in which it ran.
+    pub stage: Stage,
+    /// Makes a kernel of this stage.
+    pub kernel: &'a dyn Fn(&Program) -> Result<Kernel, ProgramError>,
+    /// The sample, alone.
+    pub batch: &'a Batch,
+    /// How it deviates.
+    pub deviation: &'a Deviation,
+}
+
+/// What explains that a lane deviates from the shader. What cannot be looked at (a program that cannot
+/// be probed, a lane that refuses it) stays open.
+///
+/// # Errors
+/// [`LaneError`] when the lane fails.
+pub fn lane(court: &Court<'_>, program: &Program, suspected: &Suspected<'_>) -> Result<Diagnosis, LaneError> {
+    let profile = court.rulings.conformance.unwrap_or(court.rulings.text);
+    let written = written(court, program, suspected.batch, suspected.deviation);
+    let mut diagnosis = Diagnosis { written, ..Diagnosis::default() };
+    let mut built_in = None;
+    if let Ok(probed) = program.probed(WORDS)
+        && let Ok(kernel) = (suspected.kernel)(&probed.program)
+        && let Some(actual) = run(suspected.lane, &kernel, suspected.batch)?
+        && let Ok(trace) = probed.trace::<u32>(actual.vertex(0, 0))
+    {
+        diagnosis.divergence = divergence(&probed, &trace, profile, suspected);
+        built_in = culprit(&probed, &trace, profile, suspected)?;
+    }
+    diagnosis.origin = Some(match built_in {
+        Some(origin) => origin,
+        None if regrouped(court, program, profile, suspected) => Origin::Rearrangement,
+        None => Origin::Miscompilation,
+    });
+    Ok(diagnosis)
+}
+
+fn run(lane: &dyn Lane, kernel: &Kernel, batch: &Batch) -> Result<Option<Actual>, LaneError> {
+    let mut runner = match lane.prepare(kernel, 1) {
+        Ok(runner) => runner,
+        Err(LaneError::Unsupported(_)) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    runner.run(batch).map(Some)
+}
+
+/// The first operation that is outside of its promise when it runs alone.
+fn culprit(
+    probed: &Probed,
+    trace: &Trace<u32>,
+    profile: &Profile,
+    suspected: &Suspected<'_>,
+) -> Result<Option<Origin>, LaneError> {
+    let applied = probed.applied(trace);
+    let known: Vec<_> = applied.iter().filter_map(|a| Some((Op::by_name(a.name)?, a))).collect();
+    let items: Vec<(Op, Vec<u32>)> = known.iter().map(|(op, a)| (*op, a.operands.clone())).collect();
+    let replayed = match replay(suspected.lane, suspected.stage, profile, &items) {
+        Ok(replayed) => replayed,
+        Err(ReplayError::Lane(LaneError::Unsupported(_)) | ReplayError::Program(_)) => return Ok(None),
+        Err(ReplayError::Lane(error)) => return Err(error),
+    };
+    let outside = replayed.into_iter().zip(known).find(|(replayed, _)| replayed.is_outside());
+    Ok(outside.and_then(|(replayed, (op, applied))| {
+        let judged = replayed.outcome.ok()?;
+        Some(Origin::BuiltIn {
+            op,
+            operands: replayed.operands,
+            result: judged.result,
+            exact: judged.exact,
+            factor: judged.factor().unwrap_or(f64::INFINITY),
+            profile: profile.name.clone(),
+            place: Some(place(probed, trace.steps[applied.step].point)),
+        })
+    }))
+}
+
+fn place(probed: &Probed, point: usize) -> Place {
+    let file = &probed.program.lowered.file;
+    let nowhere = || Place { at: file.name().to_owned(), text: String::new(), line: String::new(), expansion: None };
+    probed.points[point].span.map_or_else(nowhere, |span| Place::of(file, span))
+}
+
+/// The first step of the device's trace that is farther from the meaning than a device may be.
+fn divergence(
+    probed: &Probed,
+    device: &Trace<u32>,
+    profile: &Profile,
+    suspected: &Suspected<'_>,
+) -> Option<Divergence> {
+    let executable = interp::compile(&probed.program).ok()?;
+    let model = Model::Device { profile, stage: suspected.stage, rearranged: false };
+    let mut machine = Machine::new(&executable, Tape::new(model), FUEL);
+    machine.run_some(suspected.batch, &[0]);
+    let scalars: Vec<Scalar> = executable.outputs().collect();
+    let words: Vec<f64> = (0..scalars.len())
+        .map(|word| match machine.output(0, word) {
+            OutputColumn::Real(&column) => machine.domain().values(column)[0],
+            OutputColumn::Word(words) => <f64 as Number>::exact(words[0], scalars[word]),
+        })
+        .collect();
+    let meaning = probed.trace::<f64>(&words).ok()?;
+    // The trace stands before its length, which is the last word.
+    let mut at = words.len() - 1 - probed.words as usize;
+    let mut parted = None;
+    let first = device.first_difference(&meaning, |step, meant| {
+        let found = beyond(&mut machine, at + 1, step, meant);
+        at += 1 + meant.values.len() + meant.leaves.len();
+        parted = found;
+        parted.is_none()
+    })?;
+    let step = device.steps.get(first).or(device.steps.last())?;
+    let place = place(probed, step.point);
+    let Some((component, bound, column)) = parted else {
+        let (meaning, bound, condition) = (f64::NAN, 0.0, f64::NAN);
+        return Some(Divergence { place, args: Vec::new(), meaning, bound, actual: 0, condition, path: true });
+    };
+    let tape = machine.domain();
+    Some(Divergence {
+        place,
+        args: tape.arguments_of(column, 0),
+        meaning: tape.values(column)[0],
+        bound,
+        actual: step.values[component],
+        condition: tape.condition(column, 0),
+        path: false,
+    })
+}
+
+/// The first component of a step that is farther from its meaning than it may be, with the bound and
+/// the column of its meaning.
+fn beyond(
+    machine: &mut Machine<'_, Tape<'_>>,
+    first: usize,
+    step: &Step<u32>,
+    meant: &Step<f64>,
+) -> Option<(usize, f64, crate::tape::Column)> {
+    (0..step.values.len().min(meant.values.len())).find_map(|k| {
+        let OutputColumn::Real(&column) = machine.output(0, first + k) else { return None };
+        let tape = machine.domain();
+        let actual = f64::from(f32::from_bits(step.values[k]));
+        let bounds = tape.bounds(column, &mut |bound| agrees(actual, meant.values[k], bound[0]));
+        let bound = bounds.bound[0];
+        // Where nothing is promised, nothing parts.
+        let free = !bound.is_finite() || !meant.values[k].is_finite() || tape.fork(0).is_some();
+        (!free && !agrees(actual, meant.values[k], bound)).then_some((k, bound, column))
+    })
+}
+
+/// True when another order of sums and products explains the output, and the profile allows none.
+fn regrouped(court: &Court<'_>, program: &Program, profile: &Profile, suspected: &Suspected<'_>) -> bool {
+    let Some(value) = suspected.deviation.value().filter(|_| !profile.rearrangement) else { return false };
+    let model = Model::Device { profile, stage: suspected.stage, rearranged: true };
+    let mut machine = court.oracle.tape(model);
+    machine.run_some(suspected.batch, &[0]);
+    let layout = program.output_layout();
+    let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component);
+    let Some(word) = word else { return false };
+    let OutputColumn::Real(&column) = machine.output(value.vertex.unwrap_or(0), word) else { return false };
+    let actual = f64::from(f32::from_bits(value.actual));
+    let bounds = machine.domain().bounds(column, &mut |_| false);
+    agrees(actual, value.meaning, bounds.bound[0])
+}

@@ -1,0 +1,162 @@
+//! What a shader means, without any lane: against its formula, and against another shader.
+
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::batch::{Failure, shader_suspects};
+use super::judge::Verdict;
+use super::oracle::Court;
+use super::suspects::Suspects;
+use base::value::Batch;
+use program::OutputLayout;
+use program::interp::{Kind, LANES, OutputColumn};
+
+/// How far one shader's meaning is from another's.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Movement {
+    /// Invocations with an output that means another number.
+    pub samples: u64,
+    /// Largest distance between outputs, in units of what a lane is allowed there; infinite for
+    /// another number of vertices, and where only one of the two has a value.
+    #[serde(with = "base::value::exact")]
+    pub bounds: f64,
+    /// The component that moved by that much, such as `gl_Position.x`; none when no component moved
+    /// that has a bound.
+    pub component: Option<String>,
+}
+
+impl Movement {
+    /// Adds what was seen on other invocations.
+    pub fn merge(&mut self, later: Self) {
+        self.samples += later.samples;
+        if later.component.is_some() && (self.component.is_none() || later.bounds > self.bounds) {
+            self.bounds = later.bounds;
+            self.component = later.component;
+        }
+    }
+}
+
+/// The first invocation in which the shader deviates from the formula. No lane has a say in it.
+pub fn shader_deviation(court: &Court<'_>, layout: &OutputLayout, batch: &Batch) -> Option<Failure> {
+    let count = batch.invocation_count();
+    let found = AtomicUsize::new(usize::MAX);
+    (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || (court.oracle.ideal_or_meaning(), Suspects::new(court)),
+            |(machine, suspects), chunk| {
+                let first = chunk * LANES;
+                if first > found.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let open = shader_suspects(court, machine, batch, first);
+                for (invocation, verdict) in open.iter().zip(suspects.shader(batch, layout, None, &open)) {
+                    if let Some(Verdict::Deviate(deviation)) = verdict {
+                        found.fetch_min(*invocation, Ordering::Relaxed);
+                        return Some(Failure { invocation: *invocation, deviation });
+                    }
+                }
+                None
+            },
+        )
+        .filter_map(|failure| failure)
+        .min_by_key(|failure| failure.invocation)
+}
+
+/// How far the meaning of `after` is from that of `before`, which is the scale.
+pub fn movement(before: &Court<'_>, after: &Court<'_>, layout: &OutputLayout, batch: &Batch) -> Movement {
+    let count = batch.invocation_count();
+    let chunks: Vec<Movement> = (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || {
+                (
+                    before.oracle.ideal_or_meaning(),
+                    after.oracle.ideal_or_meaning(),
+                    before.oracle.tape(before.lenient()),
+                )
+            },
+            |(old, new, tape), chunk| {
+                let first = chunk * LANES;
+                let lanes = old.run(batch, first);
+                new.run(batch, first);
+                let mut movement = Movement::default();
+                let mut moved = [false; LANES];
+                for lane in 0..lanes {
+                    let shape = old.emitted()[lane] != new.emitted()[lane]
+                        || (0..old.room()).any(|v| old.is_emitting() && old.strip(v)[lane] != new.strip(v)[lane]);
+                    if shape || old.flags()[lane].has(Kind::Fuel) != new.flags()[lane].has(Kind::Fuel) {
+                        moved[lane] = true;
+                        movement.bounds = f64::INFINITY;
+                        movement.component = Some("the number of vertices".to_owned());
+                    }
+                }
+                let mut ran = false;
+                for vertex in 0..old.room() {
+                    for word in 0..layout.vertex.words() {
+                        let (a, b) = match (old.output(vertex, word), new.output(vertex, word)) {
+                            (OutputColumn::Real(a), OutputColumn::Real(b)) => (a.values(), b.values()),
+                            (OutputColumn::Word(a), OutputColumn::Word(b)) => {
+                                (0..lanes).filter(|&lane| a[lane] != b[lane]).for_each(|lane| moved[lane] = true);
+                                continue;
+                            }
+                            _ => continue,
+                        };
+                        let stored = |lane: usize| !old.is_emitting() || (vertex as u32) < old.emitted()[lane];
+                        let far: Vec<usize> =
+                            (0..lanes).filter(|&lane| stored(lane) && a[lane].to_bits() != b[lane].to_bits()).collect();
+                        if far.is_empty() {
+                            continue;
+                        }
+                        if !ran {
+                            tape.run(batch, first);
+                            ran = true;
+                        }
+                        let OutputColumn::Real(&column) = tape.output(vertex, word) else { continue };
+                        let bounds = tape.domain().bounds(column, &mut |_| false);
+                        for lane in far {
+                            moved[lane] = true;
+                            let part = (a[lane] - b[lane]).abs() / bounds.bound[lane];
+                            let part = if part.is_nan() && a[lane].is_nan() != b[lane].is_nan() {
+                                f64::INFINITY
+                            } else {
+                                part
+                            };
+                            if part > movement.bounds || movement.component.is_none() && part >= 0.0 {
+                                movement.bounds = part;
+                                movement.component = Some(layout.vertex.word_name(word));
+                            }
+                        }
+                    }
+                }
+                movement.samples = moved[..lanes].iter().filter(|moved| **moved).count() as u64;
+                movement
+            },
+        )
+        .collect();
+    let mut all = Movement::default();
+    chunks.into_iter().for_each(|chunk| all.merge(chunk));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Movement;
+
+    #[test]
+    fn the_larger_movement_wins_and_samples_add_up() {
+        let moved = |samples, bounds, component: Option<&str>| Movement {
+            samples,
+            bounds,
+            component: component.map(str::to_owned),
+        };
+        let mut all = moved(1, 0.5, Some("a"));
+        all.merge(moved(2, 0.0, None));
+        all.merge(moved(3, 0.25, Some("b")));
+        assert_eq!(all, moved(6, 0.5, Some("a")));
+        all.merge(moved(1, f64::INFINITY, Some("c")));
+        assert_eq!(all, moved(7, f64::INFINITY, Some("c")));
+    }
+}

@@ -1,0 +1,126 @@
+//! What relations get to see: a lane's values with how far each may be off.
+
+use rayon::prelude::*;
+
+use super::judge::real;
+use super::oracle::Court;
+use crate::profile::Rulings;
+use crate::tape::{Model, Tape};
+use base::value::Batch;
+use program::interp::{LANES, Machine, Number, OutputColumn};
+use program::lane::{Actual, Api, Stage};
+use property::Observed;
+
+/// The outputs of every invocation of a batch as numbers, each with how far it may be from what the
+/// author wrote: what the most lenient promise allows, and the rounding of literals; infinite where
+/// nothing is promised. The words are those of the formula's outputs, in
+/// their order, and then all others; nothing else of the formula is used.
+pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
+    let slack = slack(court, batch);
+    (0..batch.invocation_count()).map(|i| observed(court, actual, i, &slack[i])).collect()
+}
+
+/// How far each word may be off, for every invocation: by vertex, then by word of the record.
+pub(super) type Slack = Vec<Vec<f64>>;
+
+/// The slack of the outputs of a batch; it depends on the program and its inputs alone.
+fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
+    let count = batch.invocation_count();
+    let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || court.oracle.authored_tape(court.lenient()),
+            |machine, chunk| slack_of(machine, batch, chunk * LANES),
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+/// The slack of the invocations from `first` on, as many as the machine takes. It is infinite where
+/// nothing is promised, where the shader has no value, and where a decision could go either way.
+pub(super) fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first: usize) -> Slack {
+    let lanes = machine.run(batch, first);
+    let width = machine.width();
+    let mut slack = vec![vec![0.0; machine.room() * width]; lanes];
+    for vertex in 0..machine.room() {
+        for word in 0..width {
+            let at = vertex * width + word;
+            let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
+            let tape = machine.domain();
+            let bounds = tape.bounds(column, &mut |_| false);
+            for (lane, slack) in slack.iter_mut().enumerate() {
+                let open = tape.fork(lane).is_some() || !tape.values(column)[lane].is_finite();
+                slack[at] = if open { f64::INFINITY } else { bounds.bound[lane] };
+            }
+        }
+    }
+    slack
+}
+
+/// What the shader means for every invocation of a batch, with its literals as they were written: a
+/// relation such as "a whole turn leads back" is about 2π and not about the binary32 beside it. The
+/// slack is what a device that rounds every operation correctly would be off: related inputs are
+/// binary32 numbers, and related to each other no better than that. No lane and no promise has a say
+/// in it.
+pub fn meaning(court: &Court<'_>, batch: &Batch) -> Vec<Observed> {
+    let count = batch.invocation_count();
+    let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(LANES))
+        .into_par_iter()
+        .map_init(
+            || court.oracle.ideal_device_tape(strict()),
+            |machine, chunk| {
+                let slack = slack_of(machine, batch, chunk * LANES);
+                let see = |(lane, slack): (usize, &Vec<f64>)| meant(court, machine, lane, slack);
+                slack.iter().enumerate().map(see).collect()
+            },
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+/// A device without an error of its own.
+fn strict() -> Model<'static> {
+    let profile = Rulings::of_api(Api::Binary32).text;
+    Model::Device { profile, stage: Stage::Compute, rearranged: false }
+}
+
+fn meant(court: &Court<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, slack: &[f64]) -> Observed {
+    let stored = if machine.is_emitting() { machine.emitted()[lane] as usize } else { 1 };
+    let vertices = stored.min(machine.room());
+    let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
+    for vertex in 0..vertices {
+        for output in &court.reference.seen {
+            for word in output.actual.clone() {
+                let value = match machine.output(vertex, word) {
+                    OutputColumn::Real(&column) => machine.domain().values(column)[lane],
+                    OutputColumn::Word(words) => <f64 as Number>::exact(words[lane], output.scalar),
+                };
+                observed.words.push(value);
+                observed.slack.push(slack[vertex * machine.width() + word]);
+            }
+        }
+    }
+    observed
+}
+
+/// One invocation, with the slack of its words.
+fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
+    let vertices = actual.stored(invocation);
+    let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
+    let width = court.oracle.executable.outputs().len();
+    for vertex in 0..vertices {
+        let words = actual.vertex(invocation, vertex);
+        for output in &court.reference.seen {
+            for word in output.actual.clone() {
+                if actual.is_absent(invocation) {
+                    observed.words.push(f64::NAN);
+                    observed.slack.push(f64::INFINITY);
+                    continue;
+                }
+                observed.words.push(real(words[word], output.scalar));
+                observed.slack.push(slack.get(vertex * width + word).copied().unwrap_or(f64::INFINITY));
+            }
+        }
+    }
+    observed
+}

@@ -1,0 +1,194 @@
+//! What is expected of the samples of a batch, by one thread.
+
+use super::model::Model;
+use super::{Expected, Reference, Source, given};
+use crate::tape::Tape;
+use crate::verdict::suspects::{TWO_WAYS, USELESS_64};
+use base::value::Batch;
+use program::interp::{Binary64, Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
+
+/// Gives what is expected, for up to [`LANES`] invocations at a time.
+pub(in crate::verdict) struct Evaluator<'a> {
+    reference: &'a Reference,
+    /// Inputs of a formula, and the case whose uniforms they hold.
+    inputs: Vec<f64>,
+    case: usize,
+    model: Option<Running<'a>>,
+    /// Whether what binary64 does to the reference counts as its slack.
+    bounded: bool,
+}
+
+/// A model and what it gave last: values by vertex, word and lane.
+struct Running<'a> {
+    model: &'a Model,
+    machine: Interpreter<'a>,
+    values: Vec<f64>,
+    slack: Vec<f64>,
+    emitted: Vec<u32>,
+    strips: Vec<u32>,
+    /// Lanes in which a loop does not end: there is nothing to compare with.
+    endless: [bool; LANES],
+}
+
+enum Interpreter<'a> {
+    Plain(Box<Machine<'a, Binary64>>),
+    Bounded(Box<Machine<'a, Tape<'a>>>),
+}
+
+impl<'a> Evaluator<'a> {
+    /// For a first look.
+    pub fn new(reference: &'a Reference) -> Self {
+        Self::with(reference, false)
+    }
+
+    /// With how far the expectation itself may be off.
+    pub fn bounded(reference: &'a Reference) -> Self {
+        Self::with(reference, true)
+    }
+
+    fn with(reference: &'a Reference, bounded: bool) -> Self {
+        let inputs = match &reference.source {
+            Source::Formula(bound) => bound.scratch(),
+            Source::Model(_) | Source::Given(_) | Source::Recorded(_) | Source::Nothing => Vec::new(),
+        };
+        Self { reference, inputs, case: usize::MAX, model: None, bounded }
+    }
+
+    /// Turns to these invocations of a batch, at most [`LANES`] of them.
+    pub fn turn_to(&mut self, batch: &Batch, invocations: &[usize]) {
+        self.case = usize::MAX;
+        if let Source::Model(model) = &self.reference.source {
+            let bounded = self.bounded;
+            self.model.get_or_insert_with(|| Running::new(model, bounded)).run(batch, invocations);
+        }
+    }
+
+    /// What is expected of the invocation in place `lane` of those that were turned to.
+    pub fn expected(&mut self, batch: &Batch, invocation: usize, lane: usize, expected: &mut Expected) {
+        match &self.reference.source {
+            Source::Formula(bound) => {
+                let case = invocation / batch.per_case;
+                if case != self.case {
+                    bound.read_case(batch, case, &mut self.inputs);
+                    self.case = case;
+                }
+                bound.eval(batch, invocation, &mut self.inputs, self.reference.vertex_words, expected);
+            }
+            Source::Model(_) => {
+                if let Some(running) = &self.model {
+                    running.expected(lane, expected);
+                }
+            }
+            Source::Given(rules) => given::eval(rules, &self.reference.outputs, (batch, invocation), expected),
+            Source::Recorded(recorded) => recorded.eval(batch, invocation, expected),
+            Source::Nothing => expected.clear(),
+        }
+    }
+}
+
+impl<'a> Running<'a> {
+    fn new(model: &'a Model, bounded: bool) -> Self {
+        let machine = if bounded {
+            Interpreter::Bounded(Box::new(model.oracle.ideal_tape()))
+        } else {
+            Interpreter::Plain(Box::new(model.oracle.ideal_or_meaning()))
+        };
+        let (values, slack, emitted, strips) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { model, machine, values, slack, emitted, strips, endless: [false; LANES] }
+    }
+
+    fn run(&mut self, batch: &Batch, invocations: &[usize]) {
+        let Self { model, machine, values, slack, emitted, strips, endless } = self;
+        let own = model.batch(batch, invocations);
+        for list in [&mut *values, &mut *slack] {
+            list.clear();
+        }
+        match machine {
+            Interpreter::Plain(machine) => {
+                machine.run(&own, 0);
+                each_word(machine, model, |machine, (vertex, word)| {
+                    values.extend_from_slice(&match machine.output(vertex, word) {
+                        OutputColumn::Real(column) => *column.values(),
+                        OutputColumn::Word(words) => exact(words, model, word),
+                    });
+                });
+                *endless = shape(machine, emitted, strips);
+            }
+            Interpreter::Bounded(machine) => {
+                machine.run(&own, 0);
+                each_word(machine, model, |machine, (vertex, word)| match machine.output(vertex, word) {
+                    OutputColumn::Real(&column) => {
+                        let tape = machine.domain();
+                        values.extend_from_slice(tape.values(column));
+                        let bounds = tape.bounds(column, &mut |_| false);
+                        // Where a comparison could go either way, or binary64 is too coarse, it may be any.
+                        let values = *tape.values(column);
+                        slack.extend((0..LANES).map(|lane| {
+                            let bound = TWO_WAYS * bounds.bound[lane];
+                            let known = tape.fork(lane).is_none() && bound <= USELESS_64 * values[lane].abs().max(1.0);
+                            if known { bound } else { f64::INFINITY }
+                        }));
+                    }
+                    OutputColumn::Word(words) => {
+                        values.extend_from_slice(&exact(words, model, word));
+                        let tape = machine.domain();
+                        slack.extend((0..LANES).map(|lane| tape.fork(lane).map_or(0.0, |_| f64::INFINITY)));
+                    }
+                });
+                *endless = shape(machine, emitted, strips);
+            }
+        }
+    }
+
+    fn expected(&self, lane: usize, expected: &mut Expected) {
+        expected.clear();
+        let words: usize = self.model.outputs.iter().map(ExactSizeIterator::len).sum();
+        let stored = if self.model.emits() { self.emitted[lane] as usize } else { 1 };
+        let room = self.strips.len() / LANES;
+        for vertex in 0..stored {
+            // Vertices past the limit are counted and have no values.
+            let at = (vertex < room && !self.endless[lane]).then_some(vertex * words);
+            let pick = |list: &[f64], k: usize| at.and_then(|at| list.get((at + k) * LANES + lane).copied());
+            expected.words.extend((0..words).map(|k| pick(&self.values, k).unwrap_or(f64::NAN)));
+            if !self.slack.is_empty() {
+                expected.slack.extend((0..words).map(|k| pick(&self.slack, k).unwrap_or(0.0)));
+            }
+            if self.model.emits() {
+                expected.strips.push(self.strips.get(vertex * LANES + lane).copied().unwrap_or_default());
+            }
+        }
+    }
+}
+
+/// Calls `each` for every vertex and word that is judged, in order.
+fn each_word<D: Domain>(
+    machine: &mut Machine<'_, D>,
+    model: &Model,
+    mut each: impl FnMut(&mut Machine<'_, D>, (usize, usize)),
+) {
+    for vertex in 0..machine.room() {
+        for word in model.outputs.iter().cloned().flatten() {
+            each(machine, (vertex, word));
+        }
+    }
+}
+
+/// How many vertices each lane emitted, and their strips; whether its loops do not end.
+fn shape<D: Domain>(machine: &Machine<'_, D>, emitted: &mut Vec<u32>, strips: &mut Vec<u32>) -> [bool; LANES] {
+    emitted.clear();
+    emitted.extend_from_slice(machine.emitted());
+    strips.clear();
+    for vertex in 0..machine.room() {
+        match machine.is_emitting() {
+            true => strips.extend_from_slice(machine.strip(vertex)),
+            false => strips.extend_from_slice(&[0; LANES]),
+        }
+    }
+    std::array::from_fn(|lane| machine.flags()[lane].has(Kind::Fuel))
+}
+
+/// Whole numbers; NaN where none was written.
+fn exact(words: &[u32; LANES], model: &Model, word: usize) -> [f64; LANES] {
+    let scalar = model.scalar_of(word);
+    words.map(|word| if word == POISON { f64::NAN } else { <f64 as Number>::exact(word, scalar) })
+}

@@ -1,0 +1,144 @@
+//! Another program whose meaning is what is expected: a reference implementation, or the shader as it was.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::ReferenceError;
+use super::formula::list;
+use crate::verdict::oracle::Oracle;
+use base::value::{Batch, Field, Record, Scalar, Shape};
+use program::{Entry, Program};
+
+/// A program, with the way of inputs to it and of outputs from it.
+pub(super) struct Model {
+    pub oracle: Oracle,
+    records: [Arc<Record>; 2],
+    /// For the words of an invocation and of a case: where they come from.
+    routes: [Vec<Route>; 2],
+    /// For each judged output, its words among the model's own.
+    pub outputs: Vec<Range<usize>>,
+    vertex: Arc<Record>,
+    emits: bool,
+}
+
+struct Route {
+    to: Range<usize>,
+    from_case: bool,
+    from: Range<usize>,
+}
+
+impl Model {
+    pub fn emits(&self) -> bool {
+        self.emits
+    }
+
+    /// Type of one of its own output words.
+    pub fn scalar_of(&self, word: usize) -> Scalar {
+        self.vertex.scalar_of(word)
+    }
+
+    /// Invocations of a batch as a batch of the model, each with a case of its own.
+    pub fn batch(&self, batch: &Batch, invocations: &[usize]) -> Batch {
+        let [invocation, case] = &self.records;
+        let mut own = Batch::with_capacity(invocation.clone(), case.clone(), 1, invocations.len());
+        own.invocations.resize(invocation.words() * invocations.len(), 0);
+        own.cases.resize(case.words() * invocations.len(), 0);
+        for (k, &from) in invocations.iter().enumerate() {
+            let sides = [batch.invocation(from), batch.case_of(from)];
+            for (record, routes, words) in
+                [(invocation, &self.routes[0], &mut own.invocations), (case, &self.routes[1], &mut own.cases)]
+            {
+                let at = k * record.words();
+                for route in routes {
+                    let to = at + route.to.start..at + route.to.end;
+                    words[to].copy_from_slice(&sides[usize::from(route.from_case)][route.from.clone()]);
+                }
+            }
+        }
+        own
+    }
+}
+
+/// Binds a model to a program; with the indices of the outputs that it gives.
+pub(super) fn bind(
+    model: &Program,
+    by: &str,
+    output: Option<&str>,
+    program: &Program,
+) -> Result<(Model, Vec<usize>), ReferenceError> {
+    let by = || by.to_owned();
+    let (given, own) = (program.output_layout(), model.output_layout());
+    if given.max_vertices.is_some() != own.max_vertices.is_some() {
+        let gives = if own.max_vertices.is_some() { "emits vertices" } else { "gives one set of outputs" };
+        let stage = if own.max_vertices.is_some() { "vertex stage or function" } else { "geometry stage" };
+        return Err(ReferenceError::Stage { by: by(), gives, stage });
+    }
+    let sources = [program.invocation_record(), program.case_record()];
+    let records = [Arc::new(model.invocation_record()), Arc::new(model.case_record())];
+    let by_place = both_functions(model, program) && same_shapes(&records[0], &sources[0]);
+    let mut routes = [Vec::new(), Vec::new()];
+    for (side, (record, routes)) in records.iter().zip(&mut routes).enumerate() {
+        for (k, field) in record.fields().iter().enumerate() {
+            let named = sources.iter().enumerate().find_map(|(case, source)| {
+                let index = source.index_of(&field.name).filter(|&i| source.fields()[i].shape == field.shape)?;
+                Some((case == 1, source.range(index)))
+            });
+            // Parameters of two functions may have other names, as the pairs of a call have.
+            let placed = || (side == 0 && by_place).then(|| (false, sources[0].range(k)));
+            let Some((from_case, from)) = named.or_else(placed) else {
+                return Err(ReferenceError::MissingInput {
+                    by: by(),
+                    name: field.name.clone(),
+                    ty: field.shape.to_string(),
+                    has: list(sources.iter().flat_map(Record::fields)),
+                });
+            };
+            routes.push(Route { to: record.range(k), from_case, from });
+        }
+    }
+    let (mut judged, mut outputs) = (Vec::new(), Vec::new());
+    let all = given.vertex.fields();
+    for (k, field) in own.vertex.fields().iter().enumerate() {
+        let name = match output {
+            Some(name) if field.name == RETURN => name,
+            Some(_) | None => &field.name,
+        };
+        let named = given.vertex.index_of(name);
+        // The value of a function stands for the only output that there is.
+        let only = (field.name == RETURN && output.is_none() && all.len() == 1).then_some(0);
+        let Some(index) = named.or(only) else { continue };
+        if all[index].shape != field.shape {
+            return Err(ReferenceError::MissingOutput {
+                by: by(),
+                name: name.to_owned(),
+                ty: field.shape.to_string(),
+                has: list(all),
+            });
+        }
+        judged.push(index);
+        outputs.push(own.vertex.range(k));
+    }
+    if judged.is_empty() {
+        let (gives, has) = (list(own.vertex.fields()), list(all));
+        let help = "; `output` in [reference] says which output the value of a function stands for";
+        let help = if own.vertex.index_of(RETURN).is_some() { help } else { "" };
+        return Err(ReferenceError::NothingInCommon { by: by(), gives, has, help });
+    }
+    let interpreter = |why: String| ReferenceError::Interpreter { by: by(), why };
+    let oracle = Oracle::new(model).map_err(|error| interpreter(error.locate(model)))?;
+    let (vertex, emits) = (own.vertex, own.max_vertices.is_some());
+    Ok((Model { oracle, records, routes, outputs, vertex, emits }, judged))
+}
+
+/// Name of the value of a function among outputs.
+const RETURN: &str = "return";
+
+fn both_functions(model: &Program, program: &Program) -> bool {
+    let function = |program: &Program| matches!(program.entry, Entry::Function(_));
+    function(model) && function(program)
+}
+
+fn same_shapes(a: &Record, b: &Record) -> bool {
+    let shapes = |record: &Record| -> Vec<Shape> { record.fields().iter().map(|f: &Field| f.shape).collect() };
+    shapes(a) == shapes(b)
+}

@@ -1,0 +1,597 @@
+//! The second look at samples: every operation on the tape, with what each may be off by.
+
+use std::collections::HashSet;
+
+use super::batch::{NEAR, Suspect};
+use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
+use super::open::{cut, fades, fork, underflow};
+use super::oracle::Court;
+use super::reading::{Reader, may_be_read};
+use super::reference::{Evaluator, Expected, Output};
+use super::shape::{shape_of_lane, shape_of_shader};
+use crate::profile::grid::MIN_NORMAL;
+use crate::tape::{FADED, Model, Tape};
+use base::value::{Batch, Scalar, ulp_at};
+use program::OutputLayout;
+use program::interp::{Binary64, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use program::lane::Actual;
+
+/// An error of this part of the values' size is no test any more, even if it is allowed.
+const USELESS: f64 = 1.0 / 1024.0;
+
+/// The same for two evaluations in binary64.
+pub(super) const USELESS_64: f64 = 1.0 / (1_u64 << 30) as f64;
+
+/// Formula and shader are two ways to compute the same; each may be off by what binary64 does to it.
+pub(super) const TWO_WAYS: f64 = 8.0;
+
+/// Judges samples with the tape. The machines are made when they are first needed.
+pub(super) struct Suspects<'a> {
+    court: Court<'a>,
+    /// For a shader with loops: which invocations end. A tape of one that does not would take all memory.
+    ends: Option<Machine<'a, Binary64>>,
+    ideal: Option<Machine<'a, Tape<'a>>>,
+    tiers: Vec<Tier<'a>>,
+    evaluator: Evaluator<'a>,
+    max_ulp: f64,
+    /// Invocations in which a comparison could go either way in the order of the source.
+    forked: HashSet<usize>,
+    /// The shader with the constants that its literals stand for.
+    readers: Vec<Reader<'a>>,
+    /// Invocations that are right in one of these readings alone.
+    reread: u64,
+    /// Invocations that agree beside the value at the start of what has faded out in them.
+    faded: HashSet<usize>,
+}
+
+struct Tier<'a> {
+    promise: Promise,
+    model: Model<'a>,
+    machine: Option<Machine<'a, Tape<'a>>>,
+}
+
+impl<'a> Suspects<'a> {
+    pub(super) fn new(court: &Court<'a>) -> Self {
+        let tier = |(promise, model)| Tier { promise, model, machine: None };
+        Self {
+            court: *court,
+            ends: None,
+            ideal: None,
+            tiers: court.tiers().into_iter().map(tier).collect(),
+            evaluator: Evaluator::bounded(court.reference),
+            max_ulp: 0.0,
+            forked: HashSet::new(),
+            readers: Reader::all(court),
+            reread: 0,
+            faded: HashSet::new(),
+        }
+    }
+
+    /// Invocations since the last call that are right only where literals stand for constants.
+    pub(super) fn take_reread(&mut self) -> u64 {
+        std::mem::take(&mut self.reread)
+    }
+
+    /// The largest error of invocations that agree since the last call, in ULP.
+    pub(super) fn take_max_ulp(&mut self) -> f64 {
+        std::mem::take(&mut self.max_ulp)
+    }
+
+    /// Invocations since the last call whose outputs have faded out, and are judged by the scale of their start.
+    pub(super) fn take_faded(&mut self) -> u64 {
+        std::mem::take(&mut self.faded).len() as u64
+    }
+
+    /// Verdicts on suspects, in their order.
+    pub(super) fn judge(&mut self, batch: &Batch, actual: &Actual, suspects: &[Suspect]) -> Vec<(usize, Verdict)> {
+        self.forked.clear();
+        let mut verdicts: Vec<Option<Verdict>> = vec![None; suspects.len()];
+        let shaders: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].shader).collect();
+        for group in shaders.chunks(LANES) {
+            let invocations: Vec<usize> = group.iter().map(|&k| suspects[k].invocation).collect();
+            for (&k, verdict) in group.iter().zip(self.shader(batch, actual.layout(), Some(actual), &invocations)) {
+                verdicts[k] = verdict;
+            }
+        }
+        self.rest();
+        // A lane is judged by the shader as it is, where that is not what is wrong.
+        let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
+        let mut lanes: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].lane && !wrong(&verdicts[k])).collect();
+        let mut measurable: Vec<usize> = Vec::new();
+        let mut permitted = HashSet::new();
+        for tier in 0..self.tiers.len() {
+            let mut open = Vec::new();
+            for group in lanes.chunks(LANES) {
+                let invocations: Vec<usize> = group.iter().map(|&k| suspects[k].invocation).collect();
+                for (&k, found) in group.iter().zip(self.lane(tier, batch, actual, &invocations)) {
+                    // What is not promised is not held against a lane that is not as it was measured.
+                    let measured = self.tiers[tier].promise == Promise::Measured;
+                    match found {
+                        Verdict::Agree(_) | Verdict::Undetermined(Doubt { reason: Reason::Domain, .. }) => {}
+                        _ => open.push(k),
+                    }
+                    // What one promise permits, however little that says, no other one makes a fault.
+                    let excused = permitted.contains(&k) && matches!(found, Verdict::Deviate(_));
+                    if matches!(&found, Verdict::Undetermined(doubt) if doubt.reason.permits()) {
+                        permitted.insert(k);
+                    }
+                    if !excused && (!measured || matches!(found, Verdict::Agree(_))) {
+                        verdicts[k] = Some(worse(verdicts[k].take(), found, tier));
+                    }
+                }
+            }
+            self.rest();
+            // The conformance suite of a text, and another order, promise nothing beyond its domains.
+            if tier == 0 {
+                let (unpromised, rest): (Vec<usize>, Vec<usize>) = open.iter().partition(|&&k| {
+                    matches!(&verdicts[k], Some(Verdict::Undetermined(Doubt { reason: Reason::NoPromise, .. })))
+                });
+                (measurable, open) = (unpromised, rest);
+            }
+            // Measurements decide where nothing is promised, and nowhere else.
+            let next = self.tiers.get(tier + 1).map(|next| next.promise);
+            if next == Some(Promise::Measured) {
+                open.retain(|&k| {
+                    matches!(&verdicts[k], Some(Verdict::Undetermined(Doubt { reason: Reason::NoPromise, .. })))
+                });
+                open.append(&mut measurable);
+            }
+            lanes = open;
+        }
+        let agree = Verdict::Agree(Promise::Text);
+        suspects.iter().zip(verdicts).map(|(s, v)| (s.invocation, v.unwrap_or(agree.clone()))).collect()
+    }
+
+    /// Gives back what very long loops took: one tape at a time has much.
+    fn rest(&mut self) {
+        if self.court.oracle.executable().has_loops() {
+            let tapes = self.tiers.iter_mut().filter_map(|tier| tier.machine.as_mut());
+            self.ideal.iter_mut().chain(tapes).for_each(|machine| machine.domain().rest());
+        }
+    }
+
+    /// Whether the shader means what the formula says; `None` where it does.
+    /// `actual` is only asked for the words that a report shows.
+    pub(super) fn shader(
+        &mut self,
+        batch: &Batch,
+        layout: &OutputLayout,
+        actual: Option<&Actual>,
+        invocations: &[usize],
+    ) -> Vec<Option<Verdict>> {
+        let endless = self.endless(batch, invocations);
+        let end = Deviation { blame: Blame::Shader, what: What::Endless };
+        let Some(sound) = endless.iter().position(|endless| !endless) else {
+            return vec![Some(Verdict::Deviate(end)); endless.len()];
+        };
+        let stand_in = |(&invocation, &endless)| if endless { invocations[sound] } else { invocation };
+        let ending: Vec<usize> = invocations.iter().zip(&endless).map(stand_in).collect();
+        let mut verdicts = self.of_shader(batch, layout, actual, &ending);
+        for (verdict, _) in verdicts.iter_mut().zip(&endless).filter(|(_, endless)| **endless) {
+            *verdict = Some(Verdict::Deviate(end.clone()));
+        }
+        self.reread(batch, layout, invocations, &mut verdicts);
+        verdicts
+    }
+
+    /// Puts verdicts in the place of deviations that are none where literals stand for the constants that they round.
+    fn reread(
+        &mut self,
+        batch: &Batch,
+        layout: &OutputLayout,
+        invocations: &[usize],
+        verdicts: &mut [Option<Verdict>],
+    ) {
+        let Self { court, readers, reread, .. } = self;
+        for reader in readers {
+            let wrong: Vec<usize> = (0..verdicts.len()).filter(|&k| may_be_read(&verdicts[k])).collect();
+            if wrong.is_empty() {
+                return;
+            }
+            let open: Vec<usize> = wrong.iter().map(|&k| invocations[k]).collect();
+            for (k, found) in wrong.into_iter().zip(reader.look(court, batch, layout, &open)) {
+                if let Some(verdict) = found {
+                    *reread += u64::from(verdict.is_none());
+                    verdicts[k] = verdict;
+                }
+            }
+        }
+    }
+
+    /// For each invocation, whether a loop of the shader goes on without end; at most [`LANES`] of them.
+    fn endless(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<bool> {
+        let oracle = self.court.oracle;
+        if !oracle.executable().has_loops() {
+            return vec![false; invocations.len().min(LANES)];
+        }
+        let machine = self.ends.get_or_insert_with(|| oracle.ideal_or_meaning());
+        let lanes = machine.run_some(batch, invocations);
+        machine.flags()[..lanes].iter().map(|flags| flags.has(Kind::Fuel)).collect()
+    }
+
+    /// The same for invocations that end.
+    fn of_shader(
+        &mut self,
+        batch: &Batch,
+        layout: &OutputLayout,
+        actual: Option<&Actual>,
+        invocations: &[usize],
+    ) -> Vec<Option<Verdict>> {
+        let forked = self.decided_by_rounding(batch, invocations);
+        let Self { court, ideal, evaluator, .. } = self;
+        let reference = court.reference;
+        let machine = ideal.get_or_insert_with(|| court.oracle.ideal_tape());
+        let lanes = machine.run_some(batch, invocations);
+        let mut verdicts = vec![None; lanes];
+        let mut expected = vec![Expected::default(); lanes];
+        evaluator.turn_to(batch, &invocations[..lanes]);
+        for lane in 0..lanes {
+            evaluator.expected(batch, invocations[lane], lane, &mut expected[lane]);
+            verdicts[lane] = match cut(machine.domain(), lane) {
+                Some(doubt) => Some(Verdict::Undetermined(doubt)),
+                None => shape_of_shader(machine, court, &expected[lane], lane).map(Verdict::Deviate),
+            };
+        }
+        let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
+        for vertex in 0..machine.room() {
+            for output in &reference.outputs {
+                let base = vertex * reference.vertex_words;
+                let scale = |lane: usize| {
+                    let values = expected[lane].words.get(base + output.expected.start..base + output.expected.end);
+                    values.map_or(0.0, |values| values.iter().fold(0.0_f64, |m, v| m.max(v.abs())))
+                };
+                let scales: Vec<f64> = (0..lanes).map(scale).collect();
+                for k in 0..output.expected.len() {
+                    let at = base + output.expected.start + k;
+                    let target = |lane: usize| expected[lane].words.get(at).copied();
+                    let slack = |lane: usize| expected[lane].slack(at);
+                    let open: Vec<usize> = (0..lanes)
+                        .filter(|&lane| known[lane] && target(lane).is_some())
+                        .filter(|&lane| !matches!(verdicts[lane], Some(Verdict::Deviate(_))))
+                        .collect();
+                    let word = output.actual.start + k;
+                    let found = word_of_shader(
+                        machine,
+                        (vertex, word),
+                        output,
+                        &open,
+                        &Aim { target: &target, slack: &slack, scales: &scales },
+                    );
+                    for (lane, verdict) in found {
+                        let verdict = match verdict {
+                            Err(doubt) => Verdict::Undetermined(doubt),
+                            Ok((meaning, bound)) => {
+                                let value = Value {
+                                    component: layout.vertex.word_name(word),
+                                    vertex: reference.emits().then_some(vertex),
+                                    expected: target(lane),
+                                    meaning: meaning.unwrap_or(f64::NAN),
+                                    actual: actual.map_or(POISON, |a| found_word(a, invocations[lane], vertex, word)),
+                                    scalar: output.scalar,
+                                    bound,
+                                };
+                                let what = match meaning {
+                                    Some(_) => What::Value(value),
+                                    None => What::NotWritten { component: value.component, vertex: value.vertex },
+                                };
+                                Verdict::Deviate(Deviation { blame: Blame::Shader, what })
+                            }
+                        };
+                        verdicts[lane] = Some(worse(verdicts[lane].take(), verdict, 0));
+                    }
+                }
+            }
+        }
+        for (verdict, forked) in verdicts.iter_mut().zip(forked) {
+            if let (None, Some(doubt)) = (&verdict, forked) {
+                *verdict = Some(Verdict::Undetermined(doubt));
+            }
+        }
+        verdicts
+    }
+
+    /// For each invocation, whether the rounding of a literal to binary32 decides a comparison.
+    fn decided_by_rounding(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<Option<Doubt>> {
+        if !self.court.oracle.has_rounded_literals() {
+            return vec![None; invocations.len()];
+        }
+        let mut machine = self.court.oracle.rounded_tape();
+        let lanes = machine.run_some(batch, invocations);
+        let tape = machine.domain();
+        (0..lanes).map(|lane| tape.fork(lane).map(|_| fork(tape, lane))).collect()
+    }
+
+    /// Whether a lane is within what a tier allows.
+    fn lane(&mut self, tier: usize, batch: &Batch, actual: &Actual, invocations: &[usize]) -> Vec<Verdict> {
+        let Self { court, tiers, max_ulp, forked, faded, .. } = self;
+        let Tier { promise, model, machine } = &mut tiers[tier];
+        let machine = machine.get_or_insert_with(|| court.oracle.tape(*model));
+        let lanes = machine.run_some(batch, invocations);
+        let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); lanes];
+        let mut ulps = vec![0.0_f64; lanes];
+        let mut faded_lanes = [false; LANES];
+        let vectors: Vec<f64> =
+            invocations.iter().map(|&invocation| court.reference.vector_size(batch, invocation)).collect();
+        // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
+        let regrouped = *promise == Promise::Rearranged;
+        for lane in (0..lanes).filter(|_| !regrouped) {
+            if machine.domain().fork(lane).is_some() {
+                forked.insert(invocations[lane]);
+            }
+        }
+        let decided: Vec<bool> = (0..lanes).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
+        let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
+        for lane in 0..lanes {
+            if let Some(doubt) = cut(machine.domain(), lane) {
+                verdicts[lane] = Verdict::Undetermined(doubt);
+                continue;
+            }
+            let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) else { continue };
+            let tape = machine.domain();
+            let open = !decided[lane] && tape.fork(lane).is_some();
+            verdicts[lane] = if open { Verdict::Undetermined(fork(tape, lane)) } else { Verdict::Deviate(deviation) };
+        }
+        let record = actual.layout().vertex.clone();
+        for vertex in 0..machine.room() {
+            for (field, shape) in record.fields().iter().enumerate().map(|(k, f)| (k, f.shape)) {
+                let mut scale = [0.0_f64; LANES];
+                for word in record.range(field) {
+                    if let OutputColumn::Real(&column) = machine.output(vertex, word) {
+                        let values = machine.domain().values(column);
+                        scale.iter_mut().zip(values).for_each(|(s, v)| *s = s.max(v.abs()));
+                    }
+                }
+                for word in record.range(field) {
+                    let open: Vec<usize> = (0..lanes)
+                        .filter(|&lane| known[lane] && !matches!(verdicts[lane], Verdict::Deviate(_)))
+                        .filter(|&lane| vertex < actual.stored(invocations[lane]))
+                        .collect();
+                    // Of two doubts on a sample the first is kept: no cause is looked for again.
+                    let mut doubted = [false; LANES];
+                    open.iter().for_each(|&lane| doubted[lane] = matches!(verdicts[lane], Verdict::Undetermined(_)));
+                    let known = Known { open: &open, decided: &decided, doubted: &doubted };
+                    for (lane, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
+                        let scale = scale[lane];
+                        let size = scale.max(vectors[lane]);
+                        let verdict = match outcome {
+                            Allowed::Within if doubted[lane] => continue,
+                            Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
+                                Verdict::Undetermined(underflow(machine, vertex, word, lane))
+                            }
+                            // Beside its value at the start, what has faded out is 0 on every device.
+                            Allowed::Within
+                                if error <= FADED && scale <= FADED && fades(machine, vertex, word, lane) =>
+                            {
+                                faded_lanes[lane] |= error > USELESS * size.max(MIN_NORMAL);
+                                continue;
+                            }
+                            Allowed::Within if error > USELESS * size.max(MIN_NORMAL) => {
+                                let reason = Reason::IllConditioned;
+                                Verdict::Undetermined(Doubt { reason, ..underflow(machine, vertex, word, lane) })
+                            }
+                            Allowed::Within => {
+                                ulps[lane] = ulps[lane].max(error / ulp_at(size));
+                                continue;
+                            }
+                            Allowed::Doubtful(doubt) => Verdict::Undetermined(doubt),
+                            Allowed::Outside { meaning, bound } => {
+                                let found = found_word(actual, invocations[lane], vertex, word);
+                                let component = record.word_name(word);
+                                let on = actual.layout().max_vertices.map(|_| vertex);
+                                let what = if actual.is_unwritten(found) {
+                                    What::NotWritten { component, vertex: on }
+                                } else {
+                                    What::Value(Value {
+                                        component,
+                                        vertex: on,
+                                        expected: None,
+                                        meaning,
+                                        actual: found,
+                                        scalar: shape.scalar,
+                                        bound,
+                                    })
+                                };
+                                Verdict::Deviate(Deviation { blame: Blame::Lane, what })
+                            }
+                        };
+                        let before = std::mem::replace(&mut verdicts[lane], Verdict::Agree(*promise));
+                        verdicts[lane] = worse(Some(before), verdict, 0);
+                    }
+                }
+            }
+        }
+        for (lane, (ulp, verdict)) in ulps.iter().zip(&verdicts).enumerate() {
+            if matches!(verdict, Verdict::Agree(_)) {
+                *max_ulp = max_ulp.max(*ulp);
+                if faded_lanes[lane] {
+                    faded.insert(invocations[lane]);
+                }
+            }
+        }
+        verdicts
+    }
+}
+
+/// The word of a lane; the mark of what was never written where the vertex is not stored.
+fn found_word(actual: &Actual, invocation: usize, vertex: usize, word: usize) -> u32 {
+    if vertex < actual.stored(invocation) { actual.vertex(invocation, vertex)[word] } else { POISON }
+}
+
+/// Of two verdicts on a sample the one that weighs more. On later tiers the later one counts.
+fn worse(before: Option<Verdict>, verdict: Verdict, tier: usize) -> Verdict {
+    let weight = |verdict: &Verdict| match verdict {
+        Verdict::Agree(_) => 0,
+        Verdict::Undetermined(_) => 1,
+        Verdict::Deviate(_) => 2,
+    };
+    match before {
+        Some(before) if tier == 0 && weight(&before) >= weight(&verdict) => before,
+        // The formula has no value: that a lane is right says nothing.
+        Some(before @ Verdict::Undetermined(Doubt { reason: Reason::Domain, .. })) if weight(&verdict) < 2 => before,
+        Some(_) | None => verdict,
+    }
+}
+
+/// What came of one word of one lane.
+enum Allowed {
+    /// The error is within the bound, or within a part of it.
+    Within,
+    Doubtful(Doubt),
+    Outside {
+        meaning: f64,
+        bound: f64,
+    },
+}
+
+/// Lanes of a chunk about which something is known.
+struct Known<'k> {
+    /// Those to judge.
+    open: &'k [usize],
+    /// Those in which no comparison is in doubt.
+    decided: &'k [bool],
+    /// Those that are in doubt already: theirs come without a cause, and with any reason.
+    doubted: &'k [bool; LANES],
+}
+
+/// Judges one output word in some lanes. Gives the lane, what came of it, and its error.
+fn open_words(
+    machine: &mut Machine<'_, Tape<'_>>,
+    actual: &Actual,
+    invocations: &[usize],
+    &Known { open, decided, doubted }: &Known<'_>,
+    (vertex, word): (usize, usize),
+) -> Vec<(usize, Allowed, f64)> {
+    let found = |lane: usize| actual.vertex(invocations[lane], vertex)[word];
+    let column = match machine.output(vertex, word) {
+        OutputColumn::Real(&column) => column,
+        OutputColumn::Word(words) => {
+            let (words, scalar) = (*words, actual.layout().vertex.scalar_of(word));
+            let tape = machine.domain();
+            let judge = |&lane: &usize| {
+                let unwritten = words[lane] == POISON && actual.is_unwritten(found(lane));
+                let outcome = if words[lane] == found(lane) || unwritten {
+                    Allowed::Within
+                } else if !decided[lane] && tape.fork(lane).is_some() {
+                    Allowed::Doubtful(fork(tape, lane))
+                } else {
+                    Allowed::Outside { meaning: real(words[lane], scalar), bound: 0.0 }
+                };
+                (lane, outcome, 0.0)
+            };
+            return open.iter().map(judge).collect();
+        }
+    };
+    let tape = machine.domain();
+    let values = *tape.values(column);
+    // NaN on either side gives an error that is within nothing.
+    let errors: Vec<(usize, f64)> =
+        open.iter().map(|&lane| (lane, (f64::from(f32::from_bits(found(lane))) - values[lane]).abs())).collect();
+    let equal = |lane: usize| f64::from(f32::from_bits(found(lane))) == values[lane];
+    // What is infinite stays so.
+    let settled =
+        |lane: usize, error: f64, bound: f64| bound == f64::INFINITY || equal(lane) || agrees(error, 0.0, bound);
+    let bounds = tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| settled(lane, e, bound[lane])));
+    errors
+        .into_iter()
+        .map(|(lane, error)| {
+            let bound = bounds.bound[lane];
+            if equal(lane) || agrees(error, 0.0, bound) {
+                return (lane, Allowed::Within, if error.is_nan() { 0.0 } else { error });
+            }
+            // What the shader itself leaves unwritten, a lane may leave so.
+            if values[lane].is_poison() && actual.is_unwritten(found(lane)) {
+                return (lane, Allowed::Within, 0.0);
+            }
+            let outcome = if !values[lane].is_finite() || !bound.is_finite() {
+                let cause = || Doubt::by(tape.cause(column, lane));
+                Allowed::Doubtful(if doubted[lane] { Doubt::of(Reason::Branch) } else { cause() })
+            } else if !decided[lane] && tape.fork(lane).is_some() {
+                Allowed::Doubtful(fork(tape, lane))
+            } else {
+                Allowed::Outside { meaning: values[lane], bound }
+            };
+            (lane, outcome, error)
+        })
+        .collect()
+}
+
+type Found = (usize, Result<(Option<f64>, f64), Doubt>);
+
+/// What one word should be, for each lane.
+struct Aim<'t> {
+    target: &'t dyn Fn(usize) -> Option<f64>,
+    /// How far the target itself may be off.
+    slack: &'t dyn Fn(usize) -> f64,
+    /// Size of the largest component of the variable.
+    scales: &'t [f64],
+}
+
+/// Judges one word of the formula in some lanes: those in which the shader means something else, with
+/// its meaning and what binary64 allows, or with a doubt.
+fn word_of_shader(
+    machine: &mut Machine<'_, Tape<'_>>,
+    (vertex, word): (usize, usize),
+    output: &Output,
+    open: &[usize],
+    &Aim { target, slack, scales }: &Aim<'_>,
+) -> Vec<Found> {
+    let column = match machine.output(vertex, word) {
+        OutputColumn::Real(&column) => column,
+        OutputColumn::Word(words) => {
+            let words = *words;
+            let wrong = |&lane: &usize| {
+                let (meaning, wanted) = (<f64 as Number>::exact(words[lane], output.scalar), target(lane)?);
+                let meaning = (words[lane] != POISON).then_some(meaning);
+                if meaning.is_some_and(|meaning| agrees(meaning, wanted, slack(lane)) || meaning == wanted) {
+                    return None;
+                }
+                if wanted.is_nan() || slack(lane) == f64::INFINITY {
+                    // Nothing is expected here, or it is not known what.
+                    let reason = if wanted.is_nan() { Reason::Domain } else { Reason::Branch };
+                    return Some((lane, Err(Doubt::of(reason))));
+                }
+                Some((lane, Ok((meaning, slack(lane)))))
+            };
+            return open.iter().filter_map(wrong).collect();
+        }
+    };
+    let tape = machine.domain();
+    let values = *tape.values(column);
+    let far: Vec<(usize, f64)> = open
+        .iter()
+        .filter_map(|&lane| Some((lane, (values[lane] - target(lane)?).abs())))
+        .filter(|&(lane, error)| !(error <= NEAR * scales[lane]))
+        .collect();
+    if far.is_empty() {
+        return Vec::new();
+    }
+    let bounds = tape.bounds(column, &mut |_| false);
+    let judge = |(lane, error): (usize, f64)| -> Option<Found> {
+        let wanted = target(lane)?;
+        let bound = TWO_WAYS * bounds.bound[lane] + NEAR * scales[lane] + slack(lane);
+        if values[lane].is_poison() {
+            return Some((lane, Ok((None, 0.0))));
+        }
+        if wanted.is_nan() {
+            // The formula has no value here.
+            return Some((lane, Err(Doubt { reason: Reason::Domain, cause: tape.cause(column, lane) })));
+        }
+        if slack(lane) == f64::INFINITY {
+            // What is expected is not known well enough to be compared with.
+            return Some((lane, Err(Doubt::of(Reason::IllConditioned))));
+        }
+        if agrees(error, 0.0, bound) {
+            let useless = error - slack(lane) > USELESS_64 * scales[lane].max(MIN_NORMAL);
+            return useless.then(|| (lane, Err(Doubt::of(Reason::IllConditioned))));
+        }
+        // A shader without a value where the formula has one is wrong.
+        if values[lane].is_finite() && !bound.is_finite() {
+            return Some((lane, Err(Doubt::by(tape.cause(column, lane)))));
+        }
+        if values[lane].is_finite() && tape.fork(lane).is_some() {
+            return Some((lane, Err(fork(tape, lane))));
+        }
+        Some((lane, Ok((Some(values[lane]), if bound.is_finite() { bound } else { 0.0 }))))
+    };
+    far.into_iter().filter_map(judge).collect()
+}

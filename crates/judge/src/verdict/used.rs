@@ -1,0 +1,58 @@
+//! How much of what a promise allows a lane makes use of.
+
+use std::ops::Range;
+
+use super::oracle::Court;
+use crate::tape::Model;
+use base::value::Batch;
+use program::interp::{LANES, OutputColumn};
+use program::lane::Actual;
+
+/// An error beside its bound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Used {
+    /// The error over the bound.
+    pub part: f64,
+    /// Name of the component.
+    pub component: String,
+}
+
+/// The largest error over its bound among some invocations, by the text of the specification; `None`
+/// where no component has a bound. `rearranged` lets sums and products be regrouped.
+///
+/// Outputs whose bound is infinite or zero are left out, and so are invocations in which a comparison
+/// could go either way.
+///
+/// # Panics
+/// When `actual` is not of this batch: a defect of the caller.
+pub fn used(court: &Court<'_>, rearranged: bool, batch: &Batch, actual: &Actual, range: Range<usize>) -> Option<Used> {
+    assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
+    let model = Model::Device { profile: court.rulings.text, stage: court.stage, rearranged };
+    let mut machine = court.oracle.tape(model);
+    let record = &actual.layout().vertex;
+    let mut most: Option<(f64, usize)> = None;
+    for first in range.clone().step_by(LANES) {
+        let lanes = machine.run(batch, first).min(range.end - first);
+        for vertex in 0..machine.room() {
+            for word in 0..machine.width() {
+                let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
+                let tape = machine.domain();
+                let bounds = tape.bounds(column, &mut |_| false);
+                let values = tape.values(column);
+                for lane in (0..lanes).filter(|&lane| vertex < actual.stored(first + lane)) {
+                    let bound = bounds.bound[lane];
+                    if tape.fork(lane).is_some() || !values[lane].is_finite() || !bound.is_finite() || bound == 0.0 {
+                        continue;
+                    }
+                    let found = f32::from_bits(actual.vertex(first + lane, vertex)[word]);
+                    let error = (f64::from(found) - values[lane]).abs();
+                    let part = if error.is_nan() { f64::INFINITY } else { error / bound };
+                    if most.is_none_or(|(most, _)| part > most) {
+                        most = Some((part, word));
+                    }
+                }
+            }
+        }
+    }
+    most.map(|(part, word)| Used { part, component: record.word_name(word) })
+}

@@ -1,0 +1,111 @@
+//! The `embedded` lane: the interpreter in strict binary32. It needs no driver.
+//!
+//! It rounds every operation correctly and rearranges nothing, so it is no evidence about a driver:
+//! it stands in where there is none, and it tells a shader that is wrong from a driver that is.
+
+use base::value::Batch;
+use program::interp::{self, Binary32, Executable, Kind, Meaning};
+use program::{Form, Kernel, OutputLayout};
+
+use super::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, Unavailable};
+
+/// Opens the lane; it is always there.
+///
+/// # Errors
+/// None; the signature is that of all lanes.
+pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
+    let driver = format!("interpreter of shadercheck {}, strict binary32", env!("CARGO_PKG_VERSION"));
+    let description = Description {
+        name: "embedded",
+        driver,
+        executor: "interpreter".to_owned(),
+        // It takes the module as it is: nothing translates.
+        front_end: "none".to_owned(),
+        api: Api::Binary32,
+        stages: vec![Stage::Compute],
+    };
+    Ok(Box::new(Embedded { description }))
+}
+
+struct Embedded {
+    description: Description,
+}
+
+impl Lane for Embedded {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        match kernel.form {
+            Form::Compute => {}
+            Form::Geometry => {
+                return Err(LaneError::Unsupported("geometry stages; they run as compute".to_owned()));
+            }
+            Form::Vertex { .. } => {
+                return Err(LaneError::Unsupported("the interpreter has no vertex fetch".to_owned()));
+            }
+            Form::Uniforms | Form::Constants => {
+                return Err(LaneError::Unsupported("the interpreter takes its inputs in one way".to_owned()));
+            }
+        }
+        let executable =
+            interp::compile(&kernel.program).map_err(|error| LaneError::Unsupported(error.locate(&kernel.program)))?;
+        Ok(Box::new(EmbeddedRunner { executable, layout: kernel.output.clone(), capacity: capacity.max(1) }))
+    }
+}
+
+struct EmbeddedRunner {
+    executable: Executable,
+    layout: OutputLayout,
+    capacity: usize,
+}
+
+impl Runner for EmbeddedRunner {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
+        self.count_of(batch, "invocations")?;
+        let meaning =
+            self.executable.run::<Binary32>(batch, interp::FUEL).map_err(|error| LaneError::Api(error.to_string()))?;
+        accepted(&self.layout, &meaning)
+    }
+}
+
+/// What a lane made of the interpreter wrote: the records of all invocations.
+///
+/// # Errors
+/// [`LaneError::Endless`] when an invocation ran out of fuel, which is [`interp::FUEL`].
+pub fn accepted(layout: &OutputLayout, meaning: &Meaning<u32>) -> Result<Actual, LaneError> {
+    let count = meaning.count();
+    let endless = (0..count).find(|&i| meaning.flags(i).has(Kind::Fuel));
+    if let Some(invocation) = endless {
+        return Err(LaneError::Endless { invocation, count, rounds: interp::FUEL });
+    }
+    let marks = Marks::random();
+    let mut words = vec![marks.sentinel; layout.words() * count];
+    let geometry = layout.max_vertices.is_some();
+    for (invocation, record) in words.chunks_exact_mut(layout.words()).enumerate() {
+        record[0] = marks.canary ^ invocation as u32;
+        if geometry {
+            record[1] = meaning.emitted(invocation);
+            record[2] = meaning.ended_strips(invocation);
+        }
+        let header = layout.header_words();
+        let size = layout.vertex_words();
+        for vertex in 0..meaning.stored(invocation) {
+            let place = &mut record[header + vertex * size..][..size];
+            let (strip, place) = place.split_at_mut(usize::from(geometry));
+            strip.fill(meaning.strip(invocation, vertex));
+            place.copy_from_slice(meaning.vertex(invocation, vertex));
+        }
+    }
+    // What the shader left out bears the interpreter's own mark; here it is the sentinel again.
+    for &(invocation, vertex, word) in meaning.unwritten() {
+        let at = layout.header_words() + vertex * layout.vertex_words() + usize::from(geometry) + word;
+        words[invocation * layout.words() + at] = marks.sentinel;
+    }
+    Actual::accept(layout, words, count, marks)
+}

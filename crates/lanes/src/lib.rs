@@ -1,0 +1,49 @@
+//! Lanes: what runs a kernel. A lane is a device with a pipeline; each is one file (or folder) and
+//! one line of the registry.
+
+pub mod embedded;
+pub mod native;
+pub mod opengl;
+pub mod remote;
+pub mod vulkan;
+pub mod webgpu;
+pub mod worker;
+
+use std::sync::OnceLock;
+
+pub use program::lane::{
+    Actual, Api, Description, Lane, LaneError, LaneName, Marks, PATIENCE, Runner, Stage, Unavailable, interned,
+    interrupt, known,
+};
+
+/// A lane that may be had.
+pub struct Candidate {
+    /// Name, as `--lane` takes it.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// Opens it.
+    pub open: Box<dyn Fn() -> Result<Box<dyn Lane>, Unavailable> + Send + Sync>,
+    /// True for a lane that only stands in where no device can be had; it runs beside devices when it
+    /// is asked for by name.
+    pub stand_in: bool,
+}
+
+/// All lanes that this build knows here: those that are always listed, and one for each further driver that is found.
+/// They are looked for once.
+pub fn registry() -> &'static [Candidate] {
+    static ALL: OnceLock<Vec<Candidate>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let mut all = vulkan::candidates();
+        all.extend(opengl::candidates());
+        all.extend(native::candidates());
+        all.extend(webgpu::candidates());
+        all.push(Candidate {
+            name: "embedded",
+            about: "interpreter in strict binary32, without any driver",
+            open: Box::new(embedded::open),
+            stand_in: true,
+        });
+        all
+    })
+}

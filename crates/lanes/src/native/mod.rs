@@ -1,0 +1,213 @@
+//! The lane `vulkan-glslang`: the author's own text, translated by glslang instead of naga, in the real vertex and
+//! geometry stages of a Vulkan driver; outputs are captured by transform feedback.
+//!
+//! Bodies are compiled as they are written. Where glslang does not take a text for SPIR-V, as all below version 1.40,
+//! the interface is rewritten in place by the same edits that make it readable for naga.
+
+mod capture;
+mod draw;
+mod geometry;
+mod glslang;
+mod gpu;
+mod interface;
+mod spirv;
+mod strips;
+mod vertex;
+
+#[cfg(test)]
+mod tests;
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::remote::{self, Engine, Front, Here, Work};
+use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
+use base::text::printable;
+use base::value::Record;
+use program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role};
+
+use glslang::{Kind, Translator};
+use gpu::Gpu;
+
+/// Name of the lane.
+pub const NAME: &str = "vulkan-glslang";
+
+/// What to do when the translator is missing.
+const REMEDY: &str = "install it, for example `apt-get install glslang-tools` on Debian or Ubuntu";
+
+/// The lane of this folder.
+pub fn candidates() -> Vec<Candidate> {
+    let about = "the author's text through glslang, in the real vertex and geometry stages of a Vulkan driver";
+    vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false }]
+}
+
+/// Opens the first Vulkan device with transform feedback, in a process of its own where there is a program for that.
+///
+/// # Errors
+/// [`Unavailable`] with the command that installs what is missing.
+pub fn open() -> Result<Box<dyn Lane>, Unavailable> {
+    match worker::program() {
+        None => open_with(<[u32]>::to_vec),
+        Some(program) => remote::open(program, NAME, Box::new(Glslang::find(<[u32]>::to_vec)?)),
+    }
+}
+
+/// The same in this process, with a translator that errs: `fault` gives what is run in place of each module of SPIR-V
+/// that the author's text became. For tests of what judges.
+///
+/// # Errors
+/// As of [`open`].
+pub fn open_with(fault: fn(&[u32]) -> Vec<u32>) -> Result<Box<dyn Lane>, Unavailable> {
+    let front = Glslang::find(fault)?;
+    Ok(Box::new(Here::new(engine()?, Box::new(front))))
+}
+
+/// Opens the device in this process.
+///
+/// # Errors
+/// As of [`open`].
+pub fn engine() -> Result<Box<dyn Engine>, Unavailable> {
+    let missing = |why: String| Unavailable { why, remedy: vulkan::REMEDY.to_owned() };
+    let gpu = Gpu::open().map_err(missing)?;
+    let translator = find()?;
+    let mut stages = vec![Stage::Vertex];
+    stages.extend(gpu.geometry.then_some(Stage::Geometry));
+    let description = Description {
+        name: NAME,
+        driver: printable(&format!("{}, glslang {}", gpu.driver, translator.version)),
+        executor: vulkan::executor(&gpu.name),
+        front_end: "glslang".to_owned(),
+        api: Api::Vulkan,
+        stages,
+    };
+    Ok(Box::new(Native { gpu, description }))
+}
+
+fn find() -> Result<Translator, Unavailable> {
+    Translator::find().map_err(|why| Unavailable { why, remedy: REMEDY.to_owned() })
+}
+
+/// What is run, and what it takes.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The stage.
+    pub stage: Kinds,
+    /// Its module of SPIR-V.
+    pub module: Arc<[u32]>,
+    /// What one invocation gets.
+    pub invocation: Arc<Record>,
+    /// What one case gets.
+    pub case: Arc<Record>,
+    /// What one invocation writes.
+    pub output: OutputLayout,
+}
+
+/// The stages.
+#[derive(Clone, Debug)]
+pub enum Kinds {
+    /// A vertex stage.
+    Vertex {
+        /// Its attributes, in the order of the invocation record.
+        attributes: Vec<Attribute>,
+        /// Numbers of the draw that it reads.
+        drawn: Vec<Drawn>,
+    },
+    /// A geometry stage.
+    Geometry {
+        /// What it takes and gives.
+        primitives: Primitives,
+        /// The module of the vertex stage in front of it.
+        front: Arc<[u32]>,
+    },
+}
+
+struct Native {
+    gpu: Rc<Gpu>,
+    description: Description,
+}
+
+impl Engine for Native {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn prepare(&self, work: &Work, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
+        let Work::Native(job) = work else { return Err(LaneError::Api("work of another lane".to_owned())) };
+        match &job.stage {
+            Kinds::Vertex { attributes, drawn } => {
+                Ok(Box::new(vertex::VertexRunner::new(&self.gpu, job, (attributes, drawn), capacity)?))
+            }
+            Kinds::Geometry { .. } if !self.gpu.geometry => {
+                Err(LaneError::Unsupported("geometry stages, which this device lacks".to_owned()))
+            }
+            Kinds::Geometry { primitives, front } => {
+                Ok(Box::new(geometry::GeometryRunner::new(&self.gpu, front, job, *primitives, capacity)?))
+            }
+        }
+    }
+}
+
+/// The translator.
+struct Glslang {
+    translator: Translator,
+    fault: fn(&[u32]) -> Vec<u32>,
+}
+
+impl Front for Glslang {
+    fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
+        let program = &*kernel.program;
+        let unsupported = |what: &str| Err(LaneError::Unsupported(what.to_owned()));
+        if !is_the_text(program) {
+            return unsupported("a program that is not the author's text");
+        }
+        if !program.textures.is_empty() {
+            return unsupported("textures");
+        }
+        let (stage, module) = match (&kernel.form, &program.role) {
+            (Form::Vertex { attributes, drawn, .. }, Role::Vertex) => {
+                let (attributes, drawn) = (attributes.clone(), drawn.clone());
+                (Kinds::Vertex { attributes, drawn }, self.module(program, Kind::Vertex)?)
+            }
+            (Form::Geometry, Role::Geometry(primitives)) => {
+                let module = self.module(program, Kind::Geometry)?;
+                let text = geometry::front(&module, &kernel.invocation, *primitives)?;
+                let front = self.translator.translate(Kind::Vertex, &text, &[])?.as_ref().into();
+                (Kinds::Geometry { primitives: *primitives, front }, module)
+            }
+            (Form::Vertex { .. }, _) => return unsupported("a program that is no vertex stage, as one"),
+            (Form::Geometry, _) => return unsupported("a program that is no geometry stage, as one"),
+            (Form::Compute | Form::Uniforms | Form::Constants, _) => return unsupported("compute stages"),
+        };
+        let (invocation, case, output) = (kernel.invocation.clone(), kernel.case.clone(), kernel.output.clone());
+        Ok(Work::Native(Job { stage, module: module.into(), invocation, case, output }))
+    }
+}
+
+impl Glslang {
+    fn find(fault: fn(&[u32]) -> Vec<u32>) -> Result<Self, Unavailable> {
+        Ok(Self { translator: find()?, fault })
+    }
+
+    /// The program as glslang translates it.
+    fn module(&self, program: &Program, kind: Kind) -> Result<Vec<u32>, LaneError> {
+        let lowered = &program.lowered;
+        let translate = |text: &str| self.translator.translate(kind, text, &lowered.defines);
+        let written = translate(lowered.file.text());
+        // A geometry stage is lowered to something that is none.
+        let rewritten = || program.rewritten().filter(|_| kind == Kind::Vertex);
+        let words = match written {
+            Err(LaneError::Unsupported(_)) => match rewritten() {
+                Some(text) => translate(&text).or(written),
+                None => written,
+            },
+            written => written,
+        };
+        Ok((self.fault)(&words?))
+    }
+}
+
+/// True when what a program gives is what its text gives: a program made for looking into has more.
+fn is_the_text(program: &Program) -> bool {
+    let declared = |name: &str| program.lowered.outputs.iter().any(|output| output.name == name);
+    program.outputs.iter().all(|port| declared(&port.field.name))
+}

@@ -1,0 +1,214 @@
+//! The process of Node, and kernels that are ready there.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Duration;
+
+use super::messages::{Adapter, Answer, Ask, Job, Missing};
+use crate::worker::{Loss, Worker};
+use crate::{LaneError, Marks};
+use base::value::Batch;
+
+/// Longest time for the start of Node and of a driver.
+const OPENING: Duration = Duration::from_secs(30);
+/// Longest time for the compilation of a kernel.
+const COMPILING: Duration = Duration::from_secs(30);
+/// Longest time for a batch, which takes a second where nothing is wrong.
+pub const BATCH: Duration = Duration::from_secs(20);
+/// Longest time for a few invocations.
+pub const FEW: Duration = Duration::from_secs(5);
+
+/// Whoever answers: a process, and in tests what plays one.
+pub trait Peer {
+    /// Which start of it is running; none when it does not.
+    fn start(&self) -> Option<u64>;
+
+    /// Says something that has no answer.
+    fn tell(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss>;
+
+    /// Asks something, and waits for the answer for so long at most.
+    fn ask(&mut self, ask: &Ask, words: &[&[u32]], limit: Duration) -> Result<(Answer, Vec<u32>), Loss>;
+
+    /// Ends it.
+    fn stop(&mut self);
+}
+
+impl Peer for Worker {
+    fn start(&self) -> Option<u64> {
+        Self::start(self)
+    }
+
+    fn tell(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss> {
+        self.send(ask, words)
+    }
+
+    fn ask(&mut self, ask: &Ask, words: &[&[u32]], limit: Duration) -> Result<(Answer, Vec<u32>), Loss> {
+        self.send(ask, words)?;
+        self.receive(limit)
+    }
+
+    fn stop(&mut self) {
+        Self::stop(self);
+    }
+}
+
+/// A device in another process.
+#[derive(Clone)]
+pub struct Remote {
+    line: Rc<RefCell<Line>>,
+    pub adapter: Adapter,
+}
+
+/// The way to the process, shared by all kernels.
+struct Line {
+    peer: Box<dyn Peer>,
+    folder: String,
+    /// Number of the next kernel and of the next run.
+    next: u64,
+    /// The start of the process that has a device.
+    opened: Option<u64>,
+}
+
+impl Line {
+    fn number(&mut self) -> u64 {
+        self.next += 1;
+        self.next
+    }
+
+    /// An answer that is not one to what was asked.
+    fn nonsense(&mut self, answer: &Answer) -> Loss {
+        self.peer.stop();
+        Loss::nonsense(answer)
+    }
+
+    /// Asks for a device, of a process that was not asked yet.
+    fn open(&mut self) -> Result<Option<Adapter>, Missing> {
+        if self.opened.is_some() && self.opened == self.peer.start() {
+            return Ok(None);
+        }
+        let ask = Ask::Open { folder: self.folder.clone() };
+        let lost = |loss: Loss| Missing::Process(format!("`{}` {loss}", super::NODE));
+        match self.peer.ask(&ask, &[], OPENING).map_err(lost)?.0 {
+            Answer::Opened(adapter) => {
+                self.opened = self.peer.start();
+                Ok(Some(*adapter))
+            }
+            Answer::Missing { why, driver: true } => Err(Missing::Driver(why)),
+            Answer::Missing { why, driver: false } => Err(Missing::Package(why)),
+            other => Err(lost(self.nonsense(&other))),
+        }
+    }
+}
+
+impl Remote {
+    /// Starts the process, and asks for its device.
+    ///
+    /// # Errors
+    /// [`Missing`] when the process does not start, or has none.
+    pub fn open(peer: Box<dyn Peer>, folder: &Path) -> Result<Self, Missing> {
+        let folder = folder.to_string_lossy().into_owned();
+        let mut line = Line { peer, folder, next: 0, opened: None };
+        match line.open()? {
+            Some(adapter) => Ok(Self { line: Rc::new(RefCell::new(line)), adapter }),
+            None => Err(Missing::Process("it was open before it was opened".to_owned())),
+        }
+    }
+
+    /// Makes a kernel ready, whose number is given here; `texels` are those of its textures.
+    ///
+    /// # Errors
+    /// [`LaneError`] when it is refused, or the process is lost.
+    pub fn prepare(&self, job: Job, texels: Vec<u32>) -> Result<Away, LaneError> {
+        let id = self.line.borrow_mut().number();
+        let mut away = Away { line: self.line.clone(), job: Job { id, ..job }, texels, start: None };
+        away.prepare()?;
+        Ok(away)
+    }
+}
+
+/// A kernel that is ready in the other process.
+pub struct Away {
+    line: Rc<RefCell<Line>>,
+    pub job: Job,
+    texels: Vec<u32>,
+    /// The start of the process at which it was made ready: a process that was started again knows nothing of it.
+    start: Option<u64>,
+}
+
+/// Why a run gave nothing.
+pub enum Failure {
+    /// The process answered.
+    Message(LaneError),
+    /// The process is gone.
+    Lost(Loss),
+}
+
+impl Away {
+    fn prepare(&mut self) -> Result<(), LaneError> {
+        let mut line = self.line.borrow_mut();
+        if self.start.is_some() && self.start == line.peer.start() {
+            return Ok(());
+        }
+        line.open().map_err(|missing| match missing {
+            Missing::Process(why) | Missing::Package(why) | Missing::Driver(why) => LaneError::Api(why),
+        })?;
+        let lost = |loss: Loss| loss.error(None, 0, "while the shader was compiled");
+        let ask = Ask::Prepare(Box::new(self.job.clone()));
+        match line.peer.ask(&ask, &[&self.texels], COMPILING).map_err(lost)?.0 {
+            Answer::Ready { id } if id == self.job.id => {
+                self.start = line.peer.start();
+                Ok(())
+            }
+            Answer::Refused { id, line, column, why } if id == self.job.id => {
+                Err(LaneError::Api(refusal(&self.job.code, (line, column), &why)))
+            }
+            other => Err(lost(line.nonsense(&other))),
+        }
+    }
+
+    /// Runs a batch whose inputs are these, with this canary.
+    pub fn run(
+        &mut self,
+        batch: &Batch,
+        inputs: &[&[u32]],
+        marks: Marks,
+        limit: Duration,
+    ) -> Result<Vec<u32>, Failure> {
+        self.prepare().map_err(Failure::Message)?;
+        let mut line = self.line.borrow_mut();
+        let run = line.number();
+        let ask = Ask::Run {
+            id: self.job.id,
+            run,
+            count: batch.invocation_count(),
+            per_case: batch.per_case,
+            canary: marks.canary,
+            lengths: inputs.iter().map(|input| input.len()).collect(),
+        };
+        match line.peer.ask(&ask, inputs, limit).map_err(Failure::Lost)? {
+            (Answer::Done { run: of }, words) if of == run => Ok(words),
+            (Answer::Failed { run: of, why }, _) if of == run => Err(Failure::Message(LaneError::Api(why))),
+            (other, _) => Err(Failure::Lost(line.nonsense(&other))),
+        }
+    }
+}
+
+/// What Tint or Dawn says of a text, with the line that it speaks of.
+fn refusal(code: &str, (line, column): (usize, usize), why: &str) -> String {
+    let why = why.lines().next().unwrap_or_default();
+    match line.checked_sub(1).and_then(|at| code.lines().nth(at)) {
+        Some(text) => format!("Tint refuses the WGSL of this kernel at {line}:{column}: {why}: `{}`", text.trim()),
+        None => format!("Dawn refuses this kernel: {why}"),
+    }
+}
+
+impl Drop for Away {
+    fn drop(&mut self) {
+        let Ok(mut line) = self.line.try_borrow_mut() else { return };
+        if self.start.is_some() && self.start == line.peer.start() {
+            // A process that is gone has forgotten it anyway.
+            let _ = line.peer.tell(&Ask::Drop { id: self.job.id }, &[]);
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What outputs hold at `EmitVertex`: behind it all of them are undefined (GLSL 1.50, section 8.10).
+
+use std::collections::{BTreeMap, VecDeque};
+
+use base::text::Span;
+use syntax::symbols::SymbolId;
+
+use super::assign;
+use super::graph::{Event, Graph, Kind};
+
+/// An output that keeps nothing, where the shader counts on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Stale {
+    /// The output.
+    pub symbol: SymbolId,
+    /// The `EmitVertex` that emits it.
+    pub emit: Span,
+    /// A place where it was set before.
+    pub set: Span,
+}
+
+/// What happened to a slot since an `EmitVertex`; on paths that passed one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Since {
+    /// Components that some path did not set again.
+    stale: u64,
+    /// Components that some path set again.
+    fresh: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct State {
+    emitted: bool,
+    slots: Vec<Since>,
+}
+
+impl State {
+    fn step(&mut self, event: &Event, graph: &Graph) {
+        match event.kind {
+            Kind::Emit => {
+                self.emitted = true;
+                for (since, slot) in self.slots.iter_mut().zip(&graph.slots) {
+                    *since = Since { stale: slot.full, fresh: 0 };
+                }
+            }
+            Kind::Write { .. } if self.emitted => {
+                self.slots[event.slot].stale &= !event.mask;
+                self.slots[event.slot].fresh |= event.mask;
+            }
+            // Of what is passed to a function and back, nothing is known.
+            Kind::Copy { .. } => self.slots[event.slot].stale = 0,
+            Kind::Declare | Kind::Write { .. } | Kind::Read { .. } | Kind::EndPrimitive | Kind::NoReturn { .. } => {}
+        }
+    }
+}
+
+/// Outputs that are set, emitted, and emitted again without being set on any path in between. `outputs`
+/// tells which variables are outputs.
+pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
+    let assigned = assign::solve(graph, false);
+    let start = State { emitted: false, slots: vec![Since::default(); graph.slots.len()] };
+    let mut states: Vec<Option<State>> = vec![None; graph.blocks.len()];
+    states[0] = Some(start);
+    let mut todo = VecDeque::from([0]);
+    while let Some(at) = todo.pop_front() {
+        let Some(mut state) = states[at].clone() else { continue };
+        graph.blocks[at].events.iter().for_each(|e| state.step(e, graph));
+        for edge in graph.blocks[at].next.iter().filter(|e| !e.weak) {
+            let mut joined = state.clone();
+            if let Some(old) = &states[edge.to] {
+                joined.emitted |= old.emitted;
+                for (a, b) in joined.slots.iter_mut().zip(&old.slots) {
+                    *a = Since { stale: a.stale | b.stale, fresh: a.fresh | b.fresh };
+                }
+            }
+            if states[edge.to].as_ref() != Some(&joined) {
+                states[edge.to] = Some(joined);
+                todo.push_back(edge.to);
+            }
+        }
+    }
+    let set =
+        |slot: usize| graph.events().find(|e| e.slot == slot && matches!(e.kind, Kind::Write { .. })).map(|e| e.span);
+    let mut found: BTreeMap<SymbolId, Stale> = BTreeMap::new();
+    for (at, block) in graph.blocks.iter().enumerate() {
+        let (Some(mut state), Some(mut known)) = (states[at].clone(), assigned[at].clone()) else { continue };
+        for event in &block.events {
+            if event.kind == Kind::Emit && state.emitted {
+                for (index, since) in state.slots.iter().enumerate() {
+                    let symbol = graph.slots[index].symbol;
+                    if known[index].may & since.stale & !since.fresh == 0 || !outputs(symbol) {
+                        continue;
+                    }
+                    let Some(set) = set(index) else { continue };
+                    let new = Stale { symbol, emit: event.span, set };
+                    let first = found.entry(symbol).or_insert(new);
+                    if new.emit < first.emit {
+                        *first = new;
+                    }
+                }
+            }
+            state.step(event, graph);
+            assign::step(&mut known, event);
+        }
+    }
+    found.into_values().collect()
+}
+
+/// The first `EmitVertex` that comes before `symbol` is set on any path, with whether it is set at all.
+pub fn unset(graph: &Graph, symbol: Option<SymbolId>) -> Option<(Span, bool)> {
+    let slot = symbol.and_then(|s| graph.slot(s));
+    let states = assign::solve(graph, true);
+    let mut first: Option<Span> = None;
+    for (block, state) in graph.blocks.iter().zip(states) {
+        let Some(mut state) = state else { continue };
+        for event in &block.events {
+            if event.kind == Kind::Emit && slot.is_none_or(|s| state[s].may == 0) {
+                first = Some(first.map_or(event.span, |f| f.min(event.span)));
+            }
+            assign::step(&mut state, event);
+        }
+    }
+    let set = slot.is_some_and(|s| graph.events().any(|e| e.slot == s && matches!(e.kind, Kind::Write { .. })));
+    first.map(|span| (span, set))
+}
+
+/// Places where a strip ends with at least one vertex and, on every path, fewer than `needed`: the call of
+/// `EndPrimitive`, or none at the end of `main`. With the largest number of vertices.
+pub fn short(graph: &Graph, needed: u32) -> Vec<(Option<Span>, u32)> {
+    let step = |count: u32, event: &Event| match event.kind {
+        Kind::Emit => (count + 1).min(needed),
+        Kind::EndPrimitive => 0,
+        Kind::Declare | Kind::Read { .. } | Kind::Write { .. } | Kind::Copy { .. } | Kind::NoReturn { .. } => count,
+    };
+    let mut states: Vec<Option<u32>> = vec![None; graph.blocks.len()];
+    states[0] = Some(0);
+    let mut todo = VecDeque::from([0]);
+    while let Some(at) = todo.pop_front() {
+        let Some(start) = states[at] else { continue };
+        let end = graph.blocks[at].events.iter().fold(start, step);
+        for edge in &graph.blocks[at].next {
+            if states[edge.to].is_none_or(|old| old < end) {
+                states[edge.to] = Some(end);
+                todo.push_back(edge.to);
+            }
+        }
+    }
+    let mut ends: BTreeMap<Option<Span>, u32> = BTreeMap::new();
+    for (block, state) in graph.blocks.iter().zip(&states) {
+        let Some(mut count) = *state else { continue };
+        for event in &block.events {
+            if event.kind == Kind::EndPrimitive {
+                let most = ends.entry(Some(event.span)).or_default();
+                *most = count.max(*most);
+            }
+            count = step(count, event);
+        }
+    }
+    if let Some(count) = states[graph.exit] {
+        ends.insert(None, graph.blocks[graph.exit].events.iter().fold(count, step));
+    }
+    ends.into_iter().filter(|(_, most)| (1..needed).contains(most)).collect()
+}

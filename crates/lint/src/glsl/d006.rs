@@ -1,0 +1,155 @@
+//! D006: a local variable that nothing uses.
+
+use std::collections::BTreeSet;
+
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Severity, message};
+use base::text::Span;
+use syntax::ast::StmtKind;
+use syntax::symbols::{Access, SymbolKind};
+use syntax::{TokenKind, TokenPlace};
+
+use super::walk::statements;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("D006"),
+    name: "unused-variable",
+    severity: Severity::Info,
+    level: Level::Default,
+    summary: "a local variable is declared and not used",
+    page: Page {
+        what: "Reports local variables whose value is never read. A name that also occurs in text that an `#if` \
+               leaves out, or in a macro, is not reported. Parameters are left to D016, functions and structures to \
+               D017.",
+        why: "It costs nothing at run time, but often a similar name was meant: the value computed here goes nowhere.",
+        bad: &[Example {
+            name: "shade.frag",
+            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid main(void)\n\
+            {\n  vec3 m = normalize(n);\n  color = vec4(n, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "shade.frag",
+            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid \
+            main(void)\n{\n  vec3 m = normalize(n);\n  color = vec4(m, 1.0);\n}\n",
+        }],
+        fix: "No fix: what is unused may be what should be used.",
+        references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
+        ja: Japanese {
+            summary: "使われない局所変数が宣言されています",
+            what: "値が一度も読まれない局所変数を報告します。`#if` で除かれた部分やマクロに同じ名前があるものは報告しません。使われない引数は D016、関数と構造体は D017 が扱います。",
+            why: "実行時の負担にはなりませんが、似た名前と取り違えていることがよくあります。ここで計算した値はどこにも使われません。",
+            fix: "修正はありません。使われていないものが、使うべきものかもしれません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    if !file.is_sound() {
+        return;
+    }
+    let hidden = hidden_words(file);
+    let mut unused: Vec<(Span, &str, bool)> = Vec::new();
+    for (id, symbol) in shader.symbols().filter(|(_, s)| s.kind == SymbolKind::Local) {
+        let Some(span) = symbol.span else { continue };
+        let read = shader.uses_of(id).any(|u| u.access == Access::Read || is_needed(file, u.expr));
+        if !read {
+            let written = shader.is_written(id);
+            unused.push((span, &symbol.name, written));
+        }
+    }
+    for (span, name, written) in unused {
+        // A name that a macro wrote is no name of this text.
+        if hidden.contains(name) || file.file.slice(span) != name {
+            continue;
+        }
+        let message = if written {
+            message!(
+                "variable `{name}` is written and never read",
+                "変数 `{name}` は書き込まれるだけで、読まれていません"
+            )
+        } else {
+            message!("variable `{name}` is not used", "変数 `{name}` は使われていません")
+        };
+        findings.push(
+            findings
+                .at(&file.file, span, message)
+                .with_label(message!("never used", "未使用"))
+                .with_why(message!(
+                    "a similar name may be meant somewhere, or it is left over",
+                    "どこかで似た名前と取り違えているか、不要になったものです"
+                ))
+                .with_help(message!("use `{name}`, or remove it", "`{name}` を使うか、削除してください")),
+        );
+    }
+}
+
+/// Words in text that an `#if` leaves out, and in directives.
+pub(super) fn hidden_words(file: &ShaderFile) -> BTreeSet<&str> {
+    let tokens = file.shader.tokens().iter();
+    let hidden = tokens.filter(|t| t.kind == TokenKind::Word && t.place != TokenPlace::Text);
+    hidden.map(|t| file.file.slice(t.span)).collect()
+}
+
+/// True when a name is not just what a statement of its own assigns to, increments or decrements.
+fn is_needed(file: &ShaderFile, name: syntax::ast::ExprId) -> bool {
+    let shader = &file.shader;
+    let span = shader.expr(name).span;
+    let mut alone = false;
+    let mut look = |id| {
+        use syntax::ast::ExprKind;
+        let target = match shader.expr(id).kind {
+            ExprKind::Assign { target, .. } => target,
+            ExprKind::Postfix { operand, .. } | ExprKind::Unary { operand, .. } => operand,
+            _ => return,
+        };
+        alone |= shader.expr(target).span.contains(span.start);
+    };
+    statements(shader, |statement| match &statement.kind {
+        StmtKind::Expr(e) | StmtKind::For { step: Some(e), .. } => look(*e),
+        _ => {}
+    });
+    !alone
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    fn told(outer: &str, body: &str) -> Vec<String> {
+        let text = format!(
+            "#version 150 core\nuniform int n;\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n"
+        );
+        messages("D006", "a.frag", &text)
+    }
+
+    #[test]
+    fn what_nothing_uses_is_told() {
+        assert_eq!(told("", "float x = 1.0;"), ["variable `x` is not used"]);
+        assert_eq!(told("", "float x = 1.0; x = 2.0;"), ["variable `x` is written and never read"]);
+        assert_eq!(told("", "float x = 1.0; x += 2.0;"), ["variable `x` is written and never read"]);
+    }
+
+    #[test]
+    fn what_something_uses_is_not() {
+        for (outer, body) in [
+            ("", "float x = 1.0; c.x = x;"),
+            ("", "int i = 0; c.x = float(i++);"),
+            ("", "bool b; if (b = n > 0) c.x = 1.0;"),
+            ("void f(out float x) { x = 1.0; }", "float x; f(x);"),
+            ("", "for (int i = 0; i < n; ++i) c.x += 1.0;"),
+            ("", "vec3 v; v.x = 1.0; c.y = v.x;"),
+            ("void f() { }", "f();"),
+            ("struct S { float a; };", "S s = S(1.0); c.x = s.a;"),
+            ("void f(float x) { }", "f(1.0);"),
+            ("#define USE x", "float x = 1.0; c.x = USE;"),
+            ("#ifdef A\nfloat f(float x) { return x; }\n#endif", "float x = 1.0;"),
+        ] {
+            assert_eq!(told(outer, body), [""; 0], "{outer} {body}");
+        }
+        assert!(messages("D006", "a.glsl", "void f() { }\n").is_empty());
+    }
+}

@@ -1,0 +1,126 @@
+//! D017: a function or structure that nothing uses.
+
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Severity, message};
+use base::text::Span;
+use syntax::ast::{ItemKind, TypeKind};
+use syntax::symbols::CallTarget;
+use syntax::{Stage, TokenKind};
+
+use super::d006::hidden_words;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("D017"),
+    name: "unused-function",
+    severity: Severity::Info,
+    level: Level::Strict,
+    summary: "a function is not reached from `main`, or a structure is not named anywhere",
+    page: Page {
+        what: "Reports functions that nothing calls in a shader with `main`, and structures that nothing names. A \
+            name that also occurs in text that an `#if` leaves out, or in a macro, is not reported.",
+        why: "Compilers drop it, so that it costs nothing. It may be left over, or a call may be missing; many \
+            shaders keep functions to choose from.",
+        bad: &[Example {
+            name: "tone.frag",
+            text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
+            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(c, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "tone.frag",
+            text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
+            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(tone(c), 1.0);\n}\n",
+        }],
+        fix: "No fix: what is unused may be what should be used.",
+        references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
+        ja: Japanese {
+            summary: "`main` から呼ばれない関数、または使われない構造体があります",
+            what: "`main` のあるシェーダで、どこからも呼ばれない関数と、どこにも名前の出てこない構造体を報告します。`#if` で除かれた部分やマクロに同じ名前があるものは報告しません。",
+            why: "コンパイラが取り除くので負担にはなりません。不要になったものか、呼び出しを忘れているのかもしれません。選んで使うために関数を残してあるシェーダもよくあります。",
+            fix: "修正はありません。使われていないものが、使うべきものかもしれません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let flow = file.flow();
+    let (Some(reached), false) = (&flow.reached, shader.stage() == Stage::Library) else { return };
+    let hidden = hidden_words(file);
+    let mut unused: Vec<(Span, String, [&str; 2])> = Vec::new();
+    for (id, function) in shader.functions().filter(|(id, f)| f.definition.is_some() && !reached.contains(id)) {
+        // Of functions that call each other, the one that nothing calls is told.
+        let called = shader.arena().iter().any(|(e, _)| shader.callee(e) == Some(&CallTarget::User(id)));
+        if !called {
+            unused.push((function.name.span, function.name.name.clone(), ["function", "関数"]));
+        }
+    }
+    for (span, name) in structures(file) {
+        let words = shader.tokens().iter().filter(|t| t.kind == TokenKind::Word);
+        if words.filter(|t| file.file.slice(t.span) == name).count() == 1 {
+            unused.push((span, name, ["structure", "構造体"]));
+        }
+    }
+    for (span, name, [en, ja]) in unused {
+        // A name that a macro wrote is no name of this text.
+        if hidden.contains(name.as_str()) || file.file.slice(span) != name {
+            continue;
+        }
+        findings.push(
+            findings
+                .at(&file.file, span, message!("{en} `{name}` is not used", "{ja} `{name}` は使われていません"))
+                .with_label(message!("never used", "未使用"))
+                .with_why(message!(
+                    "it may be left over, or a use of it is missing",
+                    "不要になったか、使い忘れているものです"
+                ))
+                .with_help(message!("use `{name}`, or remove it", "`{name}` を使うか、削除してください")),
+        );
+    }
+}
+
+/// Names and places of the structures at file scope.
+fn structures(file: &ShaderFile) -> Vec<(Span, String)> {
+    let items = file.shader.unit().items.iter();
+    let declared = items.filter_map(|item| match &item.kind {
+        ItemKind::Declaration(d) if d.declarators.is_empty() => Some(&d.ty),
+        _ => None,
+    });
+    let named = declared.filter_map(|ty| match &ty.kind {
+        TypeKind::Struct(s) => s.name.as_ref(),
+        TypeKind::Named(_) => None,
+    });
+    named.map(|n| (n.span, n.name.clone())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    fn told(outer: &str, body: &str) -> Vec<String> {
+        let text =
+            format!("#version 150 core\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n");
+        messages("D017", "a.frag", &text)
+    }
+
+    #[test]
+    fn what_nothing_calls_or_names_is_told() {
+        assert_eq!(told("void f() { } void g() { f(); }", ""), ["function `g` is not used"]);
+        assert_eq!(told("struct S { float a; };", ""), ["structure `S` is not used"]);
+    }
+
+    #[test]
+    fn what_something_uses_is_not() {
+        for (outer, body) in [
+            ("void f() { }", "f();"),
+            ("struct S { float a; };", "S s = S(1.0); c.x = s.a;"),
+            ("#ifdef A\nvoid g() { f(); }\n#endif\nvoid f() { }", ""),
+            ("void f() { }\n#define CALL f()", "CALL;"),
+        ] {
+            assert_eq!(told(outer, body), [""; 0], "{outer} {body}");
+        }
+        assert!(messages("D017", "a.glsl", "void f() { }\n").is_empty());
+    }
+}

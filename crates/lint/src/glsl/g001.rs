@@ -1,0 +1,121 @@
+//! G001: a geometry stage emits more vertices than it declares.
+
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::Stage;
+
+use super::emission;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("G001"),
+    name: "max-vertices-too-small",
+    severity: Severity::Warning,
+    level: Level::Default,
+    summary: "a geometry stage emits more vertices than `max_vertices` allows",
+    page: Page {
+        what: "Reports a `max_vertices` below the number of vertices that `main` emits on every run: loops with \
+            constant bounds are counted, and what stands behind a condition only as far as each branch emits.",
+        why: "What is emitted beyond the declared number is undefined. It is usually dropped without a message.",
+        bad: &[Example {
+            name: "quad.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
+            max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 4; ++i)\n  {\n    gl_Position = \
+            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "quad.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
+            max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 4; ++i)\n  {\n    gl_Position = \
+            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n",
+        }],
+        fix: "Declares the number that can be emitted. Unsafe: the vertices that were dropped appear.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.12.4 \"Geometry Shader Execution Environment\"",
+            "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\"",
+        ],
+        ja: Japanese {
+            summary: "ジオメトリシェーダが `max_vertices` より多い頂点を出力しています",
+            what: "`main` が必ず出力する頂点数より小さい `max_vertices` を報告します。回数が定数で決まるループは数え、条件の後ろは、どの分岐でも出力される分だけを数えます。",
+            why: "宣言した数を超える出力は未定義です。多くの場合、何の通知もなく捨てられます。",
+            fix: "出力しうる数を宣言します。unsafe: 捨てられていた頂点が現れます。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    if shader.stage() != Stage::Geometry || !file.is_sound() {
+        return;
+    }
+    let layouts = &shader.interface().stage_layouts;
+    let mut entries = layouts.iter().filter_map(|l| l.qualifiers.layout_entry("max_vertices"));
+    let (Some(entry), None) = (entries.next(), entries.next()) else { return };
+    let Some(declared) = shader.interface().geometry.max_vertices else { return };
+    let emitted = emission::least(shader);
+    let value = declared.value;
+    if emitted <= u64::from(value) {
+        return;
+    }
+    let wanted = emission::most(shader).unwrap_or(emitted).max(emitted);
+    let mut found = findings
+        .at(
+            &file.file,
+            declared.span,
+            message!(
+                "{value} vertices are declared, at least {emitted} are emitted",
+                "{value} 頂点が宣言されていますが、少なくとも {emitted} 頂点が出力されます"
+            ),
+        )
+        .with_label(message!("too few", "足りない"))
+        .with_why(message!(
+            "what is emitted beyond the declared number is undefined, and is usually dropped",
+            "宣言した数を超える出力は未定義で、多くの場合は捨てられます"
+        ))
+        .with_help(message!("declare `max_vertices = {wanted}`", "`max_vertices = {wanted}` と宣言してください"));
+    if let Some(value) = entry.value.map(|v| shader.expr(v)).filter(|v| !v.from_macro) {
+        let edit = Edit::replace(value.span, wanted.to_string());
+        found = found.with_fix(message!("declare {wanted}", "{wanted} と宣言する"), Safety::Unsafe, vec![edit]);
+    }
+    findings.push(found);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    fn told(before: &str, body: &str) -> Vec<String> {
+        let text = format!(
+            "#version 150 core\nlayout (points) in;\nlayout (points, max_vertices = 3) out;\nuniform int n;\n{before}\nvoid main(void)\n{{\n  gl_Position = gl_in[0].gl_Position;\n  {body}\n}}\n"
+        );
+        messages("G001", "a.geom", &text)
+    }
+
+    #[test]
+    fn more_than_declared_is_told() {
+        let message = |n: u32| vec![format!("3 vertices are declared, at least {n} are emitted")];
+        assert_eq!(told("", "for (int i = 0; i < 4; ++i) EmitVertex();"), message(4));
+        assert_eq!(told("void two() { EmitVertex(); EmitVertex(); }", "two(); two(); two();"), message(6));
+        assert_eq!(
+            told("", "for (int i = 0; i < 4; ++i) { if (i == n) EmitVertex(); else { EmitVertex(); EmitVertex(); } }"),
+            message(4)
+        );
+    }
+
+    #[test]
+    fn what_fits_or_is_not_certain_is_not() {
+        for body in [
+            "for (int i = 0; i < 3; ++i) EmitVertex();",
+            "for (int i = 0; i < 4; ++i) if (i != n) EmitVertex();",
+            "for (int i = 0; i < 4; ++i) { if (i == n) break; EmitVertex(); }",
+            "for (int i = 0; i < n; ++i) EmitVertex();",
+            "if (n > 3) return; for (int i = 0; i < 4; ++i) EmitVertex();",
+            "if (n > 3) { EmitVertex(); EmitVertex(); } if (n <= 3) { EmitVertex(); EmitVertex(); }",
+        ] {
+            assert_eq!(told("", body), [""; 0], "{body}");
+        }
+    }
+}

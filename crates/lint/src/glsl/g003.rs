@@ -1,0 +1,122 @@
+//! G003: strips of a loop that are never ended.
+
+use crate::flow::vertices_needed;
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Severity, message};
+use syntax::Stage;
+use syntax::ast::StmtKind;
+
+use super::emission;
+use super::walk::statements;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("G003"),
+    name: "missing-end-primitive",
+    severity: Severity::Warning,
+    level: Level::Strict,
+    summary: "each round of a loop emits whole primitives, and nothing ends the strip",
+    page: Page {
+        what: "Reports loops in a geometry stage whose every round emits enough vertices for a primitive, in a \
+            stage that never calls `EndPrimitive`. One strip at the end of `main` needs no call, and is not \
+            reported.",
+        why: "The strips of the rounds are joined: lines connect the end of one with the start of the next, \
+            triangles fill the gap. If that is meant, the loop is right as it is.",
+        bad: &[Example {
+            name: "normals.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = \
+            gl_in[i].gl_Position;\n    EmitVertex();\n    gl_Position = gl_in[i].gl_Position + vec4(0.0, 1.0, 0.0, \
+            0.0);\n    EmitVertex();\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "normals.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = \
+            gl_in[i].gl_Position;\n    EmitVertex();\n    gl_Position = gl_in[i].gl_Position + vec4(0.0, 1.0, 0.0, \
+            0.0);\n    EmitVertex();\n    EndPrimitive();\n  }\n}\n",
+        }],
+        fix: "No fix: where a strip ends is not known.",
+        references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
+        ja: Japanese {
+            summary: "ループの各回がプリミティブを出力していますが、ストリップの区切りがありません",
+            what: "ループの各回でプリミティブ 1 個分以上の頂点を出力し、`EndPrimitive` を一度も呼ばないジオメトリシェーダを報告します。`main` の終わりまで続く一つのストリップには呼び出しが要らないので報告しません。",
+            why: "各回のストリップがつながります。線なら前の終点と次の始点が結ばれ、三角形なら間が埋まります。それが意図なら、このままで正しいコードです。",
+            fix: "修正はありません。ストリップの区切りの場所は分かりません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let (shader, flow) = (&file.shader, file.flow());
+    let Some(needed) = vertices_needed(shader).filter(|n| *n > 1) else { return };
+    if shader.stage() != Stage::Geometry || flow.emits != Some(true) || flow.ends {
+        return;
+    }
+    let mut loops = Vec::new();
+    statements(shader, |statement| {
+        if let StmtKind::For { init, condition, step, body, head_span } = &statement.kind {
+            let rounds = emission::rounds(shader, init, condition.as_ref(), *step, body);
+            let each = emission::least_of(shader, body);
+            if rounds != Some(1) && each >= u64::from(needed) {
+                loops.push((*head_span, each));
+            }
+        }
+    });
+    for (span, each) in loops {
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    span,
+                    message!(
+                        "each round emits {each} vertices, and `EndPrimitive` is never called",
+                        "各回で {each} 頂点を出力していますが、`EndPrimitive` がどこにもありません"
+                    ),
+                )
+                .with_label(message!("the strips of the rounds are joined", "各回のストリップがつながる"))
+                .with_why(message!(
+                    "a strip goes on until `EndPrimitive`, so that the rounds are connected with each other",
+                    "ストリップは `EndPrimitive` まで続くため、各回の図形が互いにつながります"
+                ))
+                .with_help(message!(
+                    "call `EndPrimitive()` at the end of each round if the pieces are separate",
+                    "別々の図形なら、各回の最後で `EndPrimitive()` を呼んでください"
+                )),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    fn told(primitive: &str, body: &str) -> usize {
+        let text = format!(
+            "#version 150 core\nlayout (points) in;\nlayout ({primitive}, max_vertices = 20) out;\nvoid v() {{ gl_Position = gl_in[0].gl_Position; EmitVertex(); }}\nvoid main(void)\n{{\n  {body}\n}}\n"
+        );
+        messages("G003", "a.geom", &text).len()
+    }
+
+    #[test]
+    fn whole_primitives_in_a_loop_are_told() {
+        assert_eq!(told("line_strip", "for (int i = 0; i < 4; ++i) { v(); v(); }"), 1);
+        assert_eq!(told("triangle_strip", "for (int i = 0; i < 4; ++i) { v(); v(); v(); }"), 1);
+    }
+
+    #[test]
+    fn one_strip_is_not() {
+        for (primitive, body) in [
+            ("line_strip", "for (int i = 0; i < 4; ++i) { v(); }"),
+            ("line_strip", "for (int i = 0; i < 4; ++i) { v(); v(); EndPrimitive(); }"),
+            ("triangle_strip", "for (int i = 0; i < 4; ++i) { v(); v(); }"),
+            ("triangle_strip", "for (int i = 0; i < 1; ++i) { v(); v(); v(); }"),
+            ("triangle_strip", "v(); v(); v(); v();"),
+            ("points", "for (int i = 0; i < 4; ++i) { v(); }"),
+        ] {
+            assert_eq!(told(primitive, body), 0, "{body}");
+        }
+    }
+}

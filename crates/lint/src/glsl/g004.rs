@@ -1,0 +1,85 @@
+//! G004: a geometry stage emits nothing.
+
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Severity, message};
+
+use super::d003::stores;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("G004"),
+    name: "no-emit-vertex",
+    severity: Severity::Warning,
+    level: Level::Default,
+    summary: "a geometry stage never calls `EmitVertex`",
+    page: Page {
+        what: "Reports geometry stages from whose `main` no call of `EmitVertex` can be reached. A stage that \
+            can write to memory is left alone.",
+        why: "Nothing is passed on: what goes through this stage is not drawn.",
+        bad: &[Example {
+            name: "pass.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
+            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n}\n",
+        }],
+        good: &[Example {
+            name: "pass.geom",
+            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
+            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n\
+            }\n",
+        }],
+        fix: "No fix: it is not known where a vertex is complete.",
+        references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
+        ja: Japanese {
+            summary: "ジオメトリシェーダが `EmitVertex` を一度も呼びません",
+            what: "`main` から `EmitVertex` の呼び出しに到達できないジオメトリシェーダを報告します。メモリに書き込めるシェーダは報告しません。",
+            why: "何も出力されないため、このステージを通る図形は描画されません。",
+            fix: "修正はありません。頂点が完成する場所は分かりません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let Some(main) = file.shader.function("main") else { return };
+    if file.flow().emits != Some(false) || stores(file) {
+        return;
+    }
+    findings.push(
+        findings
+            .at(
+                &file.file,
+                main.name.span,
+                message!("this geometry shader emits no vertex", "このジオメトリシェーダは頂点を出力しません"),
+            )
+            .with_label(message!("no `EmitVertex` is reached from here", "ここから `EmitVertex` に到達しない"))
+            .with_why(message!(
+                "only what is emitted is drawn: the primitive that comes in ends here",
+                "描画されるのは出力した頂点だけです。入力されたプリミティブはここで終わります"
+            ))
+            .with_help(message!(
+                "call `EmitVertex()` when the outputs of a vertex are written",
+                "頂点の出力変数に書き込んだら `EmitVertex()` を呼んでください"
+            )),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    #[test]
+    fn a_call_that_is_reached_is_enough() {
+        let told = |before: &str, body: &str| {
+            let text = format!(
+                "#version 430 core\nlayout (points) in;\nlayout (points, max_vertices = 1) out;\n{before}\nvoid main(void)\n{{\n  gl_Position = vec4(0.0);\n  {body}\n}}\n"
+            );
+            messages("G004", "a.geom", &text).len()
+        };
+        assert_eq!(told("", ""), 1);
+        assert_eq!(told("void f() { EmitVertex(); }", ""), 1);
+        assert_eq!(told("void f() { EmitVertex(); }", "f();"), 0);
+        assert_eq!(told("uniform bool b;", "if (b) EmitVertex();"), 0);
+        assert_eq!(told("buffer B { int n; };", "n = 1;"), 0);
+    }
+}

@@ -1,0 +1,111 @@
+//! G005: an output is emitted again without being set again.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Severity, message};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("G005"),
+    name: "output-stale-after-emit",
+    severity: Severity::Warning,
+    level: Level::Default,
+    summary: "an output is not set again after `EmitVertex`",
+    page: Page {
+        what: "Reports outputs of a geometry stage that are set before one `EmitVertex` and emitted by a later one, \
+            or in the next round of a loop, without being set on any path in between.",
+        why: "After `EmitVertex` all outputs are undefined. Many drivers keep the values, others do not: every \
+            vertex needs all of its outputs.",
+        bad: &[Example {
+            name: "color.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            max_vertices = 2) out;\nin vec3 c[];\nout vec3 shade;\nvoid main(void)\n{\n  shade = c[0];\n  for (int \
+            i = 0; i < 2; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "color.geom",
+            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
+            max_vertices = 2) out;\nin vec3 c[];\nout vec3 shade;\nvoid main(void)\n{\n  for (int i = 0; i < 2; \
+            ++i)\n  {\n    shade = c[0];\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+        }],
+        fix: "No fix: move the write into the loop, or repeat it before each `EmitVertex`.",
+        references: &[
+            "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\": after EmitVertex the values of output variables are undefined",
+        ],
+        ja: Japanese {
+            summary: "出力変数が `EmitVertex` の後で設定し直されていません",
+            what: "ジオメトリシェーダの出力変数のうち、ある `EmitVertex` の前に設定され、その後どの経路でも設定されないまま、次の `EmitVertex` やループの次の回で出力されるものを報告します。",
+            why: "`EmitVertex` の後、出力変数の値はすべて未定義になります。値を残すドライバも多いですが、残さないものもあります。頂点ごとにすべての出力変数を設定する必要があります。",
+            fix: "修正はありません。書き込みをループの中に移すか、`EmitVertex` の前ごとに書いてください。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    for stale in &file.flow().stale {
+        let name = &file.shader.symbol(stale.symbol).name;
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    stale.emit,
+                    message!(
+                        "`{name}` is emitted again without being set again",
+                        "`{name}` が設定し直されないまま、また出力されています"
+                    ),
+                )
+                .with_label(message!("`{name}` is undefined here", "ここで `{name}` は未定義"))
+                .with_related(&file.file, stale.set, message!("set here", "ここで設定"))
+                .with_why(message!(
+                    "after `EmitVertex` all outputs are undefined, and this one is not set between two calls",
+                    "`EmitVertex` の後はすべての出力変数が未定義になりますが、次の呼び出しまでに設定されていません"
+                ))
+                .with_help(message!(
+                    "set `{name}` before each `EmitVertex`",
+                    "`EmitVertex` の前ごとに `{name}` を設定してください"
+                )),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    fn told(body: &str) -> Vec<String> {
+        let text = format!(
+            "#version 150 core\nlayout (triangles) in;\nlayout (triangle_strip, max_vertices = 9) out;\nuniform bool b;\nout vec3 c;\nout vec3 n;\nvoid at(int i) {{ gl_Position = gl_in[i].gl_Position; EmitVertex(); }}\nvoid with(vec3 x, int i) {{ c = x; at(i); }}\nvoid main(void)\n{{\n  {body}\n}}\n"
+        );
+        messages("G005", "a.geom", &text)
+    }
+
+    #[test]
+    fn outputs_that_are_not_set_again_are_told() {
+        let message = ["`c` is emitted again without being set again"];
+        for body in [
+            "c = vec3(1.0); at(0); at(1); at(2);",
+            "c = vec3(1.0); for (int i = 0; i < 3; ++i) at(i);",
+            "with(vec3(1.0), 0); at(1);",
+            "for (int i = 0; i < 3; ++i) { at(i); if (i == 5) c = vec3(1.0); else c = vec3(0.5); at(i); }",
+            "c = vec3(1.0); at(0); EndPrimitive(); at(1);",
+        ] {
+            assert_eq!(told(body), message, "{body}");
+        }
+        assert_eq!(told("gl_Layer = 1; for (int i = 0; i < 3; ++i) at(i);").len(), 1);
+    }
+
+    #[test]
+    fn outputs_that_are_set_for_each_vertex_are_not() {
+        for body in [
+            "for (int i = 0; i < 3; ++i) with(vec3(1.0), i);",
+            "for (int i = 0; i < 3; ++i) { c = vec3(1.0); at(i); }",
+            "c = vec3(1.0); at(0);",
+            "at(0); at(1);",
+            "for (int i = 0; i < 3; ++i) { if (b) c = vec3(1.0); at(i); }",
+            "if (b) { c = vec3(1.0); at(0); } else { c = vec3(0.0); at(0); }",
+        ] {
+            assert_eq!(told(body), [""; 0], "{body}");
+        }
+    }
+}

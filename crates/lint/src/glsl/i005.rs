@@ -1,0 +1,131 @@
+//! I005: a fragment input of integers that is not flat.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::{Edit, Span};
+use syntax::Stage;
+use syntax::ast::{Interpolation, Qualifiers};
+use syntax::interface::Storage;
+use syntax::types::{ScalarType, Type};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("I005"),
+    name: "integer-varying-not-flat",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "an integer or double input of a fragment shader is not `flat`",
+    page: Page {
+        what: "Reports inputs of fragment shaders that are, or contain, integers or doubles, without `flat`, from version 1.30 on. Members of blocks are looked at as well.",
+        why: "Integers cannot be interpolated, and the language asks for `flat`. The shader does not compile.",
+        bad: &[Example {
+            name: "tiles.frag",
+            text: "#version 150 core\nin int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n",
+        }],
+        good: &[Example {
+            name: "tiles.frag",
+            text: "#version 150 core\nflat in int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n",
+        }],
+        fix: "Writes `flat`. Safe: the shader did not compile, and no other qualifier is allowed.",
+        references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs): integer fragment inputs have to be flat"],
+        ja: Japanese {
+            summary: "フラグメントシェーダの整数または double の入力に `flat` がありません",
+            what: "1.30 以降のフラグメントシェーダで、整数や double である、またはそれを含む入力のうち、`flat` のないものを報告します。ブロックのメンバも調べます。",
+            why: "整数は補間できないので、`flat` が必要です。シェーダはコンパイルできません。",
+            fix: "`flat` を書きます。シェーダはコンパイルできず、ほかの修飾子は許されないので safe です。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    if shader.stage() != Stage::Fragment || shader.version().number < 130 {
+        return;
+    }
+    for input in shader.interface().inputs.iter().filter(|v| !v.name.starts_with("gl_") && is_whole(&v.ty)) {
+        if interpolation(&input.qualifiers) != Some(Interpolation::Flat) {
+            report(file, &input.name, input.name_span, &input.ty, &input.qualifiers, input.type_span.start, findings);
+        }
+    }
+    for block in shader.interface().blocks.iter().filter(|b| b.storage == Storage::In) {
+        for member in block.members.iter().filter(|m| is_whole(&m.ty)) {
+            let of_block = interpolation(&block.qualifiers);
+            if interpolation(&member.qualifiers).or(of_block) != Some(Interpolation::Flat) {
+                let (name, start) = (&member.name, member.type_span.start);
+                report(file, &name.name, name.span, &member.ty, &member.qualifiers, start, findings);
+            }
+        }
+    }
+}
+
+fn report(
+    file: &ShaderFile,
+    name: &str,
+    place: Span,
+    ty: &Type,
+    qualifiers: &Qualifiers,
+    type_start: usize,
+    findings: &mut Findings<'_>,
+) {
+    let edit = match qualifiers.interpolation() {
+        Some((_, span)) => Edit::replace(span, "flat"),
+        None => Edit::insert(qualifiers.storage().map_or(type_start, |(_, span)| span.start), "flat "),
+    };
+    findings.push(
+        findings
+            .at(
+                &file.file,
+                place,
+                message!("`{name}` is `{ty}`, but not `flat`", "`{name}` は `{ty}` ですが、`flat` ではありません"),
+            )
+            .with_label(message!("cannot be interpolated", "補間できません"))
+            .with_why(message!(
+                "integer and double inputs of a fragment shader have to be `flat`; the shader does not compile",
+                "フラグメントシェーダの整数と double の入力は `flat` でなければならず、シェーダはコンパイルできません"
+            ))
+            .with_fix(message!("write `flat`", "`flat` と書く"), Safety::Safe, vec![edit]),
+    );
+}
+
+fn interpolation(qualifiers: &Qualifiers) -> Option<Interpolation> {
+    qualifiers.interpolation().map(|(i, _)| i)
+}
+
+/// True for a type that is, or contains, integers or doubles.
+fn is_whole(ty: &Type) -> bool {
+    match ty {
+        Type::Scalar(s) | Type::Vector(s, _) | Type::Matrix(s, _, _) => {
+            matches!(s, ScalarType::Int | ScalarType::Uint | ScalarType::Double)
+        }
+        Type::Array(element, _) => is_whole(element),
+        Type::Struct(s) => s.fields.iter().any(|f| is_whole(&f.ty)),
+        Type::Error | Type::Void | Type::Opaque(_) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Input, run};
+    use base::text::SourceFile;
+
+    fn codes(name: &str, text: &str) -> Vec<&'static str> {
+        run(&[Input::new(SourceFile::new(name, text))]).iter().map(|d| d.code.0).filter(|c| *c == "I005").collect()
+    }
+
+    #[test]
+    fn only_fragment_inputs_of_whole_numbers_are_told() {
+        let fragment =
+            |input: &str| format!("#version 330 core\n{input}\nout vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n");
+        for told in ["in int a;", "smooth in uvec2 a;", "in B { vec2 p; int a; } b;", "in int a[2];"] {
+            assert_eq!(codes("a.frag", &fragment(told)), ["I005"], "{told}");
+        }
+        for silent in
+            ["flat in int a;", "in vec4 a;", "flat in B { int a; } b;", "in B { flat int a; } b;", "uniform int a;"]
+        {
+            assert!(codes("a.frag", &fragment(silent)).is_empty(), "{silent}");
+        }
+        assert!(codes("a.vert", "#version 330 core\nin int a;\nvoid main() { gl_Position = vec4(a); }\n").is_empty());
+    }
+}

@@ -1,0 +1,118 @@
+//! N003: `pow` with a large exponent flushes to zero.
+
+use crate::project::{Project, ShaderFile};
+use crate::range::{Evidence, Range, Visit};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Severity, message};
+
+use super::numeric::{calls, number};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N003"),
+    name: "pow-underflow",
+    severity: Severity::Info,
+    level: Level::Heuristic,
+    summary: "`pow` with a large exponent leaves the normal numbers for bases well above 0",
+    page: Page {
+        what: "Reports `pow(x, y)` with an exponent of 64 or more, stated by a constant or a declared range, when the \
+               range of `x` reaches bases whose power is below the least normal number of binary32. Only with \
+               `--heuristic`: a highlight that fades to 0 is mostly meant.",
+        why: "Below 1.18e-38 a device may give 0 or a subnormal number, and devices differ. What divides by the \
+              result, takes its logarithm or compares it with 0 then differs as well.",
+        bad: &[Example {
+            name: "spot.frag",
+            text: "#version 330 core\nin float facing;\nout vec4 color;\nvoid main()\n{\n  \
+                   color = vec4(pow(clamp(facing, 0.0, 1.0), 256.0));\n}\n",
+        }],
+        good: &[Example {
+            name: "spot.frag",
+            text: "#version 330 core\nin float facing;\nout vec4 color;\nvoid main()\n{\n  \
+                   color = vec4(pow(clamp(facing, 0.75, 1.0), 256.0));\n}\n",
+        }],
+        fix: "No fix: whether the small results matter is not known.",
+        references: &[
+            "IEEE 754-2019, section 3.4: binary32, emin = -126",
+            "GLSL 4.60 specification, section 4.7.1 \"Range and Precision\": subnormal numbers may be flushed to 0",
+        ],
+        ja: Japanese {
+            summary: "指数の大きい `pow` が、0 から離れた底でも正規化数の範囲を下回ります",
+            what: "定数または宣言した範囲から指数が 64 以上と分かり、`x` の範囲に、べき乗が binary32 の最小の正規化数を下回る底が含まれる `pow(x, y)` を報告します。0 に消えていくハイライトはたいてい意図したものなので、`--heuristic` のときだけ報告します。",
+            why: "1.18e-38 より小さいと、装置は 0 を返すことも非正規化数を返すこともあり、装置によって異なります。その結果で割る、対数を取る、0 と比べるといった計算の結果も異なってきます。",
+            fix: "自動修正（fix）はありません。小さい結果が問題になるかどうかは分からないためです。",
+        },
+    },
+    check: Check::ShaderWith(check),
+};
+
+/// Exponents from here on are looked at.
+const LARGE: f64 = 64.0;
+
+/// The base below which the power is no normal number, when the range has such bases.
+fn hazard(visit: &Visit) -> Option<(f64, f64)> {
+    let [x, y] = visit.operands.as_slice() else { return None };
+    let below = |x: Range, y: Range| {
+        let least = f64::from(f32::MIN_POSITIVE).powf(1.0 / y.hi);
+        let large = y.lo >= LARGE && y.lo_by == Evidence::Stated && y.hi.is_finite();
+        (large && x.lo >= 0.0 && x.lo < least && x.hi > x.lo).then_some((least, y.hi))
+    };
+    (0..x.parts.len()).find_map(|i| below(x.part(i)?, y.part(i)?))
+}
+
+fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let observed = file.observed(project);
+    for call in calls(shader, &["pow"]) {
+        let Some((least, exponent)) = observed.visits(call.id).iter().find_map(hazard) else { continue };
+        let (least, exponent) = (number((least * 1000.0).round() / 1000.0), number(exponent));
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    shader.expr(call.id).span,
+                    message!(
+                        "with the exponent {exponent}, bases below {least} give no normal number",
+                        "指数が {exponent} のとき、{least} より小さい底では結果が正規化数になりません"
+                    ),
+                )
+                .with_label(message!("underflows", "アンダーフローします"))
+                .with_why(message!(
+                    "devices differ in whether they give 0 or a subnormal number there",
+                    "そこで 0 を返すか非正規化数を返すかは、装置によって異なります"
+                ))
+                .with_help(message!(
+                    "do not divide by the result, take its logarithm or compare it with 0",
+                    "この結果で割ったり、対数を取ったり、0 と比べたりしないでください"
+                )),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{rings, silent};
+    use super::*;
+
+    #[test]
+    fn large_exponents_of_small_bases_are_told() {
+        rings(
+            "N003",
+            Level::Heuristic,
+            &["r = pow(max(s, 0.0), 128.0);", "r = pow(clamp(s, 0.0, 1.0), 64.0 + declared);"],
+        );
+    }
+
+    #[test]
+    fn others_are_not() {
+        silent(
+            "N003",
+            Level::Heuristic,
+            &[
+                "r = pow(max(s, 0.0), 32.0);",
+                "r = pow(clamp(s, 0.9, 1.0), 128.0);",
+                "r = pow(max(s, 0.0), t);",
+                "r = pow(max(s, 0.0), declared);",
+            ],
+        );
+    }
+}

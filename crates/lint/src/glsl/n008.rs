@@ -1,0 +1,138 @@
+//! N008: `sqrt`, `inversesqrt`, `log` or `log2` outside their domain.
+
+use crate::project::{Project, ShaderFile};
+use crate::range::{Evidence, Range};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+
+use super::numeric::{around, calls, ends};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N008"),
+    name: "sqrt-log-domain",
+    severity: Severity::Warning,
+    level: Level::Default,
+    summary: "the argument of a square root or logarithm can be outside the domain",
+    page: Page {
+        what: "Reports `sqrt(x)` when the text shows that `x` takes negative values, and `inversesqrt(x)`, `log(x)` and \
+               `log2(x)` when it shows negative values or 0: a sine, one minus the square of a scalar product of \
+               normalised vectors, what is cut off at 0, a declared range. With `--strict`, arguments are reported \
+               as well whose range leaves the domain, but perhaps never comes up. An argument of which nothing is \
+               known is not reported.",
+        why: "Outside the domain the result is undefined; devices give NaN, or infinity for 0.",
+        bad: &[Example {
+            name: "sine.frag",
+            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
+                   float c = dot(normalize(a), normalize(b));\n  color = vec4(sqrt(1.0 - c * c));\n}\n",
+        }],
+        good: &[Example {
+            name: "sine.frag",
+            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
+                   float c = dot(normalize(a), normalize(b));\n  color = vec4(sqrt(max(1.0 - c * c, 0.0)));\n}\n",
+        }],
+        fix: "Writes `max(x, 0.0)`, or `max(x, 1.17549435e-38)` where 0 is outside. Unsafe: where the argument is \
+              outside, the result changes.",
+        references: &["GLSL 4.60 specification, section 8.2 \"Exponential Functions\""],
+        ja: Japanese {
+            summary: "平方根や対数の引数が定義域を外れることがあります",
+            what: "`x` が負になることが本文から分かる `sqrt(x)` と、負または 0 になることが分かる `inversesqrt(x)`、`log(x)`、`log2(x)` を報告します。正弦、正規化したベクトルの内積の二乗を 1 から引いたもの、0 で切ったもの、宣言した範囲などです。`--strict` では、定義域を外れるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
+            why: "定義域の外では結果は未定義です。装置は NaN を、0 に対しては無限大を返します。",
+            fix: "`max(x, 0.0)` と書きます。0 も定義域に入らないものでは `max(x, 1.17549435e-38)` とします。unsafe: 定義域を外れるところで結果が変わります。",
+        },
+    },
+    check: Check::ShaderWith(check),
+};
+
+fn level(range: &Range, zero_is_inside: bool) -> Option<Level> {
+    let outside = range.lo < 0.0 || (!zero_is_inside && range.lo == 0.0 && !range.nonzero);
+    if range.goes_below(0.0, Evidence::Nature) || (!zero_is_inside && range.shows_zero()) {
+        Some(Level::Default)
+    } else {
+        (outside && range.lo.is_finite()).then_some(Level::Strict)
+    }
+}
+
+fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let observed = file.observed(project);
+    for call in calls(shader, &["sqrt", "inversesqrt", "log", "log2"]) {
+        let [arg] = call.args else { continue };
+        let root = call.name == "sqrt";
+        let all = observed.visits(call.id).iter().filter_map(|v| v.operands.first()).flat_map(|v| &v.parts);
+        let worst = all.filter_map(|r| Some((level(r, root)?, *r))).min_by_key(|(level, _)| *level);
+        let Some((level, range)) = worst else { continue };
+        let (name, (lo, hi)) = (call.name, ends(&range));
+        let message = if range.lo < 0.0 {
+            message!("the argument of `{name}` can be negative", "`{name}` の引数が負になりえます")
+        } else {
+            message!("the argument of `{name}` can be 0", "`{name}` の引数が 0 になりえます")
+        };
+        let mut found = findings
+            .at(&file.file, shader.expr(*arg).span, message)
+            .with_label(message!("from {lo} to {hi}", "{lo} から {hi} まで"))
+            .with_why(message!(
+                "`{name}` is undefined there: devices give NaN or infinity",
+                "そこでは `{name}` は未定義で、装置は NaN や無限大を返します"
+            ))
+            .with_help(message!("keep the argument in the domain", "引数を定義域に収めてください"));
+        let after = if root { ", 0.0)" } else { ", 1.17549435e-38)" };
+        if let Some(edits) = around(shader, call.id, *arg, "max(", after) {
+            found = found.with_fix(message!("cut the argument off", "引数を下から制限する"), Safety::Unsafe, edits);
+        }
+        findings.push_at(level, found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{fixed, macro_has_no_fix, rings, silent};
+    use super::*;
+
+    #[test]
+    fn arguments_outside_the_domain_are_told() {
+        rings(
+            "N008",
+            Level::Default,
+            &[
+                "r = sqrt(sin(s));",
+                "float c = dot(normalize(p), normalize(q)); r = sqrt(1.0 - c * c);",
+                "r = log(max(s, 0.0));",
+                "r = inversesqrt(clamp(s, 0.0, 1.0));",
+                "r = log2(declared);",
+                "r = sqrt(declared - 1.0);",
+            ],
+        );
+        rings("N008", Level::Strict, &["r = log(length(p));", "r = sqrt(sin(s) + cos(s));", "r = log(fract(s));"]);
+    }
+
+    #[test]
+    fn others_are_not() {
+        silent(
+            "N008",
+            Level::Heuristic,
+            &[
+                "r = sqrt(s);",
+                "r = log(s);",
+                "r = sqrt(dot(p, p));",
+                "r = sqrt(p.x * p.x + p.y * p.y);",
+                "r = sqrt(max(sin(s), 0.0));",
+                "r = sqrt(declared); r += log(declared + 1.0);",
+                "r = log(exp(s) + 1.0);",
+                "r = sqrt(1.0 - pow(clamp(s, 0.0, 1.0), 2.0));",
+                "float d = t * t - 4.0 * s; if (d < 0.0) discard; r = sqrt(d);",
+                "float a = sin(s); float b = sin(t); if (a > b) r = sqrt(a - b);",
+                "float a = sin(s); float b = a * 2.0; if (a > 0.0) r = 1.0;",
+                "float c = sin(s); r = sqrt(1.0 - c * c);",
+                "r = sqrt(-2.0 * log(clamp(s, 0.01, 1.0)));",
+            ],
+        );
+    }
+
+    #[test]
+    fn the_fix_cuts_off() {
+        assert_eq!(fixed("N008", "r = sqrt(sin(s));"), "r = sqrt(max(sin(s), 0.0));");
+        assert_eq!(fixed("N008", "r = log(max(s, 0.0));"), "r = log(max(max(s, 0.0), 1.17549435e-38));");
+        macro_has_no_fix("N008", "sqrt(sin(a))");
+    }
+}

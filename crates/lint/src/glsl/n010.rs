@@ -1,0 +1,108 @@
+//! N010: `atan` of a quotient.
+
+use crate::project::{Project, ShaderFile};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::ast::{BinaryOp, ExprKind};
+
+use super::numeric::{bare, calls, constant, is_plain};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N010"),
+    name: "one-argument-atan",
+    severity: Severity::Info,
+    level: Level::Strict,
+    summary: "`atan(y / x)` does not know the quadrant, and divides by 0 where `x` is 0",
+    page: Page {
+        what: "Reports `atan(y / x)`, unless `x` is known to be positive or is constant.",
+        why: "The quotient is the same for opposite directions: the angle covers half a turn only and jumps where `x` \
+              changes its sign. Where `x` is 0 the quotient is infinite or undefined. `atan(y, x)` gives the angle \
+              over the whole turn.",
+        bad: &[Example {
+            name: "wheel.frag",
+            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  color = vec4(atan(p.y / p.x));\n}\n",
+        }],
+        good: &[Example {
+            name: "wheel.frag",
+            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  color = vec4(atan(p.y, p.x));\n}\n",
+        }],
+        fix: "Writes `atan(y, x)`. Unsafe: where `x` is negative the angle changes by half a turn.",
+        references: &["GLSL 4.60 specification, section 8.1 \"Angle and Trigonometry Functions\""],
+        ja: Japanese {
+            summary: "`atan(y / x)` は象限が分からず、`x` が 0 のところでは 0 で割ります",
+            what: "`atan(y / x)` を報告します。`x` が正と分かっているときと、定数のときは報告しません。",
+            why: "商は反対の向きでも同じ値になります。角度は半周分しか表せず、`x` の符号が変わるところで跳びます。`x` が 0 のところでは商が無限大または未定義になります。`atan(y, x)` なら一周分の角度が得られます。",
+            fix: "`atan(y, x)` と書きます。unsafe: `x` が負のところで角度が半周変わります。",
+        },
+    },
+    check: Check::ShaderWith(check),
+};
+
+fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let observed = file.observed(project);
+    for call in calls(shader, &["atan"]) {
+        let [arg] = call.args else { continue };
+        let quotient = bare(shader, *arg);
+        let ExprKind::Binary { op: BinaryOp::Div, op_span: _, left, right } = shader.expr(quotient).kind else {
+            continue;
+        };
+        let mut divisors = observed.visits(quotient).iter().filter_map(|v| v.operands.get(1)).flat_map(|v| &v.parts);
+        let positive = divisors.clone().next().is_some() && divisors.all(|r| r.lo > 0.0);
+        if positive || constant(shader, right).is_some() {
+            continue;
+        }
+        let mut found = findings
+            .at(
+                &file.file,
+                shader.expr(call.id).span,
+                message!("`atan` of a quotient does not know the quadrant", "商の `atan` では象限が分かりません"),
+            )
+            .with_label(message!("half a turn at most", "半周分だけです"))
+            .with_why(message!(
+                "opposite directions have the same quotient, and it does not exist where the divisor is 0",
+                "反対の向きでも商は同じで、除数が 0 のところでは商がありません"
+            ))
+            .with_help(message!("use `atan` with two arguments", "引数が二つの `atan` を使ってください"));
+        if is_plain(shader, &[call.id, *arg, quotient]) && shader.type_of(left) == shader.type_of(right) {
+            let text = format!("{}, {}", shader.text_of(left), shader.text_of(right));
+            let edit = Edit::replace(shader.expr(*arg).span, text);
+            found = found.with_fix(message!("give both sides", "両辺を渡す"), Safety::Unsafe, vec![edit]);
+        }
+        findings.push(found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{fixed, macro_has_no_fix, rings, silent};
+    use super::*;
+
+    #[test]
+    fn quotients_are_told() {
+        rings("N010", Level::Strict, &["r = atan(p.y / p.x);", "r = atan((s / t));", "v = atan(p / q);"]);
+    }
+
+    #[test]
+    fn others_are_not() {
+        silent(
+            "N010",
+            Level::Heuristic,
+            &[
+                "r = atan(p.y, p.x);",
+                "r = atan(s);",
+                "r = atan(s / 2.0);",
+                "r = atan(s / max(t, 0.1));",
+                "r = atan(s * t);",
+            ],
+        );
+    }
+
+    #[test]
+    fn the_fix_gives_two_arguments() {
+        assert_eq!(fixed("N010", "r = atan((p.y / (p.x + 1.0)));"), "r = atan(p.y, (p.x + 1.0));");
+        macro_has_no_fix("N010", "atan(a / t)");
+    }
+}

@@ -1,0 +1,152 @@
+//! N011: limits of `clamp` or edges of `smoothstep` in the wrong order.
+
+use crate::project::{Project, ShaderFile};
+use crate::range::{Observed, Range};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::ast::ExprId;
+
+use super::numeric::{calls, in_place, is_plain};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N011"),
+    name: "clamp-min-gt-max",
+    severity: Severity::Warning,
+    level: Level::Default,
+    summary: "limits of `clamp` or edges of `smoothstep` are in the wrong order",
+    page: Page {
+        what: "Reports `clamp(x, lo, hi)` where `lo` is always greater than `hi`, and `smoothstep(e0, e1, x)` where \
+               `e0` is always greater than `e1` or equal to it. Limits whose order is not known are not reported.",
+        why: "Both are undefined then. A reversed `smoothstep` falls from 1 to 0 on many devices, because they \
+              compute the polynomial without a look at the order; others need not.",
+        bad: &[Example {
+            name: "disc.frag",
+            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  \
+                   color = vec4(smoothstep(1.0, 0.9, length(p)));\n}\n",
+        }],
+        good: &[Example {
+            name: "disc.frag",
+            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  \
+                   color = vec4(1.0 - smoothstep(0.9, 1.0, length(p)));\n}\n",
+        }],
+        fix: "Writes `1.0 - smoothstep(e1, e0, x)`, or swaps the limits of `clamp`. Unsafe: what an undefined call \
+              gave is not known.",
+        references: &[
+            "GLSL 4.60 specification, section 8.3 \"Common Functions\": clamp is undefined if minVal > maxVal, \
+             smoothstep if edge0 >= edge1",
+        ],
+        ja: Japanese {
+            summary: "`clamp` の下限と上限、または `smoothstep` の両端の順序が逆です",
+            what: "`lo` が常に `hi` より大きい `clamp(x, lo, hi)` と、`e0` が常に `e1` 以上の `smoothstep(e0, e1, x)` を報告します。順序が分からないものは報告しません。",
+            why: "どちらも結果は未定義です。逆向きの `smoothstep` は、多くの装置では順序を調べずに多項式を計算するため 1 から 0 へ下がりますが、そうなる保証はありません。",
+            fix: "`1.0 - smoothstep(e1, e0, x)` と書くか、`clamp` の下限と上限を入れ替えます。unsafe: 未定義の呼び出しが何を返していたかは分かりません。",
+        },
+    },
+    check: Check::ShaderWith(check),
+};
+
+/// The two ends where the first one is always beyond the second one, or equal to it.
+fn reversed(observed: &Observed, call: ExprId, lo: usize, hi: usize, equal_too: bool) -> Option<(Range, Range)> {
+    observed.visits(call).iter().find_map(|visit| {
+        let (a, b) = (visit.operands.get(lo)?, visit.operands.get(hi)?);
+        let wrong = |(a, b): &(Range, Range)| a.lo > b.hi || (equal_too && a.lo == b.hi);
+        (0..a.parts.len().max(b.parts.len())).filter_map(|i| Some((a.part(i)?, b.part(i)?))).find(wrong)
+    })
+}
+
+fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let observed = file.observed(project);
+    for call in calls(shader, &["clamp", "smoothstep"]) {
+        let smooth = call.name == "smoothstep";
+        let (lo, hi) = if smooth { (0, 1) } else { (1, 2) };
+        let Some((low, high)) = reversed(&observed, call.id, lo, hi, smooth) else { continue };
+        let [first, second, third] = call.args else { continue };
+        let equal = low.lo == high.hi;
+        let span = shader.expr(call.args[lo]).span.to(shader.expr(call.args[hi]).span);
+        let message = match (smooth, equal) {
+            (true, true) => message!("the edges of `smoothstep` are equal", "`smoothstep` の両端が等しい値です"),
+            (true, false) => message!("the edges of `smoothstep` are reversed", "`smoothstep` の両端の順序が逆です"),
+            (false, _) => {
+                message!(
+                    "the least value of `clamp` is above the greatest",
+                    "`clamp` の下限が上限より大きくなっています"
+                )
+            }
+        };
+        let why = if smooth {
+            message!(
+                "`smoothstep` is undefined unless the first edge is below the second one",
+                "第一の端が第二の端より小さくなければ、`smoothstep` は未定義です"
+            )
+        } else {
+            message!("`clamp` is undefined when the limits are reversed", "下限と上限が逆だと `clamp` は未定義です")
+        };
+        let mut found = findings
+            .at(&file.file, span, message)
+            .with_label(message!("wrong order", "順序が違います"))
+            .with_why(why)
+            .with_help(message!("put the smaller one first", "小さいほうを先に書いてください"));
+        if is_plain(shader, &[call.id, *first, *second, *third]) && !equal {
+            let (a, b, c) = (shader.text_of(*first), shader.text_of(*second), shader.text_of(*third));
+            let whole = shader.expr(call.id).span;
+            let (title, text) = if smooth {
+                (
+                    message!("subtract from 1", "1 から引く"),
+                    in_place(shader, call.id, format!("1.0 - smoothstep({b}, {a}, {c})")),
+                )
+            } else {
+                (message!("swap the limits", "下限と上限を入れ替える"), format!("clamp({a}, {c}, {b})"))
+            };
+            found = found.with_fix(title, Safety::Unsafe, vec![Edit::replace(whole, text)]);
+        }
+        findings.push(found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{fixed, macro_has_no_fix, rings, silent};
+    use super::*;
+
+    #[test]
+    fn reversed_ends_are_told() {
+        rings(
+            "N011",
+            Level::Default,
+            &[
+                "r = clamp(s, 1.0, 0.0);",
+                "r = smoothstep(1.0, 0.5, s);",
+                "r = smoothstep(0.5, 0.5, s);",
+                "v = smoothstep(vec3(0.5), vec3(0.6, 0.4, 0.7), p);",
+                "r = clamp(s, 2.0 + abs(t), 1.0);",
+                "float w = 0.1; r = smoothstep(0.5 + w, 0.5 - w, s);",
+            ],
+        );
+    }
+
+    #[test]
+    fn others_are_not() {
+        silent(
+            "N011",
+            Level::Heuristic,
+            &[
+                "r = clamp(s, 0.0, 1.0);",
+                "r = clamp(s, 1.0, 1.0);",
+                "r = clamp(s, t, 1.0);",
+                "r = smoothstep(t, s, p.x);",
+                "r = smoothstep(0.5 - fwidth(s), 0.5 + fwidth(s), s);",
+                "r = smoothstep(0.0, declared, s);",
+            ],
+        );
+    }
+
+    #[test]
+    fn the_fix_puts_the_smaller_one_first() {
+        assert_eq!(fixed("N011", "r = 2.0 * smoothstep(1.0, 0.5, s);"), "r = 2.0 * (1.0 - smoothstep(0.5, 1.0, s));");
+        assert_eq!(fixed("N011", "r = clamp(s, 1.0, 0.0);"), "r = clamp(s, 0.0, 1.0);");
+        macro_has_no_fix("N011", "clamp(a, 1.0, 0.0)");
+    }
+}

@@ -1,0 +1,120 @@
+//! N012: `mix` with a weight beyond 0 or 1.
+
+use crate::project::{Project, ShaderFile};
+use crate::range::{Evidence, Range, UNIT_SLACK};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use syntax::types::ScalarType;
+
+use super::numeric::{around, calls, ends};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N012"),
+    name: "mix-t-range",
+    severity: Severity::Info,
+    level: Level::Strict,
+    summary: "the weight of `mix` goes beyond 0 or 1, so that it extrapolates",
+    page: Page {
+        what: "Reports `mix(a, b, t)` when the text shows that `t` is below 0 or above 1 by more than rounding: a \
+               constant, a sine, a declared range. A weight of which nothing is known is not reported.",
+        why: "`mix` does not clamp: beyond the ends the result goes on along the line through `a` and `b`. That is \
+              seldom meant; with a sine, mostly `0.5 + 0.5 * sin(x)` is.",
+        bad: &[Example {
+            name: "pulse.frag",
+            text: "#version 330 core\nuniform float time;\nout vec4 color;\nvoid main()\n{\n  \
+                   color = mix(vec4(0.2), vec4(0.8), sin(time));\n}\n",
+        }],
+        good: &[Example {
+            name: "pulse.frag",
+            text: "#version 330 core\nuniform float time;\nout vec4 color;\nvoid main()\n{\n  \
+                   color = mix(vec4(0.2), vec4(0.8), clamp(sin(time), 0.0, 1.0));\n}\n",
+        }],
+        fix: "Writes `clamp(t, 0.0, 1.0)`. Unsafe: results beyond the ends change.",
+        references: &["GLSL 4.60 specification, section 8.3 \"Common Functions\": mix(x, y, a) = x * (1 - a) + y * a"],
+        ja: Japanese {
+            summary: "`mix` の重みが 0 から 1 の範囲を超え、外挿になります",
+            what: "`t` が丸めの分より大きく 0 を下回る、または 1 を上回ることが本文から分かる `mix(a, b, t)` を報告します。定数、正弦、宣言した範囲などです。何も分からない重みは報告しません。",
+            why: "`mix` は重みを制限しません。両端を超えると、`a` と `b` を通る直線の延長上の値になります。これを意図することはまれです。正弦の場合、たいていは `0.5 + 0.5 * sin(x)` が正しい式です。",
+            fix: "`clamp(t, 0.0, 1.0)` と書きます。unsafe: 両端を超える結果が変わります。",
+        },
+    },
+    check: Check::ShaderWith(check),
+};
+
+fn beyond(weight: &Range) -> bool {
+    let slack = 4.0 * UNIT_SLACK;
+    weight.goes_below(-slack, Evidence::Nature) || weight.goes_above(1.0 + slack, Evidence::Nature)
+}
+
+fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let observed = file.observed(project);
+    for call in calls(shader, &["mix"]) {
+        let [_, _, weight] = call.args else { continue };
+        if shader.type_of(*weight).scalar() == Some(ScalarType::Bool) {
+            continue;
+        }
+        let mut weights = observed.visits(call.id).iter().filter_map(|v| v.operands.get(2)).flat_map(|v| &v.parts);
+        let Some(range) = weights.find(|r| beyond(r)) else { continue };
+        let (lo, hi) = ends(range);
+        let mut found = findings
+            .at(
+                &file.file,
+                shader.expr(*weight).span,
+                message!("this weight of `mix` goes beyond 0 or 1", "この `mix` の重みは 0 から 1 の範囲を超えます"),
+            )
+            .with_label(message!("from {lo} to {hi}", "{lo} から {hi} まで"))
+            .with_why(message!(
+                "`mix` does not clamp: it extrapolates beyond its first two arguments",
+                "`mix` は重みを制限しないので、最初の二つの引数の外へ外挿します"
+            ))
+            .with_help(message!("bring the weight to between 0 and 1", "重みを 0 から 1 の間に収めてください"));
+        if let Some(edits) = around(shader, call.id, *weight, "clamp(", ", 0.0, 1.0)") {
+            found = found.with_fix(message!("clamp the weight", "重みを制限する"), Safety::Unsafe, edits);
+        }
+        findings.push(found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{fixed, macro_has_no_fix, rings, silent};
+    use super::*;
+
+    #[test]
+    fn weights_beyond_the_ends_are_told() {
+        rings(
+            "N012",
+            Level::Strict,
+            &[
+                "v = mix(p, q, sin(s));",
+                "v = mix(p, q, 1.5);",
+                "v = mix(p, q, declared);",
+                "v = mix(p, q, normalize(n));",
+            ],
+        );
+    }
+
+    #[test]
+    fn others_are_not() {
+        silent(
+            "N012",
+            Level::Heuristic,
+            &[
+                "v = mix(p, q, s);",
+                "v = mix(p, q, 0.5 + 0.5 * sin(s));",
+                "v = mix(p, q, clamp(s, 0.0, 1.0));",
+                "v = mix(p, q, max(dot(normalize(p), normalize(n)), 0.0));",
+                "v = mix(p, q, bvec3(true, false, s > 0.0));",
+                "v = mix(p, q, smoothstep(0.0, 1.0, s));",
+            ],
+        );
+    }
+
+    #[test]
+    fn the_fix_clamps() {
+        assert_eq!(fixed("N012", "v = mix(p, q, sin(s));"), "v = mix(p, q, clamp(sin(s), 0.0, 1.0));");
+        macro_has_no_fix("N012", "mix(0.1, 0.2, sin(a))");
+    }
+}

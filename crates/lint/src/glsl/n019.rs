@@ -1,0 +1,229 @@
+//! N019: homogeneous coordinates used without care for `w`.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Severity, message};
+use syntax::Shader;
+use syntax::ast::{BinaryOp, ExprId, ExprKind};
+use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
+use syntax::types::Type;
+
+use super::numeric::{bare, constant};
+use super::walk::{declarators, expressions};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N019"),
+    name: "missing-homogeneous-divide",
+    severity: Severity::Info,
+    level: Level::Heuristic,
+    summary: "a projected vector is used without division by `w`, or `w` does not fit what is transformed",
+    page: Page {
+        what: "Reports a local `vec4` that is the product with a projection matrix (by its name: `proj`, `mvp`, \
+               `clip`) of which components are used, but never `w`; and the product of a matrix with \
+               `vec4(position, 0.0)` or `vec4(normal, 1.0)`, by the names of the vectors. It is a guess by names, \
+               and only made with `--heuristic`.",
+        why: "Behind a perspective projection, `x`, `y` and `z` mean nothing before they are divided by `w`. A \
+              position with `w = 0` is not moved by a translation, and a direction with `w = 1` is.",
+        bad: &[Example {
+            name: "shadow.vert",
+            text: "#version 330 core\nin vec3 vertex;\nuniform mat4 lightProjection;\nout vec2 uv;\nvoid main()\n{\n  \
+                   vec4 place = lightProjection * vec4(vertex, 1.0);\n  uv = 0.5 * place.xy + 0.5;\n  \
+                   gl_Position = vec4(vertex, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "shadow.vert",
+            text: "#version 330 core\nin vec3 vertex;\nuniform mat4 lightProjection;\nout vec2 uv;\nvoid main()\n{\n  \
+                   vec4 place = lightProjection * vec4(vertex, 1.0);\n  uv = 0.5 * place.xy / place.w + 0.5;\n  \
+                   gl_Position = vec4(vertex, 1.0);\n}\n",
+        }],
+        fix: "No fix: what is meant is a guess.",
+        references: &[
+            "J. F. Hughes et al., Computer Graphics: Principles and Practice, chapter 11: homogeneous coordinates",
+        ],
+        ja: Japanese {
+            summary: "射影したベクトルを `w` で割らずに使っているか、`w` が変換するものに合っていません",
+            what: "射影行列（名前に `proj`、`mvp`、`clip` を含むもの）との積である局所変数の `vec4` のうち、成分が使われるのに `w` が一度も使われないものを報告します。また、行列と `vec4(位置, 0.0)` や `vec4(法線, 1.0)` との積を、ベクトルの名前から報告します。名前による推測なので、`--heuristic` のときだけ報告します。",
+            why: "透視射影の後では、`w` で割る前の `x`、`y`、`z` には意味がありません。`w = 0` の位置は平行移動されず、`w = 1` の方向は平行移動されてしまいます。",
+            fix: "自動修正（fix）はありません。意図は推測にすぎないためです。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    undivided(file, findings);
+    wrong_w(file, findings);
+}
+
+/// The words of a name: `lightProjection` and `light_projection` have two.
+fn words(name: &str) -> Vec<String> {
+    let mut all = vec![String::new()];
+    let mut before = '_';
+    for c in name.chars() {
+        if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
+            all.push(String::new());
+        }
+        before = c;
+        if let (Some(word), true) = (all.last_mut(), c != '_') {
+            word.extend(c.to_lowercase());
+        }
+    }
+    all
+}
+
+fn has_word(name: &str, wanted: &[&str]) -> bool {
+    words(name).iter().any(|w| wanted.iter().any(|x| w.starts_with(x)))
+}
+
+/// The vector that a matrix is multiplied with from the left: `m * v`.
+fn product(shader: &Shader, id: ExprId) -> Option<(ExprId, ExprId)> {
+    let ExprKind::Binary { op: BinaryOp::Mul, op_span: _, left, right } = shader.expr(bare(shader, id)).kind else {
+        return None;
+    };
+    let matrix = matches!(shader.type_of(left), Type::Matrix(..)) && matches!(shader.type_of(right), Type::Vector(..));
+    matrix.then_some((left, right))
+}
+
+fn undivided(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let mut projected: Vec<(SymbolId, ExprId)> = Vec::new();
+    declarators(shader, |d| {
+        let Some((matrix, _)) = d.initializer.as_ref().and_then(|i| product(shader, i.value)) else { return };
+        let projects = expressions(shader, matrix).into_iter().any(|e| match &shader.expr(e).kind {
+            ExprKind::Name(name) => has_word(name, &["proj", "mvp", "clip"]),
+            ExprKind::Field { base: _, field } => has_word(&field.name, &["proj", "mvp", "clip"]),
+            _ => false,
+        });
+        let inverse = expressions(shader, matrix).into_iter().any(|e| shader.text_of(e).to_lowercase().contains("inv"));
+        let symbol = shader.symbols().find(|(_, s)| s.span == Some(d.name.span) && s.kind == SymbolKind::Local);
+        if let (Some((symbol, info)), true) = (symbol, projects && !inverse)
+            && info.ty == Type::VEC4
+        {
+            projected.push((symbol, matrix));
+        }
+    });
+    for (symbol, _) in projected {
+        let mut fields = Vec::new();
+        for (id, expr) in shader.arena().iter() {
+            if let ExprKind::Field { base, field } = &expr.kind
+                && shader.symbol_of(bare(shader, *base)) == Some(symbol)
+            {
+                fields.push((id, field));
+            }
+        }
+        let uses = shader.uses_of(symbol).count();
+        let has_w = fields.iter().any(|(_, f)| f.name.contains(['w', 'q', 'a']));
+        let Some((first, _)) = fields.first().filter(|_| uses == fields.len() && !has_w) else { continue };
+        let name = &shader.symbol(symbol).name;
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    shader.expr(*first).span,
+                    message!(
+                        "`{name}` is projected, but never divided by its `w`",
+                        "`{name}` は射影されていますが、`w` で割られていません"
+                    ),
+                )
+                .with_label(message!("not yet a place", "まだ位置ではありません"))
+                .with_why(message!(
+                    "behind a perspective projection, components are to be divided by `w`",
+                    "透視射影の後では、成分を `w` で割る必要があります"
+                ))
+                .with_help(message!("divide by `{name}.w`", "`{name}.w` で割ってください")),
+        );
+    }
+}
+
+fn wrong_w(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    for (id, _) in shader.arena().iter() {
+        let Some((_, vector)) = product(shader, id).filter(|_| bare(shader, id) == id) else { continue };
+        let vector = bare(shader, vector);
+        let (ExprKind::Call { callee: _, args }, Some(CallTarget::Constructor(Type::Vector(_, 4)))) =
+            (&shader.expr(vector).kind, shader.callee(vector))
+        else {
+            continue;
+        };
+        let [three, w] = args.as_slice() else { continue };
+        let name = match &shader.expr(bare(shader, *three)).kind {
+            ExprKind::Name(name) => name,
+            ExprKind::Field { base: _, field } if field.name.len() > 4 => &field.name,
+            _ => continue,
+        };
+        let direction = has_word(name, &["normal", "tangent", "bitangent", "direction"]) || has_word(name, &["dir"]);
+        let position = has_word(name, &["position", "pos", "vertex", "vert"]);
+        let message = match (constant(shader, *w), direction, position) {
+            (Some(1.0), true, false) => {
+                message!(
+                    "`{name}` looks like a direction, but has `w = 1`",
+                    "`{name}` は方向のようですが、`w = 1` になっています"
+                )
+            }
+            (Some(0.0), false, true) => {
+                message!(
+                    "`{name}` looks like a position, but has `w = 0`",
+                    "`{name}` は位置のようですが、`w = 0` になっています"
+                )
+            }
+            _ => continue,
+        };
+        findings.push(
+            findings
+                .at(&file.file, shader.expr(vector).span, message)
+                .with_label(message!("`w` does not fit", "`w` が合っていません"))
+                .with_why(message!(
+                    "a matrix moves what has `w = 1` and only turns and scales what has `w = 0`",
+                    "行列による平行移動は `w = 1` のものだけに働き、`w = 0` のものは回転と拡大縮小だけを受けます"
+                ))
+                .with_help(message!(
+                    "use 1.0 for positions and 0.0 for directions",
+                    "位置には 1.0、方向には 0.0 を使ってください"
+                )),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{lint, shader};
+    use super::*;
+
+    fn count(body: &str) -> usize {
+        let before = "uniform mat4 projection;\nuniform mat4 model;\nin vec3 normal;\nin vec3 position;";
+        let text = shader(before, body);
+        assert!(lint("N019", Level::Strict, &text).is_empty());
+        lint("N019", Level::Heuristic, &text).len()
+    }
+
+    #[test]
+    fn undivided_and_mismatched_coordinates_are_told() {
+        assert_eq!(count("vec4 c = projection * vec4(p, 1.0); v = c.xyz;"), 1);
+        assert_eq!(count("vec4 c = projection * model * vec4(p, 1.0); v.xy = c.xy;"), 1);
+        assert_eq!(count("v = (model * vec4(normal, 1.0)).xyz;"), 1);
+        assert_eq!(count("v = (model * vec4(position, 0.0)).xyz;"), 1);
+    }
+
+    #[test]
+    fn others_are_not() {
+        for body in [
+            "vec4 c = projection * vec4(p, 1.0); v = c.xyz / c.w;",
+            "vec4 c = projection * vec4(p, 1.0); color = c; v.x = c.x;",
+            "vec4 c = model * vec4(p, 1.0); v = c.xyz;",
+            "vec4 c = inverse(projection) * vec4(p, 1.0); v = c.xyz;",
+            "v = (model * vec4(normal, 0.0)).xyz;",
+            "v = (model * vec4(position, 1.0)).xyz;",
+            "v = (model * vec4(p, 0.0)).xyz;",
+        ] {
+            assert_eq!(count(body), 0, "{body}");
+        }
+    }
+
+    #[test]
+    fn names_have_words() {
+        assert_eq!(words("lightProjection"), ["light", "projection"]);
+        assert_eq!(words("u_MVP"), ["u", "mvp"]);
+        assert!(!has_word("composition", &["pos"]));
+    }
+}

@@ -1,0 +1,96 @@
+//! T007: a suffix that the version of the language does not have.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::{Edit, Span};
+use syntax::{Profile, TokenKind, TokenPlace};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T007"),
+    name: "float-literal-suffix",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a float literal ends in `f`, which this version does not have",
+    page: Page {
+        what: "Reports float literals with the suffix `f` or `F` in shaders that state version 1.10, or 1.00 of \
+            GLSL ES. A file without a version is left alone: the host may put one before it.",
+        why: "The suffix came with GLSL 1.20 and GLSL ES 3.00. Older compilers refuse it.",
+        bad: &[Example {
+            name: "old.frag",
+            text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0f);\n\
+            }\n",
+        }],
+        good: &[Example {
+            name: "old.frag",
+            text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0);\n\
+            }\n",
+        }],
+        fix: "Removes the suffix. Safe: the value is the same.",
+        references: &[
+            "GLSL 1.20 specification, section 4.1.4 \"Floats\"",
+            "GLSL ES 1.00 specification, section 4.1.4 \"Floats\"",
+        ],
+        ja: Japanese {
+            summary: "浮動小数点リテラルに、この版にはない接尾辞 `f` が付いています",
+            what: "版を 1.10 または GLSL ES 1.00 と明記したシェーダで、接尾辞 `f` や `F` の付いた浮動小数点リテラルを報告します。版の指定がないファイルは、ホストが前に付けるかもしれないので報告しません。",
+            why: "この接尾辞は GLSL 1.20 と GLSL ES 3.00 で加わりました。古いコンパイラは受け付けません。",
+            fix: "接尾辞を削除します。safe: 値は同じです。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let version = file.shader.version();
+    let old = if version.profile == Profile::Es { version.number < 300 } else { version.number < 120 };
+    if !old || version.span.is_none() {
+        return;
+    }
+    for token in file.shader.tokens() {
+        let text = file.file.slice(token.span);
+        let float = !text.starts_with("0x") && !text.starts_with("0X") && text.ends_with(['f', 'F']);
+        if token.kind != TokenKind::Number || token.place == TokenPlace::Inactive || !float {
+            continue;
+        }
+        let suffix = Span::new(token.span.end - 1, token.span.end);
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    token.span,
+                    message!(
+                        "`{text}` has a suffix that this version does not know",
+                        "`{text}` の接尾辞はこの版にはありません"
+                    ),
+                )
+                .with_label(message!("suffix", "接尾辞"))
+                .with_why(message!(
+                    "the suffix came with GLSL 1.20 and GLSL ES 3.00",
+                    "この接尾辞は GLSL 1.20 と GLSL ES 3.00 で加わりました"
+                ))
+                .with_fix(message!("remove the suffix", "接尾辞を削除する"), Safety::Safe, vec![Edit::delete(suffix)]),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    #[test]
+    fn only_old_versions_lack_the_suffix() {
+        let told = |version: &str, value: &str| {
+            let text = format!(
+                "{version}precision mediump float;\nvoid main(void)\n{{\n  gl_FragColor = vec4({value});\n}}\n"
+            );
+            messages("T007", "a.frag", &text).len()
+        };
+        assert_eq!(told("#version 100\n", "1.0f"), 1);
+        assert_eq!(told("#version 110\n", ".5F"), 1);
+        assert_eq!(told("#version 120\n", "1.0f"), 0);
+        assert_eq!(told("", "1.0f"), 0);
+        assert_eq!(told("#version 110\n", "1.0"), 0);
+    }
+}

@@ -1,0 +1,68 @@
+//! T008: a scalar is swizzled.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
+use base::text::{Edit, Span};
+use syntax::ast::ExprKind;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T008"),
+    name: "scalar-swizzle",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a scalar is swizzled, which only GLSL 4.20 and later allows",
+    page: Page {
+        what: "Reports `f.xxx` and the like on a scalar where the version has no such swizzles: before GLSL 4.20, and in GLSL ES.",
+        why: "A scalar has no components there: the shader does not compile, or does on one driver and not on the next.",
+        bad: &[Example {
+            name: "a.frag",
+            text: "#version 150 core\nuniform float grey;\nout vec4 color;\nvoid main(void)\n{\n  color = vec4(grey.xxx, 1.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "a.frag",
+            text: "#version 150 core\nuniform float grey;\nout vec4 color;\nvoid main(void)\n{\n  color = vec4(vec3(grey), 1.0);\n}\n",
+        }],
+        fix: "The scalar is put into a constructor. Safe: the value is the same.",
+        references: &["GLSL 4.60 specification, section 5.5 \"Vector and Scalar Components and Length\""],
+        ja: Japanese {
+            summary: "スカラのスウィズルは GLSL 4.20 以降だけにあります",
+            what: "GLSL 4.20 より前や GLSL ES で、スカラに `f.xxx` のようなスウィズルを使ったものを報告します。",
+            why: "スカラには成分がないため、コンパイルできません。通るドライバと通らないドライバがあります。",
+            fix: "スカラをコンストラクタに入れます。値は同じなので safe です。",
+        },
+    },
+    check: Check::FrontEnd(complete),
+};
+
+fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
+    let shader = &file.shader;
+    let swizzle = shader.arena().iter().find_map(|(id, e)| match &e.kind {
+        ExprKind::Field { base, field } if field.span == found.span && !e.from_macro => Some((id, *base)),
+        _ => None,
+    });
+    let Some((id, base)) = swizzle.filter(|s| !shader.expr(s.1).from_macro) else { return Some(found) };
+    let (ty, span, inner) = (shader.type_of(id).to_string(), shader.expr(id).span, shader.expr(base).span);
+    let edits = vec![Edit::insert(span.start, format!("{ty}(")), Edit::replace(Span::new(inner.end, span.end), ")")];
+    Some(found.with_fix(message!("write `{ty}(…)`", "`{ty}(…)` と書く"), Safety::Safe, edits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glsl::testing::repaired_but_flow as lint;
+
+    #[test]
+    fn a_scalar_becomes_a_vector() {
+        let shader =
+            |v: &str, e: &str| format!("#version {v}\nuniform float f;\nvoid main() {{ gl_Position = {e}; }}\n");
+        let (codes, fixed) = lint("a.vert", &shader("150", "(f * f).xxxx"));
+        assert_eq!(
+            (codes.as_slice(), fixed),
+            (["T008"].as_slice(), Some((Safety::Safe, shader("150", "vec4((f * f))"))))
+        );
+        assert!(lint("a.vert", &shader("420", "f.xxxx")).0.is_empty());
+        assert!(lint("a.vert", &shader("150", "vec4(f).xxxx")).0.is_empty());
+    }
+}

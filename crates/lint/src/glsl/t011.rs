@@ -1,0 +1,200 @@
+//! T011: a type or function of HLSL.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use base::diagnostic::Safety;
+use base::diagnostic::{Code, Diagnostic, Severity, message};
+use base::text::Edit;
+use syntax::Shader;
+use syntax::ast::{Callee, ExprKind};
+use syntax::{TokenKind, TokenPlace, errors};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T011"),
+    name: "hlsl-name",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a type or function of HLSL that GLSL calls otherwise",
+    page: Page {
+        what: "Completes the error about an unknown type or function when HLSL has one of that name: `float3`, \
+            `float4x4`, `saturate`, `lerp`, `frac`, `ddx`, `mul` and others. A name that the shader declares itself \
+            is not reported.",
+        why: "GLSL has the same under another name, and no compiler of GLSL knows this one.",
+        bad: &[Example {
+            name: "mix.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(lerp(0.0, 1.0, x));\n}\n",
+        }],
+        good: &[Example {
+            name: "mix.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(mix(0.0, 1.0, x));\n}\n",
+        }],
+        fix: "Writes the GLSL name everywhere in the file, and `clamp(x, 0.0, 1.0)` for `saturate(x)`. Safe: the \
+            text did not compile, and has one reading. There is no fix where GLSL has no exact counterpart, as for \
+            `mul`, whose meaning depends on how matrices are stored.",
+        references: &[
+            "Microsoft, HLSL reference, \"Intrinsic Functions\" and \"Vector Type\"",
+            "GLSL 4.60 specification, chapters 4 and 8",
+        ],
+        ja: Japanese {
+            summary: "GLSL では別の名前になる、HLSL の型や関数です",
+            what: "未知の型や関数のエラーのうち、HLSL に同じ名前があるもの（`float3`、`float4x4`、`saturate`、`lerp`、`frac`、`ddx`、`mul` など）に説明を加えます。シェーダ自身が宣言している名前は報告しません。",
+            why: "GLSL では同じものが別の名前になっており、GLSL のコンパイラはこの名前を知りません。",
+            fix: "ファイル全体で GLSL の名前に書き換え、`saturate(x)` は `clamp(x, 0.0, 1.0)` にします。元の文はコンパイルできず、読み方が一つなので safe です。行列の並びによって意味の変わる `mul` のように、GLSL に同じものがない場合は修正がありません。",
+        },
+    },
+    check: Check::FrontEnd(complete),
+};
+
+/// What GLSL has for a name of HLSL.
+enum Counterpart {
+    /// The same under another name.
+    Renamed(String),
+    /// `clamp(x, 0.0, 1.0)`.
+    Clamped,
+    /// Something that is written otherwise: words about it, in English and in Japanese.
+    Rewritten(&'static str, &'static str),
+}
+
+fn counterpart(name: &str) -> Option<Counterpart> {
+    let renamed = |to: &str| Some(Counterpart::Renamed(to.to_owned()));
+    let rewritten = |en, ja| Some(Counterpart::Rewritten(en, ja));
+    match name {
+        "lerp" => renamed("mix"),
+        "frac" => renamed("fract"),
+        "ddx" => renamed("dFdx"),
+        "ddy" => renamed("dFdy"),
+        "rsqrt" => renamed("inversesqrt"),
+        "atan2" => renamed("atan"),
+        "saturate" => Some(Counterpart::Clamped),
+        "mul" => rewritten(
+            "write `a * b`, and mind that HLSL stores matrices by rows or columns as it is told",
+            "`a * b` と書きます。HLSL では行列の格納順が設定によって変わることに注意してください",
+        ),
+        "fmod" => rewritten(
+            "write `x - y * trunc(x / y)`; `mod` differs for negative numbers",
+            "`x - y * trunc(x / y)` と書きます。`mod` は負の数で結果が異なります",
+        ),
+        "tex2D" | "tex2Dlod" | "texCUBE" => {
+            rewritten("sample with `texture(sampler, coordinate)`", "`texture(sampler, coordinate)` で参照します")
+        }
+        "clip" => rewritten("write `if (x < 0.0) discard;`", "`if (x < 0.0) discard;` と書きます"),
+        "rcp" => rewritten("write `1.0 / x`", "`1.0 / x` と書きます"),
+        "mad" => rewritten("write `a * b + c`", "`a * b + c` と書きます"),
+        "half" => renamed("float"),
+        _ => vector_or_matrix(name).map(Counterpart::Renamed),
+    }
+}
+
+/// `vec3` for `float3`, `mat4` for `float4x4`. A `float2x3` has two rows, and is a `mat3x2`.
+fn vector_or_matrix(name: &str) -> Option<String> {
+    let families = [("float", ""), ("half", ""), ("double", "d"), ("uint", "u"), ("int", "i"), ("bool", "b")];
+    let (size, prefix) = families.iter().find_map(|(family, prefix)| Some((name.strip_prefix(family)?, *prefix)))?;
+    let digit = |c: &u8| (b'2'..=b'4').contains(c);
+    match size.as_bytes() {
+        [n] if digit(n) => Some(format!("{prefix}vec{size}")),
+        [rows, b'x', columns] if digit(rows) && digit(columns) && matches!(prefix, "" | "d") => {
+            let (rows, columns) = (char::from(*rows), char::from(*columns));
+            Some(if rows == columns { format!("{prefix}mat{rows}") } else { format!("{prefix}mat{columns}x{rows}") })
+        }
+        _ => None,
+    }
+}
+
+/// Gives errors of the front end about unknown types and functions the code of this rule when HLSL has the
+/// name and the shader does not declare it.
+pub fn claim(shader: &Shader, mut diagnostic: Diagnostic) -> Diagnostic {
+    let unknown = [errors::UNKNOWN_TYPE, errors::UNKNOWN_FUNCTION].contains(&diagnostic.code);
+    let name = diagnostic.file.slice(diagnostic.span);
+    let declared = || shader.symbols().any(|(_, s)| s.name == name) || shader.function(name).is_some();
+    if unknown && counterpart(name).is_some() && !declared() {
+        diagnostic.code = RULE.code;
+    }
+    diagnostic
+}
+
+fn complete(file: &ShaderFile, told_before: Diagnostic) -> Option<Diagnostic> {
+    let shader = &file.shader;
+    let name = file.file.slice(told_before.span);
+    let found = Diagnostic::new(
+        RULE.code,
+        RULE.severity,
+        &file.file,
+        told_before.span,
+        message!("`{name}` is a name of HLSL", "`{name}` は HLSL の名前です"),
+    )
+    .with_label(message!("unknown in GLSL", "GLSL にはない"))
+    .with_why(message!("no compiler of GLSL knows this name", "GLSL のコンパイラはこの名前を知りません"));
+    Some(match counterpart(name)? {
+        Counterpart::Rewritten(en, ja) => found.with_help(message!("{en}", "{ja}")),
+        Counterpart::Renamed(to) => {
+            let words = shader.tokens().iter().filter(|t| t.kind == TokenKind::Word && t.place != TokenPlace::Inactive);
+            let same = words.filter(|t| file.file.slice(t.span) == name);
+            let edits = same.map(|t| Edit::replace(t.span, to.clone())).collect();
+            found.with_fix(message!("write `{to}`", "`{to}` と書く"), Safety::Safe, edits)
+        }
+        Counterpart::Clamped => {
+            let found =
+                found.with_help(message!("write `clamp(x, 0.0, 1.0)`", "`clamp(x, 0.0, 1.0)` と書いてください"));
+            let calls = shader.arena().iter().filter_map(|(_, e)| match &e.kind {
+                ExprKind::Call { callee: Callee::Name(callee), args } if callee.name == name && args.len() == 1 => {
+                    (!e.from_macro).then_some((callee.span, e.span))
+                }
+                _ => None,
+            });
+            let edits: Vec<Edit> = calls
+                .flat_map(|(callee, call)| [Edit::replace(callee, "clamp"), Edit::insert(call.end - 1, ", 0.0, 1.0")])
+                .collect();
+            if edits.is_empty() {
+                return Some(found);
+            }
+            found.with_fix(message!("write `clamp`", "`clamp` と書く"), Safety::Safe, edits)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::found;
+    use base::text::EditList;
+
+    fn fixed(statement: &str) -> (usize, String) {
+        let mut text = format!("#version 150 core\nin vec3 v;\nout vec4 c;\nvoid main(void)\n{{\n  {statement}\n}}\n");
+        let first = crate::run(&[crate::Input::new(base::text::SourceFile::new("a.frag", text.as_str()))]);
+        let count = first.iter().filter(|d| d.severity == base::diagnostic::Severity::Error).count();
+        for d in first.iter().filter(|d| d.code.0 == "T011") {
+            if let Some(fix) = &d.fix {
+                let edits: EditList = fix.edits.iter().cloned().collect();
+                if let Ok(edited) = edits.apply(&text) {
+                    text = edited.text;
+                    break;
+                }
+            }
+        }
+        (count, text.lines().nth(5).unwrap().trim().to_owned())
+    }
+
+    #[test]
+    fn names_of_hlsl_get_those_of_glsl() {
+        for (statement, after) in [
+            ("c = float4(v, 1.0);", "c = vec4(v, 1.0);"),
+            ("float3 a = v; float3 b = a; c = vec4(b, 1.0);", "vec3 a = v; vec3 b = a; c = vec4(b, 1.0);"),
+            ("c = lerp(c, c, 0.5) + lerp(c, c, 0.1);", "c = mix(c, c, 0.5) + mix(c, c, 0.1);"),
+            ("c = vec4(saturate(v.x + (v.y)));", "c = vec4(clamp(v.x + (v.y), 0.0, 1.0));"),
+            ("c.x = frac(v.x);", "c.x = fract(v.x);"),
+            ("float2x3 m; c.xyz = v;", "mat3x2 m; c.xyz = v;"),
+        ] {
+            let (count, text) = fixed(statement);
+            assert_eq!((count, text.as_str()), (1, after), "{statement}");
+        }
+        assert_eq!(fixed("c = mul(mat4(1.0), c);"), (1, "c = mul(mat4(1.0), c);".to_owned()), "no fix");
+    }
+
+    #[test]
+    fn names_of_the_shader_are_left_alone() {
+        let text = "#version 150 core\nout vec4 c;\n#define saturate(x) clamp(x, 0.0, 1.0)\nfloat lerp(float a) { return saturate(a); }\nvoid main(void) { c = vec4(lerp(1.0)); }\n";
+        assert!(found("T011", "a.frag", text).is_empty());
+    }
+}

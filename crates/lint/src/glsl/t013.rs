@@ -1,0 +1,107 @@
+//! T013: floats that are compared for equality.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Severity, message};
+use syntax::Shader;
+use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T013"),
+    name: "float-equality",
+    severity: Severity::Info,
+    level: Level::Strict,
+    summary: "floating-point values are compared with `==` or `!=`",
+    page: Page {
+        what: "Reports `==` and `!=` on floats and on vectors and matrices of them. Comparisons with constants, \
+            such as the test for zero before a division, and of a value with itself, the test for NaN, are not \
+            reported.",
+        why: "Two ways to compute a value differ by rounding, and from device to device: what is equal on one is \
+            not on the other.",
+        bad: &[Example {
+            name: "hit.frag",
+            text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
+            void main(void)\n{\n  color = vec4(a == b ? 1.0 : 0.0);\n}\n",
+        }],
+        good: &[Example {
+            name: "hit.frag",
+            text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
+            void main(void)\n{\n  color = vec4(abs(a - b) < 1e-5 ? 1.0 : 0.0);\n}\n",
+        }],
+        fix: "No fix: how near is near enough is not known.",
+        references: &["GLSL 4.60 specification, section 4.7.1 \"Range and Precision\""],
+        ja: Japanese {
+            summary: "浮動小数点数が `==` や `!=` で比較されています",
+            what: "浮動小数点数や、そのベクトルと行列に対する `==` と `!=` を報告します。除算の前の 0 の検査のような定数との比較と、NaN の検査である自分自身との比較は報告しません。",
+            why: "同じ値でも計算の仕方や装置が違えば丸めが異なり、ある装置で等しいものが別の装置では等しくなりません。",
+            fix: "修正はありません。どこまで近ければよいかは分かりません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    for (_, expr) in shader.arena().iter() {
+        let ExprKind::Binary { op: op @ (BinaryOp::Equal | BinaryOp::NotEqual), op_span, left, right } = expr.kind
+        else {
+            continue;
+        };
+        let floating = |id| shader.type_of(id).scalar().is_some_and(|s| s.is_floating());
+        let same = shader.text_of(left) == shader.text_of(right);
+        if !(floating(left) && floating(right)) || same || is_constant(shader, left) || is_constant(shader, right) {
+            continue;
+        }
+        let (op, ty) = (op.text(), shader.type_of(left).to_string());
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    expr.span,
+                    message!("`{op}` compares values of type `{ty}`", "`{op}` で `{ty}` の値を比較しています"),
+                )
+                .with_related(&file.file, op_span, message!("exact comparison", "厳密な比較"))
+                .with_label(message!("true only if all bits agree", "全ビットが一致したときだけ真"))
+                .with_why(message!(
+                    "rounding differs from one way to compute a value to another, and between devices",
+                    "丸めは計算の仕方や装置によって異なります"
+                ))
+                .with_help(message!(
+                    "compare the difference with a tolerance: `abs(a - b) < eps`",
+                    "差を許容誤差と比べてください: `abs(a - b) < eps`"
+                )),
+        );
+    }
+}
+
+/// True for constants and for vectors of them.
+fn is_constant(shader: &Shader, id: ExprId) -> bool {
+    shader.fold(id).is_some()
+        || match &shader.expr(id).kind {
+            ExprKind::Paren(inner) => is_constant(shader, *inner),
+            ExprKind::Call { callee: Callee::Type(_), args } => args.iter().all(|a| is_constant(shader, *a)),
+            _ => false,
+        }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    #[test]
+    fn exact_comparisons_of_computed_floats_are_told() {
+        let told = |condition: &str| {
+            let text = format!(
+                "#version 150 core\nin vec3 a;\nin vec3 b;\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  c = vec4({condition} ? 1.0 : 0.0);\n}}\n"
+            );
+            messages("T013", "a.frag", &text).len()
+        };
+        for condition in ["a == b", "a.x != b.x", "length(a) == length(b)"] {
+            assert_eq!(told(condition), 1, "{condition}");
+        }
+        for condition in ["n == 1", "a.x == 0.0", "a.x != a.x", "a == vec3(0.0)", "a.x < b.x", "-1.0 == a.y"] {
+            assert_eq!(told(condition), 0, "{condition}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! T015: a `;` right behind `if` or the head of a loop.
+
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::{Edit, Span};
+use syntax::ast::{ItemKind, Stmt, StmtKind};
+
+use super::walk::statements;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T015"),
+    name: "empty-body",
+    severity: Severity::Warning,
+    level: Level::Default,
+    summary: "a `;` makes an empty body, and the statement behind it runs always",
+    page: Page {
+        what: "Reports `if (c);`, and loops whose body is `;` in front of a block. A loop that does its work in its \
+            head and stands alone is not reported.",
+        why: "The `;` is the whole body: what follows does not depend on the condition, or runs once behind the loop.",
+        bad: &[Example {
+            name: "cut.frag",
+            text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(1.0);\n  if (a > 0.5);\n  {\n    color *= 0.5;\n  }\n}\n",
+        }],
+        good: &[Example {
+            name: "cut.frag",
+            text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
+            {\n  color = vec4(1.0);\n  if (a > 0.5)\n  {\n    color *= 0.5;\n  }\n}\n",
+        }],
+        fix: "Removes the `;`. Unsafe: what follows becomes the body.",
+        references: &["GLSL 4.60 specification, section 6 \"Statements and Structure\""],
+        ja: Japanese {
+            summary: "`;` が空の本体になり、続く文が常に実行されます",
+            what: "`if (c);` と、本体が `;` でその直後にブロックが続くループを報告します。頭部だけで処理を行い、単独で立つループは報告しません。",
+            why: "`;` が本体のすべてです。続く文は条件によらず実行されるか、ループの後で 1 回だけ実行されます。",
+            fix: "`;` を削除します。unsafe: 続く文が本体になります。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let mut empty: Vec<(Span, bool)> = Vec::new();
+    let mut look = |list: &[Stmt]| {
+        for (index, statement) in list.iter().enumerate() {
+            let block = list.get(index + 1).is_some_and(|next| matches!(next.kind, StmtKind::Block(_)));
+            let is_loop = matches!(statement.kind, StmtKind::For { .. } | StmtKind::While { .. });
+            if let Some(span) = empty_body(statement).filter(|_| block || !is_loop) {
+                empty.push((span, index + 1 < list.len()));
+            }
+        }
+    };
+    for item in &shader.unit().items {
+        if let ItemKind::Function(function) = &item.kind {
+            function.body.iter().for_each(|b| look(&b.statements));
+        }
+    }
+    statements(shader, |statement| match &statement.kind {
+        StmtKind::Block(block) | StmtKind::Switch { selector: _, body: block } => look(&block.statements),
+        _ => {}
+    });
+    for (span, followed) in empty {
+        // A macro that stands for nothing may have been the body.
+        if file.file.slice(span) != ";" {
+            continue;
+        }
+        let mut found = findings
+            .at(&file.file, span, message!("the body is empty", "本体が空です"))
+            .with_label(message!("the whole body", "これが本体のすべて"))
+            .with_why(message!(
+                "what stands behind the `;` does not belong to the condition",
+                "`;` の後ろの文は条件とは関係なく実行されます"
+            ))
+            .with_help(message!(
+                "remove the `;`, or write the body as `{{}}`",
+                "`;` を削除するか、本体を `{{}}` と書いてください"
+            ));
+        if followed {
+            found =
+                found.with_fix(message!("remove the `;`", "`;` を削除する"), Safety::Unsafe, vec![Edit::delete(span)]);
+        }
+        findings.push(found);
+    }
+}
+
+/// The `;` that is the body of an `if` without `else`, or of a loop.
+fn empty_body(statement: &Stmt) -> Option<Span> {
+    let body = match &statement.kind {
+        StmtKind::If { condition: _, then, otherwise: None } => then,
+        StmtKind::If { condition: _, then: _, otherwise: Some(otherwise) } => otherwise,
+        StmtKind::For { body, .. } | StmtKind::While { body, .. } => body,
+        _ => return None,
+    };
+    (body.kind == StmtKind::Empty).then_some(body.span)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    #[test]
+    fn empty_bodies_are_told() {
+        let told = |body: &str| {
+            let text = format!(
+                "#version 150 core\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  int i = 0; c = vec4(0.0);\n  {body}\n}}\n"
+            );
+            messages("T015", "a.frag", &text).len()
+        };
+        for body in [
+            "if (n > 0); { c = vec4(1.0); }",
+            "if (n > 0); c = vec4(1.0);",
+            "if (n > 0) c = vec4(1.0); else; c = vec4(0.5);",
+            "for (i = 0; i < n; ++i); { c = vec4(1.0); }",
+            "while (++i < n); { c = vec4(1.0); }",
+        ] {
+            assert_eq!(told(body), 1, "{body}");
+        }
+        for body in [
+            "if (n > 0) { c = vec4(1.0); }",
+            "while (++i < n);",
+            "for (i = 0; i < n; ++i); c = vec4(float(i));",
+            "if (n > 0) {} c = vec4(1.0);",
+            ";",
+            "do ; while (++i < n);",
+        ] {
+            assert_eq!(told(body), 0, "{body}");
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! T017: integer literals as arguments of built-in functions of floats.
+
+use crate::project::ShaderFile;
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+
+use super::context::{Context, Contexts, integer_literal};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T017"),
+    name: "ambiguous-overload-int-args",
+    severity: Severity::Info,
+    level: Level::Strict,
+    summary: "a built-in function of floats is called with an integer literal",
+    page: Page {
+        what: "Reports integer literals among the arguments of built-in functions whose result is a float, such as \
+            `pow(x, 2)` or `max(x, 0)`. Functions that take integers by themselves, such as `textureLod` offsets or \
+            `ldexp`, are not reported.",
+        why: "The call is found only by implicit conversion. Where a function exists for integers, floats and \
+            doubles, drivers disagree about which one is meant, and GLSL ES has no conversion at all.",
+        bad: &[Example {
+            name: "power.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
+            main(void)\n{\n  color = vec4(max(x, 0));\n}\n",
+        }],
+        good: &[Example {
+            name: "power.frag",
+            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
+            main(void)\n{\n  color = vec4(max(x, 0.0));\n}\n",
+        }],
+        fix: "Appends `.0`. Safe: the value is the same.",
+        references: &[
+            "GLSL 4.60 specification, section 6.1 \"Function Definitions\": resolution of overloads",
+            "GLSL 4.60 specification, section 4.1.10 \"Implicit Conversions\"",
+        ],
+        ja: Japanese {
+            summary: "浮動小数点数の組み込み関数に整数リテラルが渡されています",
+            what: "`pow(x, 2)` や `max(x, 0)` のように、結果が浮動小数点数になる組み込み関数の引数に使われた整数リテラルを報告します。`textureLod` のオフセットや `ldexp` のように、もともと整数を取る引数は報告しません。",
+            why: "この呼び出しは暗黙の変換によってのみ成り立ちます。整数、浮動小数点数、倍精度の版がある関数では、どれが選ばれるかがドライバによって異なり、GLSL ES には変換自体がありません。",
+            fix: "`.0` を付けます。safe: 値は同じです。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    if !file.is_sound() {
+        return;
+    }
+    let contexts = Contexts::new(shader);
+    for (id, expr) in shader.arena().iter() {
+        let Some(text) = integer_literal(shader, id) else { continue };
+        let Some(Context::Builtin(name)) = contexts.of(id) else { continue };
+        let edit = Edit::insert(expr.span.end, ".0");
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    expr.span,
+                    message!("integer `{text}` is passed to `{name}`", "整数 `{text}` が `{name}` に渡されています"),
+                )
+                .with_label(message!("`{name}` computes with floats here", "ここでは浮動小数点数の計算"))
+                .with_why(message!(
+                    "the function is found by implicit conversion only, about which drivers disagree",
+                    "暗黙の変換によって関数が選ばれますが、その結果はドライバによって異なることがあります"
+                ))
+                .with_fix(message!("write `{text}.0`", "`{text}.0` と書く"), Safety::Safe, vec![edit]),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::messages;
+
+    #[test]
+    fn integers_among_floats_are_told() {
+        let told = |statement: &str| {
+            let text = format!(
+                "#version 150 core\nuniform sampler2D s;\nuniform int n;\nin vec2 t;\nout vec4 c;\nvoid main(void)\n{{\n  float x = t.x; int i = n; c = vec4(0.0);\n  {statement}\n}}\n"
+            );
+            messages("T017", "a.frag", &text).len()
+        };
+        assert_eq!(told("x = pow(2, 3);"), 2);
+        for statement in ["x = max(x, 0);", "x = clamp(x, -1, 1.0);", "c = mix(c, c, 1);"] {
+            assert_eq!(told(statement), 1, "{statement}");
+        }
+        for statement in [
+            "x = max(x, 0.0);",
+            "i = max(i, 0);",
+            "x = float(max(n, 0));",
+            "c = texelFetch(s, ivec2(0), 0);",
+            "c = vec4(textureSize(s, 0), 0.0, 1.0);",
+            "c = textureOffset(s, t, ivec2(1, 0));",
+        ] {
+            assert_eq!(told(statement), 0, "{statement}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! V003: words that the core profile has replaced.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::{Profile, Stage, TokenPlace};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("V003"),
+    name: "deprecated-in-profile",
+    severity: Severity::Warning,
+    level: Level::Strict,
+    summary: "a word is used that later versions have replaced",
+    page: Page {
+        what: "Reports `attribute`, `varying`, the texture functions with a dimension in their name (`texture2D`, `textureCube` …), `gl_FragColor` and `gl_FragData` in shaders of version 1.50 and later without the compatibility profile.",
+        why: "They are deprecated since GLSL 1.30. Many drivers still take them; strict ones, GLSL ES 3.00 and translators do not.",
+        bad: &[Example {
+            name: "a.frag",
+            text: "#version 150 core\nuniform sampler2D image;\nin vec2 uv;\nout vec4 color;\nvoid main(void)\n{\n  color = texture2D(image, uv);\n}\n",
+        }],
+        good: &[Example {
+            name: "a.frag",
+            text: "#version 150 core\nuniform sampler2D image;\nin vec2 uv;\nout vec4 color;\nvoid main(void)\n{\n  color = texture(image, uv);\n}\n",
+        }],
+        fix: "`attribute` becomes `in`, `varying` becomes `in` or `out` by the stage, and the functions get their new names. Safe: the meaning is the same. `gl_FragColor` and `gl_FragData` have no fix.",
+        references: &["GLSL 1.30 specification, section 1.1.2 \"Deprecated Features\""],
+        ja: Japanese {
+            summary: "新しい書き方に置き換えられた語を使っています",
+            what: "互換プロファイルでない 1.50 以降のシェーダで、`attribute`・`varying`、名前に次元の入ったテクスチャ関数（`texture2D`・`textureCube` など）、`gl_FragColor`・`gl_FragData` を報告します。",
+            why: "GLSL 1.30 から非推奨です。多くのドライバは受け付けますが、厳密なものや GLSL ES 3.00、変換器は受け付けません。",
+            fix: "`attribute` は `in`、`varying` はステージに応じて `in` か `out`、関数は新しい名前に書き換えます。意味は同じなので safe です。`gl_FragColor`・`gl_FragData` は自動修正しません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+/// Functions and what they are called now.
+const RENAMED: &[(&str, &str)] = &[
+    ("texture1D", "texture"),
+    ("texture2D", "texture"),
+    ("texture3D", "texture"),
+    ("textureCube", "texture"),
+    ("texture1DProj", "textureProj"),
+    ("texture2DProj", "textureProj"),
+    ("texture3DProj", "textureProj"),
+    ("texture1DLod", "textureLod"),
+    ("texture2DLod", "textureLod"),
+    ("texture3DLod", "textureLod"),
+    ("textureCubeLod", "textureLod"),
+];
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let version = shader.version();
+    if version.number < 150 || version.profile != Profile::Core || !file.is_sound() {
+        return;
+    }
+    for token in shader.tokens().iter().filter(|t| t.place == TokenPlace::Text) {
+        let word = file.file.slice(token.span);
+        let own = shader.function(word).is_some() || shader.symbols().any(|(_, s)| s.name == word && s.span.is_some());
+        let new = match word {
+            "attribute" => Some("in"),
+            "varying" => match shader.stage() {
+                Stage::Vertex => Some("out"),
+                Stage::Fragment => Some("in"),
+                _ => None,
+            },
+            "gl_FragColor" | "gl_FragData" => None,
+            _ => match RENAMED.iter().find(|(old, _)| *old == word) {
+                Some((_, new)) => Some(*new),
+                None => continue,
+            },
+        };
+        if own {
+            continue;
+        }
+        let found = findings
+            .at(&file.file, token.span, message!("`{word}` is deprecated", "`{word}` は非推奨です"))
+            .with_label(message!("an old word", "古い書き方"))
+            .with_why(message!(
+                "GLSL 1.30 has replaced it, and strict compilers refuse it",
+                "GLSL 1.30 で置き換えられ、厳密なコンパイラは受け付けません"
+            ));
+        findings.push(match new {
+            Some(new) => found.with_fix(
+                message!("write `{new}`", "`{new}` と書く"),
+                Safety::Safe,
+                vec![Edit::replace(token.span, new)],
+            ),
+            None => found
+                .with_help(message!("declare an output of your own with `out`", "`out` で出力変数を宣言してください")),
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::glsl::testing::strict_count;
+
+    /// Findings of this rule at the strict level.
+    fn count(name: &str, text: &str) -> usize {
+        strict_count(super::RULE.code, name, text)
+    }
+
+    #[test]
+    fn old_words_count_in_new_versions_only() {
+        let text = |v: &str| {
+            format!(
+                "#version {v}\nuniform sampler2D s;\nvarying vec2 u;\nvoid main() {{ gl_FragColor = texture2D(s, u); }}\n"
+            )
+        };
+        assert_eq!(count("a.frag", &text("150")), 3);
+        for old in ["120", "130", "150 compatibility"] {
+            assert_eq!(count("a.frag", &text(old)), 0, "{old}");
+        }
+        // A function of the shader may have the name.
+        let own = "#version 150\nout vec4 c;\nvec4 texture2D(vec2 u) { return u.xyxy; }\nvoid main() { c = texture2D(vec2(1.0)); }\n";
+        assert_eq!(count("a.frag", own), 0);
+    }
+}

@@ -1,0 +1,77 @@
+//! V004: a name that the language keeps for itself.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
+use base::text::Edit;
+
+use super::compile::{fresh, is_private};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("V004"),
+    name: "reserved-identifier",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a name is declared that the language keeps for itself",
+    page: Page {
+        what: "Reports declared names that start with `gl_`, words that the version reserves (`input`, `filter`, `common` and others), and macros that start with `GL_`.",
+        why: "The shader does not compile, or does not any more where the word gets a meaning.",
+        bad: &[Example {
+            name: "a.vert",
+            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 output = position;\n  gl_Position = output;\n}\n",
+        }],
+        good: &[Example {
+            name: "a.vert",
+            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 output_ = position;\n  gl_Position = output_;\n}\n",
+        }],
+        fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. For names of the interface there is no fix.",
+        references: &[
+            "GLSL 4.60 specification, section 3.6 \"Keywords\"",
+            "GLSL 4.60 specification, section 3.7 \"Identifiers\"",
+        ],
+        ja: Japanese {
+            summary: "言語が予約している名前を宣言しています",
+            what: "`gl_` で始まる名前、そのバージョンの予約語（`input`・`filter`・`common` など）、`GL_` で始まるマクロの宣言を報告します。",
+            why: "コンパイルできません。いま通っても、その語に意味が与えられた版では通らなくなります。",
+            fix: "局所変数・引数・インターフェースに属さない大域変数の名前を変えます。他のファイルは知らない名前なので safe です。インターフェースの名前は自動修正しません。",
+        },
+    },
+    check: Check::FrontEnd(complete),
+};
+
+fn complete(file: &ShaderFile, found: Diagnostic) -> Option<Diagnostic> {
+    let shader = &file.shader;
+    let Some((id, symbol)) = shader.symbols().find(|(_, s)| s.span == Some(found.span)) else { return Some(found) };
+    let name = symbol.name.clone();
+    if !is_private(shader, id) || shader.uses_of(id).any(|u| u.from_macro) {
+        return Some(found);
+    }
+    let new = match name.strip_prefix("gl_") {
+        Some(rest) => fresh(shader, rest),
+        None => fresh(shader, &name),
+    };
+    let mut edits = vec![Edit::replace(found.span, new.clone())];
+    edits.extend(shader.uses_of(id).map(|u| Edit::replace(u.span, new.clone())));
+    Some(found.with_fix(message!("rename it to `{new}`", "`{new}` に変える"), Safety::Safe, edits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glsl::testing::repaired as lint;
+
+    #[test]
+    fn private_names_are_changed_everywhere() {
+        let text = "#version 150\nvoid main() { float input = 1.0; input += input; gl_Position = vec4(input); }\n";
+        let (codes, fixed) = lint("a.vert", text);
+        assert_eq!(codes, ["V004"]);
+        assert_eq!(fixed, Some((Safety::Safe, text.replace("input", "input_"))));
+        // A uniform is known to the host.
+        assert_eq!(
+            lint("a.vert", "#version 150\nuniform float filter;\nvoid main() { gl_Position = vec4(filter); }\n"),
+            (vec!["V004"], None)
+        );
+        assert!(lint("a.vert", "void main() { float filter = 1.0; gl_Position = vec4(filter); }\n").0.is_empty());
+    }
+}

@@ -1,0 +1,108 @@
+//! V005: a variable or function has the name of a built-in function.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::is_builtin_function;
+
+use super::compile::{fresh, is_private};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("V005"),
+    name: "shadows-builtin",
+    severity: Severity::Warning,
+    level: Level::Strict,
+    summary: "a variable or function has the name of a built-in function",
+    page: Page {
+        what: "Reports variables and functions whose name is that of a built-in function of the version, such as `mix`, `texture` or `sign`.",
+        why: "The built-in function cannot be called any more where the name is known, and GLSL ES refuses functions of such names.",
+        bad: &[Example {
+            name: "a.vert",
+            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  float distance = position.z;\n  gl_Position = position * distance;\n}\n",
+        }],
+        good: &[Example {
+            name: "a.vert",
+            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  float distance_ = position.z;\n  gl_Position = position * distance_;\n}\n",
+        }],
+        fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. Functions and names of the interface have no fix.",
+        references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\""],
+        ja: Japanese {
+            summary: "変数や関数が組み込み関数の名前を持っています",
+            what: "`mix`・`texture`・`sign` など、そのバージョンの組み込み関数と同じ名前の変数・関数を報告します。",
+            why: "その名前が有効な範囲で組み込み関数を呼べなくなり、関数の場合 GLSL ES では拒否されます。",
+            fix: "局所変数・引数・インターフェースに属さない大域変数の名前を変えます。他のファイルは知らない名前なので safe です。関数とインターフェースの名前は自動修正しません。",
+        },
+    },
+    check: Check::Shader(check),
+};
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let title =
+        |name: &str| message!("`{name}` is the name of a built-in function", "`{name}` は組み込み関数の名前です");
+    let why = || {
+        message!(
+            "the built-in function cannot be called while this is known",
+            "この名前が有効な間、組み込み関数を呼べません"
+        )
+    };
+    for (id, symbol) in shader.symbols() {
+        let Some(span) = symbol.span.filter(|_| is_builtin_function(shader, &symbol.name)) else { continue };
+        let found = findings
+            .at(&file.file, span, title(&symbol.name))
+            .with_label(message!("hides the function", "関数を隠します"))
+            .with_why(why())
+            .with_help(message!("choose another name", "別の名前にしてください"));
+        let plain =
+            is_private(shader, id) && !shader.uses_of(id).any(|u| u.from_macro) && file.file.slice(span) == symbol.name;
+        findings.push(if plain {
+            let new = fresh(shader, &symbol.name);
+            let mut edits = vec![Edit::replace(span, new.clone())];
+            edits.extend(shader.uses_of(id).map(|u| Edit::replace(u.span, new.clone())));
+            found.with_fix(message!("rename it to `{new}`", "`{new}` に変える"), Safety::Safe, edits)
+        } else {
+            found
+        });
+    }
+    for (_, function) in shader.functions() {
+        if is_builtin_function(shader, &function.name.name) {
+            findings.push(
+                findings
+                    .at(&file.file, function.name.span, title(&function.name.name))
+                    .with_label(message!("hides the function", "関数を隠します"))
+                    .with_why(why())
+                    .with_help(message!("choose another name", "別の名前にしてください")),
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::glsl::testing::strict_count;
+
+    /// Findings of this rule at the strict level.
+    fn count(name: &str, text: &str) -> usize {
+        strict_count(super::RULE.code, name, text)
+    }
+
+    #[test]
+    fn names_count_by_version() {
+        let text =
+            |v: &str, n: &str| format!("#version {v}\nvoid main() {{ float {n} = 1.0; gl_Position = vec4({n}); }}\n");
+        assert_eq!(count("a.vert", &text("150", "mix")), 1);
+        assert_eq!(count("a.vert", &text("150", "mixed")), 0);
+        // `texture` came with 1.30.
+        assert_eq!(count("a.vert", &text("120", "texture")), 0);
+        assert_eq!(count("a.vert", &text("130", "texture")), 1);
+        assert_eq!(
+            count(
+                "a.vert",
+                "#version 150\nfloat sign(vec2 a) { return a.x; }\nvoid main() { gl_Position = vec4(1.0); }\n"
+            ),
+            1
+        );
+    }
+}

@@ -1,0 +1,143 @@
+//! H010: a uniform set by a function for another type.
+
+use super::HostFile;
+use super::setter::Setter;
+use super::settings::Setting;
+use super::settings::settings;
+use crate::project::Project;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::types::Type;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H010"),
+    name: "uniform-setter-type",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a uniform is set by a function for another type",
+    page: Page {
+        what: "Reports `glUniform` functions, and setters by name, whose components or component type are not those of the uniform, and counts above 1 for a uniform that is no array. A `bool` takes `f`, `i` and `ui`. Samplers are the business of H011, matrices of H019.",
+        why: "The call fails with GL_INVALID_OPERATION, and the uniform keeps its old value.",
+        bad: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform3f(place, 1.0f, 0.0f, 0.0f);\n}\n",
+            },
+        ],
+        good: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
+            },
+        ],
+        fix: "Calls the function for the type of the uniform where the number of arguments stays the same. Unsafe: the call had no effect before.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match",
+        ],
+        ja: Japanese {
+            summary: "uniform を別の型用の関数で設定しています",
+            what: "成分数または成分の型が uniform と違う `glUniform` 系の関数と、名前で値を設定する関数、および配列でない uniform に 1 より大きい個数を渡す呼び出しを報告します。`bool` には `f`, `i`, `ui` を使えます。サンプラは H011、行列は H019 が調べます。",
+            why: "呼び出しは GL_INVALID_OPERATION で失敗し、uniform は元の値のままです。",
+            fix: "引数の数が変わらないときは、uniform の型に合う関数を呼ぶように直します。元の呼び出しには効果がなかったので unsafe です。",
+        },
+    },
+    check: Check::Host(check),
+};
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    for set in settings(host, project) {
+        let matrix = set.setter.matrix || matches!(set.element(), Type::Matrix(..));
+        if matrix || matches!(set.element(), Type::Opaque(_) | Type::Error | Type::Struct(_)) {
+            continue;
+        }
+        if set.setter.fits(set.ty) {
+            count(host, &set, findings);
+            continue;
+        }
+        let (function, name, ty) = (&set.function, &set.lookup.name, set.ty.to_string());
+        let mut found = findings
+            .at(
+                &host.file,
+                set.place,
+                message!(
+                    "`{function}` does not fit `{name}`, which is `{ty}`",
+                    "`{function}` は `{ty}` の `{name}` に合いません"
+                ),
+            )
+            .with_label(message!("GL_INVALID_OPERATION", "GL_INVALID_OPERATION になります"))
+            .with_related(&set.shader.file, set.variable.name_span, message!("declared here", "ここで宣言されています"))
+            .with_why(message!(
+                "size and type of the function have to be those of the uniform; the call fails and changes nothing",
+                "関数の成分数と型は uniform と同じでなければならず、呼び出しは失敗して何も変わりません"
+            ));
+        found = match set.setter.function_for(set.ty).filter(|_| set.user.is_some()) {
+            Some(right) => {
+                let right = if function.starts_with("glProgram") {
+                    right.replacen("glUniform", "glProgramUniform", 1)
+                } else {
+                    right
+                };
+                let rows = Setter::of_function(&right).map(|r| (r.rows, r.vector));
+                let same = rows == Some((set.setter.rows, set.setter.vector))
+                    || (set.setter.vector && rows.is_some_and(|r| r.1));
+                let found = found.with_help(message!("`{ty}` is set by `{right}`", "`{ty}` は `{right}` で設定します"));
+                if same && !set.setter.vector {
+                    let edit = Edit::replace(set.place, right.as_str());
+                    found.with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), Safety::Unsafe, vec![edit])
+                } else {
+                    found
+                }
+            }
+            None => found.with_help(message!("set a `{ty}`", "`{ty}` として設定してください")),
+        };
+        findings.push(found);
+    }
+}
+
+/// Reports a count above 1 for what is no array.
+fn count(host: &HostFile, set: &Setting<'_>, findings: &mut Findings<'_>) {
+    let Some(user) = set.user.filter(|_| set.setter.vector) else { return };
+    let Some(place) = user.arguments.get(user.position + 1) else { return };
+    let many = host.file.slice(*place).parse::<u32>().is_ok_and(|n| n > 1);
+    let elements = set.lookup.name.ends_with(']');
+    if !many || elements || matches!(set.ty, Type::Array(..)) {
+        return;
+    }
+    let (name, ty) = (&set.lookup.name, set.ty.to_string());
+    findings.push(
+        findings
+            .at(
+                &host.file,
+                *place,
+                message!(
+                    "more than one value is given to `{name}`, which is `{ty}` and no array",
+                    "配列でない `{ty}` の `{name}` に複数の値を渡しています"
+                ),
+            )
+            .with_label(message!("counts values, not components", "成分ではなく値の個数です"))
+            .with_related(&set.shader.file, set.variable.name_span, message!("declared here", "ここで宣言されています"))
+            .with_why(message!(
+                "a count above 1 for a uniform that is no array is GL_INVALID_OPERATION, and nothing is set",
+                "配列でない uniform に 1 より大きい個数を渡すと GL_INVALID_OPERATION になり、何も設定されません"
+            ))
+            .with_fix(message!("write 1", "1 と書く"), Safety::Unsafe, vec![Edit::replace(*place, "1")]),
+    );
+}

@@ -1,0 +1,111 @@
+//! H013: a look-up before the program is linked.
+
+use super::HostFile;
+use super::index::Index;
+use super::program::is_call;
+use super::syntax::{ancestors, arguments, bare, span};
+use base::diagnostic::{Code, Severity, message};
+use tree_sitter::Node;
+
+use crate::project::Project;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H013"),
+    name: "lookup-before-link",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "the location of a variable is asked for before the program is linked",
+    page: Page {
+        what: "Reports `glGetUniformLocation` and `glGetAttribLocation` for a program that is made in the same block, and linked only behind the look-up.",
+        why: "Before linking a program has no locations: the call fails with GL_INVALID_OPERATION and gives -1.",
+        bad: &[Example {
+            name: "link.cpp",
+            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glLinkProgram(program);\n  glUniform1f(place, 1.0f);\n}\n",
+        }],
+        good: &[Example {
+            name: "link.cpp",
+            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniform1f(place, 1.0f);\n}\n",
+        }],
+        fix: "There is no fix: what uses the location has to move as well.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.4: INVALID_OPERATION when the program is not successfully linked",
+        ],
+        ja: Japanese {
+            summary: "プログラムのリンク前に変数の位置を求めています",
+            what: "同じブロックで作られ、その後でリンクされるプログラムについて、リンクより前にある `glGetUniformLocation` と `glGetAttribLocation` を報告します。",
+            why: "リンク前のプログラムには位置がありません。呼び出しは GL_INVALID_OPERATION で失敗し、-1 を返します。",
+            fix: "no fix（修正なし）: 位置を使う部分も動かす必要があります。",
+        },
+    },
+    check: Check::Host(check),
+};
+
+fn check(host: &HostFile, _: &Project, findings: &mut Findings<'_>) {
+    if !host.file.text().contains("glLinkProgram") {
+        return;
+    }
+    let Some(index) = Index::new(host) else { return };
+    for &link in index.calls.iter().filter(|c| is_call(host, **c, "glLinkProgram")) {
+        let (Some(block), Some(program)) = (block_of(link), arguments(link).first().map(|a| host.text(bare(*a))))
+        else {
+            continue;
+        };
+        let made = index.writes.iter().find(|w| {
+            host.text(w.target) == program
+                && is_call(host, w.value, "glCreateProgram")
+                && block_of(w.target).is_some_and(|b| b.id() == block.id())
+        });
+        let Some(made) = made.filter(|m| m.target.start_byte() < link.start_byte()) else { continue };
+        let linked_before = index.calls.iter().any(|c| {
+            let early = c.start_byte() < link.start_byte() && c.start_byte() > made.target.start_byte();
+            let links = is_call(host, *c, "glLinkProgram") || is_call(host, *c, "glProgramBinary");
+            early && links
+        });
+        if linked_before {
+            continue;
+        }
+        for &call in &index.calls {
+            let looks = is_call(host, call, "glGetUniformLocation") || is_call(host, call, "glGetAttribLocation");
+            let between = made.target.start_byte() < call.start_byte() && call.start_byte() < link.start_byte();
+            let same = arguments(call).first().is_some_and(|a| host.text(bare(*a)) == program);
+            if !(looks && between && same) || block_of(call).is_none_or(|b| b.id() != block.id()) {
+                continue;
+            }
+            findings.push(
+                findings
+                    .at(
+                        &host.file,
+                        span(call),
+                        message!("`{program}` is not linked yet", "`{program}` はまだリンクされていません"),
+                    )
+                    .with_label(message!("gives -1", "-1 になります"))
+                    .with_related(&host.file, span(link), message!("linked here", "ここでリンクされます"))
+                    .with_why(message!(
+                        "locations are given when a program is linked; before that the call is GL_INVALID_OPERATION",
+                        "位置はリンク時に決まります。その前の呼び出しは GL_INVALID_OPERATION になります"
+                    ))
+                    .with_help(message!(
+                        "ask for the location after glLinkProgram",
+                        "glLinkProgram の後で位置を求めてください"
+                    )),
+            );
+        }
+    }
+}
+
+/// The block that a node stands in directly, not in a loop or condition of it.
+fn block_of(node: Node<'_>) -> Option<Node<'_>> {
+    ancestors(node).find(|n| {
+        matches!(
+            n.kind(),
+            "compound_statement"
+                | "lambda_expression"
+                | "if_statement"
+                | "for_statement"
+                | "while_statement"
+                | "case_statement"
+        )
+    })
+}

@@ -1,0 +1,118 @@
+//! H019: a matrix set by a function for another size.
+
+use super::HostFile;
+use super::settings::settings;
+use crate::project::Project;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::types::Type;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H019"),
+    name: "matrix-dimension",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "a matrix is set by a function for another size, or with a count above 1",
+    page: Page {
+        what: "Reports `glUniformMatrix` functions, and setters by name, whose columns and rows are not those of the uniform, functions for vectors on a matrix and the other way round, and counts above 1 for a matrix that is no array.",
+        why: "The call fails with GL_INVALID_OPERATION, and the uniform keeps its old value.",
+        bad: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix3fv(place, 1, GL_FALSE, m);\n}\n",
+            },
+        ],
+        good: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
+            },
+            Example {
+                name: "lamp.cpp",
+                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix4fv(place, 1, GL_FALSE, m);\n}\n",
+            },
+        ],
+        fix: "Calls the function for the size of the matrix. Unsafe: the call had no effect before, and the array has to hold that many values. A count becomes 1.",
+        references: &[
+            "OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match",
+        ],
+        ja: Japanese {
+            summary: "行列を別の大きさ用の関数、または 1 より大きい個数で設定しています",
+            what: "列数と行数が uniform と違う `glUniformMatrix` 系の関数と、名前で値を設定する関数、行列に対するベクトル用の関数とその逆、および配列でない行列に 1 より大きい個数を渡す呼び出しを報告します。",
+            why: "呼び出しは GL_INVALID_OPERATION で失敗し、uniform は元の値のままです。",
+            fix: "行列の大きさに合う関数を呼ぶように直します。元の呼び出しには効果がなく、配列にそれだけの値が必要なので unsafe です。個数は 1 にします。",
+        },
+    },
+    check: Check::Host(check),
+};
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    for set in settings(host, project) {
+        let matrix = set.setter.matrix || matches!(set.element(), Type::Matrix(..));
+        if !matrix || matches!(set.element(), Type::Opaque(_) | Type::Error | Type::Struct(_)) {
+            continue;
+        }
+        let (function, name, ty) = (&set.function, &set.lookup.name, set.ty.to_string());
+        let declared = message!("declared here", "ここで宣言されています");
+        if !set.setter.fits(set.ty) {
+            let found = findings
+                .at(
+                    &host.file,
+                    set.place,
+                    message!("`{function}` does not fit `{name}`, which is `{ty}`", "`{function}` は `{ty}` の `{name}` に合いません"),
+                )
+                .with_label(message!("GL_INVALID_OPERATION", "GL_INVALID_OPERATION になります"))
+                .with_related(&set.shader.file, set.variable.name_span, declared)
+                .with_why(message!(
+                    "columns and rows of the function have to be those of the uniform; the call fails and changes nothing",
+                    "関数の列数と行数は uniform と同じでなければならず、呼び出しは失敗して何も変わりません"
+                ));
+            let right = set.setter.function_for(set.ty).filter(|_| set.user.is_some());
+            let both = set.setter.matrix && matches!(set.element(), Type::Matrix(..));
+            findings.push(match right {
+                Some(right) if both && function.starts_with("glUniform") => {
+                    let edit = Edit::replace(set.place, right.as_str());
+                    found.with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), Safety::Unsafe, vec![edit])
+                }
+                Some(_) | None => found.with_help(message!("set a `{ty}`", "`{ty}` として設定してください")),
+            });
+            continue;
+        }
+        let Some((user, place)) = set.user.and_then(|u| Some((u, *u.arguments.get(u.position + 1)?))) else { continue };
+        let many = host.file.slice(place).parse::<u32>().is_ok_and(|n| n > 1);
+        if many && !name.ends_with(']') && !matches!(set.ty, Type::Array(..)) && user.arguments.len() > 3 {
+            findings.push(
+                findings
+                    .at(
+                        &host.file,
+                        place,
+                        message!(
+                            "more than one matrix is given to `{name}`, which is no array",
+                            "配列でない `{name}` に複数の行列を渡しています"
+                        ),
+                    )
+                    .with_label(message!("counts matrices", "行列の個数です"))
+                    .with_related(&set.shader.file, set.variable.name_span, declared)
+                    .with_why(message!(
+                        "a count above 1 for a uniform that is no array is GL_INVALID_OPERATION, and nothing is set",
+                        "配列でない uniform に 1 より大きい個数を渡すと GL_INVALID_OPERATION になり、何も設定されません"
+                    ))
+                    .with_fix(message!("write 1", "1 と書く"), Safety::Unsafe, vec![Edit::replace(place, "1")]),
+            );
+        }
+    }
+}

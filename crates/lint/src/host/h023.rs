@@ -1,0 +1,142 @@
+//! H023: a draw mode that the geometry shader does not take.
+
+use super::HostFile;
+use super::index::Index;
+use super::program::{ProgramSource, is_call, resolve, whole};
+use super::syntax::{arguments, bare, callee, span};
+use crate::project::Project;
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Severity, message};
+use syntax::Stage;
+use syntax::interface::InputPrimitive;
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("H023"),
+    name: "draw-mode-vs-geometry-input",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "the mode of a draw call is not the input primitive of the geometry shader",
+    page: Page {
+        what: "Reports `glDrawArrays`, `glDrawElements` and the like whose mode does not give the primitive that the geometry stage takes, in files that use one program only. It stays silent with a tessellation stage.",
+        why: "The draw call fails with GL_INVALID_OPERATION, and nothing is drawn.",
+        bad: &[
+            Example {
+                name: "shell.vert",
+                text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
+            },
+            Example {
+                name: "shell.geom",
+                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+            },
+            Example {
+                name: "shell.frag",
+                text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_LINES, 0, 12);\n}\n",
+            },
+        ],
+        good: &[
+            Example {
+                name: "shell.vert",
+                text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
+            },
+            Example {
+                name: "shell.geom",
+                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
+            },
+            Example {
+                name: "shell.frag",
+                text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n",
+            },
+            Example {
+                name: "draw.cpp",
+                text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_TRIANGLES, 0, 12);\n}\n",
+            },
+        ],
+        fix: "There is no fix: the mode or the geometry shader may be wrong.",
+        references: &["OpenGL 3.2 core specification, section 2.12.1 (Geometry Shader Input Primitives)"],
+        ja: Japanese {
+            summary: "描画の種類がジオメトリシェーダの入力プリミティブと合いません",
+            what: "一つのプログラムだけを使うファイルで、ジオメトリシェーダが受け取るプリミティブにならない種類を指定した `glDrawArrays` や `glDrawElements` などを報告します。テッセレーションのあるときは報告しません。",
+            why: "描画の呼び出しは GL_INVALID_OPERATION で失敗し、何も描かれません。",
+            fix: "no fix（修正なし）: 描画の種類とジオメトリシェーダのどちらが間違いか分かりません。",
+        },
+    },
+    check: Check::Host(check),
+};
+
+fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
+    if !host.file.text().contains("glDraw") && !host.file.text().contains("glMultiDraw") {
+        return;
+    }
+    let Some(index) = Index::new(host) else { return };
+    let source = whole(&index);
+    if !matches!(source, ProgramSource::Named(_)) {
+        return;
+    }
+    let Some(program) = resolve(host, project, &source) else { return };
+    let tessellated = program.stage(Stage::TessEvaluation).is_some() || program.stage(Stage::TessControl).is_some();
+    let Some(shader) = program.stage(Stage::Geometry).filter(|_| program.is_complete() && !tessellated) else { return };
+    let Some(input) = shader.shader.interface().geometry.input else { return };
+    // With a second program it is not known which one draws.
+    let mut used: Vec<&str> = index
+        .calls
+        .iter()
+        .filter(|c| is_call(host, **c, "glUseProgram"))
+        .filter_map(|c| arguments(*c).first().map(|a| host.text(bare(*a))))
+        .filter(|a| *a != "0")
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    let [only] = used.as_slice() else { return };
+    // The one that is used has to be the one that is made here.
+    let made = index.writes.iter().any(|w| host.text(w.target) == *only);
+    if !made {
+        return;
+    }
+    for &call in &index.calls {
+        let draws =
+            callee(call, &host.file).is_some_and(|(f, _)| f.starts_with("glDraw") || f.starts_with("glMultiDraw"));
+        let Some(mode) = arguments(call).first().map(|a| bare(*a)).filter(|_| draws) else { continue };
+        let text = host.text(mode);
+        let Some(primitive) = primitive(text).filter(|p| *p != input.value) else { continue };
+        let wanted = input.value.name();
+        let given = primitive.name();
+        findings.push(
+            findings
+                .at(
+                    &host.file,
+                    span(mode),
+                    message!(
+                        "`{text}` gives {given}, but the geometry shader takes {wanted}",
+                        "`{text}` は {given} ですが、ジオメトリシェーダが受け取るのは {wanted} です"
+                    ),
+                )
+                .with_label(message!("GL_INVALID_OPERATION", "GL_INVALID_OPERATION になります"))
+                .with_related(&shader.file, input.span, message!("the input primitive", "入力プリミティブ"))
+                .with_why(message!(
+                    "the mode has to give the input primitive of the geometry shader; otherwise nothing is drawn",
+                    "描画の種類はジオメトリシェーダの入力プリミティブに合わせる必要があり、合わないと何も描かれません"
+                ))
+                .with_help(message!(
+                    "draw with a mode of {wanted}, or change the layout",
+                    "{wanted} の種類で描くか、layout を変えてください"
+                )),
+        );
+    }
+}
+
+/// The primitive that a mode gives to a geometry shader.
+fn primitive(mode: &str) -> Option<InputPrimitive> {
+    Some(match mode {
+        "GL_POINTS" => InputPrimitive::Points,
+        "GL_LINES" | "GL_LINE_STRIP" | "GL_LINE_LOOP" => InputPrimitive::Lines,
+        "GL_LINES_ADJACENCY" | "GL_LINE_STRIP_ADJACENCY" => InputPrimitive::LinesAdjacency,
+        "GL_TRIANGLES" | "GL_TRIANGLE_STRIP" | "GL_TRIANGLE_FAN" => InputPrimitive::Triangles,
+        "GL_TRIANGLES_ADJACENCY" | "GL_TRIANGLE_STRIP_ADJACENCY" => InputPrimitive::TrianglesAdjacency,
+        _ => return None,
+    })
+}

@@ -1,0 +1,264 @@
+//! Look-ups of uniforms and attributes by a name in a string literal.
+
+use tree_sitter::Node;
+
+use base::text::Span;
+
+use super::HostFile;
+use super::feeds::{Feeds, User, feeds, users};
+use super::index::{Index, within};
+use super::presets::PRESETS;
+use super::program::{ProgramSource, own_source, source};
+use super::setter::Setter;
+use super::syntax::{arguments, bare, callee, enclosing_function, plain_string, span};
+use crate::config::Wrapped;
+
+/// What is looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LookupKind {
+    /// `glGetUniformLocation(program, "name")`
+    Uniform,
+    /// `glGetAttribLocation(program, "name")`
+    Attribute,
+    /// `glBindAttribLocation(program, index, "name")`
+    BindAttribute,
+}
+
+impl LookupKind {
+    /// The function of OpenGL.
+    pub fn function(self) -> &'static str {
+        match self {
+            Self::Uniform => "glGetUniformLocation",
+            Self::Attribute => "glGetAttribLocation",
+            Self::BindAttribute => "glBindAttribLocation",
+        }
+    }
+
+    fn of(function: &str) -> Option<Self> {
+        [Self::Uniform, Self::Attribute, Self::BindAttribute].into_iter().find(|k| k.function() == function)
+    }
+
+    /// Number of arguments; the name is the last one.
+    fn arity(self) -> usize {
+        match self {
+            Self::Uniform | Self::Attribute => 2,
+            Self::BindAttribute => 3,
+        }
+    }
+}
+
+/// A look-up with a literal name.
+pub struct Lookup {
+    /// What is looked up.
+    pub kind: LookupKind,
+    /// Place of the function's name.
+    pub function: Span,
+    /// The name as written.
+    pub name: String,
+    /// Place of the name, without the quotation marks.
+    pub name_span: Span,
+    /// Where the shaders of its program are named.
+    pub source: ProgramSource,
+    /// What the location is used for.
+    pub feeds: Feeds,
+    /// The calls that get the location.
+    pub users: Vec<User>,
+    /// True for a function that wraps the one of OpenGL.
+    pub wrapped: bool,
+    /// What the wrapper sets the uniform with, when it does and that is clear.
+    pub sets: Option<Setter>,
+    /// True when only the beginning of the name is known: `"bones[" + i + "]"`.
+    pub partial: bool,
+}
+
+impl Lookup {
+    /// Place of the name with its quotation marks.
+    pub fn literal_span(&self) -> Span {
+        Span::new(self.name_span.start - 1, self.name_span.end + 1)
+    }
+
+    /// The variable that the name speaks of: `light` of `light[2].position`.
+    pub fn base_name(&self) -> &str {
+        self.name.split(['.', '[']).next().unwrap_or(&self.name)
+    }
+
+    /// True for names that GL reserves; they never have a location.
+    pub fn is_reserved(&self) -> bool {
+        self.name.starts_with("gl_")
+    }
+}
+
+/// All look-ups of a file, in the order of the text.
+pub fn find(host: &HostFile) -> Vec<Lookup> {
+    let Some(index) = Index::new(host) else { return Vec::new() };
+    index.calls.iter().filter_map(|&call| lookup(&index, call).or_else(|| wrapped(&index, call))).collect()
+}
+
+/// A look-up, or a setter by name, through a function that wraps that of OpenGL: a preset, or one that
+/// the configuration names. The program is that of the object, or of the first argument of a plain
+/// function, and is known by what is done with it in this file.
+fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
+    let host = index.host;
+    let function = call.child_by_field_name("function")?;
+    let object = function.child_by_field_name("argument").filter(|_| function.kind() == "field_expression");
+    let name_node = function.child_by_field_name("field").or_else(|| function.child_by_field_name("name"));
+    let name_node = name_node.unwrap_or(function);
+    let called = host.text(name_node);
+    let all = arguments(call);
+    let configured = host.wrappers.iter().find(|w| w.function == called);
+    let (kind, at, sets) = match configured {
+        Some(w) => (w.kind, w.argument, w.sets.as_deref().and_then(Setter::of_type)),
+        None => {
+            let preset = PRESETS.iter().find(|p| p.method == called && object.is_some())?;
+            (preset.kind, 0, preset.like.and_then(Setter::of_function))
+        }
+    };
+    let kind = match kind {
+        Wrapped::UniformLocation | Wrapped::SetUniform => LookupKind::Uniform,
+        Wrapped::AttributeLocation => LookupKind::Attribute,
+        Wrapped::LoadProgram => return None,
+    };
+    let (name, name_span, partial) = name(index, *all.get(at)?)?;
+    let program = object.or_else(|| all.first().copied().filter(|_| at > 0))?;
+    // Any object may be passed in: only what is done with this one counts.
+    let known = own_source(index, call, program).filter(|_| !call.has_error());
+    let source = known.unwrap_or(ProgramSource::Unknown);
+    Some(Lookup {
+        kind,
+        function: span(name_node),
+        name,
+        name_span,
+        source,
+        feeds: Feeds::default(),
+        users: Vec::new(),
+        wrapped: true,
+        sets,
+        partial,
+    })
+}
+
+/// A name in a literal, or the beginning of one that goes on with an index or a member.
+fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
+    let file = &index.host.file;
+    if let Some((name, place)) = plain_string(argument, file) {
+        return Some((name.to_owned(), place, false));
+    }
+    let node = unwrapped(argument);
+    let (name, place) = match node.kind() {
+        "identifier" => beginning(index, node)?,
+        _ => begins(index, node)?,
+    };
+    name.contains(['[', '.']).then_some((name, place, true))
+}
+
+/// The object of methods that only convert: `(…).c_str()`, `QString("…").arg(i)`.
+fn unwrapped(argument: Node<'_>) -> Node<'_> {
+    let mut node = bare(argument);
+    while let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
+        node = bare(inner);
+    }
+    node
+}
+
+/// How the text begins that a variable holds: by its one value in the function, or by the one call that
+/// prints into it.
+fn beginning(index: &Index<'_>, variable: Node<'_>) -> Option<(String, Span)> {
+    let host = index.host;
+    let function = enclosing_function(variable)?;
+    let name = host.text(variable);
+    let mut values = index.values(function, name);
+    if let Some(only) = values.next() {
+        let is_last = values.next().is_none() && only.target.end_byte() < variable.start_byte();
+        return if is_last { begins(index, unwrapped(only.value)) } else { None };
+    }
+    let mut prints = index.calls.iter().filter(|c| {
+        let prints = callee(**c, &host.file).is_some_and(|(f, _)| ["sprintf", "snprintf", "sprintf_s"].contains(&f));
+        prints && within(function, **c) && arguments(**c).first().is_some_and(|a| host.text(bare(*a)) == name)
+    });
+    let call = *prints.next().filter(|_| prints.next().is_none())?;
+    formatted(index, call)
+}
+
+/// How the text of an expression begins: a sum that starts with a literal, or a call that fills one in.
+fn begins(index: &Index<'_>, expression: Node<'_>) -> Option<(String, Span)> {
+    let mut node = expression;
+    if node.kind() == "call_expression" {
+        return formatted(index, node);
+    }
+    if node.kind() != "binary_expression" {
+        return None;
+    }
+    while node.kind() == "binary_expression" {
+        node = bare(node.child_by_field_name("left")?);
+    }
+    // `std::string("bones[")`
+    if let (Some(_), &[only]) = (node.child_by_field_name("function"), arguments(node).as_slice()) {
+        node = bare(only);
+    }
+    plain_string(node, &index.host.file).map(|(name, place)| (name.to_owned(), place))
+}
+
+/// The text before the first place to fill in, of `format("bones[{}]", i)` and the like.
+fn formatted(index: &Index<'_>, call: Node<'_>) -> Option<(String, Span)> {
+    let all = arguments(call);
+    let (text, place) = all.iter().find_map(|a| plain_string(*a, &index.host.file))?;
+    let end = text.find(['%', '{'])?;
+    Some((text[..end].to_owned(), Span::new(place.start, place.start + end)))
+}
+
+fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
+    let file = &index.host.file;
+    let (function, function_node) = callee(call, file)?;
+    let kind = LookupKind::of(function)?;
+    let arguments = arguments(call);
+    if call.has_error() || arguments.len() != kind.arity() {
+        return None;
+    }
+    let (name, name_span, partial) = name(index, *arguments.last()?)?;
+    Some(Lookup {
+        kind,
+        function: span(function_node),
+        name,
+        name_span,
+        source: source(index, call, arguments[0]),
+        feeds: feeds(index, call),
+        users: users(index, call),
+        wrapped: false,
+        sets: None,
+        partial,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base::text::SourceFile;
+
+    #[test]
+    fn literal_names_are_found_and_others_are_not() {
+        let host = HostFile::new(
+            &SourceFile::new(
+                "a.cpp",
+                r#"void f(const char *n) {
+                    GLint a = glGetUniformLocation(p, "light[0].position");
+                    GLint b = glGetAttribLocation(this->p, /* 頂点 */ "v");
+                    glBindAttribLocation(p, 0, "w");
+                    GLint c = glGetUniformLocation(p, n);
+                    // glGetUniformLocation(p, "comment");
+                    const char *s = "glGetUniformLocation(p, 'x')";
+                }"#,
+            ),
+            true,
+        );
+        let found: Vec<_> =
+            host.lookups().iter().map(|l| (l.kind, l.name.as_str(), l.base_name().to_owned())).collect();
+        assert_eq!(
+            found,
+            [
+                (LookupKind::Uniform, "light[0].position", "light".to_owned()),
+                (LookupKind::Attribute, "v", "v".to_owned()),
+                (LookupKind::BindAttribute, "w", "w".to_owned()),
+            ]
+        );
+    }
+}

@@ -1,0 +1,160 @@
+//! Words that tell the stage of a shader text.
+
+use syntax::Stage;
+
+/// A text that has marks of more than one stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mixed;
+
+/// The stage that the contents say; none when they say nothing.
+///
+/// # Errors
+/// [`Mixed`] for a text that could be several stages, as with `#ifdef VERTEX`.
+pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
+    let code = without_comments(text);
+    let has = |words: &[&str]| words.iter().any(|w| has_word(&code, w));
+    let geometry = has(&["EmitVertex", "EndPrimitive", "max_vertices", "gl_PrimitiveIDIn"]);
+    let compute = has(&["local_size_x", "gl_GlobalInvocationID", "gl_LocalInvocationID"]);
+    let control = has(&["gl_out"]) || (has(&["gl_InvocationID"]) && !geometry);
+    let evaluation = has(&["gl_TessCoord"]);
+    let fragment = has(&[
+        "gl_FragColor",
+        "gl_FragData",
+        "gl_FragCoord",
+        "gl_FrontFacing",
+        "gl_PointCoord",
+        "gl_FragDepth",
+        "discard",
+    ]);
+    let later = geometry || control || evaluation;
+    let vertex = has(&["attribute", "gl_VertexID", "gl_InstanceID", "gl_Vertex", "ftransform"])
+        || (has(&["gl_Position"]) && !later && !has(&["gl_in"]));
+    let all = [
+        (vertex, Stage::Vertex),
+        (control, Stage::TessControl),
+        (evaluation, Stage::TessEvaluation),
+        (geometry, Stage::Geometry),
+        (fragment, Stage::Fragment),
+        (compute, Stage::Compute),
+    ];
+    let mut said = all.into_iter().filter(|(is, _)| *is).map(|(_, stage)| stage);
+    match (said.next(), said.next()) {
+        (_, Some(_)) => Err(Mixed),
+        (one, None) => Ok(one),
+    }
+}
+
+/// The stage that a variable's name says.
+pub fn stage_of_name(name: &str) -> Option<Stage> {
+    let lower = name.to_ascii_lowercase();
+    let words: Vec<String> = words(name);
+    let is = |long: &[&str], short: &[&str]| {
+        long.iter().any(|l| lower.contains(l)) || words.iter().any(|w| short.contains(&w.as_str()))
+    };
+    let all = [
+        (is(&["vert", "vtx"], &["vs", "vsh"]), Stage::Vertex),
+        (is(&["frag", "pixel"], &["fs", "ps", "fsh"]), Stage::Fragment),
+        (is(&["geom"], &["gs", "gsh"]), Stage::Geometry),
+        (is(&["tesscontrol", "tess_control"], &["tcs", "tesc"]), Stage::TessControl),
+        (is(&["tesseval", "tess_eval"], &["tes", "tese"]), Stage::TessEvaluation),
+        (is(&["compute"], &["cs", "comp"]), Stage::Compute),
+    ];
+    let mut said = all.into_iter().filter(|(is, _)| *is).map(|(_, stage)| stage);
+    match (said.next(), said.next()) {
+        (one, None) => one,
+        _ => None,
+    }
+}
+
+/// The words of a name, in small letters: `vsSource`, `VS_SOURCE` and `vs2` have the word `vs`.
+fn words(name: &str) -> Vec<String> {
+    let mut found = vec![String::new()];
+    let mut before = ' ';
+    for c in name.chars() {
+        if !c.is_ascii_alphabetic() || (c.is_ascii_uppercase() && before.is_ascii_lowercase()) {
+            found.push(String::new());
+        }
+        if let (true, Some(last)) = (c.is_ascii_alphabetic(), found.last_mut()) {
+            last.push(c.to_ascii_lowercase());
+        }
+        before = c;
+    }
+    found
+}
+
+/// True when `word` stands in the text, not as a part of a longer one.
+pub fn has_word(text: &str, word: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    text.match_indices(word).any(|(at, _)| {
+        !text[..at].chars().next_back().is_some_and(part) && !text[at + word.len()..].chars().next().is_some_and(part)
+    })
+}
+
+/// True when the text defines `main`.
+pub fn has_main(text: &str) -> bool {
+    text.match_indices("main").any(|(at, _)| {
+        text[..at].trim_end().ends_with("void")
+            && text[at + 4..].trim_start().starts_with('(')
+            && text[at + 4..].contains('{')
+    })
+}
+
+fn without_comments(text: &str) -> String {
+    let mut code = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
+        code.push_str(&rest[..at]);
+        let line = rest[at..].starts_with("//");
+        let end = if line { "\n" } else { "*/" };
+        let Some(length) = rest[at + 2..].find(end) else { return code };
+        rest = &rest[at + 2 + length + if line { 0 } else { 2 }..];
+        code.push(' ');
+    }
+    code + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_tell_the_stage() {
+        for (text, expected) in [
+            ("void main() { gl_Position = vec4(0.0); }", Ok(Some(Stage::Vertex))),
+            ("attribute vec4 a; void main() { gl_Position = a; }", Ok(Some(Stage::Vertex))),
+            ("void main() { gl_Position = gl_in[0].gl_Position; EmitVertex(); }", Ok(Some(Stage::Geometry))),
+            ("out vec4 c; void main() { c = gl_FragCoord; } // gl_Position", Ok(Some(Stage::Fragment))),
+            ("layout(local_size_x = 1) in; void main() { }", Ok(Some(Stage::Compute))),
+            ("void main() { gl_Position = gl_TessCoord.xyzz; }", Ok(Some(Stage::TessEvaluation))),
+            ("out vec4 c; void main() { c = vec4(1.0); }", Ok(None)),
+            (
+                "#ifdef V\nvoid main() { gl_Position = x; }\n#else\nvoid main() { gl_FragColor = x; }\n#endif",
+                Err(Mixed),
+            ),
+        ] {
+            assert_eq!(stage(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_tell_the_stage() {
+        for (name, expected) in [
+            ("vertexShaderSource", Some(Stage::Vertex)),
+            ("vs", Some(Stage::Vertex)),
+            ("g_fsSource", Some(Stage::Fragment)),
+            ("FS_SOURCE", Some(Stage::Fragment)),
+            ("vs2", Some(Stage::Vertex)),
+            ("geometryShader", Some(Stage::Geometry)),
+            ("source", None),
+            ("vertexAndFragment", None),
+        ] {
+            assert_eq!(stage_of_name(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn words_are_whole() {
+        assert!(has_word("in vec2 a;", "in") && !has_word("int a;", "in"));
+        assert!(has_main("void main(void)\n{}") && !has_main("void domain() {}") && !has_main("void main();"));
+    }
+}

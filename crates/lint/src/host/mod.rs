@@ -1,0 +1,209 @@
+//! C and C++ host code: its syntax tree and the rules on it.
+
+mod attach;
+mod attributes;
+mod creation;
+mod embedded;
+mod feeds;
+mod group;
+pub(super) mod h001;
+pub(super) mod h002;
+pub(super) mod h003;
+pub(super) mod h004;
+pub(super) mod h005;
+pub(super) mod h006;
+pub(super) mod h007;
+pub(super) mod h008;
+pub(super) mod h009;
+pub(super) mod h010;
+pub(super) mod h011;
+pub(super) mod h013;
+pub(super) mod h014;
+pub(super) mod h015;
+pub(super) mod h016;
+pub(super) mod h019;
+pub(super) mod h021;
+pub(super) mod h022;
+pub(super) mod h023;
+pub(super) mod h029;
+pub(super) mod h030;
+mod index;
+mod literal;
+#[cfg(test)]
+mod look_alikes;
+mod lookup;
+mod marks;
+mod presets;
+mod program;
+mod programs;
+mod setter;
+mod settings;
+mod stringized;
+mod suggest;
+pub(super) mod syntax;
+
+use std::cell::RefCell;
+use std::sync::{Arc, OnceLock};
+
+use tree_sitter::{Node, Parser, Tree};
+
+use crate::config::Wrapper;
+use base::text::{SourceFile, Span};
+
+use embedded::Embedded;
+use lookup::Lookup;
+use programs::HostPrograms;
+
+pub(super) use literal::Literal;
+pub(super) use program::{ShaderRef, named_shaders};
+pub(super) use suggest::{list, list_in_japanese, nearest};
+pub(super) use syntax::quoted_includes;
+
+/// A host file with its syntax tree.
+pub struct HostFile {
+    /// The text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+    /// Functions of the project that wrap those of OpenGL.
+    wrappers: Vec<Wrapper>,
+    tree: HostTree,
+    /// False for text that cannot feed shaders: most files of a project.
+    concerned: bool,
+    lookups: OnceLock<Vec<Lookup>>,
+    embedded: OnceLock<Vec<Embedded>>,
+    programs: OnceLock<HostPrograms>,
+}
+
+impl HostFile {
+    /// Parses `file` as C++, of which the C that feeds shaders is a part. Text that cannot be read
+    /// becomes error nodes, on which rules stay silent.
+    pub fn new(file: &SourceFile, reported: bool) -> Self {
+        Self::with_tree(file, reported, HostTree::default())
+    }
+
+    /// The same with a tree of this text that is there already.
+    pub(super) fn with_tree(file: &SourceFile, reported: bool, tree: HostTree) -> Self {
+        Self {
+            tree,
+            concerned: concerns_shaders(file.text()),
+            file: file.clone(),
+            reported,
+            wrappers: Vec::new(),
+            lookups: OnceLock::new(),
+            embedded: OnceLock::new(),
+            programs: OnceLock::new(),
+        }
+    }
+
+    /// The same file in a project with wrappers of its own.
+    #[must_use]
+    pub fn with_wrappers(mut self, wrappers: &[Wrapper]) -> Self {
+        self.wrappers = wrappers.to_vec();
+        self.concerned |= wrappers.iter().any(|w| self.file.text().contains(&w.function));
+        self
+    }
+
+    /// The root of the tree, which the first call makes; none when the parser gave up.
+    pub fn root(&self) -> Option<Node<'_>> {
+        self.tree.0.get_or_init(|| parse(&self.file)).as_ref().map(Tree::root_node)
+    }
+
+    /// True when the text can feed shaders. The trees of all others would take most of the time and memory of
+    /// a run; only what such a file declares may be asked for.
+    pub fn concerns_shaders(&self) -> bool {
+        self.concerned
+    }
+
+    /// Text of a node.
+    pub fn text(&self, node: Node<'_>) -> &str {
+        self.file.slice(syntax::span(node))
+    }
+
+    /// All look-ups with a literal name, in the order of the text.
+    fn lookups(&self) -> &[Lookup] {
+        self.lookups.get_or_init(|| if self.concerned { lookup::find(self) } else { Vec::new() })
+    }
+
+    /// The shaders in literals, in the order of the text.
+    pub fn embedded(&self) -> &[Embedded] {
+        self.embedded.get_or_init(|| if self.concerned { embedded::find(self) } else { Vec::new() })
+    }
+
+    /// The programs that the file makes, and the shaders that it names.
+    pub fn programs(&self) -> &HostPrograms {
+        self.programs.get_or_init(|| if self.concerned { programs::find(self) } else { HostPrograms::default() })
+    }
+
+    /// Number of places that the parser could not read.
+    pub fn error_count(&self) -> usize {
+        self.root()
+            .map_or(usize::MAX, |root| syntax::descendants(root).filter(|n| n.is_error() || n.is_missing()).count())
+    }
+}
+
+/// Places of all comments, in the order of the text.
+pub(super) fn comments(host: &HostFile) -> Vec<Span> {
+    let nodes = host.root().into_iter().flat_map(syntax::descendants);
+    nodes.filter(|n| n.kind() == "comment").map(syntax::span).collect()
+}
+
+/// The syntax tree of one text, once it has been asked for. Clones share it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HostTree(Arc<OnceLock<Option<Tree>>>);
+
+fn parse(file: &SourceFile) -> Option<Tree> {
+    thread_local! {
+        // A parser keeps its memory from one text to the next.
+        static PARSER: RefCell<Option<Parser>> = RefCell::new(parser());
+    }
+    PARSER.with_borrow_mut(|parser| parser.as_mut()?.parse(file.text(), None))
+}
+
+/// True when a word occurs that host code of shaders cannot do without.
+fn concerns_shaders(text: &str) -> bool {
+    const WORDS: [&str; 8] = ["hader", "niform", "ttribute", "gl_", "#version", ".vert", ".frag", ".glsl"];
+    let call =
+        || text.match_indices("gl").any(|(at, _)| text.as_bytes().get(at + 2).is_some_and(u8::is_ascii_uppercase));
+    // Loaders of OpenGL declare all its functions, at great length, and use none.
+    let is_loader = || text.matches("PFNGL").nth(200).is_some();
+    let found =
+        WORDS.iter().any(|w| text.contains(w)) || call() || presets::PRESETS.iter().any(|p| text.contains(p.method));
+    found && !is_loader()
+}
+
+fn parser() -> Option<Parser> {
+    let mut parser = Parser::new();
+    // The versions of grammar and parser fit: a test below holds this.
+    parser.set_language(&tree_sitter_cpp::LANGUAGE.into()).ok()?;
+    Some(parser)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn most_text_does_not_concern_shaders() {
+        let file = |text: &str| HostFile::new(&SourceFile::new("a.cpp", text), true);
+        assert!(!file("#include <glm/glm.hpp>\nglm::vec3 global(int angle) { return {}; }").concerns_shaders());
+        for text in ["void f() { glEnd(); }", "Shader s(\"a\");", "s.setMat4(\"m\", m);", "load(\"a.vert\");"] {
+            assert!(file(text).concerns_shaders(), "{text}");
+        }
+        let loader = "typedef void (APIENTRYP PFNGLCREATESHADERPROC)(GLenum type);\n".repeat(300);
+        assert!(!file(&loader).concerns_shaders());
+        let kind = crate::config::Wrapped::SetUniform;
+        let wrapper = Wrapper { function: "bindMatrix".into(), kind, argument: 0, sets: None };
+        let calls = file("void f() { bindMatrix(\"m\"); }");
+        assert!(!calls.concerns_shaders());
+        assert!(calls.with_wrappers(&[wrapper]).concerns_shaders());
+    }
+
+    #[test]
+    fn the_grammar_fits_the_parser() {
+        let file = HostFile::new(&SourceFile::new("a.cpp", "int main() { return 0; } // 頂点"), true);
+        assert_eq!(file.root().map(|r| r.kind()), Some("translation_unit"));
+        assert_eq!(file.error_count(), 0);
+        assert!(HostFile::new(&SourceFile::new("a.cpp", "int main( { return 0 }"), true).error_count() > 0);
+    }
+}

@@ -1,0 +1,332 @@
+//! Which shaders a look-up speaks of.
+//!
+//! A program is known in one of these ways: its variable is written once, by a call that names shader
+//! files or holds shader texts; its shaders are attached to it here; methods of its object are given
+//! them; or the file names at most one shader of each stage altogether; or it names none and shaders of
+//! its own name lie beside it. In all other cases nothing is known, and rules are silent.
+
+use tree_sitter::Node;
+
+use crate::program::Program;
+use crate::project::{Project, ShaderFile};
+use syntax::Stage;
+
+use super::HostFile;
+use super::attach::attached;
+use super::group::{Group, is_shader_name};
+use super::index::Index;
+use super::syntax::{callee, declared_name, descendants, enclosing_function, root_object, span};
+
+/// A shader as a host file names it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ShaderRef {
+    /// A file, by its path as written.
+    File(String),
+    /// A text in the host file: its index among [`HostFile::embedded`].
+    Embedded(usize),
+}
+
+impl ShaderRef {
+    /// The stage, as the name or the text says.
+    pub fn stage(&self, host: &HostFile) -> Option<Stage> {
+        match self {
+            Self::File(name) => Stage::from_path(name).filter(|s| *s != Stage::Library),
+            Self::Embedded(index) => host.embedded().get(*index).map(|e| e.stage),
+        }
+    }
+}
+
+/// Where the shaders of a program are named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ProgramSource {
+    /// In the host file: the stages, one each.
+    Named(Vec<ShaderRef>),
+    /// Nowhere; the shaders beside the host file may be meant.
+    Beside,
+    /// Not to be known from this file.
+    Unknown,
+}
+
+/// The program of a look-up, when it is known.
+pub fn resolve<'p>(host: &HostFile, project: &'p Project, source: &ProgramSource) -> Option<Program<'p>> {
+    let found: Vec<Option<&ShaderFile>> = match source {
+        ProgramSource::Named(names) => names.iter().map(|n| project.shader_of(host, n)).collect(),
+        ProgramSource::Beside => {
+            if let Some(configured) = project.configured_for(host.file.name()) {
+                return Some(configured);
+            }
+            let beside = project.shaders_beside(host.file.name());
+            let stages: Vec<Stage> = beside.iter().map(|s| s.shader.stage()).collect();
+            if !distinct(&stages) {
+                return None;
+            }
+            beside.into_iter().map(Some).collect()
+        }
+        ProgramSource::Unknown => return project.configured_for(host.file.name()),
+    };
+    let all = found.iter().all(Option::is_some);
+    Program::new(found.into_iter().flatten().collect(), all)
+}
+
+/// Where the shaders of the program in a look-up are named: `call` is the look-up and `program` the
+/// expression for its program. What is not known of the program itself is asked of the file as a whole.
+pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> ProgramSource {
+    own_source(index, call, program).unwrap_or_else(|| whole(index))
+}
+
+/// As [`source`], from what is done with the program itself; none when that says nothing.
+pub fn own_source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Option<ProgramSource> {
+    match loader(index, call, program) {
+        Loader::Value(value) => {
+            let inside = span(value);
+            let mut all = index.groups.iter().filter(|g| inside.contains(g.start)).peekable();
+            if all.peek().is_some() {
+                return Some(named(index.host, all.flat_map(|g| g.names.iter().cloned()).collect()));
+            }
+            // Made from something with a name that is no file: load("phong").
+            if descendants(value).any(|n| n.kind().ends_with("string_literal")) {
+                return Some(ProgramSource::Unknown);
+            }
+        }
+        Loader::Several => return Some(ProgramSource::Unknown),
+        Loader::Unknown => {}
+    }
+    let shaders = attached(index, call, program).or_else(|| given(index, call, program))?;
+    Some(named(index.host, shaders))
+}
+
+/// The program of a file that is about one program as a whole, and names all that it loads.
+pub fn whole(index: &Index<'_>) -> ProgramSource {
+    if loads_unnamed(index)
+        || index.unknown_sources
+        || index.call_count("glCreateProgram") > 1
+        || index.call_count("glLinkProgram") > 1
+    {
+        return ProgramSource::Unknown;
+    }
+    let embedded = (0..index.host.embedded().len()).map(ShaderRef::Embedded);
+    let names: Vec<ShaderRef> = index.groups.iter().flat_map(|g| g.names.iter().cloned()).chain(embedded).collect();
+    if names.is_empty() { ProgramSource::Beside } else { named(index.host, names) }
+}
+
+fn named(host: &HostFile, mut names: Vec<ShaderRef>) -> ProgramSource {
+    names.sort_unstable();
+    names.dedup();
+    if one_each(host, &names) { ProgramSource::Named(names) } else { ProgramSource::Unknown }
+}
+
+/// True when no stage is named twice and each name says its stage.
+pub fn one_each(host: &HostFile, names: &[ShaderRef]) -> bool {
+    let stages: Option<Vec<Stage>> = names.iter().map(|n| n.stage(host)).collect();
+    stages.is_some_and(|s| distinct(&s))
+}
+
+fn distinct(stages: &[Stage]) -> bool {
+    stages.iter().enumerate().all(|(i, s)| *s != Stage::Library && !stages[..i].contains(s))
+}
+
+/// The shaders that methods of the program's object are given: `prog.compileShader("a.vert")`.
+fn given(index: &Index<'_>, call: Node<'_>, program: Node<'_>) -> Option<Vec<ShaderRef>> {
+    let object = index.host.text(root_object(program));
+    let own = enclosing_function(call).map(|f| f.id());
+    let local = enclosing_function(call).is_some_and(|f| index.declarations(f, object) > 0);
+    let of = |g: &&Group<'_>| g.receiver == Some(object) && (!local || g.function == own);
+    let names: Vec<ShaderRef> = index.groups.iter().filter(of).flat_map(|g| g.names.iter().cloned()).collect();
+    (!names.is_empty()).then_some(names)
+}
+
+/// True when a function that is given names of shaders is called without them elsewhere.
+fn loads_unnamed(index: &Index<'_>) -> bool {
+    index.groups.iter().filter_map(|g| g.taker).any(|taker| {
+        let calls = index.takers.iter().filter(|t| **t == taker).count();
+        let named = index.groups.iter().filter(|g| g.taker == Some(taker)).count();
+        calls > named
+    })
+}
+
+/// Where the program of a look-up comes from.
+enum Loader<'t> {
+    /// Its variable is written once, with this value.
+    Value(Node<'t>),
+    /// It is written more than once.
+    Several,
+    /// It is not written here: a parameter, a member set elsewhere.
+    Unknown,
+}
+
+fn loader<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Loader<'t> {
+    let host = index.host;
+    let mut variable = host.text(root_object(program));
+    if variable == "this" {
+        variable = host.text(program);
+    }
+    let function = enclosing_function(call);
+    let mut all: Vec<Node<'t>> = function.iter().flat_map(|f| index.values(*f, variable)).map(|w| w.value).collect();
+    if all.is_empty() {
+        if function.is_some_and(|f| has_parameter(host, f, variable)) {
+            return Loader::Unknown;
+        }
+        // A variable that another function declares for itself is not this one.
+        all = index
+            .values(index.root, variable)
+            .filter(|w| !(w.declares && enclosing_function(w.target).is_some()))
+            .map(|w| w.value)
+            .collect();
+    }
+    match all.as_slice() {
+        [] => Loader::Unknown,
+        &[value] => Loader::Value(value),
+        _ => Loader::Several,
+    }
+}
+
+/// True when a function has a parameter of that name.
+pub fn has_parameter(host: &HostFile, function: Node<'_>, name: &str) -> bool {
+    let Some(head) = function.child_by_field_name("declarator") else { return false };
+    descendants(head)
+        .filter(|n| n.kind() == "parameter_declaration")
+        .filter_map(|p| p.child_by_field_name("declarator"))
+        .filter_map(declared_name)
+        .any(|n| host.text(n) == name)
+}
+
+/// True when string literals hold shader text that is no known shader, or parts of shaders' names, or
+/// macros hold names.
+pub fn has_unknown_sources(host: &HostFile, strings: &[Node<'_>], macros: &[&str]) -> bool {
+    if macros.iter().flat_map(|m| m.split(['"', ' '])).any(is_shader_name) {
+        return true;
+    }
+    let known = |n: &Node<'_>| host.embedded().iter().any(|e| e.place.contains(n.start_byte()));
+    strings.iter().filter(|n| !known(n)).map(|n| host.text(*n)).any(|text| {
+        let inner = text.trim_matches('"');
+        let is_part = || [".vert", ".frag", ".geom", ".glsl"].iter().any(|e| inner.ends_with(e));
+        text.contains("#version")
+            || text.contains("gl_Position")
+            || text.contains("void main")
+            || (!is_shader_name(inner) && is_part())
+    })
+}
+
+/// True when the call is one of this OpenGL function.
+pub fn is_call(host: &HostFile, call: Node<'_>, function: &str) -> bool {
+    callee(call, &host.file).is_some_and(|(name, _)| name == function)
+}
+
+/// The shader files that a host file names in string literals.
+pub fn named_shaders(host: &HostFile) -> Vec<String> {
+    let index = if host.concerns_shaders() { Index::new(host) } else { None };
+    let groups = index.map(|i| i.groups).unwrap_or_default();
+    let file = |r: ShaderRef| match r {
+        ShaderRef::File(name) => Some(name),
+        ShaderRef::Embedded(_) => None,
+    };
+    groups.into_iter().flat_map(|g| g.names).filter_map(file).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Input;
+    use base::text::SourceFile;
+
+    /// Names of the shaders of the first look-up's program, and whether it is complete.
+    fn resolve(host: &str, shaders: &[(&str, &str)]) -> Option<(String, bool)> {
+        let mut inputs = vec![Input::new(SourceFile::new("m.cpp", host))];
+        inputs.extend(shaders.iter().map(|(n, t)| Input::new(SourceFile::new(*n, *t))));
+        let project = Project::new(&inputs, &crate::Config::default());
+        let host = project.hosts().next().unwrap();
+        super::resolve(host, &project, &host.lookups()[0].source).map(|p| (p.names(), p.is_complete()))
+    }
+
+    const V: &str = "#version 150 core\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
+    const F: &str = "#version 150 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n";
+    const LOOK: &str = "glGetAttribLocation(program, \"p\");";
+
+    #[test]
+    fn a_program_is_what_its_loader_names() {
+        let host = format!(
+            "void f() {{ GLuint q = load(\"b.vert\"); GLuint program = load(\"a.vert\", \"a.frag\"); {LOOK} }}"
+        );
+        let all = [("a.vert", V), ("a.frag", F), ("b.vert", V)];
+        assert_eq!(resolve(&host, &all), Some(("a.vert, a.frag".to_owned(), true)));
+        assert_eq!(resolve(&host, &[("a.vert", V)]), Some(("a.vert".to_owned(), false)), "a stage is not there");
+        assert_eq!(resolve(&host, &[("b.vert", V)]), None, "no stage of it is there");
+    }
+
+    #[test]
+    fn two_values_of_the_program_are_not_guessed_between() {
+        let host = format!("void f() {{ GLuint program = load(\"a.vert\"); program = load(\"b.vert\"); {LOOK} }}");
+        assert_eq!(resolve(&host, &[("a.vert", V), ("b.vert", V)]), None);
+    }
+
+    #[test]
+    fn a_variable_of_another_function_does_not_count() {
+        let host = format!(
+            "void g() {{ GLuint program = load(\"b.vert\"); }} void f() {{ GLuint program = load(\"a.vert\"); {LOOK} }}"
+        );
+        assert_eq!(resolve(&host, &[("a.vert", V), ("b.vert", V)]).map(|p| p.0).as_deref(), Some("a.vert"));
+    }
+
+    #[test]
+    fn a_parameter_is_not_the_variable_of_its_name_elsewhere() {
+        let host = format!(
+            "void f(GLuint program) {{ {LOOK} }} void g() {{ GLuint program = load(\"a.vert\"); GLuint q = load(\"b.vert\"); }}"
+        );
+        assert_eq!(resolve(&host, &[("a.vert", V), ("b.vert", V)]), None);
+    }
+
+    #[test]
+    fn stages_attached_one_by_one_are_one_program_when_each_is_named_once() {
+        let host = |second: &str| {
+            format!(
+                "void f() {{ GLuint program = glCreateProgram(); attach(program, \"a.vert\"); attach(program, \"a.frag\"); {second} {LOOK} }}"
+            )
+        };
+        let all = [("a.vert", V), ("a.frag", F), ("b.vert", V)];
+        assert_eq!(resolve(&host(""), &all), Some(("a.vert, a.frag".to_owned(), true)));
+        assert_eq!(resolve(&host("attach(other, \"b.vert\");"), &all), None, "two vertex stages");
+        assert_eq!(resolve(&host("GLuint o = glCreateProgram();"), &all), None, "two programs");
+        assert_eq!(resolve(&host("load(dir + \".vert\");"), &all), None, "a name put together at run time");
+        assert_eq!(resolve(&host("source = \"#version 150\";"), &all), None, "shader text of its own");
+    }
+
+    #[test]
+    fn a_program_with_a_name_of_its_own_is_not_known() {
+        let host = format!("void f() {{ GLuint program = load(\"phong\"); {LOOK} }}");
+        assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), None);
+    }
+
+    #[test]
+    fn a_loader_that_is_called_without_names_too_makes_the_file_unknown() {
+        let host = |first: &str| {
+            format!(
+                "{first} void f() {{ GLuint program = load(VERT, FRAG); GLuint q = load(\"a.vert\", \"a.frag\"); {LOOK} }}"
+            )
+        };
+        let all = [("a.vert", V), ("a.frag", F)];
+        assert_eq!(resolve(&host(""), &all), None);
+        let method = format!("void f() {{ x.load(name); y.load(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&method, &all), None);
+        let object = format!("void f() {{ Shader x(name); Shader y(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&object, &all), None);
+        let one = format!("void f(GLuint program) {{ Shader y(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&one, &all), Some(("a.vert, a.frag".to_owned(), true)));
+        let in_macro =
+            format!("#define VERT \"b.vert\"\nvoid f(GLuint program) {{ other(VERT); {LOOK} load(\"a.vert\"); }}");
+        assert_eq!(resolve(&in_macro, &all), None);
+    }
+
+    #[test]
+    fn without_names_the_shaders_beside_count() {
+        let host = format!("void f() {{ {LOOK} }}");
+        assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), Some(("m.vert, m.frag".to_owned(), true)));
+        assert_eq!(resolve(&host, &[("sub/m.vert", V), ("n.vert", V)]), None);
+    }
+
+    #[test]
+    fn a_shader_with_conditions_is_not_taken_for_known() {
+        let host = format!("void f() {{ GLuint program = load(\"a.vert\", \"a.frag\"); {LOOK} }}");
+        let conditional = "#version 150 core\n#ifdef A\nin vec4 q;\n#endif\nvoid main() {}\n";
+        assert_eq!(resolve(&host, &[("a.vert", conditional), ("a.frag", F)]).map(|p| p.1), Some(false));
+    }
+}

@@ -1,0 +1,158 @@
+//! The lint tool: rules over shaders and over the C and C++ code that feeds them.
+//!
+//! [`run`] is pure: it takes texts and gives diagnostics. Reading files, writing repaired ones and
+//! drawing messages is the work of `cli` and `report`.
+
+pub mod baseline;
+mod config;
+mod embedded;
+pub mod fix;
+mod flow;
+mod glsl;
+mod host;
+mod program;
+mod project;
+mod range;
+mod registry;
+mod rule;
+mod sections;
+mod select;
+mod suppress;
+#[cfg(test)]
+mod tests;
+mod version;
+
+pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
+pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
+pub use registry::{RULES, by_code, nearest_codes};
+pub use rule::{Example, Japanese, Level, Page, Rule};
+pub use select::{PerFile, SelectError, Selection};
+
+use base::diagnostic::{Code, Diagnostic, Fix, Severity};
+use project::Project;
+use suppress::Suppressions;
+use syntax::errors;
+
+/// Lints `files` with every rule. The diagnostics of inputs that are only context are left out.
+///
+/// Sorted by file (in the order of their names), place and code; each defect is told once.
+pub fn run(files: &[Input]) -> Vec<Diagnostic> {
+    run_with(files, &Settings::default())
+}
+
+/// What a run is told besides the files.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// Which rules run.
+    pub selection: Selection,
+    /// Rules that are left out for single files.
+    pub per_file: PerFile,
+    /// What the project says about itself.
+    pub config: Config,
+}
+
+impl Settings {
+    /// True when diagnostics with `code`, of a rule of this level, are wanted for the file of this name.
+    pub fn keeps(&self, file: &str, code: &str, level: Level) -> bool {
+        self.selection.keeps(code, level) && !self.per_file.ignores(file, code)
+    }
+}
+
+/// Lints `files` with the rules that the settings keep. Errors of the front end (`E` codes) obey the
+/// selection like rules do.
+pub fn run_with(files: &[Input], settings: &Settings) -> Vec<Diagnostic> {
+    run_rules(files, settings, RULES)
+}
+
+/// As [`run_with`], with the rules given: tests plant rules of their own.
+fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> Vec<Diagnostic> {
+    let project = Project::new(files, &settings.config);
+    // What the front end tells with the code of a rule of its own goes through that rule.
+    let completed = |d: &Diagnostic| rules.iter().any(|r| r.code == d.code && r.completes_the_front_end());
+    let plain = |d: &&Diagnostic| !rules.iter().any(|r| r.code == d.code);
+    let mut told: Vec<(Level, Diagnostic)> = project
+        .shaders()
+        .filter(|s| s.reported)
+        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, d), d.clone())))
+        .collect();
+    let programs = project.programs();
+    // A rule that is not asked for is of use only where the front end tells its code.
+    let of_use = |rule: &&'static Rule| {
+        settings.selection.keeps(rule.code.0, rule.level)
+            || project.shaders().any(|s| s.front_end.iter().any(|d| d.code == rule.code))
+    };
+    let wanted: Vec<&'static Rule> = rules.iter().copied().filter(of_use).collect();
+    Rule::check_all(&wanted, &project, &programs, &mut told);
+    // A rule that looks for itself may find at any level what some versions of the language refuse.
+    for shader in project.shaders().filter(|s| s.reported) {
+        for error in shader.front_end.iter().filter(|d| !plain(d) && !completed(d)) {
+            let same = |d: &Diagnostic| d.code == error.code && d.file == error.file && d.span.touches(error.span);
+            match told.iter_mut().find(|(_, d)| same(d)) {
+                Some((level, found)) => (*level, found.severity) = (Level::Default, Severity::Error),
+                None => told.push((Level::Default, error.clone())),
+            }
+        }
+    }
+    for (_, diagnostic) in &mut told {
+        let cut = |fix: &Fix| fix.edits.iter().any(|edit| diagnostic.file.cuts_expansion(edit.span));
+        if diagnostic.fix.as_ref().is_some_and(cut) {
+            diagnostic.fix = None;
+        }
+        *diagnostic = diagnostic.clone().in_expansion();
+    }
+    embedded::relocate(&project, told.iter_mut().map(|(_, d)| d));
+    told.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
+    let mut found: Vec<Diagnostic> = told.into_iter().map(|(_, d)| d).collect();
+    let mut suppressions = Suppressions::of(&project, rules);
+    found.retain(|d| !suppressions.silences(d));
+    suppressions.judge(|file, code| settings.keeps(file, code, level_of(rules, code)));
+    let mut after = Vec::new();
+    for rule in rules {
+        rule.check_after(&suppressions, &mut after);
+    }
+    after.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
+    found.extend(after.into_iter().map(|(_, d)| d));
+    sort(&mut found);
+    found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
+    found
+}
+
+/// Hosts resolve `#include` and other directives of their own, and put macros in front of a text: what may be
+/// right with their help is told on request.
+fn front_end_level(project: &Project, error: &Diagnostic) -> Level {
+    let name = error.file.slice(error.span);
+    let macro_like = name.len() > 1 && name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+    // A shader in a literal is itself a part of its host file.
+    let count = |text: &str| text.matches(name).count();
+    let of_the_host = || {
+        let is_file = project.shader_files().any(|(_, s)| s.file.name() == error.file.name());
+        let own = if is_file { 0 } else { count(error.file.text()) };
+        project.hosts().any(|h| count(h.file.text()) > own)
+    };
+    match error.code {
+        errors::INCLUDE => Level::Strict,
+        // A slip comes with what was meant.
+        errors::UNKNOWN_DIRECTIVE if error.help.is_none() => Level::Strict,
+        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION | errors::UNKNOWN_TYPE if macro_like && of_the_host() => {
+            Level::Strict
+        }
+        _ => Level::Default,
+    }
+}
+
+/// Codes of the errors that the front end gives by itself, with what they are about.
+pub fn front_end_errors() -> &'static [(Code, &'static str)] {
+    syntax::errors::ALL
+}
+
+/// Brings diagnostics into the order of their files' names, places and codes.
+pub fn sort(found: &mut [Diagnostic]) {
+    found.sort_by(|a, b| {
+        let key = |d: &Diagnostic| (d.span, d.code);
+        a.file.name().cmp(b.file.name()).then_with(|| key(a).cmp(&key(b))).then_with(|| a.message.cmp(&b.message))
+    });
+}
+
+fn level_of(rules: &[&'static Rule], code: &str) -> Level {
+    rules.iter().find(|r| r.code.0 == code).map_or(Level::Default, |r| r.level)
+}

@@ -1,0 +1,193 @@
+//! I001: an input that the stage before does not write.
+
+use crate::host::{list, list_in_japanese, nearest};
+use crate::project::{Project, ShaderFile, folder};
+use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use base::diagnostic::{Code, Safety, Severity, message};
+use base::text::Edit;
+use syntax::Stage;
+use syntax::interface::{Storage, Variable};
+
+use super::link::{
+    block as block_of, consumer, in_block, input_type, is_built_in, is_read, is_used, output_type, producer,
+};
+use super::{Known, Program, stage_in_japanese};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("I001"),
+    name: "input-without-producer",
+    severity: Severity::Error,
+    level: Level::Default,
+    summary: "an input that no output of the stage before writes",
+    page: Page {
+        what: "Reports inputs that are used in a stage, and that the stage before it in the program does not declare as outputs: by location where both have one, by name otherwise. Programs come from host code, from `shadercheck.toml`, and from shaders of one name in one folder. It stays silent when a stage is not known, and about what a geometry or tessellation shader of another name in the folder writes for the fragment shader of a program that is known by its name alone.",
+        why: "The program does not link, or, with drivers that link it, the value is undefined. A letter that differs between the two stages is the usual cause.",
+        bad: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 nn;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(nn), 1.0);\n}\n",
+            },
+        ],
+        good: &[
+            Example {
+                name: "lamp.vert",
+                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
+            },
+            Example {
+                name: "lamp.frag",
+                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
+            },
+        ],
+        fix: "Writes the name of the one output of the same type that resembles it and that nobody reads, if there is one. Unsafe: another output may be meant.",
+        references: &[
+            "OpenGL Shading Language 1.50, section 4.3.4 (Inputs)",
+            "OpenGL 3.2 core specification, section 2.11.6 (Varying Variables)",
+        ],
+        ja: Japanese {
+            summary: "前のステージのどの出力も書き込まない入力です",
+            what: "ステージで使われている入力のうち、プログラムの前のステージに対応する出力がないものを報告します。対応は、両方に location があれば location で、なければ名前で決まります。プログラムは、ホストのコード、`shadercheck.toml`、および同じフォルダにある同名のシェーダから求めます。不明なステージがあるときは報告しません。名前だけで組み合わせたプログラムでは、同じフォルダにある別名のジオメトリシェーダやテッセレーションシェーダが書き込む、フラグメントシェーダの入力も報告しません。",
+            why: "プログラムはリンクできません。リンクできるドライバでも値は不定です。多くは二つのステージの間の綴り違いが原因です。",
+            fix: "型が同じで、名前が似ていて、どこからも読まれない出力が一つだけあれば、その名前に書き換えます。別の出力のつもりかもしれないので unsafe です。",
+        },
+    },
+    check: Check::Program(check),
+};
+
+fn check(program: &Program<'_>, project: &Project, findings: &mut Findings<'_>) {
+    for (from, to) in program.links() {
+        let interface = to.shader.interface();
+        for input in &interface.inputs {
+            let known = is_built_in(&input.name)
+                || producer(from, to, input).is_some()
+                || in_block(from, Storage::Out, &input.name)
+                || bypasses(program, input);
+            if known
+                || !is_used(to, input)
+                || between(program, project, to, &|other| producer(other, to, input).is_some())
+            {
+                continue;
+            }
+            let (name, stage, place) = (&input.name, from.shader.stage().name(), from.file.name());
+            let ja_stage = stage_in_japanese(from.shader.stage());
+            let outputs: Vec<&str> = from.shader.interface().outputs.iter().map(|v| v.name.as_str()).collect();
+            let (all, ja_all) = (list(&outputs), list_in_japanese(&outputs));
+            let mut found = findings
+                .at(
+                    &to.file,
+                    input.name_span,
+                    message!(
+                        "`{name}` is read here, but the {stage} stage has no such output",
+                        "`{name}` を読んでいますが、{ja_stage}にその出力がありません"
+                    ),
+                )
+                .with_label(message!("no output of {place} goes here", "{place} の出力がつながりません"))
+                .with_why(message!(
+                    "the program does not link, or the value is undefined",
+                    "プログラムがリンクできないか、値が不定になります"
+                ))
+                .with_help(if outputs.is_empty() {
+                    message!("{place} has no output", "{place} には出力がありません")
+                } else {
+                    message!("the outputs of {place} are {all}", "{place} の出力は {ja_all} です")
+                });
+            if let Some(meant) = meant(from, to, input) {
+                let title = &meant.name;
+                found = found.with_related(
+                    &from.file,
+                    meant.name_span,
+                    message!("`{title}` is written, and nobody reads it", "`{title}` は書かれますが、読まれません"),
+                );
+                if let Some(edits) = rename(to, input, title) {
+                    found = found.with_fix(message!("write `{title}`", "`{title}` と書く"), Safety::Unsafe, edits);
+                }
+            }
+            findings.push(found);
+        }
+        for block in interface.blocks.iter().filter(|b| b.storage == Storage::In && !is_built_in(&b.name.name)) {
+            let loose = |name: &str| from.shader.interface().output(name).is_some();
+            let known = block_of(from, Storage::Out, &block.name.name).is_some()
+                || block.qualifiers.layout_entry("location").is_some()
+                || block.members.iter().any(|m| loose(&m.name.name));
+            let used = block.symbol.is_some_and(|s| is_read(to, s))
+                || block.members.iter().any(|m| m.symbol.is_some_and(|s| is_read(to, s)));
+            let guessed = program.shaders().len() > 2 && program.how_known() == Known::Name;
+            if known
+                || !used
+                || guessed
+                || between(program, project, to, &|other| block_of(other, Storage::Out, &block.name.name).is_some())
+            {
+                continue;
+            }
+            let (name, stage, place) = (&block.name.name, from.shader.stage().name(), from.file.name());
+            let ja_stage = stage_in_japanese(from.shader.stage());
+            findings.push(
+                findings
+                    .at(
+                        &to.file,
+                        block.name.span,
+                        message!(
+                            "the block `{name}` is read here, but the {stage} stage has no such output block",
+                            "ブロック `{name}` を読んでいますが、{ja_stage}にその出力ブロックがありません"
+                        ),
+                    )
+                    .with_label(message!("no block of {place} goes here", "{place} のブロックがつながりません"))
+                    .with_why(message!(
+                        "blocks of two stages meet by the name of the block, not by that of the instance",
+                        "ステージ間のブロックは、インスタンス名ではなくブロック名で対応します"
+                    ))
+                    .with_help(message!(
+                        "give the output block of {place} the name `{name}`",
+                        "{place} の出力ブロックの名前を `{name}` にしてください"
+                    )),
+            );
+        }
+    }
+}
+
+/// True when a stage that lies between these two may be in another file, with another name: shaders that belong together
+/// by their names alone may have one, and there is one in the folder that writes what is read.
+fn between(program: &Program<'_>, project: &Project, to: &ShaderFile, writes: &dyn Fn(&ShaderFile) -> bool) -> bool {
+    let here = folder(to.file.name());
+    let may = |other: &ShaderFile| {
+        matches!(other.shader.stage(), Stage::Geometry | Stage::TessEvaluation) && folder(other.file.name()) == here
+    };
+    let last = to.shader.stage() == Stage::Fragment;
+    last && program.how_known() == Known::Name && project.shader_files().any(|(_, other)| may(other) && writes(other))
+}
+
+/// True for a fragment input that a stage before the last one writes: another rule tells it, and where
+/// the program is known by names alone, the stage between may be left out.
+fn bypasses(program: &Program<'_>, input: &Variable) -> bool {
+    let shaders = program.shaders();
+    let earlier = shaders.len().saturating_sub(2);
+    shaders[..earlier]
+        .iter()
+        .any(|s| s.shader.interface().output(&input.name).is_some() || in_block(s, Storage::Out, &input.name))
+}
+
+/// The one output of the same type that resembles an input and that nobody reads.
+fn meant<'p>(from: &'p ShaderFile, to: &ShaderFile, input: &Variable) -> Option<&'p Variable> {
+    let wanted = input_type(to, &input.ty, &input.qualifiers)?;
+    let free = from.shader.interface().outputs.iter().filter(|o| {
+        let same = output_type(from, &o.ty, &o.qualifiers).is_some_and(|t| t == wanted);
+        same && !is_built_in(&o.name) && consumer(from, to, o).is_none()
+    });
+    let name = nearest(&input.name, free.map(|o| o.name.as_str()))?;
+    from.shader.interface().output(name)
+}
+
+/// The edits that give an input another name; none when a macro uses it or the name is taken.
+fn rename(shader: &ShaderFile, input: &Variable, name: &str) -> Option<Vec<Edit>> {
+    let taken = shader.shader.symbols().any(|(_, s)| s.name == name) || shader.shader.function(name).is_some();
+    let uses: Vec<_> = shader.shader.uses_of(input.symbol).collect();
+    if taken || uses.iter().any(|u| u.from_macro) {
+        return None;
+    }
+    let places = uses.iter().map(|u| u.span).chain([input.name_span]);
+    Some(places.map(|span| Edit::replace(span, name)).collect())
+}

@@ -1,0 +1,525 @@
+//! The files of one run, read once: shaders with their interface, host files with their tree.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rayon::prelude::*;
+
+use base::diagnostic::Diagnostic;
+use base::text::{SourceFile, Span};
+use syntax::ast::ItemKind;
+use syntax::{Shader, Stage};
+
+use super::config::Config;
+use super::embedded::Origin;
+use super::flow::Flow;
+use super::host::{HostFile, HostTree, Literal, ShaderRef, named_shaders};
+use super::program::{self, Program};
+use super::range::Observed;
+use super::sections::sections;
+use super::version;
+
+/// Endings of shader files that a folder is searched for.
+pub const SHADER_EXTENSIONS: &[&str] = &[
+    "vert",
+    "frag",
+    "geom",
+    "glsl",
+    "vs",
+    "fs",
+    "gs",
+    "comp",
+    "tesc",
+    "tese",
+    "tcs",
+    "tes",
+    "vsh",
+    "fsh",
+    "vertexshader",
+    "fragmentshader",
+    "geometryshader",
+    "shader",
+];
+
+/// Endings of host files that a folder is searched for.
+pub const HOST_EXTENSIONS: &[&str] = &["cpp", "cc", "cxx", "c", "h", "hpp", "hxx", "hh"];
+
+/// What a file is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// GLSL, of this stage.
+    Shader(Stage),
+    /// C or C++.
+    Host,
+}
+
+/// The language that a file's name says; none when it says neither shader nor C or C++.
+pub fn language_of(name: &str) -> Option<Language> {
+    let ending = extension(name).to_ascii_lowercase();
+    if HOST_EXTENSIONS.contains(&ending.as_str()) {
+        return Some(Language::Host);
+    }
+    // Several shaders in one file; the ending says no stage.
+    let stage = if ending == "shader" { Some(Stage::Library) } else { Stage::from_path(name) };
+    stage.map(Language::Shader)
+}
+
+fn extension(name: &str) -> &str {
+    file_name(name).rsplit_once('.').map_or("", |(stem, ending)| if stem.is_empty() { "" } else { ending })
+}
+
+fn file_name(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
+/// The file's name up to the first point.
+pub fn stem(name: &str) -> &str {
+    let file = file_name(name);
+    file.split_once('.').map_or(file, |(stem, _)| stem)
+}
+
+/// The path before the file's name; empty when there is none.
+pub fn folder(name: &str) -> &str {
+    name.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
+/// A text to lint. Its name is its path, with `/` between the parts.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// Name and text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+    /// The syntax tree of a host file, once it has been asked for: companions are looked for before
+    /// rules run, and the text is parsed once for both.
+    tree: HostTree,
+}
+
+impl Input {
+    /// A text whose diagnostics are wanted.
+    pub fn new(file: SourceFile) -> Self {
+        Self { file, reported: true, tree: HostTree::default() }
+    }
+
+    /// A text that others refer to; nothing is reported on it.
+    pub fn context(file: SourceFile) -> Self {
+        Self { reported: false, ..Self::new(file) }
+    }
+
+    /// The same text, reported or not.
+    #[must_use]
+    pub fn with_reported(&self, reported: bool) -> Self {
+        Self { reported, ..self.clone() }
+    }
+
+    /// Another text under the same name.
+    #[must_use]
+    pub fn with_file(&self, file: SourceFile) -> Self {
+        Self { reported: self.reported, ..Self::new(file) }
+    }
+
+    fn host(&self) -> HostFile {
+        HostFile::with_tree(&self.file, self.reported, self.tree.clone())
+    }
+}
+
+/// A shader as rules see it.
+pub struct ShaderFile {
+    /// The text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+    /// The shader, as far as the front end could read it.
+    pub shader: Shader,
+    /// Errors of the front end.
+    pub front_end: Vec<Diagnostic>,
+    /// True when an `#if` or `#include` makes the interface depend on more than this text.
+    pub conditional: bool,
+    /// Where the text stands when it is a literal of a host file.
+    pub origin: Option<Origin>,
+    /// Ranges of its expressions, found out when the first rule asks.
+    observed: Mutex<Option<Arc<Observed>>>,
+    flow: Mutex<Option<Arc<Flow>>>,
+}
+
+impl ShaderFile {
+    fn new(input: &Input, stage: Stage) -> Self {
+        let parsed = version::read(&input.file, stage);
+        let claimed = |d| super::glsl::t011::claim(&parsed.shader, d);
+        let front_end = parsed.diagnostics.into_iter().map(claimed).collect();
+        Self {
+            file: parsed.shader.file().clone(),
+            reported: input.reported,
+            shader: parsed.shader,
+            front_end,
+            conditional: is_conditional(input.file.text()),
+            origin: None,
+            observed: Mutex::default(),
+            flow: Mutex::default(),
+        }
+    }
+
+    /// A shader of a file that holds several.
+    fn part(input: &Input, (stage, literal): (Stage, Literal)) -> Self {
+        // Two parts of a file need two names.
+        let name = format!("{} ({})", input.file.name(), stage.name());
+        let part = input.with_file(SourceFile::new(name, literal.text.as_str()));
+        let origin = Some(Origin { host: input.file.clone(), literal });
+        Self { origin, ..Self::new(&part, stage) }
+    }
+
+    /// True when the interface is known from this text alone: the front end found no error outside the bodies
+    /// of functions, and nothing depends on an `#if` or `#include`.
+    pub fn is_plain(&self) -> bool {
+        let complete = self.shader.version().span.is_some() || !self.shader.has_unknown_names();
+        complete && !self.conditional && self.front_end.iter().all(|d| self.is_inside(d))
+    }
+
+    /// True for an error in the body of a function that does not keep the rest from being read.
+    fn is_inside(&self, error: &Diagnostic) -> bool {
+        let textual = matches!(error.code.0.get(..3), Some("E00" | "E01"));
+        let bodies = self.shader.unit().items.iter().filter_map(|i| match &i.kind {
+            ItemKind::Function(f) => f.body.as_ref().map(|_| Span::new(f.head_span.end, i.span.end)),
+            _ => None,
+        });
+        !textual && bodies.into_iter().any(|b| b.contains(error.span.start))
+    }
+
+    /// Which values the operands of its calls and operators take, under the ranges that `project` states.
+    pub fn observed(&self, project: &Project) -> Arc<Observed> {
+        cached(&self.observed, || Observed::new(&self.shader, project.config()))
+    }
+
+    /// True when the front end read the whole text without error, and it is all there.
+    pub fn is_sound(&self) -> bool {
+        self.front_end.is_empty() && !self.shader.has_unknown_names()
+    }
+
+    /// What happens to variables along the paths; nothing when the front end found errors.
+    pub fn flow(&self) -> Arc<Flow> {
+        cached(&self.flow, || if self.is_sound() { Flow::new(&self.shader, &self.file) } else { Flow::default() })
+    }
+
+    /// Forgets what has been worked out and can be worked out again: all of a project takes much memory.
+    pub fn forget(&self) {
+        *lock(&self.observed) = None;
+        *lock(&self.flow) = None;
+    }
+}
+
+fn lock<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
+    cache.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn cached<T>(cache: &Mutex<Option<Arc<T>>>, make: impl FnOnce() -> T) -> Arc<T> {
+    lock(cache).get_or_insert_with(|| Arc::new(make())).clone()
+}
+
+fn is_conditional(text: &str) -> bool {
+    text.lines().filter_map(|l| l.trim_start().strip_prefix('#')).any(|directive| {
+        let word = directive.trim_start();
+        word.starts_with("if") || word.starts_with("include")
+    })
+}
+
+/// Files by normalised path, and the paths by the name of the file.
+struct Files<T> {
+    by_path: BTreeMap<String, T>,
+    by_name: HashMap<String, Vec<String>>,
+}
+
+impl<T> Files<T> {
+    fn insert(&mut self, path: String, file: T) {
+        if !self.by_path.contains_key(&path) {
+            self.by_name.entry(file_name(&path).to_owned()).or_default().push(path.clone());
+        }
+        self.by_path.insert(path, file);
+    }
+}
+
+impl<T> Default for Files<T> {
+    fn default() -> Self {
+        Self { by_path: BTreeMap::new(), by_name: HashMap::new() }
+    }
+}
+
+/// All files of a run.
+pub struct Project {
+    shaders: Files<ShaderFile>,
+    /// Shaders in literals of host files and in files with several, by the path and their index there.
+    embedded: BTreeMap<(String, usize), ShaderFile>,
+    hosts: Files<HostFile>,
+    config: Config,
+}
+
+/// An input, read by what its name says it is.
+enum Read {
+    Shader(Box<ShaderFile>),
+    Sections(Vec<ShaderFile>),
+    Host(Box<HostFile>),
+}
+
+impl Read {
+    fn new(input: &Input) -> (String, Option<Self>) {
+        let path = normalise(input.file.name());
+        let read = match language_of(&path) {
+            Some(Language::Shader(stage)) => {
+                let parts = sections(&input.file);
+                if !parts.is_empty() {
+                    Some(Self::Sections(parts.into_iter().map(|p| ShaderFile::part(input, p)).collect()))
+                } else if extension(&path).eq_ignore_ascii_case("shader") {
+                    // Other tools write other languages under this ending.
+                    None
+                } else {
+                    Some(Self::Shader(Box::new(ShaderFile::new(input, stage))))
+                }
+            }
+            Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
+            None => None,
+        };
+        (path, read)
+    }
+}
+
+impl Project {
+    /// Reads all inputs. Of two with the same path, the reported one counts.
+    pub fn new(files: &[Input], config: &Config) -> Self {
+        let mut project = Self {
+            shaders: Files::default(),
+            embedded: BTreeMap::new(),
+            hosts: Files::default(),
+            config: config.clone(),
+        };
+        let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
+        let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
+        let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(Read::new).collect();
+        for (path, read) in read {
+            match read {
+                Some(Read::Shader(shader)) => {
+                    project.shaders.insert(path, *shader);
+                }
+                Some(Read::Sections(parts)) => {
+                    let keyed = parts.into_iter().enumerate().map(|(index, part)| ((path.clone(), index), part));
+                    project.embedded.extend(keyed);
+                }
+                Some(Read::Host(host)) => {
+                    project.hosts.insert(path, host.with_wrappers(&config.wrappers));
+                }
+                None => {}
+            }
+        }
+        let hosts: Vec<(&String, &HostFile)> = project.hosts.by_path.iter().collect();
+        let embedded: Vec<((String, usize), ShaderFile)> = hosts
+            .into_par_iter()
+            .flat_map_iter(|(path, host)| {
+                host.embedded().iter().enumerate().map(move |(index, embedded)| {
+                    let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
+                    let input = if host.reported { Input::new(file) } else { Input::context(file) };
+                    let mut shader = ShaderFile::new(&input, embedded.stage);
+                    // One rule tells what is wrong; all else follows from it.
+                    shader.reported &= embedded.run_on().is_none();
+                    shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
+                    ((path.clone(), index), shader)
+                })
+            })
+            .collect();
+        project.embedded.extend(embedded);
+        project
+    }
+
+    /// What the project says about itself.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// All shaders: files by path, then those in literals of host files.
+    pub fn shaders(&self) -> impl Iterator<Item = &ShaderFile> {
+        self.shaders.by_path.values().chain(self.embedded.values())
+    }
+
+    /// The shader files, without those in literals, by path.
+    pub fn shader_files(&self) -> impl Iterator<Item = (&str, &ShaderFile)> {
+        self.shaders.by_path.iter().map(|(path, shader)| (path.as_str(), shader))
+    }
+
+    /// The shaders of each file that holds several.
+    pub fn sections(&self) -> Vec<Vec<&ShaderFile>> {
+        let mut files: BTreeMap<&str, Vec<&ShaderFile>> = BTreeMap::new();
+        for ((path, _), shader) in self.embedded.iter().filter(|((path, _), _)| !self.hosts.by_path.contains_key(path))
+        {
+            files.entry(path).or_default().push(shader);
+        }
+        files.into_values().collect()
+    }
+
+    /// The shader that a host file means.
+    pub fn shader_of(&self, host: &HostFile, shader: &ShaderRef) -> Option<&ShaderFile> {
+        match shader {
+            ShaderRef::File(name) => self.shader_named(host.file.name(), name),
+            ShaderRef::Embedded(index) => self.embedded.get(&(normalise(host.file.name()), *index)),
+        }
+    }
+
+    /// All programs whose stages are known for certain.
+    pub fn programs(&self) -> Vec<Program<'_>> {
+        program::find(self)
+    }
+
+    /// The program that the configuration states for a host file, when it states one.
+    pub fn configured_for(&self, host: &str) -> Option<Program<'_>> {
+        let host = normalise(host);
+        let has = |path: &String| host == normalise(path) || host.ends_with(&format!("/{}", normalise(path)));
+        let mut entries = self.config.programs.iter().filter(|p| p.hosts.iter().any(has));
+        match (entries.next(), entries.next()) {
+            (Some(entry), None) => self.configured(&entry.shaders),
+            _ => None,
+        }
+    }
+
+    /// The program of shaders that the configuration names.
+    pub fn configured(&self, paths: &[String]) -> Option<Program<'_>> {
+        let found: Vec<Option<&ShaderFile>> = paths.iter().map(|p| lookup(&self.shaders, "", p)).collect();
+        let all = found.iter().all(Option::is_some);
+        Program::new(found.into_iter().flatten().collect(), all)
+    }
+
+    /// All host files, by path.
+    pub fn hosts(&self) -> impl Iterator<Item = &HostFile> {
+        self.hosts.by_path.values()
+    }
+
+    /// The shader that the host file called `from` means by `name`: the path from the host file, or
+    /// the one shader of the run whose path ends so.
+    pub fn shader_named(&self, from: &str, name: &str) -> Option<&ShaderFile> {
+        lookup(&self.shaders, from, name)
+    }
+
+    /// The host file that `from` means by `#include "name"`, found like a shader.
+    pub fn host_named(&self, from: &str, name: &str) -> Option<&HostFile> {
+        lookup(&self.hosts, from, name)
+    }
+
+    /// Shaders in the folder of `host` that bear its name.
+    pub fn shaders_beside(&self, host: &str) -> Vec<&ShaderFile> {
+        let host = normalise(host);
+        let name = stem(&host);
+        let start = format!("{}.", &host[..host.len() - file_name(&host).len() + name.len()]);
+        let from = self.shaders.by_path.range(start.clone()..);
+        from.take_while(|(path, _)| path.starts_with(&start)).map(|(_, shader)| shader).collect()
+    }
+}
+
+fn lookup<'p, T>(files: &'p Files<T>, from: &str, name: &str) -> Option<&'p T> {
+    if let Some(found) = files.by_path.get(&beside(from, name)) {
+        return Some(found);
+    }
+    let tail = normalise(name);
+    let tail = tail.trim_start_matches("../");
+    let mut ending = files
+        .by_name
+        .get(file_name(tail))?
+        .iter()
+        .filter(|path| path.strip_suffix(tail).is_some_and(|rest| rest.is_empty() || rest.ends_with('/')));
+    match (ending.next(), ending.next()) {
+        (Some(only), None) => files.by_path.get(only),
+        _ => None,
+    }
+}
+
+/// Path of `name` as seen from the file `from`.
+fn beside(from: &str, name: &str) -> String {
+    match folder(&normalise(from)) {
+        _ if name.starts_with('/') => normalise(name),
+        "" if !from.starts_with('/') => normalise(name),
+        folder => normalise(&format!("{folder}/{name}")),
+    }
+}
+
+/// A path without `.`, empty parts and those `..` that can be resolved.
+fn normalise(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|p| *p != "..") => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    let joined = parts.join("/");
+    if path.starts_with('/') { format!("/{joined}") } else { joined }
+}
+
+/// Paths of files that `input` refers to and that help to judge it: the shaders that a host file
+/// names or bears the name of, and the headers it includes with quotation marks. They need not exist.
+pub fn companions(input: &Input) -> Vec<String> {
+    let name = input.file.name();
+    if language_of(name) != Some(Language::Host) {
+        return Vec::new();
+    }
+    let host = input.host();
+    let mut paths: Vec<String> = named_shaders(&host).into_iter().map(|s| beside(name, &s)).collect();
+    if paths.is_empty() {
+        let base = beside(name, stem(name));
+        paths.extend(SHADER_EXTENSIONS.iter().map(|ending| format!("{base}.{ending}")));
+    }
+    paths.extend(super::host::quoted_includes(&host).into_iter().map(|i| beside(name, i)));
+    paths.sort();
+    paths.dedup();
+    paths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(name: &str, text: &str) -> Input {
+        Input::new(SourceFile::new(name, text))
+    }
+
+    #[test]
+    fn names_give_the_language() {
+        assert_eq!(language_of("a/b.vert"), Some(Language::Shader(Stage::Vertex)));
+        assert_eq!(language_of("b.CPP"), Some(Language::Host));
+        assert_eq!(language_of("README.md"), None);
+        assert_eq!(language_of(".h"), None);
+        assert_eq!(language_of("vert"), None);
+    }
+
+    #[test]
+    fn paths_are_resolved_from_the_host_file() {
+        assert_eq!(beside("src/main.cpp", "../shaders/a.vert"), "shaders/a.vert");
+        assert_eq!(beside("main.cpp", "./a.vert"), "a.vert");
+        assert_eq!(beside("/p/main.cpp", "a.vert"), "/p/a.vert");
+        assert_eq!(beside("../p/main.cpp", "../../a.vert"), "../../a.vert");
+        assert_eq!(beside("p/main.cpp", "/q/a.vert"), "/q/a.vert");
+    }
+
+    #[test]
+    fn a_shader_elsewhere_is_found_only_when_there_is_one() {
+        let files = [input("x/a.vert", ""), input("y/a.vert", ""), input("y/b.vert", "")];
+        let project = Project::new(&files, &Config::default());
+        let name = |from: &str, shader: &str| project.shader_named(from, shader).map(|s| s.file.name().to_owned());
+        assert_eq!(name("x/m.cpp", "a.vert").as_deref(), Some("x/a.vert"));
+        assert_eq!(name("m.cpp", "a.vert"), None, "two of them");
+        assert_eq!(name("m.cpp", "b.vert").as_deref(), Some("y/b.vert"));
+        assert_eq!(name("m.cpp", "../y/b.vert").as_deref(), Some("y/b.vert"));
+        assert_eq!(name("m.cpp", ".vert"), None, "a part of a name is no name");
+    }
+
+    #[test]
+    fn companions_are_what_the_host_file_names() {
+        let host = input("src/m.cpp", "#include \"gg.h\"\n#include <x.h>\nint p = load(\"../a.vert\", \"b.frag\");");
+        assert_eq!(companions(&host), ["a.vert", "src/b.frag", "src/gg.h"]);
+        assert!(companions(&input("src/m.cpp", "")).contains(&"src/m.vert".to_owned()));
+        assert!(companions(&input("a.vert", "")).is_empty());
+    }
+
+    #[test]
+    fn conditional_text_is_noticed() {
+        assert!(is_conditional("# ifdef A\n#endif") && is_conditional("  #include \"x\""));
+        assert!(!is_conditional("#version 150\nvoid main() {}"));
+    }
+}

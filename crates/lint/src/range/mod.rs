@@ -1,0 +1,66 @@
+//! Which values an expression can take: abstract interpretation of a shader over intervals (Cousot and
+//! Cousot 1977), one a component of scalars and vectors.
+//!
+//! Calls are followed with the ranges of their arguments, conditions narrow what they compare, and
+//! loops are widened until nothing changes. An interval holds every value that is possible. That its
+//! ends are met is another question, and told apart by [`Evidence`]: rules speak of a hazard where the
+//! text shows it, and not where nothing is known.
+
+mod builtin;
+mod eval;
+mod exec;
+mod key;
+mod operator;
+mod refine;
+mod start;
+mod state;
+#[cfg(test)]
+mod tests;
+mod transfer;
+mod value;
+
+use std::collections::BTreeMap;
+
+pub use transfer::UNIT_SLACK;
+pub use value::{Evidence, Range, Value};
+
+use syntax::Shader;
+use syntax::ast::ExprId;
+
+use super::config::Config;
+
+/// The operands of a call or operator at one visit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visit {
+    /// Values of the operands, in the order of the text.
+    pub operands: Vec<Value>,
+}
+
+/// What came up at the calls of built-in functions and at the infix operators of a shader.
+#[derive(Clone, Debug, Default)]
+pub struct Observed {
+    visits: BTreeMap<ExprId, Vec<Visit>>,
+}
+
+/// Visits of one place that are kept apart; those beyond are not kept.
+const MOST_VISITS: usize = 12;
+
+impl Observed {
+    /// Follows a shader from `main`, then the functions that `main` does not reach with arguments
+    /// of which nothing is known.
+    pub fn new(shader: &Shader, config: &Config) -> Self {
+        let mut machine = eval::Machine::new(shader, config);
+        machine.run();
+        Self { visits: machine.visits }
+    }
+
+    /// The visits of a call or operator; none when it is never reached.
+    pub fn visits(&self, id: ExprId) -> &[Visit] {
+        self.visits.get(&id).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// The spelling of an expression without side effects by which equal ones are recognised.
+pub fn key(shader: &Shader, id: ExprId) -> Option<String> {
+    key::of(shader, id)
+}

@@ -1,0 +1,214 @@
+//! What a rule is: its names, its page of the manual, and its check.
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
+use base::diagnostic::{Code, Diagnostic, Message, Severity};
+use base::text::{SourceFile, Span};
+
+use super::host::HostFile;
+use super::program::Program;
+use super::project::{Project, ShaderFile};
+use super::suppress::Suppressions;
+
+/// One rule of the lint tool.
+pub struct Rule {
+    /// Stable code, for machines.
+    pub code: Code,
+    /// Name in kebab-case, for people.
+    pub name: &'static str,
+    /// Severity of what it reports.
+    pub severity: Severity,
+    /// From which level on it runs.
+    pub level: Level,
+    /// What it finds, in one line without a full stop.
+    pub summary: &'static str,
+    /// Its page of the manual.
+    pub page: Page,
+    /// How it looks.
+    pub(super) check: Check,
+}
+
+/// How much is asked of a text. Each level has the rules of those before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Level {
+    /// What is wrong or wasteful for certain: silent on code that compiles and works.
+    #[default]
+    Default,
+    /// What is often a mistake, and sometimes meant.
+    Strict,
+    /// Guesses by names and habits.
+    Heuristic,
+}
+
+/// The parts of a page in Japanese.
+pub struct Japanese {
+    /// As [`Rule::summary`].
+    pub summary: &'static str,
+    /// As [`Page::what`].
+    pub what: &'static str,
+    /// As [`Page::why`].
+    pub why: &'static str,
+    /// As [`Page::fix`].
+    pub fix: &'static str,
+}
+
+/// A rule's page of the manual.
+pub struct Page {
+    /// What the rule reports, and where it stays silent.
+    pub what: &'static str,
+    /// Why that is wrong or what happens.
+    pub why: &'static str,
+    /// Files in which the rule reports, and no other rule does.
+    pub bad: &'static [Example],
+    /// The same files repaired: no rule reports.
+    pub good: &'static [Example],
+    /// What the fix does and whether it is safe.
+    pub fix: &'static str,
+    /// Where the facts come from.
+    pub references: &'static [&'static str],
+    /// The page in Japanese.
+    pub ja: Japanese,
+}
+
+/// A file of an example.
+pub struct Example {
+    /// Its name; the ending gives the language and the stage.
+    pub name: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+/// What a rule looks at.
+#[derive(Clone, Copy)]
+pub(super) enum Check {
+    /// One shader at a time, as far as the front end could read it.
+    Shader(fn(&ShaderFile, &mut Findings<'_>)),
+    /// One shader at a time, with what the project says about itself.
+    ShaderWith(fn(&ShaderFile, &Project, &mut Findings<'_>)),
+    /// Errors that the front end finds and tells with the code of this rule: each is handed over to be
+    /// completed with a fix, or dropped when nothing comes back.
+    FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
+    /// One host file at a time, with the shaders that belong to it.
+    Host(fn(&HostFile, &Project, &mut Findings<'_>)),
+    /// What is left to say when all other rules have run and comments have silenced some of it.
+    After(fn(&Suppressions, &mut Findings<'_>)),
+    /// One program at a time: shaders that are linked together, of which at least one is reported.
+    Program(fn(&Program<'_>, &Project, &mut Findings<'_>)),
+    /// One text at a time, whatever its language: planted rules in tests.
+    #[cfg(test)]
+    Text(fn(&SourceFile, &mut Findings<'_>)),
+}
+
+impl Rule {
+    /// Runs rules over the reported files of a project, on all cores. One shader after the other goes through all
+    /// rules on shaders, so that what they work out for it can be forgotten again.
+    pub(super) fn check_all(
+        rules: &[&'static Self],
+        project: &Project,
+        programs: &[Program<'_>],
+        into: &mut Vec<(Level, Diagnostic)>,
+    ) {
+        let shaders: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
+        into.par_extend(shaders.par_iter().flat_map_iter(|shader| {
+            let mut found = Vec::new();
+            for rule in rules {
+                let mut findings = Findings { rule, into: &mut found };
+                match rule.check {
+                    Check::Shader(check) => check(shader, &mut findings),
+                    Check::ShaderWith(check) => check(shader, project, &mut findings),
+                    _ => {}
+                }
+            }
+            shader.forget();
+            found
+        }));
+        for rule in rules {
+            rule.check(project, programs, into);
+        }
+    }
+
+    /// Runs a rule on anything but single shaders.
+    fn check(&'static self, project: &Project, programs: &[Program<'_>], into: &mut Vec<(Level, Diagnostic)>) {
+        match self.check {
+            Check::Shader(_) | Check::ShaderWith(_) | Check::After(_) => {}
+            Check::Host(check) => {
+                let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported && h.concerns_shaders()).collect();
+                self.gather(&hosts, into, |host, findings| check(host, project, findings));
+            }
+            Check::Program(check) => {
+                let wanted: Vec<&Program<'_>> =
+                    programs.iter().filter(|p| p.shaders().iter().any(|s| s.reported)).collect();
+                let silent: BTreeSet<&str> = project.shaders().filter(|s| !s.reported).map(|s| s.file.name()).collect();
+                let mut found = Vec::new();
+                self.gather(&wanted, &mut found, |program, findings| check(program, project, findings));
+                into.extend(found.into_iter().filter(|(_, d): &(Level, Diagnostic)| !silent.contains(d.file.name())));
+            }
+            Check::FrontEnd(complete) => {
+                for shader in project.shaders().filter(|s| s.reported) {
+                    let told = shader.front_end.iter().filter(|d| d.code == self.code);
+                    into.extend(told.filter_map(|d| complete(shader, d.clone())).map(|d| (self.level, d)));
+                }
+            }
+            #[cfg(test)]
+            Check::Text(check) => {
+                let mut findings = Findings { rule: self, into };
+                project.shaders().filter(|s| s.reported).for_each(|s| check(&s.file, &mut findings));
+                project.hosts().filter(|h| h.reported).for_each(|h| check(&h.file, &mut findings));
+            }
+        }
+    }
+}
+
+impl Rule {
+    /// True when it takes its findings from the front end.
+    pub(super) fn completes_the_front_end(&self) -> bool {
+        matches!(self.check, Check::FrontEnd(_))
+    }
+
+    /// Checks files side by side; what they give stands in the order of the files.
+    fn gather<T: Sync>(
+        &'static self,
+        files: &[&T],
+        into: &mut Vec<(Level, Diagnostic)>,
+        check: impl Fn(&T, &mut Findings<'_>) + Sync,
+    ) {
+        let found = files.par_iter().flat_map_iter(|file| {
+            let mut found = Vec::new();
+            check(file, &mut Findings { rule: self, into: &mut found });
+            found
+        });
+        into.par_extend(found);
+    }
+
+    /// Runs a rule that speaks of comments which silence others.
+    pub(super) fn check_after(&'static self, suppressions: &Suppressions, into: &mut Vec<(Level, Diagnostic)>) {
+        if let Check::After(check) = self.check {
+            check(suppressions, &mut Findings { rule: self, into });
+        }
+    }
+}
+
+/// Where a check puts what it finds.
+pub(super) struct Findings<'a> {
+    rule: &'static Rule,
+    into: &'a mut Vec<(Level, Diagnostic)>,
+}
+
+impl Findings<'_> {
+    /// A diagnostic of this rule, to be completed and given to [`Findings::push`].
+    pub fn at(&self, file: &SourceFile, span: Span, message: impl Into<Message>) -> Diagnostic {
+        Diagnostic::new(self.rule.code, self.rule.severity, file, span, message)
+    }
+
+    /// Reports at the level of the rule.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.push_at(self.rule.level, diagnostic);
+    }
+
+    /// Reports from this level on: the same rule may know some cases for certain and guess at others.
+    pub fn push_at(&mut self, level: Level, diagnostic: Diagnostic) {
+        self.into.push((level, diagnostic));
+    }
+}

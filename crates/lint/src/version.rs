@@ -1,0 +1,77 @@
+//! Shaders without `#version`: hosts often put a version, and more, in front of a text.
+
+use base::diagnostic::Diagnostic;
+use base::text::SourceFile;
+use syntax::{Parsed, Profile, Shader, Stage, Version, errors};
+
+/// What a host may state, the oldest first.
+const STATED: [(u32, Profile); 5] = [
+    (100, Profile::Es),
+    (120, Profile::Compatibility),
+    (330, Profile::Core),
+    (300, Profile::Es),
+    (460, Profile::Compatibility),
+];
+
+/// Reads a shader. One without `#version` is GLSL 1.10, unless it uses what came later and a host that puts
+/// another version in front of it leaves fewer errors: then it is read as such, and names may be declared in
+/// front as well.
+pub fn read(file: &SourceFile, stage: Stage) -> Parsed {
+    let plain = Shader::parse(file, stage);
+    let later = [errors::NEEDS_VERSION, errors::EXTENSION, errors::FLOAT_SUFFIX];
+    if plain.shader.version().span.is_some() || !plain.diagnostics.iter().any(|d| later.contains(&d.code)) {
+        return plain;
+    }
+    // Names that are not declared say nothing about the version.
+    let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !is_name(d)).count();
+    let mut best = plain;
+    for (number, profile) in STATED {
+        let before = Version { number, profile, span: None };
+        let parsed = Shader::parse_behind(file, stage, before);
+        if weight(&parsed) < weight(&best) {
+            best = parsed;
+        }
+    }
+    best
+}
+
+fn is_name(diagnostic: &Diagnostic) -> bool {
+    [errors::UNKNOWN_NAME, errors::UNKNOWN_FUNCTION, errors::UNKNOWN_TYPE].contains(&diagnostic.code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(stage: Stage, text: &str) -> Vec<String> {
+        let parsed = read(&SourceFile::new("a", text), stage);
+        parsed.diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect()
+    }
+
+    #[test]
+    fn a_version_that_the_host_puts_in_front_is_found_out() {
+        let modern = "in vec3 n;\nout vec4 c;\nuniform sampler2D t;\n\
+            void main() { float h = 1.0f; h += 1; c = texture(t, n.xy) * h * TINT; }\n";
+        assert_eq!(told(Stage::Fragment, modern), [""; 0]);
+        let embedded =
+            "precision mediump float;\nvarying vec2 uv;\nvoid main() { gl_FragColor = vec4(uv, 0.0, 1.0); }\n";
+        assert_eq!(told(Stage::Fragment, embedded), [""; 0]);
+        let blocks = "layout(std430, binding = 0) buffer B { float v[]; };\nlayout(local_size_x = 64) in;\n\
+            void main() { v[gl_GlobalInvocationID.x] *= 2; }\n";
+        assert_eq!(told(Stage::Compute, blocks), [""; 0]);
+    }
+
+    #[test]
+    fn what_is_wrong_in_every_version_is_told() {
+        let wrong = "in vec3 n;\nout vec4 c;\nvoid main() { c = n; }\n";
+        assert_eq!(told(Stage::Fragment, wrong).len(), 1);
+        let old = "varying vec3 n;\nvoid main() { gl_FragColor = vec4(m, 1.0); }\n";
+        assert_eq!(told(Stage::Fragment, old).len(), 1);
+        // Nothing here came later than 1.10, which has no such conversion.
+        let converted = "varying float x;\nvoid main() { gl_FragColor = vec4(x * 2); }\n";
+        assert_eq!(told(Stage::Fragment, converted).len(), 1);
+        // A version that is stated is believed.
+        let stated = "#version 110\nvoid main() { gl_FragColor = vec4(1.0f); }\n";
+        assert_eq!(told(Stage::Fragment, stated).len(), 1);
+    }
+}

@@ -1,0 +1,317 @@
+//! Built-in variables (GLSL 4.60, chapter 7; GLSL 1.20, chapter 7), made when they are first named.
+
+use std::sync::Arc;
+
+use naga::{BuiltIn, Expression, GlobalVariable, Handle, Literal};
+
+use super::global::Global;
+use super::image::ImageLayout;
+use super::{Build, Result};
+use crate::PortAt;
+use base::text::Span;
+use syntax::Stage;
+use syntax::ast::ExprKind;
+use syntax::symbols::SymbolId;
+use syntax::types::{ArraySize, ScalarType, StructType, Type};
+
+/// An input of a stage that is no variable of the author: what naga calls it, and its type there.
+fn input(name: &str, stage: Stage) -> Option<(BuiltIn, Type)> {
+    let uvec3 = || Type::Vector(ScalarType::Uint, 3);
+    Some(match (stage, name) {
+        (Stage::Vertex, "gl_VertexID" | "gl_VertexIndex") => (BuiltIn::VertexIndex, Type::UINT),
+        (Stage::Vertex, "gl_InstanceID" | "gl_InstanceIndex") => (BuiltIn::InstanceIndex, Type::UINT),
+        (Stage::Vertex, "gl_BaseVertex" | "gl_BaseVertexARB") => (BuiltIn::BaseVertex, Type::UINT),
+        (Stage::Vertex, "gl_BaseInstance" | "gl_BaseInstanceARB") => (BuiltIn::BaseInstance, Type::UINT),
+        (Stage::Vertex, "gl_DrawID" | "gl_DrawIDARB") => (BuiltIn::DrawIndex, Type::UINT),
+        (Stage::Fragment, "gl_FragCoord") => (BuiltIn::Position { invariant: false }, Type::VEC4),
+        (Stage::Fragment, "gl_FrontFacing") => (BuiltIn::FrontFacing, Type::BOOL),
+        (Stage::Fragment, "gl_PointCoord") => (BuiltIn::PointCoord, Type::VEC2),
+        (Stage::Fragment, "gl_PrimitiveID") => (BuiltIn::PrimitiveIndex, Type::UINT),
+        (Stage::Fragment, "gl_SampleID") => (BuiltIn::SampleIndex, Type::UINT),
+        (Stage::Fragment, "gl_SampleMaskIn") => (BuiltIn::SampleMask, Type::UINT),
+        (Stage::Compute, "gl_NumWorkGroups") => (BuiltIn::NumWorkGroups, uvec3()),
+        (Stage::Compute, "gl_WorkGroupID") => (BuiltIn::WorkGroupId, uvec3()),
+        (Stage::Compute, "gl_LocalInvocationID") => (BuiltIn::LocalInvocationId, uvec3()),
+        (Stage::Compute, "gl_GlobalInvocationID") => (BuiltIn::GlobalInvocationId, uvec3()),
+        (Stage::Compute, "gl_LocalInvocationIndex") => (BuiltIn::LocalInvocationIndex, Type::UINT),
+        _ => return None,
+    })
+}
+
+/// Variables of the old pipeline that go from the host to the vertex stage, or from stage to stage.
+fn is_old_varying(name: &str) -> bool {
+    let names = [
+        "gl_Vertex",
+        "gl_Normal",
+        "gl_Color",
+        "gl_SecondaryColor",
+        "gl_FogCoord",
+        "gl_FrontColor",
+        "gl_BackColor",
+        "gl_FrontSecondaryColor",
+        "gl_BackSecondaryColor",
+        "gl_TexCoord",
+        "gl_FogFragCoord",
+        "gl_ClipVertex",
+    ];
+    names.contains(&name) || name.starts_with("gl_MultiTexCoord")
+}
+
+impl Build<'_> {
+    /// Makes a built-in variable.
+    pub(super) fn builtin(&mut self, symbol: SymbolId, span: Span) -> Result<()> {
+        let info = self.shader.symbol(symbol);
+        let name = info.name.clone();
+        if let Some(n) = self.limit(&name) {
+            self.globals.insert(symbol, Global::Number(n));
+            return Ok(());
+        }
+        let ty = if name == "gl_in" { self.per_vertex(&info.ty)? } else { self.with_size(symbol, &info.ty) };
+        if ty.contains_opaque() {
+            let global = Global::Opaque { key: name, ty, data: None, image: ImageLayout::default() };
+            self.globals.insert(symbol, global);
+            return Ok(());
+        }
+        let written = self.shader.is_written(symbol);
+        let handle = self.make_builtin(&name, &ty, written, span)?;
+        if info.read_only && !is_state(&name) {
+            self.stage_inputs.push((name, handle, span));
+        }
+        self.globals.insert(symbol, Global::Whole { handle, ty });
+        Ok(())
+    }
+
+    /// A built-in variable that the text does not name, such as the matrix of `ftransform`.
+    pub(super) fn named_builtin(&mut self, name: &str, span: Span) -> Result<(Handle<GlobalVariable>, Type)> {
+        let ty = if name == "gl_Vertex" { Type::VEC4 } else { Type::MAT4 };
+        if let Some(symbol) = self.shader.builtin(name) {
+            if !self.globals.contains_key(&symbol) {
+                self.builtin(symbol, span)?;
+            }
+            if let Some(Global::Whole { handle, .. }) = self.globals.get(&symbol) {
+                return Ok((*handle, ty));
+            }
+        }
+        if let Some(&handle) = self.unnamed.get(name) {
+            return Ok((handle, ty));
+        }
+        let handle = self.make_builtin(name, &ty, false, span)?;
+        self.unnamed.insert(name.to_owned(), handle);
+        Ok((handle, ty))
+    }
+
+    fn make_builtin(&mut self, name: &str, ty: &Type, written: bool, span: Span) -> Result<Handle<GlobalVariable>> {
+        let stage = self.shader.stage();
+        if let Some((built_in, given)) = input(name, stage) {
+            let handle = self.private(name, ty, span)?;
+            // The mask is an array of words, of which there is one.
+            let (path, kept) = match ty {
+                Type::Array(element, _) => (vec![0], element.as_ref().clone()),
+                _ => (Vec::new(), ty.clone()),
+            };
+            self.built_in_input(name, (&given, &kept), (handle, path), built_in, span)?;
+            return Ok(handle);
+        }
+        match (stage, name) {
+            (_, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance")
+                if matches!(stage, Stage::Vertex | Stage::Geometry) =>
+            {
+                let handle = self.private(name, ty, span)?;
+                if stage == Stage::Vertex {
+                    let built_in = match name {
+                        "gl_Position" => BuiltIn::Position { invariant: false },
+                        "gl_PointSize" => BuiltIn::PointSize,
+                        "gl_ClipDistance" => BuiltIn::ClipDistances,
+                        _ => BuiltIn::CullDistance,
+                    };
+                    self.built_in_output(name, ty, handle, Vec::new(), built_in);
+                }
+                if written {
+                    let ports = self.port_out(name, ty, handle, span)?;
+                    self.built_in_outputs.extend(ports);
+                }
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_FragDepth") => {
+                let handle = self.private(name, ty, span)?;
+                self.built_in_output(name, ty, handle, Vec::new(), BuiltIn::FragDepth);
+                let ports = self.port_out(name, ty, handle, span)?;
+                self.built_in_outputs.extend(ports);
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_SampleMask") => {
+                let handle = self.private(name, ty, span)?;
+                self.built_in_output(name, &Type::INT, handle, vec![0], BuiltIn::SampleMask);
+                let ports = self.port_out(name, ty, handle, span)?;
+                self.built_in_outputs.extend(ports);
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_FragColor" | "gl_FragData") => {
+                let handle = self.private(name, ty, span)?;
+                self.located_output(name, ty, (handle, &[]), Some(0), &[], span)?;
+                let ports = self.port_out(name, ty, handle, span)?;
+                self.built_in_outputs.extend(ports);
+                Ok(handle)
+            }
+            (Stage::Geometry, "gl_Layer" | "gl_ViewportIndex" | "gl_PrimitiveID") => {
+                let handle = self.private(name, ty, span)?;
+                let ports = self.port_out(name, ty, handle, span)?;
+                self.built_in_outputs.extend(ports);
+                Ok(handle)
+            }
+            // naga has no such variables: they are varyings like others.
+            (Stage::Vertex, "gl_Layer" | "gl_ViewportIndex") => {
+                let handle = self.private(name, ty, span)?;
+                self.located_output(name, ty, (handle, &[]), None, &[], span)?;
+                let ports = self.port_out(name, ty, handle, span)?;
+                self.built_in_outputs.extend(ports);
+                Ok(handle)
+            }
+            (
+                Stage::Fragment,
+                "gl_Layer" | "gl_ViewportIndex" | "gl_SamplePosition" | "gl_ClipDistance" | "gl_CullDistance",
+            ) => {
+                let handle = self.private(name, ty, span)?;
+                self.located_input(name, ty, (handle, &[]), None, &[], span)?;
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_HelperInvocation") => {
+                let handle = self.private(name, ty, span)?;
+                let start = self.incoming.len();
+                self.located_input(name, &Type::UINT, (handle, &[]), None, &[], span)?;
+                // The argument is a number, which is turned where it is kept.
+                for incoming in self.incoming.iter_mut().skip(start) {
+                    incoming.ty = Type::BOOL;
+                }
+                Ok(handle)
+            }
+            (Stage::Fragment, "gl_NumSamples") => self.uniform(name, ty, span),
+            (Stage::Geometry, "gl_InvocationID") => self.private(name, ty, span),
+            (Stage::Geometry, "gl_PrimitiveIDIn") => {
+                let handle = self.private(name, ty, span)?;
+                self.port_in(name, ty, PortAt::Global(handle), span)?;
+                Ok(handle)
+            }
+            (Stage::Geometry, "gl_in") => {
+                let handle = self.private(name, ty, span)?;
+                let others = std::mem::take(&mut self.inputs);
+                self.vertices(name, ty, handle, span)?;
+                self.inputs.extend(others);
+                Ok(handle)
+            }
+            (Stage::Compute, "gl_WorkGroupSize") => {
+                let handle = self.private(name, ty, span)?;
+                let parts: Vec<Handle<Expression>> = self
+                    .workgroup
+                    .into_iter()
+                    .map(|n| {
+                        self.module
+                            .global_expressions
+                            .append(Expression::Literal(Literal::U32(n)), naga::Span::UNDEFINED)
+                    })
+                    .collect();
+                let ty = self.value_type(ty, span)?;
+                let value = Expression::Compose { ty, components: parts };
+                let init = self.module.global_expressions.append(value, naga::Span::UNDEFINED);
+                self.module.global_variables[handle].init = Some(init);
+                Ok(handle)
+            }
+            (Stage::Vertex | Stage::Fragment | Stage::Geometry, _) if is_old_varying(name) => {
+                let handle = self.private(name, ty, span)?;
+                let output = match stage {
+                    Stage::Fragment => false,
+                    Stage::Vertex => {
+                        !matches!(name, "gl_Vertex" | "gl_Normal" | "gl_Color" | "gl_SecondaryColor" | "gl_FogCoord")
+                            && !name.starts_with("gl_MultiTexCoord")
+                    }
+                    _ => true,
+                };
+                if output {
+                    if stage != Stage::Geometry {
+                        self.located_output(name, ty, (handle, &[]), None, &[], span)?;
+                    }
+                    let ports = self.port_out(name, ty, handle, span)?;
+                    self.built_in_outputs.extend(ports);
+                } else {
+                    self.located_input(name, ty, (handle, &[]), None, &[], span)?;
+                }
+                Ok(handle)
+            }
+            (_, _) if is_state(name) => self.uniform(name, ty, span),
+            (Stage::Library, _) => self.private(name, ty, span),
+            (_, _) => {
+                let message = format!("the built-in variable `{name}`");
+                Err(self.unsupported(span, message, "pass the value as a variable of your own"))
+            }
+        }
+    }
+
+    /// `gl_in` with the members that the text names, so that only these are fed.
+    fn per_vertex(&self, ty: &Type) -> Result<Type> {
+        let element = match ty {
+            Type::Array(element, _) => element.as_ref(),
+            other => other,
+        };
+        let Type::Struct(s) = element else { return Ok(ty.clone()) };
+        let uses = |name: &str| {
+            self.shader
+                .arena()
+                .iter()
+                .filter_map(|(id, e)| match &e.kind {
+                    ExprKind::Field { base, field } if field.name == name => Some((id, *base)),
+                    _ => None,
+                })
+                .any(|(_, base)| matches!(self.shader.expr(base).kind, ExprKind::Index { .. }))
+        };
+        let mut fields = Vec::new();
+        for field in s.fields.iter().filter(|f| f.name == "gl_Position" || uses(&f.name)) {
+            let mut field = field.clone();
+            if let Type::Array(element, ArraySize::Unsized | ArraySize::Unknown) = &field.ty {
+                field.ty = element.as_ref().clone().array(self.greatest_index(&field.name));
+            }
+            fields.push(field);
+        }
+        let element = Type::Struct(Arc::new(StructType { name: "gl_PerVertex".to_owned(), fields, span: s.span }));
+        Ok(Type::Array(Arc::new(element), ArraySize::Known(self.input_primitive().vertices())))
+    }
+
+    pub(super) fn greatest_index(&self, field: &str) -> u32 {
+        let mut most = 1;
+        for (_, expr) in self.shader.arena().iter() {
+            let ExprKind::Index { base, index } = expr.kind else { continue };
+            let ExprKind::Field { field: name, .. } = &self.shader.expr(base).kind else { continue };
+            if name.name == field {
+                let known = self.shader.fold(index).and_then(|c| c.as_integer()).and_then(|n| u32::try_from(n).ok());
+                most = most.max(known.map_or(8, |n| n + 1));
+            }
+        }
+        most
+    }
+}
+
+/// True for what the host sets once for many vertices.
+fn is_state(name: &str) -> bool {
+    let starts = [
+        "gl_ModelView",
+        "gl_Projection",
+        "gl_TextureMatrix",
+        "gl_TextureEnv",
+        "gl_EyePlane",
+        "gl_ObjectPlane",
+        "gl_LightModel",
+        "gl_FrontLight",
+        "gl_BackLight",
+        "gl_Fog",
+    ];
+    let names = [
+        "gl_NormalMatrix",
+        "gl_NormalScale",
+        "gl_ClipPlane",
+        "gl_DepthRange",
+        "gl_LightSource",
+        "gl_FrontMaterial",
+        "gl_BackMaterial",
+        "gl_Point",
+    ];
+    names.contains(&name) || starts.iter().any(|s| name.starts_with(s))
+}

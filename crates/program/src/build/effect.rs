@@ -1,0 +1,101 @@
+//! Built-in functions that do something: emission, barriers, atomic operations, and those that write
+//! through their arguments.
+
+use naga::{AtomicFunction, Barrier, Expression, Statement};
+
+use super::function::{Fun, Val};
+use super::{Expr, Result};
+use base::text::Span;
+use syntax::Stage;
+use syntax::ast::ExprId;
+use syntax::types::{ScalarType, Type};
+
+impl Fun<'_, '_> {
+    /// A function with an effect: `None` when it is no such function, else its value.
+    pub(super) fn effect(&mut self, name: &str, args: &[ExprId], span: Span) -> Result<Option<Option<Val>>> {
+        let statement = match name {
+            "EmitVertex" | "EndPrimitive" => return self.emit(name == "EndPrimitive", 0, span).map(|()| Some(None)),
+            "EmitStreamVertex" | "EndStreamPrimitive" => return self.stream(name, args, span).map(|()| Some(None)),
+            "barrier" => Statement::ControlBarrier(Barrier::WORK_GROUP),
+            "memoryBarrierShared" => Statement::MemoryBarrier(Barrier::WORK_GROUP),
+            "memoryBarrierBuffer" => Statement::MemoryBarrier(Barrier::STORAGE),
+            "memoryBarrierImage" => Statement::MemoryBarrier(Barrier::TEXTURE),
+            "memoryBarrier" | "groupMemoryBarrier" => Statement::MemoryBarrier(Barrier::all()),
+            "modf" | "frexp" | "uaddCarry" | "usubBorrow" | "umulExtended" | "imulExtended" => {
+                return self.several_values(name, args).map(Some);
+            }
+            "interpolateAtCentroid" | "interpolateAtSample" | "interpolateAtOffset" => {
+                let message = format!("`{name}`: interpolation at another place");
+                return Err(self.build.unsupported(span, message, "read the input itself"));
+            }
+            _ if name.starts_with("atomic") => return self.atomic(name, args, span).map(|v| Some(Some(v))),
+            _ => return Ok(None),
+        };
+        if matches!(statement, Statement::ControlBarrier(_)) && self.shader.stage() != Stage::Compute {
+            return Err(self.build.unsupported(span, "`barrier` outside of a compute shader", "remove it"));
+        }
+        self.push(statement);
+        Ok(Some(None))
+    }
+
+    fn atomic(&mut self, name: &str, args: &[ExprId], span: Span) -> Result<Val> {
+        let place = self.target(args[0])?;
+        let ty = place.ty.clone();
+        let mut values = Vec::new();
+        for &arg in &args[1..] {
+            values.push(self.initial(arg, &ty)?.e);
+        }
+        if !self.build.is_atomic(place.host) {
+            let message = format!("`{name}` on this variable");
+            return Err(self.build.unsupported(
+                span,
+                message,
+                "use an `int` or `uint` of a block or a shared variable",
+            ));
+        }
+        self.atomic_at(name, place.ptr, &ty, &values, span)
+    }
+
+    /// An atomic function on an integer in memory; it gives the value before.
+    pub(super) fn atomic_at(
+        &mut self,
+        name: &str,
+        pointer: Expr,
+        ty: &Type,
+        values: &[Expr],
+        span: Span,
+    ) -> Result<Val> {
+        let unknown = || format!("the function `{name}`");
+        let (Some(&value), true) = (values.last(), ty.scalar().is_some_and(ScalarType::is_integer)) else {
+            return Err(self.build.unsupported(span, unknown(), "write it out"));
+        };
+        let mut compared = false;
+        let fun = match name {
+            "atomicAdd" => AtomicFunction::Add,
+            "atomicSubtract" => AtomicFunction::Subtract,
+            "atomicMin" => AtomicFunction::Min,
+            "atomicMax" => AtomicFunction::Max,
+            "atomicAnd" => AtomicFunction::And,
+            "atomicOr" => AtomicFunction::InclusiveOr,
+            "atomicXor" => AtomicFunction::ExclusiveOr,
+            "atomicExchange" => AtomicFunction::Exchange { compare: None },
+            "atomicCompSwap" if values.len() == 2 => {
+                compared = true;
+                AtomicFunction::Exchange { compare: Some(values[0]) }
+            }
+            _ => return Err(self.build.unsupported(span, unknown(), "write it out")),
+        };
+        let handle = self.ty(ty)?;
+        let result_ty = if compared {
+            let number = super::types::scalar(ty.scalar().unwrap_or(ScalarType::Uint));
+            let structure = naga::PredeclaredType::AtomicCompareExchangeWeakResult(number);
+            self.build.module.generate_predeclared_type(structure)
+        } else {
+            handle
+        };
+        let result = self.add(Expression::AtomicResult { ty: result_ty, comparison: compared });
+        self.push(Statement::Atomic { pointer, fun, value, result: Some(result) });
+        let e = if compared { self.add(Expression::AccessIndex { base: result, index: 0 }) } else { result };
+        Ok(Val { e, ty: Type::Scalar(ty.scalar().unwrap_or(ScalarType::Uint)) })
+    }
+}

@@ -1,0 +1,114 @@
+//! Images that a shader reads and writes (GLSL 4.60, 8.12).
+
+use naga::Expression;
+
+use super::function::{Fun, Val};
+use super::{Expr, Result};
+use base::text::Span;
+use syntax::ast::{QualifierKind, Qualifiers};
+use syntax::types::{OpaqueType, Type};
+
+/// What the declaration of an image says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct ImageLayout {
+    pub format: Option<String>,
+    pub reads: bool,
+    pub writes: bool,
+}
+
+impl ImageLayout {
+    pub(super) fn of(qualifiers: &Qualifiers) -> Self {
+        use syntax::ast::MemoryQualifier as Q;
+        let has = |q| qualifiers.list.iter().any(|k| k.kind == QualifierKind::Memory(q));
+        let known = |name: &str| storage_format(name).is_some();
+        let mut entries = qualifiers.layouts().flat_map(|(entries, _)| entries);
+        let format = entries.find(|e| known(&e.key.name)).map(|e| e.key.name.clone());
+        Self { format, reads: !has(Q::WriteOnly), writes: !has(Q::ReadOnly) }
+    }
+}
+
+pub(super) fn storage_format(name: &str) -> Option<naga::StorageFormat> {
+    use naga::StorageFormat as F;
+    Some(match name {
+        "rgba32f" => F::Rgba32Float,
+        "rgba16f" => F::Rgba16Float,
+        "rg32f" => F::Rg32Float,
+        "rg16f" => F::Rg16Float,
+        "r11f_g11f_b10f" => F::Rg11b10Ufloat,
+        "r32f" => F::R32Float,
+        "r16f" => F::R16Float,
+        "rgba16" => F::Rgba16Unorm,
+        "rgb10_a2" => F::Rgb10a2Unorm,
+        "rgba8" => F::Rgba8Unorm,
+        "rg16" => F::Rg16Unorm,
+        "rg8" => F::Rg8Unorm,
+        "r16" => F::R16Unorm,
+        "r8" => F::R8Unorm,
+        "rgba16_snorm" => F::Rgba16Snorm,
+        "rgba8_snorm" => F::Rgba8Snorm,
+        "rg16_snorm" => F::Rg16Snorm,
+        "rg8_snorm" => F::Rg8Snorm,
+        "r16_snorm" => F::R16Snorm,
+        "r8_snorm" => F::R8Snorm,
+        "rgba32i" => F::Rgba32Sint,
+        "rgba16i" => F::Rgba16Sint,
+        "rgba8i" => F::Rgba8Sint,
+        "rg32i" => F::Rg32Sint,
+        "rg16i" => F::Rg16Sint,
+        "rg8i" => F::Rg8Sint,
+        "r32i" => F::R32Sint,
+        "r16i" => F::R16Sint,
+        "r8i" => F::R8Sint,
+        "rgba32ui" => F::Rgba32Uint,
+        "rgba16ui" => F::Rgba16Uint,
+        "rgb10_a2ui" => F::Rgb10a2Uint,
+        "rgba8ui" => F::Rgba8Uint,
+        "rg32ui" => F::Rg32Uint,
+        "rg16ui" => F::Rg16Uint,
+        "rg8ui" => F::Rg8Uint,
+        "r32ui" => F::R32Uint,
+        "r16ui" => F::R16Uint,
+        "r8ui" => F::R8Uint,
+        _ => return None,
+    })
+}
+
+/// The function of numbers in memory that does what an atomic function of images does.
+pub(super) fn plain_atomic(name: &str) -> Option<String> {
+    name.strip_prefix("imageAtomic").map(|rest| format!("atomic{rest}"))
+}
+
+impl Fun<'_, '_> {
+    pub(super) fn image_call(
+        &mut self,
+        name: &str,
+        ty: OpaqueType,
+        image: Expr,
+        rest: &[Option<Val>],
+        span: Span,
+    ) -> Result<Option<Option<Val>>> {
+        let value = |k: usize| rest.get(k).cloned().flatten();
+        match name {
+            "imageSize" => Ok(Some(Some(self.size(ty, image, None)?))),
+            "imageLoad" | "imageStore" => {
+                let Some(at) = value(0) else {
+                    return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate"));
+                };
+                let (at, array_index) = self.texel(ty, &at)?;
+                if name == "imageLoad" {
+                    let load =
+                        Expression::ImageLoad { image, coordinate: at.e, array_index, sample: None, level: None };
+                    return Ok(Some(Some(Val { e: self.add(load), ty: Type::Vector(ty.scalar, 4) })));
+                }
+                let Some(value) = value(1) else {
+                    return Err(self.build.unsupported(span, "`imageStore` like this", "give it a value"));
+                };
+                let value = self.convert(value, &Type::Vector(ty.scalar, 4))?;
+                let store = naga::Statement::ImageStore { image, coordinate: at.e, array_index, value: value.e };
+                self.push(store);
+                Ok(Some(None))
+            }
+            _ => Err(self.build.unsupported(span, format!("`{name}`"), "use a storage buffer")),
+        }
+    }
+}

@@ -1,0 +1,481 @@
+//! Built-in functions of numbers (GLSL 4.60, 8.1 to 8.8 and 8.14).
+
+use naga::{
+    BinaryOperator as B, DerivativeAxis, DerivativeControl, Expression, MathFunction as M, PredeclaredType,
+    RelationalFunction, ScalarKind, UnaryOperator,
+};
+
+use super::function::{Fun, Val};
+use super::types::{scalar, size};
+use super::{Expr, Result};
+use base::text::Span;
+use syntax::ast::{BinaryOp, ExprId};
+use syntax::types::{ScalarType, Type};
+
+/// Functions of one argument that naga has under another name or the same.
+fn one(name: &str) -> Option<M> {
+    Some(match name {
+        "sin" => M::Sin,
+        "cos" => M::Cos,
+        "tan" => M::Tan,
+        "asin" => M::Asin,
+        "acos" => M::Acos,
+        "sinh" => M::Sinh,
+        "cosh" => M::Cosh,
+        "tanh" => M::Tanh,
+        "asinh" => M::Asinh,
+        "acosh" => M::Acosh,
+        "atanh" => M::Atanh,
+        "radians" => M::Radians,
+        "degrees" => M::Degrees,
+        "exp" => M::Exp,
+        "log" => M::Log,
+        "exp2" => M::Exp2,
+        "log2" => M::Log2,
+        "sqrt" => M::Sqrt,
+        "inversesqrt" => M::InverseSqrt,
+        "abs" => M::Abs,
+        "sign" => M::Sign,
+        "floor" => M::Floor,
+        "ceil" => M::Ceil,
+        "trunc" => M::Trunc,
+        // Where a half goes is up to the implementation; `roundEven` is one choice for both.
+        "round" | "roundEven" => M::Round,
+        "fract" => M::Fract,
+        "transpose" => M::Transpose,
+        "determinant" => M::Determinant,
+        "inverse" => M::Inverse,
+        "bitfieldReverse" => M::ReverseBits,
+        "packSnorm4x8" => M::Pack4x8snorm,
+        "packUnorm4x8" => M::Pack4x8unorm,
+        "packSnorm2x16" => M::Pack2x16snorm,
+        "packUnorm2x16" => M::Pack2x16unorm,
+        "packHalf2x16" => M::Pack2x16float,
+        "unpackSnorm4x8" => M::Unpack4x8snorm,
+        "unpackUnorm4x8" => M::Unpack4x8unorm,
+        "unpackSnorm2x16" => M::Unpack2x16snorm,
+        "unpackUnorm2x16" => M::Unpack2x16unorm,
+        "unpackHalf2x16" => M::Unpack2x16float,
+        _ => return None,
+    })
+}
+
+impl Fun<'_, '_> {
+    pub(super) fn math(&mut self, fun: M, args: &[Expr]) -> Expr {
+        let at = |k: usize| args.get(k).copied();
+        self.add(Expression::Math { fun, arg: args[0], arg1: at(1), arg2: at(2), arg3: at(3) })
+    }
+
+    fn op(&mut self, op: B, left: Expr, right: Expr) -> Expr {
+        self.add(Expression::Binary { op, left, right })
+    }
+
+    /// A built-in function; none for one without a value.
+    pub(super) fn builtin(&mut self, id: ExprId, name: &str, args: &[ExprId], span: Span) -> Result<Option<Val>> {
+        if let Some(value) = self.texture_call(id, name, args, span)? {
+            return Ok(value);
+        }
+        if let Some(value) = self.effect(name, args, span)? {
+            return Ok(value);
+        }
+        let ty = self.shader.type_of(id).clone();
+        let mut values = Vec::new();
+        for &arg in args {
+            values.push(self.expression(arg)?);
+        }
+        self.function_of_numbers(name, &ty, values, span).map(Some)
+    }
+
+    /// All values with the widest component type, scalars in every component.
+    fn alike(&mut self, values: Vec<Val>) -> Result<Vec<Val>> {
+        let to = values.iter().filter_map(|v| v.ty.scalar()).max().unwrap_or(ScalarType::Float);
+        let widest = values.iter().map(|v| v.ty.with_scalar(to)).max_by_key(|t| t.components().unwrap_or(1));
+        let widest = widest.unwrap_or(Type::FLOAT);
+        let mut all = Vec::new();
+        for value in values {
+            let from = value.ty.scalar().unwrap_or(to);
+            let value = self.cast(value, from, to)?;
+            all.push(self.widened(value, &widest));
+        }
+        Ok(all)
+    }
+
+    /// Numbers as `float`, or as `double` where one of them is.
+    fn floating(&mut self, values: Vec<Val>) -> Result<Vec<Val>> {
+        let double = values.iter().any(|v| v.ty.scalar() == Some(ScalarType::Double));
+        let to = if double { ScalarType::Double } else { ScalarType::Float };
+        let mut all = Vec::new();
+        for value in values {
+            let from = value.ty.scalar().unwrap_or(to);
+            all.push(self.cast(value, from, to)?);
+        }
+        Ok(all)
+    }
+
+    fn function_of_numbers(&mut self, name: &str, ty: &Type, values: Vec<Val>, span: Span) -> Result<Val> {
+        if let Some(value) = self.bits(name, &values)? {
+            return Ok(value);
+        }
+        if let Some(value) = self.comparison(name, &values)? {
+            return Ok(value);
+        }
+        if let Some(fun) = one(name) {
+            let whole = matches!(name, "abs" | "sign") && values[0].ty.scalar() == Some(ScalarType::Int);
+            let words = name.starts_with("unpack") || name == "bitfieldReverse";
+            let values = if whole || words { values } else { self.floating(values)? };
+            let e = self.math(fun, &[values[0].e]);
+            return Ok(Val {
+                e,
+                ty: if ty.is_error() { values[0].ty.clone() } else { self.kept(ty, &values[0].ty, name) },
+            });
+        }
+        let fun = match name {
+            "min" => Some(M::Min),
+            "max" => Some(M::Max),
+            "clamp" => Some(M::Clamp),
+            _ => None,
+        };
+        if let Some(fun) = fun {
+            let values = self.alike(values)?;
+            let ty = values[0].ty.clone();
+            let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
+            return Ok(Val { e: self.math(fun, &e), ty });
+        }
+        if name == "mix" && values[2].ty.scalar() == Some(ScalarType::Bool) {
+            let condition = values[2].clone();
+            let pair = self.alike(vec![values[0].clone(), values[1].clone()])?;
+            let e = self.add(Expression::Select { condition: condition.e, accept: pair[1].e, reject: pair[0].e });
+            return Ok(Val { e, ty: pair[0].ty.clone() });
+        }
+        let fun = match name {
+            "pow" => Some(M::Pow),
+            "mix" => Some(M::Mix),
+            "step" => Some(M::Step),
+            "smoothstep" => Some(M::SmoothStep),
+            "fma" => Some(M::Fma),
+            _ => None,
+        };
+        if let Some(fun) = fun {
+            let values = self.floating(values)?;
+            let values = self.alike(values)?;
+            let ty = values[0].ty.clone();
+            let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
+            return Ok(Val { e: self.math(fun, &e), ty });
+        }
+        if name == "ldexp" {
+            let exponent = values[1].clone();
+            let values = self.floating(vec![values[0].clone()])?;
+            let e = self.math(M::Ldexp, &[values[0].e, exponent.e]);
+            return Ok(Val { e, ty: values[0].ty.clone() });
+        }
+        match name {
+            "atan" => {
+                let values = self.floating(values)?;
+                let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
+                let fun = if e.len() == 2 { M::Atan2 } else { M::Atan };
+                Ok(Val { e: self.math(fun, &e), ty: values[0].ty.clone() })
+            }
+            // x − y⌊x/y⌋ (GLSL 4.60, 8.3).
+            "mod" => {
+                let values = self.floating(values)?;
+                let values = self.alike(values)?;
+                let (x, y) = (values[0].e, values[1].e);
+                let ratio = self.op(B::Divide, x, y);
+                let floor = self.math(M::Floor, &[ratio]);
+                let whole = self.op(B::Multiply, y, floor);
+                Ok(Val { e: self.op(B::Subtract, x, whole), ty: values[0].ty.clone() })
+            }
+            "dFdx" | "dFdxCoarse" | "dFdxFine" | "dFdy" | "dFdyCoarse" | "dFdyFine" | "fwidth" | "fwidthCoarse"
+            | "fwidthFine" => {
+                let values = self.floating(values)?;
+                let axis = match &name[..4] {
+                    "dFdx" => DerivativeAxis::X,
+                    "dFdy" => DerivativeAxis::Y,
+                    _ => DerivativeAxis::Width,
+                };
+                let ctrl = if name.ends_with("Coarse") {
+                    DerivativeControl::Coarse
+                } else if name.ends_with("Fine") {
+                    DerivativeControl::Fine
+                } else {
+                    DerivativeControl::None
+                };
+                if self.build.makes_quads() {
+                    return self.quad_derivative(axis, values[0].clone(), span);
+                }
+                if self.build.run {
+                    self.build.differs = true;
+                    self.build.unfed.push((format!("`{name}` outside of the `main` of a fragment shader"), span));
+                }
+                let expr = values[0].e;
+                Ok(Val { e: self.add(Expression::Derivative { axis, ctrl, expr }), ty: values[0].ty.clone() })
+            }
+            "isnan" | "isinf" => {
+                let fun = if name == "isnan" { RelationalFunction::IsNan } else { RelationalFunction::IsInf };
+                let e = self.add(Expression::Relational { fun, argument: values[0].e });
+                Ok(Val { e, ty: values[0].ty.with_scalar(ScalarType::Bool) })
+            }
+            "matrixCompMult" => {
+                let Type::Matrix(s, columns, rows) = values[0].ty else {
+                    return Err(self.build.unsupported(span, "`matrixCompMult` of this", "use matrices"));
+                };
+                let mut parts = Vec::new();
+                for k in 0..u32::from(columns) {
+                    let (l, r) = (self.part(values[0].e, k), self.part(values[1].e, k));
+                    parts.push(self.op(B::Multiply, l, r));
+                }
+                self.compose(&Type::Matrix(s, columns, rows), parts)
+            }
+            "outerProduct" => {
+                let values = self.floating(values)?;
+                let (Type::Vector(s, rows), Type::Vector(_, columns)) = (&values[0].ty, &values[1].ty) else {
+                    return Err(self.build.unsupported(span, "`outerProduct` of this", "use vectors"));
+                };
+                let (s, rows, columns) = (*s, *rows, *columns);
+                let mut parts = Vec::new();
+                for k in 0..u32::from(columns) {
+                    let factor = self.part(values[1].e, k);
+                    parts.push(self.op(B::Multiply, values[0].e, factor));
+                }
+                self.compose(&Type::Matrix(s, columns, rows), parts)
+            }
+            "ftransform" => {
+                let matrix = self.state("gl_ModelViewProjectionMatrix", span)?;
+                let vertex = self.state("gl_Vertex", span)?;
+                self.binary(BinaryOp::Mul, matrix, vertex)
+            }
+            "dot" | "length" | "distance" | "normalize" | "cross" | "reflect" | "refract" | "faceforward" => {
+                self.geometric(name, values)
+            }
+            _ => Err(self.build.unsupported(span, format!("the function `{name}`"), "write it out")),
+        }
+    }
+
+    /// The type of a function's value, with the component type of its argument where they go together.
+    fn kept(&self, ty: &Type, argument: &Type, name: &str) -> Type {
+        match (ty.scalar(), argument.scalar()) {
+            (Some(_), Some(s)) if !name.contains("pack") => ty.with_scalar(s),
+            _ => ty.clone(),
+        }
+    }
+
+    /// Functions of vectors, which take numbers too (GLSL 4.60, 8.5).
+    fn geometric(&mut self, name: &str, values: Vec<Val>) -> Result<Val> {
+        let values = self.floating(values)?;
+        let first = values[0].ty.clone();
+        let scalar = Type::Scalar(first.scalar().unwrap_or(ScalarType::Float));
+        let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
+        if !first.is_scalar() {
+            let (fun, ty) = match name {
+                "dot" => (M::Dot, scalar),
+                "length" => (M::Length, scalar),
+                "distance" => (M::Distance, scalar),
+                "normalize" => (M::Normalize, first),
+                "cross" => (M::Cross, first),
+                "reflect" => (M::Reflect, first),
+                "refract" => (M::Refract, first),
+                _ => (M::FaceForward, first),
+            };
+            return Ok(Val { e: self.math(fun, &e), ty });
+        }
+        let value = match name {
+            "dot" => self.op(B::Multiply, e[0], e[1]),
+            "length" => self.math(M::Abs, &[e[0]]),
+            "distance" => {
+                let difference = self.op(B::Subtract, e[0], e[1]);
+                self.math(M::Abs, &[difference])
+            }
+            // x/|x|, which is not a number for 0.
+            "normalize" => {
+                let length = self.math(M::Abs, &[e[0]]);
+                self.op(B::Divide, e[0], length)
+            }
+            "reflect" => {
+                let dot = self.op(B::Multiply, e[1], e[0]);
+                let two = self.all(&scalar, 2.0)?.e;
+                let twice = self.op(B::Multiply, two, dot);
+                let part = self.op(B::Multiply, twice, e[1]);
+                self.op(B::Subtract, e[0], part)
+            }
+            "faceforward" => {
+                let dot = self.op(B::Multiply, e[2], e[1]);
+                let zero = self.all(&scalar, 0.0)?.e;
+                let condition = self.op(B::Less, dot, zero);
+                let reject = self.add(Expression::Unary { op: UnaryOperator::Negate, expr: e[0] });
+                self.add(Expression::Select { condition, accept: e[0], reject })
+            }
+            // k = 1 − η²(1 − (N·I)²); 0 where k < 0, else ηI − (η(N·I) + √k)N.
+            _ => {
+                let (one, zero) = (self.all(&scalar, 1.0)?.e, self.all(&scalar, 0.0)?.e);
+                let dot = self.op(B::Multiply, e[1], e[0]);
+                let square = self.op(B::Multiply, dot, dot);
+                let rest = self.op(B::Subtract, one, square);
+                let eta2 = self.op(B::Multiply, e[2], e[2]);
+                let product = self.op(B::Multiply, eta2, rest);
+                let k = self.op(B::Subtract, one, product);
+                let condition = self.op(B::Less, k, zero);
+                let safe = self.math(M::Max, &[k, zero]);
+                let root = self.math(M::Sqrt, &[safe]);
+                let along = self.op(B::Multiply, e[2], dot);
+                let sum = self.op(B::Add, along, root);
+                let normal = self.op(B::Multiply, sum, e[1]);
+                let incident = self.op(B::Multiply, e[2], e[0]);
+                let reject = self.op(B::Subtract, incident, normal);
+                self.add(Expression::Select { condition, accept: zero, reject })
+            }
+        };
+        Ok(Val { e: value, ty: scalar })
+    }
+
+    /// Comparisons of vectors, and what is made of them (GLSL 4.60, 8.7).
+    fn comparison(&mut self, name: &str, values: &[Val]) -> Result<Option<Val>> {
+        let op = match name {
+            "lessThan" => B::Less,
+            "lessThanEqual" => B::LessEqual,
+            "greaterThan" => B::Greater,
+            "greaterThanEqual" => B::GreaterEqual,
+            "equal" => B::Equal,
+            "notEqual" => B::NotEqual,
+            "any" | "all" => {
+                let fun = if name == "any" { RelationalFunction::Any } else { RelationalFunction::All };
+                let e = self.add(Expression::Relational { fun, argument: values[0].e });
+                return Ok(Some(Val { e, ty: Type::BOOL }));
+            }
+            "not" => {
+                let e = self.add(Expression::Unary { op: UnaryOperator::LogicalNot, expr: values[0].e });
+                return Ok(Some(Val { e, ty: values[0].ty.clone() }));
+            }
+            _ => return Ok(None),
+        };
+        let pair = self.alike(values.to_vec())?;
+        let e = self.op(op, pair[0].e, pair[1].e);
+        Ok(Some(Val { e, ty: pair[0].ty.with_scalar(ScalarType::Bool) }))
+    }
+
+    /// Bits and integers (GLSL 4.60, 8.3 and 8.8).
+    fn bits(&mut self, name: &str, values: &[Val]) -> Result<Option<Val>> {
+        let first = values.first().map_or(Type::Void, |v| v.ty.clone());
+        let value = match name {
+            "floatBitsToInt" | "floatBitsToUint" | "intBitsToFloat" | "uintBitsToFloat" => {
+                let to = match name {
+                    "floatBitsToInt" => ScalarType::Int,
+                    "floatBitsToUint" => ScalarType::Uint,
+                    _ => ScalarType::Float,
+                };
+                let e = self.add(Expression::As { expr: values[0].e, kind: scalar(to).kind, convert: None });
+                Val { e, ty: first.with_scalar(to) }
+            }
+            "bitCount" | "findLSB" | "findMSB" => {
+                let fun = match name {
+                    "bitCount" => M::CountOneBits,
+                    "findLSB" => M::FirstTrailingBit,
+                    _ => M::FirstLeadingBit,
+                };
+                let e = self.math(fun, &[values[0].e]);
+                let from = first.scalar().unwrap_or(ScalarType::Int);
+                self.cast(Val { e, ty: first }, from, ScalarType::Int)?
+            }
+            "bitfieldExtract" | "bitfieldInsert" => {
+                let split = values.len() - 2;
+                let mut e: Vec<Expr> = values[..split].iter().map(|v| v.e).collect();
+                for value in &values[split..] {
+                    e.push(self.cast(value.clone(), ScalarType::Int, ScalarType::Uint)?.e);
+                }
+                let fun = if split == 1 { M::ExtractBits } else { M::InsertBits };
+                Val { e: self.math(fun, &e), ty: first }
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(value))
+    }
+
+    /// Functions that write through their arguments: `modf`, `frexp`, carries and wide products.
+    pub(super) fn several_values(&mut self, name: &str, args: &[ExprId]) -> Result<Option<Val>> {
+        match name {
+            "modf" | "frexp" => {
+                let value = self.expression(args[0])?;
+                let value = self.floating(vec![value])?.remove(0);
+                let target = self.target(args[1])?;
+                let (vector, number) = match &value.ty {
+                    Type::Vector(s, n) => (Some(size(*n)), *s),
+                    other => (None, other.scalar().unwrap_or(ScalarType::Float)),
+                };
+                let number = scalar(number);
+                let (fun, structure) = if name == "modf" {
+                    (M::Modf, PredeclaredType::ModfResult { size: vector, scalar: number })
+                } else {
+                    (M::Frexp, PredeclaredType::FrexpResult { size: vector, scalar: number })
+                };
+                self.build.module.generate_predeclared_type(structure);
+                let both = self.math(fun, &[value.e]);
+                let (fraction, second) = (
+                    self.add(Expression::AccessIndex { base: both, index: 0 }),
+                    self.add(Expression::AccessIndex { base: both, index: 1 }),
+                );
+                let second_ty = if name == "modf" { value.ty.clone() } else { value.ty.with_scalar(ScalarType::Int) };
+                let second = self.convert(Val { e: second, ty: second_ty }, &target.ty)?;
+                self.store(&target, &second)?;
+                Ok(Some(Val { e: fraction, ty: value.ty }))
+            }
+            "uaddCarry" | "usubBorrow" => {
+                let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
+                let target = self.target(args[2])?;
+                let (op, compare) =
+                    if name == "uaddCarry" { (B::Add, (None, x.e)) } else { (B::Subtract, (Some(x.e), y.e)) };
+                let result = self.op(op, x.e, y.e);
+                // A sum that is smaller than its part has wrapped, and so has x − y where x < y.
+                let over = self.op(B::Less, compare.0.unwrap_or(result), compare.1);
+                let carry = self.add(Expression::As { expr: over, kind: ScalarKind::Uint, convert: Some(4) });
+                self.store(&target, &Val { e: carry, ty: x.ty.clone() })?;
+                Ok(Some(Val { e: result, ty: x.ty }))
+            }
+            "umulExtended" | "imulExtended" => {
+                let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
+                let (high, low) = (self.target(args[2])?, self.target(args[3])?);
+                let (h, l) = self.wide_product(&x, &y)?;
+                self.store(&high, &h)?;
+                self.store(&low, &l)?;
+                Ok(None)
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Upper and lower 32 bits of a product, from products of 16 bits.
+    fn wide_product(&mut self, x: &Val, y: &Val) -> Result<(Val, Val)> {
+        let signed = x.ty.scalar() == Some(ScalarType::Int);
+        let ty = x.ty.with_scalar(ScalarType::Uint);
+        let from = x.ty.scalar().unwrap_or(ScalarType::Uint);
+        let a = self.cast(x.clone(), from, ScalarType::Uint)?.e;
+        let b = self.cast(y.clone(), from, ScalarType::Uint)?.e;
+        let (half, mask) = (self.all(&ty, 16.0)?.e, self.all(&ty, 65535.0)?.e);
+        let (al, bl) = (self.op(B::And, a, mask), self.op(B::And, b, mask));
+        let (ah, bh) = (self.op(B::ShiftRight, a, half), self.op(B::ShiftRight, b, half));
+        let ll = self.op(B::Multiply, al, bl);
+        let lh = self.op(B::Multiply, al, bh);
+        let hl = self.op(B::Multiply, ah, bl);
+        let hh = self.op(B::Multiply, ah, bh);
+        // No sum exceeds 32 bits: (2¹⁶−1)² + 2(2¹⁶−1) = 2³² − 1.
+        let carry = self.op(B::ShiftRight, ll, half);
+        let middle = self.op(B::Add, lh, carry);
+        let middle_low = self.op(B::And, middle, mask);
+        let middle = self.op(B::ShiftRight, middle, half);
+        let second = self.op(B::Add, hl, middle_low);
+        let second = self.op(B::ShiftRight, second, half);
+        let high = self.op(B::Add, hh, middle);
+        let mut high = self.op(B::Add, high, second);
+        let low = self.op(B::Multiply, a, b);
+        if signed {
+            // A negative factor counts 2³² too much: the other one is taken off the upper half.
+            let zero = self.all(&x.ty, 0.0)?.e;
+            let none = self.all(&ty, 0.0)?.e;
+            for (factor, other) in [(x.e, b), (y.e, a)] {
+                let condition = self.op(B::Less, factor, zero);
+                let part = self.add(Expression::Select { condition, accept: other, reject: none });
+                high = self.op(B::Subtract, high, part);
+            }
+        }
+        let back = |f: &mut Self, e| f.cast(Val { e, ty: ty.clone() }, ScalarType::Uint, from);
+        Ok((back(self, high)?, back(self, low)?))
+    }
+}

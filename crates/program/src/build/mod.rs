@@ -1,0 +1,366 @@
+//! From the typed syntax tree to a naga module, without a detour through text: what GLSL of any version
+//! means is said in naga's own terms, with the author's places.
+//!
+//! Functions are built when they are first called, once for each set of samplers that they get.
+//! Variables of the interface are private variables that the entry point fills and hands on. What naga
+//! cannot express is refused by name, at its place.
+
+mod buffer;
+mod builtin;
+mod call;
+mod constructor;
+mod discard;
+mod effect;
+mod entry;
+mod expression;
+mod function;
+mod global;
+mod image;
+mod io;
+mod known;
+mod lookup;
+mod math;
+mod operator;
+mod place;
+mod quad;
+mod shared;
+mod single;
+mod statement;
+mod stream;
+mod texture;
+mod types;
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use naga::proc::Layouter;
+use naga::{BuiltIn, Expression, Function, GlobalVariable, Handle, Module};
+
+use super::memory::Memory;
+use super::{Entry, Port, Program, ProgramError, contain, front};
+use crate::lower::{INCOMPLETE, Lowered, Primitives, Role, Target, UNSUPPORTED, Variable};
+use base::diagnostic::{Diagnostic, Severity};
+use base::text::{Edited, PositionMap, Span};
+use syntax::ast::ExprId;
+use syntax::interface::{InputPrimitive, OutputPrimitive, Storage};
+use syntax::real::Reals;
+use syntax::symbols::{FunctionId, SymbolId};
+use syntax::types::{ArraySize, Type};
+use syntax::{Shader, Stage};
+
+pub use discard::DISCARD;
+
+type Expr = Handle<Expression>;
+/// Something that the harness has no way to pass, with its place.
+type Unfed = (String, Span);
+type Result<T> = std::result::Result<T, Box<Diagnostic>>;
+
+/// A module under construction.
+struct Build<'s> {
+    shader: &'s Shader,
+    module: Module,
+    layouter: Layouter,
+    globals: HashMap<SymbolId, global::Global>,
+    /// Symbols by place and name of their declaration.
+    by_place: HashMap<(usize, String), Vec<SymbolId>>,
+    functions: HashMap<(FunctionId, Vec<String>), Handle<Function>>,
+    /// Functions being built, to find recursion.
+    active: Vec<FunctionId>,
+    emission: HashMap<String, Handle<Function>>,
+    textures: HashMap<String, texture::Texture>,
+    /// Counters, textures and images that are buffers.
+    buffers: HashMap<String, buffer::Buffer>,
+    /// What the harness binds.
+    bound: Vec<super::Texture>,
+    /// Built-in variables that the text does not name.
+    unnamed: HashMap<String, Handle<GlobalVariable>>,
+    next_binding: u32,
+    /// Initialisers of constants in functions.
+    local_constants: HashMap<SymbolId, ExprId>,
+    /// Values of constant expressions.
+    reals: Reals,
+    /// Initial values that are computed when the program starts.
+    initial: Vec<(SymbolId, ExprId)>,
+    incoming: Vec<io::Incoming>,
+    outgoing: Vec<io::Outgoing>,
+    /// Locations that several variables share, and what lies in each.
+    shared: shared::Shared,
+    in_locations: io::Locations,
+    out_locations: io::Locations,
+    inputs: Vec<Port>,
+    uniforms: Vec<Port>,
+    built_in_outputs: Vec<Port>,
+    outputs: Vec<Port>,
+    built_ins: Vec<(u32, BuiltIn)>,
+    /// Numbers of the draw, which stand behind all attributes.
+    drawn: Vec<Port>,
+    /// Inputs of the stage, which a function alone does not get.
+    stage_inputs: Vec<(String, Handle<GlobalVariable>, Span)>,
+    /// What the harness has no way to feed or read.
+    unfed: Vec<Unfed>,
+    /// Storage blocks.
+    memory: Vec<Memory>,
+    /// True for the module that is run, false for the one that a host gets.
+    run: bool,
+    /// The two differ.
+    differs: bool,
+    /// Whether the invocation leaves all its functions: it is discarded, or stops at a derivative.
+    discard: Option<Handle<GlobalVariable>>,
+    /// It can be discarded.
+    discards: bool,
+    /// What derivatives need.
+    quad: Option<quad::Quad>,
+    /// Derivatives that each function comes to.
+    sites: HashMap<Handle<Function>, u32>,
+    /// Functions behind whose calls the invocation may be discarded.
+    stopping: HashSet<Handle<Function>>,
+    workgroup: [u32; 3],
+}
+
+/// Builds a program out of a shader in which the front end found no error.
+pub(super) fn program(shader: &Shader, target: &Target) -> std::result::Result<Program, ProgramError> {
+    let (mut program, differs) = one(shader, target, true)?;
+    if differs && program.role == Role::Fragment {
+        let (host, _) = one(shader, target, false)?;
+        program.stage_module = Some(Arc::new((host.module, host.info)));
+    }
+    Ok(program)
+}
+
+/// The module that a host gets.
+pub(super) fn host(shader: &Shader) -> std::result::Result<Module, ProgramError> {
+    Ok(one(shader, &Target::Stage, false)?.0.module)
+}
+
+/// One of the two modules of a shader, and whether the other one is not the same.
+fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Program, bool), ProgramError> {
+    let mut build = Build {
+        shader,
+        module: Module::default(),
+        layouter: Layouter::default(),
+        globals: HashMap::new(),
+        by_place: HashMap::new(),
+        functions: HashMap::new(),
+        active: Vec::new(),
+        emission: HashMap::new(),
+        textures: HashMap::new(),
+        buffers: HashMap::new(),
+        bound: Vec::new(),
+        unnamed: HashMap::new(),
+        next_binding: 0,
+        local_constants: HashMap::new(),
+        reals: Reals::new(shader, &|_, value| value),
+        initial: Vec::new(),
+        incoming: Vec::new(),
+        outgoing: Vec::new(),
+        shared: shared::Shared::default(),
+        in_locations: io::Locations::default(),
+        out_locations: io::Locations::default(),
+        inputs: Vec::new(),
+        uniforms: Vec::new(),
+        built_in_outputs: Vec::new(),
+        outputs: Vec::new(),
+        built_ins: Vec::new(),
+        drawn: Vec::new(),
+        stage_inputs: Vec::new(),
+        unfed: Vec::new(),
+        memory: Vec::new(),
+        run,
+        differs: false,
+        discard: None,
+        discards: false,
+        quad: None,
+        sites: HashMap::new(),
+        stopping: HashSet::new(),
+        workgroup: workgroup(shader),
+    };
+    let built = contain(|| build.run(target))
+        .map_err(|panic| ProgramError::internal(format!("a module cannot be built: {panic}")))?;
+    let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
+    let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, differs, .. } =
+        build;
+    let text = shader.file().text();
+    let edited = Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) };
+    let variables = |ports: &[Port]| {
+        let variable = |p: &Port| Variable {
+            name: p.field.name.clone(),
+            shape: p.field.shape,
+            span: place_of(shader, &p.field.name),
+            location: None,
+        };
+        ports.iter().map(variable).collect::<Vec<_>>()
+    };
+    let lowered = Lowered {
+        file: shader.file().clone(),
+        edited,
+        stage: shader.stage(),
+        role: role.clone(),
+        inputs: variables(&inputs),
+        uniforms: variables(&uniforms),
+        outputs: variables(&outputs),
+        defines: shader.defines().to_vec(),
+    };
+    let info = front::validate_lowered(&lowered, &module)?;
+    if let Entry::Function(function) = entry {
+        let read = stage_inputs.into_iter().filter(|(_, handle, _)| !info[function][*handle].is_empty());
+        unfed.extend(read.map(|(name, _, span)| (format!("`{name}`, an input of the stage,"), span)));
+    }
+    let unfed = unfed
+        .into_iter()
+        .map(|(what, span)| {
+            let message = format!("{what} cannot be fed or read");
+            let help = "it can be translated; to run it, pass numbers, vectors, matrices and arrays of them";
+            Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), span, message).with_help(help)
+        })
+        .collect();
+    let textures = used(bound, &info, entry);
+    let program = Program {
+        module,
+        info,
+        entry,
+        role,
+        inputs,
+        uniforms,
+        outputs,
+        built_ins,
+        ranges: Vec::new(),
+        textures,
+        stage_module: None,
+        unfed,
+        memory,
+        lowered,
+        texts: Vec::new(),
+        constants: Arc::default(),
+    };
+    Ok((program, differs))
+}
+
+/// The textures that what is run looks at.
+fn used(mut bound: Vec<super::Texture>, info: &naga::valid::ModuleInfo, entry: Entry) -> Vec<super::Texture> {
+    let info = match entry {
+        Entry::Point(index) => info.get_entry_point(index),
+        Entry::Function(function) => &info[function],
+    };
+    bound.retain(|texture| !info[texture.image].is_empty());
+    bound
+}
+
+/// Where a variable of that name is declared.
+fn place_of(shader: &Shader, name: &str) -> Span {
+    let root = name.split(['.', '[']).next().unwrap_or(name);
+    let found = shader.interface().variables().find(|v| v.name == root).map(|v| v.name_span);
+    found.unwrap_or_default()
+}
+
+fn workgroup(shader: &Shader) -> [u32; 3] {
+    let entry = |key: &str| {
+        let layouts = &shader.interface().stage_layouts;
+        let value = layouts.iter().find_map(|l| l.qualifiers.layout_entry(key))?.value?;
+        u32::try_from(shader.fold(value)?.as_integer()?).ok()
+    };
+    ["local_size_x", "local_size_y", "local_size_z"].map(|key| entry(key).unwrap_or(1))
+}
+
+fn naga_span(span: Span) -> naga::Span {
+    let part = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    naga::Span::new(part(span.start), part(span.end))
+}
+
+impl Build<'_> {
+    fn run(&mut self, target: &Target) -> Result<(Entry, Role)> {
+        let shader = self.shader;
+        self.reserve_locations();
+        self.declare()?;
+        match (target, shader.stage()) {
+            (Target::Function(name), _) => self.single(name),
+            (Target::Stage, Stage::Vertex | Stage::Fragment | Stage::Compute | Stage::Geometry) => {
+                let role = match shader.stage() {
+                    Stage::Vertex => Role::Vertex,
+                    Stage::Fragment => Role::Fragment,
+                    Stage::Geometry => Role::Geometry(self.primitives()?),
+                    _ => Role::Compute,
+                };
+                if matches!(role, Role::Geometry(_)) {
+                    self.emission("EmitVertex");
+                    self.emission("EndPrimitive");
+                }
+                let mut mains = shader.functions().filter(|(_, f)| f.name.name == "main" && f.definition.is_some());
+                let Some((main, _)) = mains.next() else {
+                    return Err(self.incomplete(Span::at(0), "there is no `main`", "write it, or choose a function"));
+                };
+                self.entry(main)?;
+                Ok((Entry::Point(0), role))
+            }
+            (Target::Stage, Stage::TessControl | Stage::TessEvaluation | Stage::Library) => {
+                let message = format!("a {} shader as a stage", shader.stage().name());
+                Err(self.unsupported(
+                    Span::at(0),
+                    message,
+                    "run one of its functions: `stage = \"function\"` and `entry`",
+                ))
+            }
+        }
+    }
+
+    fn primitives(&mut self) -> Result<Primitives> {
+        let layout = &self.shader.interface().geometry;
+        let (input, output, max) = (layout.input, layout.output, layout.max_vertices);
+        if input.is_none() || output.is_none() || max.is_none() {
+            // Another text of the stage may have the layout: the module stands, and is not run.
+            let what = "a geometry shader without `layout(…) in;` or `layout(…, max_vertices = N) out;`";
+            self.unfed.push((what.to_owned(), Span::at(0)));
+        }
+        // Invocations run one after the other, and all that they emit comes out.
+        let most = max.map_or(1, |m| m.value).saturating_mul(layout.invocations.map_or(1, |n| n.value));
+        Ok(Primitives {
+            input: self.input_primitive(),
+            output: output.map_or(OutputPrimitive::TriangleStrip, |o| o.value),
+            max_vertices: most,
+        })
+    }
+
+    /// The primitive that a geometry stage takes: the written one, or the one that its arrays fit.
+    fn input_primitive(&self) -> InputPrimitive {
+        let interface = self.shader.interface();
+        if let Some(input) = interface.geometry.input {
+            return input.value;
+        }
+        let blocks = interface.blocks.iter().filter(|b| b.storage == Storage::In).map(|b| &b.ty);
+        let sizes = interface.inputs.iter().map(|v| &v.ty).chain(blocks).find_map(|ty| match ty {
+            Type::Array(_, ArraySize::Known(n)) => Some(*n),
+            _ => None,
+        });
+        match sizes {
+            Some(1) => InputPrimitive::Points,
+            Some(2) => InputPrimitive::Lines,
+            Some(4) => InputPrimitive::LinesAdjacency,
+            Some(6) => InputPrimitive::TrianglesAdjacency,
+            _ => InputPrimitive::Triangles,
+        }
+    }
+
+    /// A function that capture fills in.
+    fn emission(&mut self, name: &str) -> Handle<Function> {
+        if let Some(&handle) = self.emission.get(name) {
+            return handle;
+        }
+        let mut body = naga::Block::new();
+        body.push(naga::Statement::Return { value: None }, naga::Span::UNDEFINED);
+        let function = Function { name: Some(name.to_owned()), body, ..Function::default() };
+        let handle = self.module.functions.append(function, naga::Span::UNDEFINED);
+        self.emission.insert(name.to_owned(), handle);
+        handle
+    }
+
+    fn unsupported(&self, span: Span, what: impl Into<String>, help: &str) -> Box<Diagnostic> {
+        let what: String = what.into();
+        let message = format!("{what} cannot be expressed by the translator");
+        Box::new(Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message).with_help(help))
+    }
+
+    fn incomplete(&self, span: Span, message: &str, help: &str) -> Box<Diagnostic> {
+        Box::new(
+            Diagnostic::new(INCOMPLETE, Severity::Error, self.shader.file(), span, message.to_owned()).with_help(help),
+        )
+    }
+}

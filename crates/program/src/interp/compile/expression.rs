@@ -1,0 +1,253 @@
+//! Expressions.
+
+use std::rc::Rc;
+
+use naga::{AddressSpace, Arena, Expression, Handle, Literal, RelationalFunction};
+
+use super::super::code::{Inst, Slot, Word2};
+use super::super::domain::{Class, Site};
+use super::{Compiler, Frame, InterpError, Pointer, Value, types, unsupported};
+use base::value::Scalar;
+
+impl<'m> Compiler<'m> {
+    /// The value of an expression, which has been emitted or needs no emission.
+    pub(super) fn value(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Value, InterpError> {
+        if let Some(value) = frame.values.get(&handle) {
+            return Ok(value.clone());
+        }
+        let value = self.expression(frame, handle)?;
+        frame.values.insert(handle, value.clone());
+        Ok(value)
+    }
+
+    /// The scalars of an expression.
+    pub(super) fn slots(
+        &mut self,
+        frame: &mut Frame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Rc<[Slot]>, InterpError> {
+        match self.value(frame, handle)? {
+            Value::Slots(slots) => Ok(slots),
+            Value::Pointer(_) => Err(InterpError::internal("a pointer where a value is needed".to_owned())),
+        }
+    }
+
+    /// The only scalar of an expression.
+    pub(super) fn single(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Slot, InterpError> {
+        match *self.slots(frame, handle)? {
+            [slot] => Ok(slot),
+            ref slots => Err(InterpError::internal(format!("{} numbers where one is needed", slots.len()))),
+        }
+    }
+
+    pub(super) fn pointer(
+        &mut self,
+        frame: &mut Frame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Pointer, InterpError> {
+        match self.value(frame, handle)? {
+            Value::Pointer(pointer) => Ok(pointer),
+            Value::Slots(_) => Err(InterpError::internal("a value where a pointer is needed".to_owned())),
+        }
+    }
+
+    pub(super) fn expression(
+        &mut self,
+        frame: &mut Frame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Value, InterpError> {
+        let span = frame.function.expressions.get_span(handle);
+        let refuse = |what: &str| Err(unsupported(what.to_owned(), span));
+        let site = self.site(frame, handle);
+        let slots: Vec<Slot> = match frame.function.expressions[handle] {
+            Expression::Literal(literal) => vec![self.literal(literal, Some(site), span)?],
+            Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,
+            Expression::Override(value) => {
+                let value = &self.module.overrides[value];
+                match value.init {
+                    Some(init) => self.constant_expression(init)?,
+                    None => return refuse("pipeline constants without a value"),
+                }
+            }
+            Expression::ZeroValue(ty) => self.zero_value(ty, span)?,
+            Expression::Compose { ref components, .. } => {
+                let mut all = Vec::new();
+                for &component in components {
+                    all.extend(self.slots(frame, component)?.iter().copied());
+                }
+                all
+            }
+            Expression::Access { base, index } => return self.element(frame, site, base, index),
+            Expression::AccessIndex { base, index } => return self.part(frame, base, index),
+            Expression::Splat { size, value } => vec![self.single(frame, value)?; size as usize],
+            Expression::Swizzle { size, vector, pattern } => {
+                let vector = self.slots(frame, vector)?;
+                pattern[..size as usize].iter().map(|&component| vector[component as usize]).collect()
+            }
+            Expression::FunctionArgument(index) => {
+                let argument = frame.arguments.get(index as usize).cloned();
+                return argument.ok_or_else(|| InterpError::internal(format!("there is no argument {index}")));
+            }
+            // Textures and samplers are looked at where they are used.
+            Expression::GlobalVariable(global)
+                if self.module.global_variables[global].space == AddressSpace::Handle =>
+            {
+                Vec::new()
+            }
+            Expression::GlobalVariable(global) => {
+                let constant = self.module.global_variables[global].space == AddressSpace::Uniform;
+                return Ok(Self::whole(self.global(global)?, constant));
+            }
+            Expression::LocalVariable(local) => {
+                let slots = frame.locals.get(&local).cloned();
+                let slots = slots.ok_or_else(|| InterpError::internal("a variable of another function".to_owned()))?;
+                return Ok(Self::whole(slots, false));
+            }
+            Expression::Load { pointer } => {
+                let inner = self.pointee(frame, pointer);
+                let len = types::count(self.module, &inner).map_err(|what| unsupported(what, span))?;
+                let pointer = self.pointer(frame, pointer)?;
+                self.load(frame, site, &pointer, len)?
+            }
+            Expression::Unary { op, expr } => self.unary_operator(frame, site, op, expr)?,
+            Expression::Binary { op, left, right } => self.binary_operator(frame, site, op, left, right)?,
+            Expression::Select { condition, accept, reject } => {
+                let condition = self.slots(frame, condition)?;
+                let accept = self.slots(frame, accept)?;
+                let reject = self.slots(frame, reject)?;
+                let mut all = Vec::with_capacity(accept.len());
+                for (k, (accept, reject)) in accept.iter().zip(reject.iter()).enumerate() {
+                    let condition = if condition.len() == 1 { condition[0] } else { condition[k] };
+                    all.push(self.select(condition, *accept, *reject));
+                }
+                all
+            }
+            Expression::Relational { fun, argument } => self.relational(frame, site, fun, argument)?,
+            Expression::Math { fun, arg, arg1, arg2, arg3 } => {
+                let mut args = Vec::new();
+                for handle in [Some(arg), arg1, arg2, arg3].into_iter().flatten() {
+                    args.push(self.slots(frame, handle)?);
+                }
+                let inner = frame.info[arg].ty.inner_with(&self.module.types).clone();
+                self.math(site, fun, &args, &inner, span)?
+            }
+            Expression::As { expr, kind, convert } => self.cast(frame, site, expr, kind, convert)?,
+            Expression::CallResult(_) => return Err(InterpError::internal("the result of a later call".to_owned())),
+            Expression::ImageSample { .. } => self.image_sample(frame, site, handle, span)?,
+            Expression::ImageLoad { .. } => self.image_load(frame, site, handle, span)?,
+            Expression::ImageQuery { image, query } => self.image_query(frame, site, (image, query), span)?,
+            Expression::Derivative { .. } => return refuse("derivatives between fragments"),
+            Expression::AtomicResult { .. } => return refuse("atomics"),
+            Expression::WorkGroupUniformLoadResult { .. } => return refuse("loading for a whole workgroup"),
+            Expression::ArrayLength(_) => return refuse("arrays of run-time size"),
+            Expression::RayQueryVertexPositions { .. }
+            | Expression::RayQueryProceedResult
+            | Expression::RayQueryGetIntersection { .. } => return refuse("ray queries"),
+            Expression::SubgroupBallotResult | Expression::SubgroupOperationResult { .. } => {
+                return refuse("subgroup operations");
+            }
+            Expression::CooperativeLoad { .. } | Expression::CooperativeMultiplyAdd { .. } => {
+                return refuse("cooperative matrices");
+            }
+        };
+        Ok(Value::Slots(slots.into()))
+    }
+
+    fn literal(&mut self, literal: Literal, site: Option<Site>, span: naga::Span) -> Result<Slot, InterpError> {
+        let wide = |what: &str| Err(unsupported(what.to_owned(), span));
+        Ok(match literal {
+            Literal::F32(value) => self.real(value, site),
+            Literal::U32(value) => self.word(value, Scalar::U32),
+            Literal::I32(value) => self.word(value.cast_unsigned(), Scalar::I32),
+            Literal::Bool(value) => self.word(u32::from(value), Scalar::Bool),
+            Literal::F64(_) => return wide("64-bit floats"),
+            Literal::F16(_) => return wide("16-bit floats"),
+            Literal::U16(_) | Literal::I16(_) => return wide("16-bit integers"),
+            Literal::U64(_) | Literal::I64(_) => return wide("64-bit integers"),
+            Literal::AbstractInt(_) | Literal::AbstractFloat(_) => return wide("numbers of abstract type"),
+        })
+    }
+
+    fn zero_value(&mut self, ty: Handle<naga::Type>, span: naga::Span) -> Result<Vec<Slot>, InterpError> {
+        let scalars = types::scalars(self.module, &self.module.types[ty].inner);
+        let scalars = scalars.map_err(|what| unsupported(what, span))?;
+        Ok(scalars.into_iter().map(|scalar| self.zero(scalar)).collect())
+    }
+
+    /// The scalars of an expression of the module, which is constant.
+    pub(super) fn constant_expression(&mut self, handle: Handle<Expression>) -> Result<Vec<Slot>, InterpError> {
+        let arena: &Arena<Expression> = &self.module.global_expressions;
+        let span = arena.get_span(handle);
+        Ok(match arena[handle] {
+            Expression::Literal(literal) => {
+                let site = self.constant_site(handle, span);
+                vec![self.literal(literal, Some(site), span)?]
+            }
+            Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,
+            Expression::ZeroValue(ty) => self.zero_value(ty, span)?,
+            Expression::Compose { ref components, .. } => {
+                let mut all = Vec::new();
+                for &component in components {
+                    all.extend(self.constant_expression(component)?);
+                }
+                all
+            }
+            Expression::Splat { size, value } => {
+                let slots = self.constant_expression(value)?;
+                std::iter::repeat_n(slots, size as usize).flatten().collect()
+            }
+            Expression::Swizzle { size, vector, pattern } => {
+                let vector = self.constant_expression(vector)?;
+                pattern[..size as usize].iter().map(|&component| vector[component as usize]).collect()
+            }
+            Expression::Override(value) => match self.module.overrides[value].init {
+                Some(init) => self.constant_expression(init)?,
+                None => return Err(unsupported("pipeline constants without a value".to_owned(), span)),
+            },
+            // naga evaluates all other constant expressions itself.
+            ref other => return Err(unsupported(format!("constants computed by {}", name_of(other)), span)),
+        })
+    }
+
+    pub(super) fn select(&mut self, condition: Slot, accept: Slot, reject: Slot) -> Slot {
+        let to = Slot { reg: self.temporary(), ..accept };
+        self.push(Inst::Select { to, condition: condition.reg, accept: accept.reg, reject: reject.reg });
+        to
+    }
+
+    fn relational(
+        &mut self,
+        frame: &mut Frame<'m>,
+        site: Site,
+        fun: RelationalFunction,
+        argument: Handle<Expression>,
+    ) -> Result<Vec<Slot>, InterpError> {
+        let slots = self.slots(frame, argument)?;
+        let fold = |this: &mut Self, op: Word2| {
+            let mut slots = slots.iter().copied();
+            let first = slots.next();
+            first.map(|first| slots.fold(first, |a, b| this.word2(site, op, a, b, Scalar::Bool))).into_iter().collect()
+        };
+        let classify = |this: &mut Self, class: Class| {
+            let mut all = Vec::new();
+            for slot in slots.iter() {
+                let to = this.temporary();
+                this.push(Inst::Classify { class, to, a: slot.reg, site });
+                all.push(Slot { scalar: Scalar::Bool, reg: to });
+            }
+            all
+        };
+        Ok(match fun {
+            RelationalFunction::All => fold(self, Word2::And),
+            RelationalFunction::Any => fold(self, Word2::Or),
+            RelationalFunction::IsNan => classify(self, Class::Nan),
+            RelationalFunction::IsInf => classify(self, Class::Infinite),
+        })
+    }
+}
+
+fn name_of(expression: &Expression) -> String {
+    let text = format!("{expression:?}");
+    let end = text.find(|c: char| !c.is_alphanumeric()).unwrap_or(text.len());
+    format!("`{}`", &text[..end])
+}

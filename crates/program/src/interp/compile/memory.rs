@@ -1,0 +1,189 @@
+//! Pointers: loads, stores and indices.
+
+use std::rc::Rc;
+
+use naga::{Expression, Handle, TypeInner};
+
+use super::super::code::{Choice, Inst, Slot, Stray, Word2};
+use super::super::domain::Site;
+use super::{Compiler, Frame, Index, InterpError, Pointer, Value, types, unsupported};
+use base::value::Scalar;
+
+/// Places among which one load or store can choose.
+const MAX_CHOICES: usize = 1 << 12;
+
+impl<'m> Compiler<'m> {
+    pub(super) fn load(
+        &mut self,
+        frame: &Frame<'m>,
+        site: Site,
+        pointer: &Pointer,
+        len: usize,
+    ) -> Result<Vec<Slot>, InterpError> {
+        if pointer.indices.is_empty() {
+            let slots = pointer.variable.get(pointer.offset..pointer.offset + len);
+            let slots = slots.ok_or_else(|| InterpError::internal("a load behind its variable".to_owned()))?;
+            if pointer.constant {
+                return Ok(slots.to_vec());
+            }
+            let mut loaded = Vec::with_capacity(len);
+            for &slot in slots {
+                let reg = match self.known.get(&super::key(slot)) {
+                    Some(&reg) => reg,
+                    None => {
+                        if let Some(&kind) = self.unset.get(&super::key(slot))
+                            && !self.assigned.contains(&super::key(slot))
+                        {
+                            self.push(Inst::Read { from: slot, kind, site });
+                        }
+                        let to = Slot { reg: self.temporary(), ..slot };
+                        self.push(Inst::Copy { to, from: slot.reg });
+                        self.known.insert(super::key(slot), to.reg);
+                        to.reg
+                    }
+                };
+                loaded.push(Slot { reg, ..slot });
+            }
+            return Ok(loaded);
+        }
+        let (index, choices) = self.choices(frame, pointer, len)?;
+        let choices: Vec<Choice> = choices
+            .into_iter()
+            .map(|of| {
+                let scalar = of[0].scalar;
+                Choice { one: Slot { scalar, reg: self.temporary() }, of: of.iter().map(|slot| slot.reg).collect() }
+            })
+            .collect();
+        let loaded = choices.iter().map(|choice| choice.one).collect();
+        let unset = pointer.variable.iter().any(|slot| self.unset.contains_key(&super::key(*slot))).then_some(site);
+        let strays = pointer.indices.iter().map(|step| step.stray).collect();
+        self.push(Inst::Gather { index, choices, strays, unset });
+        Ok(loaded)
+    }
+
+    pub(super) fn store(&mut self, frame: &Frame<'m>, pointer: &Pointer, value: &[Slot]) -> Result<(), InterpError> {
+        if pointer.indices.is_empty() {
+            let slots = pointer.variable.get(pointer.offset..pointer.offset + value.len());
+            let slots = slots.ok_or_else(|| InterpError::internal("a store behind its variable".to_owned()))?;
+            for (&to, from) in slots.to_vec().iter().zip(value) {
+                self.push(Inst::Store { to, from: from.reg });
+                // Whoever gets here by this way reads what was just written.
+                self.known.insert(super::key(to), from.reg);
+                self.assigned.insert(super::key(to));
+            }
+            return Ok(());
+        }
+        let (index, choices) = self.choices(frame, pointer, value.len())?;
+        let choices: Vec<Choice> = choices
+            .into_iter()
+            .zip(value)
+            .map(|(of, one)| {
+                of.iter().for_each(|slot| {
+                    self.known.remove(&super::key(*slot));
+                });
+                Choice { one: *one, of: of.iter().map(|slot| slot.reg).collect() }
+            })
+            .collect();
+        let strays = pointer.indices.iter().map(|step| step.stray).collect();
+        self.push(Inst::Scatter { index, choices, strays });
+        Ok(())
+    }
+
+    /// One index for all dynamic ones, and for each scalar of the value the places that it selects among.
+    fn choices(
+        &mut self,
+        frame: &Frame<'m>,
+        pointer: &Pointer,
+        len: usize,
+    ) -> Result<(u32, Vec<Vec<Slot>>), InterpError> {
+        let site = Site(0);
+        let mut offsets = vec![0];
+        let mut index: Option<u32> = None;
+        for step in &pointer.indices {
+            if offsets.len() * step.len > MAX_CHOICES {
+                return Err(unsupported(format!("an index into more than {MAX_CHOICES} places"), frame.span));
+            }
+            offsets =
+                offsets.iter().flat_map(|&at| (0..step.len).map(move |k| at + k * step.stride)).collect::<Vec<_>>();
+            index = Some(match index {
+                None => step.reg,
+                Some(outer) => {
+                    let len = self.word(step.len as u32, Scalar::U32).reg;
+                    let (product, sum) = (self.temporary(), self.temporary());
+                    self.push(Inst::Word2 { op: Word2::MultiplyUnsigned, to: product, a: outer, b: len, site });
+                    self.push(Inst::Word2 { op: Word2::AddUnsigned, to: sum, a: product, b: step.reg, site });
+                    sum
+                }
+            });
+        }
+        let behind = || InterpError::internal("an index behind its variable".to_owned());
+        let choices = (0..len)
+            .map(|k| {
+                let places = offsets.iter().map(|at| pointer.variable.get(pointer.offset + at + k).copied());
+                places.collect::<Option<Vec<Slot>>>().filter(|of| !of.is_empty()).ok_or_else(behind)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok((index.ok_or_else(behind)?, choices))
+    }
+
+    /// A part of a pointer or value with a known index.
+    pub(super) fn part(
+        &mut self,
+        frame: &mut Frame<'m>,
+        base: Handle<Expression>,
+        index: u32,
+    ) -> Result<Value, InterpError> {
+        let value = self.value(frame, base)?;
+        let inner = self.pointee(frame, base);
+        let part = types::part(self.module, &inner, index);
+        let (at, len) = part.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
+        Ok(match value {
+            Value::Slots(slots) => Value::Slots(slots[at..at + len].into()),
+            Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at, ..pointer }),
+        })
+    }
+
+    /// A part of a pointer or value with an index of each lane's own.
+    pub(super) fn element(
+        &mut self,
+        frame: &mut Frame<'m>,
+        site: Site,
+        base: Handle<Expression>,
+        index: Handle<Expression>,
+    ) -> Result<Value, InterpError> {
+        let value = self.value(frame, base)?;
+        let index = self.single(frame, index)?.reg;
+        let inner = self.pointee(frame, base);
+        let elements = types::elements(self.module, &inner);
+        let (stride, len) = elements.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
+        let b = self.word(len as u32, Scalar::U32).reg;
+        let reg = self.temporary();
+        self.push(Inst::Word2 { op: Word2::Index, to: reg, a: index, b, site });
+        let stray = Stray { reg: index, len: len as u32, site };
+        let step = Index { reg, stride, len, stray };
+        Ok(match value {
+            Value::Slots(variable) => {
+                let pointer = Pointer { variable, constant: true, offset: 0, indices: vec![step] };
+                Value::Slots(self.load(frame, site, &pointer, stride)?.into())
+            }
+            Value::Pointer(mut pointer) => {
+                pointer.indices.push(step);
+                Value::Pointer(pointer)
+            }
+        })
+    }
+
+    /// The type of an expression, or of what it points to.
+    pub(super) fn pointee(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> TypeInner {
+        match *frame.info[handle].ty.inner_with(&self.module.types) {
+            TypeInner::Pointer { base, .. } => self.module.types[base].inner.clone(),
+            TypeInner::ValuePointer { size: Some(size), scalar, .. } => TypeInner::Vector { size, scalar },
+            TypeInner::ValuePointer { size: None, scalar, .. } => TypeInner::Scalar(scalar),
+            ref inner => inner.clone(),
+        }
+    }
+
+    pub(super) fn whole(variable: Rc<[Slot]>, constant: bool) -> Value {
+        Value::Pointer(Pointer { variable, constant, offset: 0, indices: Vec::new() })
+    }
+}

@@ -1,0 +1,597 @@
+//! Runs an executable on the lanes of one chunk.
+
+use std::collections::HashMap;
+use std::mem::take;
+
+use super::POISON;
+use super::code::{Constant, Executable, File, Guarded, Inst, Slot, Word2};
+use super::domain::{Domain, Site, Source};
+use super::integer;
+use super::lanes::{LANES, Mask, Words};
+use super::meaning::{Finding, Flags, Kind};
+use super::undefined::{Operand, Probe, Undefined};
+use base::value::{Batch, Scalar};
+
+/// An output word of one chunk.
+#[derive(Debug)]
+pub enum OutputColumn<'m, C> {
+    /// A real number.
+    Real(&'m C),
+    /// An integer or boolean.
+    Word(&'m Words),
+}
+
+/// A loop or switch that lanes can leave.
+#[derive(Default)]
+struct Breakable {
+    left: Mask,
+    /// Lanes that go on with the next round; `None` for a switch.
+    next: Option<Mask>,
+}
+
+/// Registers, masks and findings of one chunk after the other.
+pub struct Machine<'e, D: Domain> {
+    pub(super) executable: &'e Executable,
+    pub(super) domain: D,
+    pub(super) reals: Vec<D::Column>,
+    pub(super) words: Vec<Words>,
+    /// Vertices of a geometry stage: for each vertex, the columns of its outputs.
+    vertices: Vec<(Vec<D::Column>, Vec<Words>)>,
+    pub(super) strips: Vec<Words>,
+    pub(super) emitted: Words,
+    pub(super) ended: Words,
+    pub(super) active: Mask,
+    /// Lanes that were discarded, ran out of fuel or were given up.
+    stopped: Mask,
+    breakable: Vec<Breakable>,
+    fuel: Words,
+    fuel_limit: u32,
+    pub(super) flags: [Flags; LANES],
+    pub(super) findings: Vec<Finding>,
+    /// Of variables that come to life without a value, the lanes in which they have one: by file and register.
+    pub(super) assigned: [HashMap<u32, Mask>; 2],
+    /// What is put in the place of undefined values, and what is noted of them.
+    pub(super) probe: Option<Probe>,
+    /// The invocation of each lane; lanes behind the last one follow the first.
+    invocations: [usize; LANES],
+    pub(super) lanes: usize,
+}
+
+impl<'e, D: Domain> Machine<'e, D> {
+    /// A machine for an executable. Each lane may go through `fuel` rounds of loops.
+    pub fn new(executable: &'e Executable, mut domain: D, fuel: u32) -> Self {
+        let room = executable.max_vertices.unwrap_or(0) as usize;
+        let reals_out = executable.outputs.iter().filter(|slot| slot.file() == File::Real).count();
+        let words_out = executable.outputs.len() - reals_out;
+        let mut columns = |n: usize| (0..n).map(|_| domain.column()).collect::<Vec<_>>();
+        let reals = columns(executable.reals);
+        let vertices = (0..room).map(|_| (columns(reals_out), vec![[0; LANES]; words_out])).collect();
+        Self {
+            executable,
+            domain,
+            reals,
+            words: vec![[0; LANES]; executable.words],
+            vertices,
+            strips: vec![[0; LANES]; room],
+            emitted: [0; LANES],
+            ended: [0; LANES],
+            active: Mask::NONE,
+            stopped: Mask::NONE,
+            breakable: Vec::new(),
+            fuel: [0; LANES],
+            fuel_limit: fuel,
+            flags: [Flags::default(); LANES],
+            findings: Vec::new(),
+            assigned: std::array::from_fn(|file| executable.unset[file].iter().map(|&reg| (reg, Mask::NONE)).collect()),
+            probe: None,
+            invocations: [0; LANES],
+            lanes: 0,
+        }
+    }
+
+    /// Runs the invocations of `batch` from `first` on, at most [`LANES`] of them. Gives their number.
+    pub fn run(&mut self, batch: &Batch, first: usize) -> usize {
+        let lanes = batch.invocation_count().saturating_sub(first).min(LANES);
+        self.start(batch, lanes, |lane| first + lane);
+        lanes
+    }
+
+    /// Runs any invocations of `batch`, at most [`LANES`] of them: those past that are left out. Gives
+    /// their number.
+    ///
+    /// # Panics
+    /// When the batch has no such invocation: a defect of the caller.
+    pub fn run_some(&mut self, batch: &Batch, invocations: &[usize]) -> usize {
+        let lanes = invocations.len().min(LANES);
+        self.start(batch, lanes, |lane| invocations[lane]);
+        lanes
+    }
+
+    fn start(&mut self, batch: &Batch, lanes: usize, invocation: impl Fn(usize) -> usize) {
+        self.lanes = lanes;
+        if lanes > 0 {
+            self.invocations = std::array::from_fn(|lane| invocation(if lane < lanes { lane } else { 0 }));
+        }
+        self.domain.begin();
+        for &constant in &self.executable.constants {
+            match constant {
+                Constant::Real { to, value, site } => {
+                    self.domain.constant(site, value, &mut self.reals[to as usize]);
+                }
+                Constant::Word { to, value } => self.words[to as usize] = [value; LANES],
+            }
+        }
+        if lanes > 0 {
+            self.fill(batch);
+        }
+        for k in 0..self.executable.poisoned.len() {
+            self.poison(self.executable.poisoned[k], Mask::ALL);
+        }
+        (self.emitted, self.ended) = ([0; LANES], [0; LANES]);
+        self.flags = [Flags::default(); LANES];
+        self.fuel = [self.fuel_limit; LANES];
+        self.active = Mask::first(lanes);
+        self.stopped = Mask::NONE;
+        self.breakable.clear();
+        let executable = self.executable;
+        // Lanes behind the last invocation follow the first one, so that full masks stay full.
+        if lanes > 0 {
+            self.active = Mask::ALL;
+            self.block(&executable.body);
+        }
+    }
+
+    fn fill(&mut self, batch: &Batch) {
+        let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
+        let mut column = [0; LANES];
+        for fill in &self.executable.fills {
+            match fill.source {
+                Source::Invocation(word) => {
+                    for (lane, value) in column.iter_mut().enumerate() {
+                        *value = batch.invocations[self.invocations[lane] * words + word as usize];
+                    }
+                }
+                Source::Case(word) => {
+                    for (lane, value) in column.iter_mut().enumerate() {
+                        let case = self.invocations[lane] / batch.per_case;
+                        *value = batch.cases[case * case_words + word as usize];
+                    }
+                }
+            }
+            let reg = fill.to.reg as usize;
+            match fill.to.scalar {
+                Scalar::F32 => self.domain.input(fill.source, &column, &mut self.reals[reg]),
+                Scalar::I32 | Scalar::U32 => self.words[reg] = column,
+                Scalar::Bool => self.words[reg] = column.map(|word| u32::from(word != 0)),
+            }
+        }
+    }
+
+    fn poison(&mut self, slot: Slot, mask: Mask) {
+        match slot.file() {
+            File::Real => self.domain.poison(&mask, &mut self.reals[slot.reg as usize]),
+            File::Word => mask.merge(&[POISON; LANES], &mut self.words[slot.reg as usize]),
+        }
+    }
+
+    pub(super) fn report(&mut self, kind: Kind, site: Site, mask: Mask) {
+        let mask = mask.and(self.active).and(Mask::first(self.lanes));
+        if mask.is_empty() {
+            return;
+        }
+        for lane in mask.lanes() {
+            self.flags[lane].set(kind);
+        }
+        let count = mask.count() as u64;
+        // Discarding is an event of the lane and not of a place.
+        if kind == Kind::Killed {
+            return;
+        }
+        match self.findings.iter_mut().find(|finding| finding.kind == kind && finding.site == site) {
+            Some(finding) => finding.count += count,
+            None => {
+                let invocation = self.invocations[mask.lanes().next().unwrap_or(0)];
+                self.findings.push(Finding { kind, site, invocation, count });
+            }
+        }
+    }
+
+    fn block(&mut self, block: &'e [Inst]) {
+        for inst in block {
+            if self.active.is_empty() {
+                return;
+            }
+            self.step(inst);
+        }
+    }
+
+    fn step(&mut self, inst: &'e Inst) {
+        match inst {
+            Inst::Real1 { op, to, a, site } => {
+                let mut out = take(&mut self.reals[*to as usize]);
+                self.domain.unary(*site, *op, &self.active, &self.reals[*a as usize], &mut out);
+                self.reals[*to as usize] = out;
+            }
+            Inst::Real2 { op, to, a, b, site } => {
+                let mut out = take(&mut self.reals[*to as usize]);
+                let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
+                self.domain.binary(*site, *op, &self.active, a, b, &mut out);
+                self.reals[*to as usize] = out;
+            }
+            Inst::Scale { to, a, exponent, site } => {
+                let mut out = take(&mut self.reals[*to as usize]);
+                self.domain.scale(*site, &self.reals[*a as usize], &self.words[*exponent as usize], &mut out);
+                self.reals[*to as usize] = out;
+            }
+            Inst::Compare { op, to, a, b, site } => {
+                let (a, b) = (&self.reals[*a as usize], &self.reals[*b as usize]);
+                self.domain.compare(*site, *op, &self.active, a, b, &mut self.words[*to as usize]);
+            }
+            Inst::Classify { class, to, a, site } => {
+                self.domain.classify(
+                    *site,
+                    *class,
+                    &self.active,
+                    &self.reals[*a as usize],
+                    &mut self.words[*to as usize],
+                );
+            }
+            Inst::ToWords { op, to, a, site } => {
+                let (from, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
+                let outside = self.domain.words_of(*site, *op, &self.active, from, out);
+                let to = Slot { scalar: Scalar::I32, reg: *to };
+                let found = Undefined { kind: Kind::Conversion, site: *site, what: None };
+                self.undefined(found, outside, Some(to), [Operand::Real(*a), Operand::None]);
+            }
+            Inst::FromWords { op, to, a, site } => {
+                self.domain.reals_of(*site, *op, &self.words[*a as usize], &mut self.reals[*to as usize]);
+            }
+            Inst::Word1 { op, to, a, site } => {
+                let a = &self.words[*a as usize];
+                let (out, doubts) = (integer::word1(*op, a), integer::doubts1(*op, a));
+                if let Some((kind, mask)) = doubts {
+                    self.report(kind, *site, mask);
+                }
+                self.words[*to as usize] = out;
+            }
+            Inst::Word2 { op, to, a: a_reg, b: b_reg, site } => {
+                let (a, b) = (&self.words[*a_reg as usize], &self.words[*b_reg as usize]);
+                if let Some((question, signed)) = op.question() {
+                    self.domain.compare_words(*site, question, signed, &self.active, a, b);
+                }
+                let (out, doubts) = (integer::word2(*op, a, b), integer::doubts2(*op, a, b));
+                self.words[*to as usize] = out;
+                let args = integer::operands(*op, (*a_reg, *b_reg));
+                // An index is looked at again where it is used.
+                let to = (*op != Word2::Index).then_some(Slot { scalar: Scalar::I32, reg: *to });
+                for (kind, mask) in doubts.into_iter().flatten() {
+                    self.undefined(Undefined { kind, site: *site, what: None }, mask, to, args);
+                }
+            }
+            Inst::Field { op, to, args, site } => {
+                let words = args.map(|reg| &self.words[reg as usize]);
+                let outside = site.map_or(Mask::NONE, |_| integer::doubts_of_field(*op, words));
+                self.words[*to as usize] = integer::field(*op, words);
+                if let Some(site) = *site {
+                    let (offset, count) = integer::bits_of(*op);
+                    let found = Undefined { kind: Kind::BitField, site, what: None };
+                    let to = Slot { scalar: Scalar::I32, reg: *to };
+                    self.undefined(found, outside, Some(to), [args[offset], args[count]].map(Operand::Signed));
+                }
+            }
+            Inst::Guard { what, to, from, args, site } => {
+                let to = Slot { scalar: Scalar::F32, reg: *to };
+                self.copy(to, *from);
+                let [x, y] = args.map(|reg| &self.reals[reg as usize]);
+                let outside = self.domain.outside(*what, &self.active, x, y);
+                let found = Undefined { kind: Kind::Argument, site: *site, what: Some(*what) };
+                self.undefined(found, outside, Some(to), args.map(Operand::Real));
+            }
+            Inst::GuardWords { signed, to, from, args, site } => {
+                self.copy(*to, *from);
+                let [low, high] = args.map(|reg| &self.words[reg as usize]);
+                let number = |word: u32| if *signed { i64::from(word.cast_signed()) } else { i64::from(word) };
+                let outside = Mask::where_(|lane| number(low[lane]) > number(high[lane]));
+                let found = Undefined { kind: Kind::Argument, site: *site, what: Some(Guarded::Clamp) };
+                let operand = if *signed { Operand::Signed } else { Operand::Unsigned };
+                self.undefined(found, outside, Some(*to), args.map(operand));
+            }
+            Inst::Begin { to, zero, site } => {
+                self.copy(*to, *zero);
+                if let Some(assigned) = self.assigned[to.file() as usize].get_mut(&to.reg) {
+                    *assigned = Mask::NONE;
+                    self.substitute(Kind::Unset, *site, Mask::ALL, *to);
+                }
+            }
+            Inst::Read { from, kind, site } => self.read(*from, *kind, *site),
+            Inst::Overlap { of, equal, site } => self.overlap(*of, *equal, *site),
+            Inst::Texel { table, index, channel, inside, to, site } => {
+                let table = &self.executable.tables[*table as usize];
+                let index = self.words[*index as usize];
+                let inside = inside.map_or(Mask::ALL, |reg| Mask::of(&self.words[reg as usize]));
+                let outside = self.active.minus(inside);
+                if !outside.is_empty() {
+                    self.domain.doubt(*site, &outside);
+                }
+                let word = |lane: usize| table.get(4 * index[lane] as usize + usize::from(*channel)).copied();
+                let found = |lane: usize| if inside.has(lane) { word(lane).unwrap_or(0) } else { 0 };
+                self.words[*to as usize] = std::array::from_fn(found);
+                let of = Undefined { kind: Kind::Index, site: *site, what: None };
+                self.undefined(of, outside, Some(Slot { scalar: Scalar::I32, reg: *to }), [Operand::None; 2]);
+            }
+            Inst::Select { to, condition, accept, reject } => {
+                let mask = Mask::of(&self.words[*condition as usize]);
+                self.copy(*to, *reject);
+                self.merge(&mask, *to, *accept);
+            }
+            Inst::Copy { to, from } => self.copy(*to, *from),
+            Inst::Store { to, from } => {
+                let mask = self.active;
+                self.assign(*to, mask);
+                self.merge(&mask, *to, *from);
+            }
+            Inst::Gather { index, choices, strays, unset } => {
+                self.gather(*index, choices, *unset);
+                self.astray(strays, choices);
+            }
+            Inst::Scatter { index, choices, strays } => self.scatter(*index, choices, strays),
+            Inst::If { condition, accept, reject } => {
+                let (before, condition) = (self.active, Mask::of(&self.words[*condition as usize]));
+                self.active = before.and(condition);
+                self.block(accept);
+                let accepted = self.active;
+                self.active = before.minus(condition);
+                self.block(reject);
+                self.active = self.active.or(accepted);
+            }
+            Inst::Switch { selector, cases } => self.switch(*selector, cases),
+            Inst::Loop { body, continuing, break_if, site } => self.repeat(body, continuing, *break_if, *site),
+            Inst::Call { body } => {
+                let before = self.active;
+                self.block(body);
+                self.active = before.minus(self.stopped);
+            }
+            Inst::Break => {
+                if let Some(around) = self.breakable.last_mut() {
+                    around.left = around.left.or(self.active);
+                }
+                self.active = Mask::NONE;
+            }
+            Inst::Continue => {
+                let mut around = self.breakable.iter_mut().rev();
+                if let Some(next) = around.find_map(|b| b.next.as_mut()) {
+                    *next = next.or(self.active);
+                }
+                self.active = Mask::NONE;
+            }
+            Inst::Return => self.active = Mask::NONE,
+            Inst::Kill => {
+                self.report(Kind::Killed, Site(0), Mask::ALL);
+                self.stopped = self.stopped.or(self.active);
+                self.active = Mask::NONE;
+            }
+            Inst::EmitVertex => self.emit_vertex(),
+            Inst::EndPrimitive => {
+                for lane in self.active.lanes() {
+                    self.ended[lane] += 1;
+                }
+            }
+        }
+    }
+
+    pub(super) fn copy(&mut self, to: Slot, from: u32) {
+        let (at, from) = (to.reg as usize, from as usize);
+        if at == from {
+            return;
+        }
+        match to.file() {
+            File::Real => {
+                let mut out = take(&mut self.reals[at]);
+                self.domain.copy(&self.reals[from], &mut out);
+                self.reals[at] = out;
+            }
+            File::Word => self.words[at] = self.words[from],
+        }
+    }
+
+    pub(super) fn merge(&mut self, mask: &Mask, to: Slot, from: u32) {
+        if mask.is_full() {
+            return self.copy(to, from);
+        }
+        let (at, from) = (to.reg as usize, from as usize);
+        if at == from {
+            return;
+        }
+        match to.file() {
+            File::Real => {
+                let mut out = take(&mut self.reals[at]);
+                self.domain.merge(mask, &self.reals[from], &mut out);
+                self.reals[at] = out;
+            }
+            File::Word => {
+                let from = self.words[from];
+                mask.merge(&from, &mut self.words[at]);
+            }
+        }
+    }
+
+    /// For each value that the index takes in the active lanes, the lanes that have it.
+    pub(super) fn groups(&self, index: u32) -> Vec<(usize, Mask)> {
+        let index = &self.words[index as usize];
+        let mut rest = self.active;
+        let mut groups = Vec::new();
+        while let Some(lane) = rest.lanes().next() {
+            let value = index[lane];
+            let same = Mask::where_(|lane| index[lane] == value).and(self.active);
+            groups.push((value as usize, same));
+            rest = rest.minus(same);
+        }
+        groups
+    }
+
+    fn switch(&mut self, selector: u32, cases: &'e [super::code::Case]) {
+        let before = self.active;
+        let selector = self.words[selector as usize];
+        let matching = |value: u32| Mask::where_(|lane| selector[lane] == value).and(before);
+        let named = cases.iter().filter_map(|case| case.value).fold(Mask::NONE, |all, value| all.or(matching(value)));
+        self.breakable.push(Breakable::default());
+        let (mut falling, mut done) = (Mask::NONE, Mask::NONE);
+        for case in cases {
+            let own = case.value.map_or(before.minus(named), matching);
+            self.active = falling.or(own);
+            self.block(&case.body);
+            if case.fall_through {
+                falling = self.active;
+            } else {
+                falling = Mask::NONE;
+                done = done.or(self.active);
+            }
+        }
+        let left = self.breakable.pop().unwrap_or_default().left;
+        let has_default = cases.iter().any(|case| case.value.is_none());
+        let unmatched = if has_default { Mask::NONE } else { before.minus(named) };
+        self.active = done.or(falling).or(left).or(unmatched);
+    }
+
+    fn repeat(&mut self, body: &'e [Inst], continuing: &'e [Inst], break_if: Option<u32>, site: Site) {
+        self.breakable.push(Breakable { left: Mask::NONE, next: Some(Mask::NONE) });
+        while !self.active.is_empty() {
+            let dry = Mask::where_(|lane| self.fuel[lane] == 0).and(self.active);
+            if !dry.is_empty() {
+                self.report(Kind::Fuel, site, dry);
+                self.stopped = self.stopped.or(dry);
+                self.active = self.active.minus(dry);
+            }
+            if self.domain.is_full() {
+                self.domain.give_up(site, &self.active);
+                self.stopped = self.stopped.or(self.active);
+                self.active = Mask::NONE;
+            }
+            for (lane, fuel) in self.fuel.iter_mut().enumerate() {
+                *fuel -= u32::from(self.active.has(lane));
+            }
+            self.block(body);
+            let next = self.breakable.last_mut().and_then(|b| b.next.as_mut()).map_or(Mask::NONE, take);
+            self.active = self.active.or(next);
+            self.block(continuing);
+            if let Some(reg) = break_if {
+                let leaves = Mask::of(&self.words[reg as usize]).and(self.active);
+                if let Some(around) = self.breakable.last_mut() {
+                    around.left = around.left.or(leaves);
+                }
+                self.active = self.active.minus(leaves);
+            }
+        }
+        self.active = self.breakable.pop().unwrap_or_default().left;
+    }
+
+    fn emit_vertex(&mut self) {
+        let room = self.vertices.len() as u32;
+        let mut rest = self.active;
+        while let Some(lane) = rest.lanes().next() {
+            let count = self.emitted[lane];
+            let same = Mask::where_(|lane| self.emitted[lane] == count).and(self.active);
+            rest = rest.minus(same);
+            if count < room {
+                let (reals, words) = &mut self.vertices[count as usize];
+                let (mut reals, mut words) = (reals.iter_mut(), words.iter_mut());
+                for slot in &self.executable.outputs {
+                    let reg = slot.reg as usize;
+                    match slot.file() {
+                        File::Real => {
+                            if let Some(to) = reals.next() {
+                                self.domain.merge(&same, &self.reals[reg], to);
+                            }
+                        }
+                        File::Word => {
+                            if let Some(to) = words.next() {
+                                same.merge(&self.words[reg], to);
+                            }
+                        }
+                    }
+                }
+                same.merge(&self.ended, &mut self.strips[count as usize]);
+            }
+        }
+        for lane in self.active.lanes() {
+            self.emitted[lane] += 1;
+        }
+        // Outputs are undefined behind EmitVertex (GLSL 4.60, 8.15): whatever is read again shows.
+        for k in 0..self.executable.outputs.len() {
+            self.poison(self.executable.outputs[k], self.active);
+        }
+    }
+}
+
+/// What came out of the last chunk.
+impl<D: Domain> Machine<'_, D> {
+    /// The domain, with what it remembers.
+    pub fn domain(&mut self) -> &mut D {
+        &mut self.domain
+    }
+
+    /// An output word of a vertex (0 for a pointwise program), in all lanes.
+    pub fn output(&self, vertex: usize, word: usize) -> OutputColumn<'_, D::Column> {
+        let slot = self.executable.outputs[word];
+        let before = &self.executable.outputs[..word];
+        let nth = before.iter().filter(|other| other.file() == slot.file()).count();
+        let reg = slot.reg as usize;
+        match (self.executable.max_vertices, slot.file()) {
+            (Some(_), File::Real) => OutputColumn::Real(&self.vertices[vertex].0[nth]),
+            (Some(_), File::Word) => OutputColumn::Word(&self.vertices[vertex].1[nth]),
+            (None, File::Real) => OutputColumn::Real(&self.reals[reg]),
+            (None, File::Word) => OutputColumn::Word(&self.words[reg]),
+        }
+    }
+
+    /// An output word of one lane, from its column; `None` when it was never written.
+    pub fn word(&self, column: &OutputColumn<'_, D::Column>, word: usize, lane: usize) -> Option<D::Word> {
+        match column {
+            OutputColumn::Real(column) => self.domain.word(column, lane),
+            OutputColumn::Word(words) => {
+                let value = words[lane];
+                (value != POISON).then(|| D::exact(value, self.executable.outputs[word].scalar))
+            }
+        }
+    }
+
+    /// True for a geometry stage, which emits vertices.
+    pub fn is_emitting(&self) -> bool {
+        self.executable.max_vertices.is_some()
+    }
+
+    /// Output words of one vertex.
+    pub fn width(&self) -> usize {
+        self.executable.outputs.len()
+    }
+
+    /// Vertices that are stored for each lane at most; 1 for a pointwise program.
+    pub fn room(&self) -> usize {
+        self.executable.max_vertices.unwrap_or(1) as usize
+    }
+
+    /// Vertices that each lane emitted, those past the limit included.
+    pub fn emitted(&self) -> &Words {
+        &self.emitted
+    }
+
+    /// Strips that each lane ended.
+    pub fn ended(&self) -> &Words {
+        &self.ended
+    }
+
+    /// The strip of a stored vertex in each lane.
+    pub fn strip(&self, vertex: usize) -> &Words {
+        &self.strips[vertex]
+    }
+
+    /// What each lane came upon.
+    pub fn flags(&self) -> &[Flags; LANES] {
+        &self.flags
+    }
+
+    /// Findings since the last call.
+    pub fn take_findings(&mut self) -> Vec<Finding> {
+        take(&mut self.findings)
+    }
+}

@@ -1,0 +1,297 @@
+//! The interpreter: what the functions of a naga module mean, in any domain of numbers.
+//!
+//! It takes the module itself and no translation of it, and shares nothing with the lanes: what they
+//! give can be compared with it. A module is compiled to scalar instructions ([`Executable`]), which a
+//! [`Machine`] runs on the columns of [`LANES`] invocations at a time. What numbers are is said by a
+//! [`Domain`]: [`Binary64`] is the meaning in real numbers, as near as binary64 comes to it,
+//! [`Binary32`] what a device gives that rounds every operation correctly and rearranges nothing.
+//!
+//! ```text
+//! naga module ─ compile ─▶ Executable ─ Machine<D> ─▶ columns ─▶ Meaning
+//! ```
+
+mod allocate;
+mod code;
+mod compile;
+mod domain;
+mod half;
+mod indexed;
+mod integer;
+mod lanes;
+mod machine;
+mod meaning;
+mod plain;
+mod rearrange;
+mod shape;
+#[cfg(test)]
+mod tests;
+mod undefined;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::{Place as Found, Port, Program, ReadBack};
+use base::value::{Batch, Scalar};
+
+pub use code::{Executable, Guarded, Place};
+pub use compile::{Binding, Subject};
+pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
+pub use lanes::{LANES, Mask, Words};
+pub use machine::{Machine, OutputColumn};
+pub use meaning::{Finding, Flags, Kind, Meaning};
+pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
+pub use rearrange::Laws;
+pub use undefined::{Dependence, Undefined};
+
+/// Bits of an output that was never written: a quiet NaN with a payload of its own.
+pub const POISON: u32 = 0x7fd5_a3c9;
+
+/// Rounds of loops that one invocation may go through.
+pub const FUEL: u32 = 1 << 16;
+
+/// Why a program has no meaning here.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum InterpError {
+    /// A construct that is not interpreted.
+    #[error("not interpreted: {what}")]
+    Unsupported {
+        /// What it is.
+        what: String,
+        /// Its bytes in the text that was parsed.
+        span: naga::Span,
+    },
+    /// The batch is not for this program.
+    #[error("the batch has {found} words for each {of}, the program takes {expected}")]
+    Batch {
+        /// `invocation` or `case`.
+        of: &'static str,
+        /// Words in the batch.
+        found: usize,
+        /// Words that the program takes.
+        expected: usize,
+    },
+    /// A defect of shadercheck itself.
+    #[error("internal error, please report: {0}")]
+    Internal(String),
+}
+
+impl InterpError {
+    fn internal(what: String) -> Self {
+        Self::Internal(what)
+    }
+
+    /// The message with the place in the author's text, where there is one.
+    pub fn locate(&self, program: &Program) -> String {
+        match self {
+            Self::Unsupported { span, .. } => match source_span(program, *span) {
+                Some(at) => format!("{}: {self}", program.lowered.file.locate(at.start)),
+                None => format!("{}: {self}", program.lowered.file.name()),
+            },
+            Self::Batch { .. } | Self::Internal(_) => self.to_string(),
+        }
+    }
+}
+
+/// The author's text that a span of the module stands for.
+pub fn source_span(program: &Program, span: naga::Span) -> Option<base::text::Span> {
+    let range = span.to_range()?;
+    Some(program.lowered.edited.map.span_to_original(base::text::Span::new(range.start, range.end)))
+}
+
+/// The author's text of a place: the whole call for a built-in function.
+pub fn author_span(program: &Program, place: &Place) -> Option<base::text::Span> {
+    let Some(expression) = place.expression else { return source_span(program, place.span) };
+    let function = match (place.function, program.entry) {
+        (Some(function), _) | (None, crate::Entry::Function(function)) => &program.module.functions[function],
+        (None, crate::Entry::Point(index)) => &program.module.entry_points.get(index)?.function,
+    };
+    crate::probe::expression_span(program, function, expression, place.span)
+}
+
+/// Compiles a program.
+///
+/// # Errors
+/// [`InterpError::Unsupported`] for constructs that are not interpreted.
+pub fn compile(program: &Program) -> Result<Executable, InterpError> {
+    if let Some(found) = program.unfed.first() {
+        let part = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let span = naga::Span::new(part(found.span.start), part(found.span.end));
+        return Err(InterpError::Unsupported { what: found.message.to_string(), span });
+    }
+    let bindings = |ports: &[Port]| ports.iter().map(Binding::from).collect::<Vec<_>>();
+    Executable::compile(&Subject {
+        module: &program.module,
+        info: &program.info,
+        entry: program.entry,
+        inputs: &bindings(&program.inputs),
+        uniforms: &bindings(&program.uniforms),
+        outputs: &bindings(&program.outputs),
+        built_ins: &program.built_ins,
+        textures: &program.textures,
+        max_vertices: program.output_layout().max_vertices,
+    })
+}
+
+/// Compiles a translation that was read back.
+///
+/// # Errors
+/// [`InterpError::Unsupported`] for constructs that are not interpreted.
+pub fn compile_read_back(back: &ReadBack) -> Result<Executable, InterpError> {
+    let bindings = |places: &[Found]| places.iter().map(Binding::from).collect::<Vec<_>>();
+    Executable::compile(&Subject {
+        module: &back.module,
+        info: &back.info,
+        entry: back.entry,
+        inputs: &bindings(&back.inputs),
+        uniforms: &bindings(&back.uniforms),
+        outputs: &bindings(&back.outputs),
+        built_ins: &back.built_ins,
+        textures: &back.textures,
+        max_vertices: back.max_vertices,
+    })
+}
+
+impl From<&Found> for Binding {
+    fn from(place: &Found) -> Self {
+        Self { name: place.name.clone(), ty: place.ty, at: place.at.clone(), backing: None }
+    }
+}
+
+impl From<&Port> for Binding {
+    fn from(port: &Port) -> Self {
+        Self { name: port.field.name.clone(), ty: port.ty, at: port.at.clone(), backing: port.backing }
+    }
+}
+
+/// Compiles a program and runs it on a batch, on all cores.
+///
+/// # Errors
+/// [`InterpError`]: constructs that are not interpreted, or a batch that is not for this program.
+pub fn run<D: Domain + Default>(program: &Program, batch: &Batch) -> Result<Meaning<D::Word>, InterpError> {
+    compile(program)?.run::<D>(batch, FUEL)
+}
+
+impl Executable {
+    /// Runs a batch in a domain, on all cores. Each invocation may go through `fuel` rounds of loops.
+    ///
+    /// # Errors
+    /// [`InterpError::Batch`] when the batch has too few words.
+    pub fn run<D: Domain + Default>(&self, batch: &Batch, fuel: u32) -> Result<Meaning<D::Word>, InterpError> {
+        self.run_with(batch, fuel, D::default)
+    }
+
+    /// The same in domains that `domain` makes, one for each thread.
+    ///
+    /// # Errors
+    /// [`InterpError::Batch`] when the batch has too few words.
+    pub fn run_with<D: Domain>(
+        &self,
+        batch: &Batch,
+        fuel: u32,
+        domain: impl Fn() -> D + Sync + Send,
+    ) -> Result<Meaning<D::Word>, InterpError> {
+        self.check(batch)?;
+        let count = batch.invocation_count();
+        let (room, width) = (self.max_vertices.unwrap_or(1) as usize, self.outputs.len());
+        let pieces: Vec<Meaning<D::Word>> = (0..count.div_ceil(LANES))
+            .into_par_iter()
+            .map_init(
+                || Machine::new(self, domain(), fuel),
+                |machine, chunk| {
+                    let first = chunk * LANES;
+                    let lanes = machine.run(batch, first);
+                    piece(machine, first, lanes, (room, width), self.max_vertices)
+                },
+            )
+            .collect();
+        let mut all = Meaning {
+            vertex_words: width,
+            max_vertices: self.max_vertices,
+            words: Vec::with_capacity(count * room * width),
+            unwritten: Vec::new(),
+            emitted: Vec::new(),
+            ended: Vec::new(),
+            strips: Vec::new(),
+            flags: Vec::with_capacity(count),
+            findings: Vec::new(),
+        };
+        for piece in pieces {
+            all.words.extend(piece.words);
+            all.unwritten.extend(piece.unwritten);
+            all.emitted.extend(piece.emitted);
+            all.ended.extend(piece.ended);
+            all.strips.extend(piece.strips);
+            all.flags.extend(piece.flags);
+            for finding in piece.findings {
+                match all.findings.iter_mut().find(|f| f.kind == finding.kind && f.site == finding.site) {
+                    Some(found) => found.count += finding.count,
+                    None => all.findings.push(finding),
+                }
+            }
+        }
+        all.findings.sort_by_key(|finding| (finding.site, finding.kind));
+        Ok(all)
+    }
+
+    /// Checks that a batch has the words that are read.
+    fn check(&self, batch: &Batch) -> Result<(), InterpError> {
+        let (mut invocation, mut case) = (0, 0);
+        for fill in &self.fills {
+            match fill.source {
+                Source::Invocation(word) => invocation = invocation.max(word as usize + 1),
+                Source::Case(word) => case = case.max(word as usize + 1),
+            }
+        }
+        for (of, found, expected) in
+            [("invocation", batch.invocation_record.words(), invocation), ("case", batch.case_record.words(), case)]
+        {
+            if found != expected {
+                return Err(InterpError::Batch { of, found, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What came out of one chunk.
+fn piece<D: Domain>(
+    machine: &mut Machine<'_, D>,
+    first: usize,
+    lanes: usize,
+    (room, width): (usize, usize),
+    max_vertices: Option<u32>,
+) -> Meaning<D::Word> {
+    let mut piece = Meaning {
+        vertex_words: width,
+        max_vertices,
+        words: vec![D::Word::default(); lanes * room * width],
+        unwritten: Vec::new(),
+        emitted: Vec::new(),
+        ended: Vec::new(),
+        strips: Vec::new(),
+        flags: machine.flags()[..lanes].to_vec(),
+        findings: machine.take_findings(),
+    };
+    if max_vertices.is_some() {
+        piece.emitted = machine.emitted()[..lanes].to_vec();
+        piece.ended = machine.ended()[..lanes].to_vec();
+        piece.strips =
+            (0..lanes).flat_map(|lane| (0..room).map(move |v| (lane, v))).map(|(l, v)| machine.strip(v)[l]).collect();
+    }
+    let unwritten = D::exact(POISON, Scalar::F32);
+    let stored = |lane: usize, vertex: usize| max_vertices.is_none() || vertex < machine.emitted()[lane] as usize;
+    for vertex in 0..room {
+        for word in 0..width {
+            let column = machine.output(vertex, word);
+            for lane in (0..lanes).filter(|&lane| stored(lane, vertex)) {
+                let value = machine.word(&column, word, lane);
+                if value.is_none() {
+                    piece.unwritten.push((first + lane, vertex, word));
+                }
+                piece.words[(lane * room + vertex) * width + word] = value.unwrap_or(unwritten);
+            }
+        }
+    }
+    piece.unwritten.sort_unstable();
+    piece
+}

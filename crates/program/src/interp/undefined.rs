@@ -1,0 +1,326 @@
+//! Values that the language leaves undefined, and whether an output depends on them.
+//!
+//! The machine notes where an operation is undefined ([`Kind::is_undefined`]) and goes on with one of the values
+//! that the operation may have. Whether that matters is found out by running the same invocation with others in
+//! its place: an output that changes depends on it. What is not selected, multiplied by 0 or never read does not.
+
+use std::collections::HashSet;
+
+use super::code::{Guarded, Reg, Slot};
+use super::domain::{Domain, Site};
+use super::lanes::{LANES, Mask};
+use super::machine::{Machine, OutputColumn};
+use super::meaning::Kind;
+use super::plain::Binary64;
+use base::value::{Batch, Scalar};
+
+/// An operation whose value is undefined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Undefined {
+    /// Why.
+    pub kind: Kind,
+    /// Where.
+    pub site: Site,
+    /// The function, for [`Kind::Argument`].
+    pub what: Option<Guarded>,
+}
+
+/// An undefined value that an output of an invocation depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dependence {
+    /// The operation.
+    pub of: Undefined,
+    /// Its arguments, in the first of the invocations that were looked at together.
+    pub args: Vec<f64>,
+}
+
+/// Where an argument of an undefined operation lies.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Operand {
+    None,
+    Real(Reg),
+    Signed(Reg),
+    Unsigned(Reg),
+}
+
+/// What stands in the place of undefined values, and what was noted of them.
+#[derive(Debug, Default)]
+pub(super) struct Probe {
+    /// Which of the other values; 0 for those that the machine takes by itself.
+    pub round: usize,
+    /// The operation whose value is replaced; all of them without one.
+    only: Option<(Kind, Site)>,
+    events: Vec<Event>,
+}
+
+#[derive(Debug)]
+struct Event {
+    of: Undefined,
+    lanes: Mask,
+    args: Vec<f64>,
+}
+
+/// Other values, for rounds from 1 on: of any size and sign, the last two such as a device may have as well although
+/// sums and products hide no more behind them.
+const REALS: [f32; 6] = [0.375, -1.5e6, 0.0, 7.25e11, f32::NAN, f32::INFINITY];
+const WORDS: [u32; 6] = [3, 0xffff_fff1, 0, 0x5bd1_e995, 0x8000_0000, 0x7fff_ffff];
+/// Rounds in which values are finite.
+const FINITE: usize = 4;
+/// Operations of one look that are tried alone.
+const ALONE: usize = 16;
+
+impl<D: Domain> Machine<'_, D> {
+    /// Notes lanes in which an operation leaves the range of its type, and replaces its value in `to` while other
+    /// values are tried.
+    pub(super) fn undefined(&mut self, of: Undefined, lanes: Mask, to: Option<Slot>, args: [Operand; 2]) {
+        let lanes = lanes.and(self.active);
+        if lanes.is_empty() {
+            return;
+        }
+        if of.kind.is_undefined() && self.probe.is_some() {
+            self.note(of, lanes.and(Mask::first(self.lanes)), args);
+        }
+        self.report(of.kind, of.site, lanes);
+        if let Some(to) = to.filter(|_| of.kind.is_undefined()) {
+            self.substitute(of.kind, of.site, lanes, to);
+        }
+    }
+
+    /// Notes lanes in which a variable is read that has no value.
+    pub(super) fn read(&mut self, from: Slot, kind: Kind, site: Site) {
+        let assigned = self.assigned[from.file() as usize].get(&from.reg).copied().unwrap_or(Mask::ALL);
+        self.undefined(Undefined { kind, site, what: None }, Mask::ALL.minus(assigned), None, [Operand::None; 2]);
+    }
+
+    /// Notes lanes in which two `out` arguments are one place.
+    pub(super) fn overlap(&mut self, of: Slot, equal: Option<[Reg; 2]>, site: Site) {
+        let word = |reg: Reg, lane: usize| self.words[reg as usize][lane];
+        let lanes = equal.map_or(Mask::ALL, |[a, b]| Mask::where_(|lane| word(a, lane) == word(b, lane)));
+        self.undefined(Undefined { kind: Kind::Overlap, site, what: None }, lanes, Some(of), [Operand::None; 2]);
+    }
+
+    fn note(&mut self, of: Undefined, lanes: Mask, args: [Operand; 2]) {
+        let Some(first) = lanes.lanes().next() else { return };
+        let arg = |arg: Operand| match arg {
+            Operand::None => None,
+            Operand::Real(reg) => Some(self.domain.shown(&self.reals[reg as usize], first)),
+            Operand::Signed(reg) => Some(f64::from(self.words[reg as usize][first].cast_signed())),
+            Operand::Unsigned(reg) => Some(f64::from(self.words[reg as usize][first])),
+        };
+        let args = args.into_iter().filter_map(arg).collect();
+        let Some(probe) = &mut self.probe else { return };
+        match probe.events.iter_mut().find(|event| event.of == of) {
+            Some(event) => event.lanes = event.lanes.or(lanes),
+            None => probe.events.push(Event { of, lanes, args }),
+        }
+    }
+
+    /// True while the value of this operation is replaced.
+    pub(super) fn replaces(&self, kind: Kind, site: Site) -> bool {
+        self.probe.as_ref().is_some_and(|probe| {
+            // A variable begins at its declaration, and is noted where it is read.
+            let variable = |kind| matches!(kind, Kind::Unset | Kind::NoReturn);
+            let same = |only: (Kind, Site)| only == (kind, site) || (variable(kind) && variable(only.0));
+            probe.round > 0 && probe.only.is_none_or(same)
+        })
+    }
+
+    /// Replaces an undefined value in some lanes.
+    pub(super) fn substitute(&mut self, kind: Kind, site: Site, lanes: Mask, to: Slot) {
+        if lanes.is_empty() || !self.replaces(kind, site) {
+            return;
+        }
+        let round = self.probe.as_ref().map_or(0, |probe| probe.round - 1) % REALS.len();
+        // Two undefined values are two values.
+        let salt = (site.index() as u32).wrapping_mul(7).wrapping_add(to.reg) % 61;
+        match to.scalar {
+            Scalar::F32 => {
+                let mut other = self.domain.column();
+                self.domain.constant(None, REALS[round] * (1.0 + salt as f32 / 64.0), &mut other);
+                self.domain.merge(&lanes, &other, &mut self.reals[to.reg as usize]);
+            }
+            Scalar::I32 | Scalar::U32 => {
+                lanes.merge(&[WORDS[round].wrapping_add(salt); LANES], &mut self.words[to.reg as usize]);
+            }
+            Scalar::Bool => lanes.merge(&[(round as u32 + salt) % 2; LANES], &mut self.words[to.reg as usize]),
+        }
+    }
+
+    /// Marks a variable as having a value in some lanes.
+    pub(super) fn assign(&mut self, to: Slot, lanes: Mask) {
+        let assigned = &mut self.assigned[to.file() as usize];
+        if !assigned.is_empty()
+            && let Some(assigned) = assigned.get_mut(&to.reg)
+        {
+            *assigned = assigned.or(lanes);
+        }
+    }
+}
+
+/// All that came out of a chunk, lane by lane, to be compared.
+type Outcome = Vec<Vec<u64>>;
+
+impl Machine<'_, Binary64> {
+    /// For each of some invocations, at most [`LANES`], the undefined value that an output depends on. `any` tries NaN
+    /// and infinity as well, which even a product with 0 passes on.
+    ///
+    /// # Panics
+    /// When the batch has no such invocation: a defect of the caller.
+    pub fn dependences(&mut self, batch: &Batch, invocations: &[usize], any: bool) -> Vec<Option<Dependence>> {
+        self.probe = Some(Probe::default());
+        let lanes = self.run_some(batch, invocations);
+        let before = self.outcome(lanes);
+        let events = self.probe.take().map_or_else(Vec::new, |probe| probe.events);
+        let candidates = events.iter().fold(Mask::NONE, |all, event| all.or(event.lanes));
+        let rounds = if any { REALS.len() } else { FINITE };
+        let depends = self.changed(batch, invocations, (&before, rounds), candidates, None);
+        let mut found: Vec<Option<Dependence>> = vec![None; lanes];
+        let mut rest = depends;
+        let of = |event: &Event| Dependence { of: event.of, args: event.args.clone() };
+        // Where a lane came upon several, the first that matters alone is named.
+        for event in events.iter().take(ALONE) {
+            let others = events.iter().filter(|other| other.of != event.of);
+            let shared = others.fold(Mask::NONE, |all, other| all.or(other.lanes)).and(event.lanes).and(rest);
+            let only = Some((event.of.kind, event.of.site));
+            let alone = event.lanes.minus(shared).or(self.changed(batch, invocations, (&before, rounds), shared, only));
+            alone.and(rest).lanes().for_each(|lane| found[lane] = Some(of(event)));
+            rest = rest.minus(alone);
+        }
+        for lane in rest.lanes() {
+            found[lane] = events.iter().find(|event| event.lanes.has(lane)).map(of);
+        }
+        // A store outside of its array may write to anything, also to what outputs of others are made of.
+        if events.iter().any(|event| event.of.kind == Kind::Index) {
+            let stores = self.executable.stray_stores();
+            for event in events.iter().filter(|event| event.of.strays(&stores)) {
+                event.lanes.lanes().for_each(|lane| found[lane] = found[lane].take().or_else(|| Some(of(event))));
+            }
+        }
+        self.take_findings();
+        found
+    }
+
+    /// For each of some invocations, at most [`LANES`], the first operation of those that `counts` picks whose value is
+    /// undefined, whether or not an output depends on it.
+    ///
+    /// # Panics
+    /// When the batch has no such invocation: a defect of the caller.
+    pub fn undefined_on_the_way(
+        &mut self,
+        batch: &Batch,
+        invocations: &[usize],
+        counts: &dyn Fn(&Undefined) -> bool,
+    ) -> Vec<Option<Dependence>> {
+        self.probe = Some(Probe::default());
+        let lanes = self.run_some(batch, invocations);
+        let events = self.probe.take().map_or_else(Vec::new, |probe| probe.events);
+        self.take_findings();
+        let first = |lane: usize| events.iter().find(|event| event.lanes.has(lane) && counts(&event.of));
+        (0..lanes).map(|lane| first(lane).map(|event| Dependence { of: event.of, args: event.args.clone() })).collect()
+    }
+
+    /// The lanes among `rest` in which something changes with other values.
+    fn changed(
+        &mut self,
+        batch: &Batch,
+        invocations: &[usize],
+        (before, rounds): (&Outcome, usize),
+        mut rest: Mask,
+        only: Option<(Kind, Site)>,
+    ) -> Mask {
+        let mut changed = Mask::NONE;
+        for round in 1..=rounds {
+            if rest.is_empty() {
+                break;
+            }
+            self.probe = Some(Probe { round, only, events: Vec::new() });
+            let lanes = self.run_some(batch, invocations);
+            let after = self.outcome(lanes);
+            let other = Mask::where_(|lane| lane < lanes && before[lane] != after[lane]).and(rest);
+            changed = changed.or(other);
+            rest = rest.minus(other);
+        }
+        self.probe = None;
+        changed
+    }
+
+    fn outcome(&self, lanes: usize) -> Outcome {
+        let flags = |lane: usize| {
+            let flags = self.flags()[lane];
+            u64::from(flags.has(Kind::Fuel)) | u64::from(flags.has(Kind::Killed)) << 1
+        };
+        let shape = |lane: usize| [flags(lane), u64::from(self.emitted()[lane]), u64::from(self.ended()[lane])];
+        let mut all: Outcome = (0..lanes).map(|lane| shape(lane).to_vec()).collect();
+        for vertex in 0..self.room() {
+            for word in 0..self.width() {
+                let column = self.output(vertex, word);
+                for (lane, all) in all.iter_mut().enumerate() {
+                    if self.is_emitting() && vertex as u32 >= self.emitted()[lane] {
+                        continue;
+                    }
+                    all.push(match column {
+                        // Zeros are one number, and so are all that are none.
+                        OutputColumn::Real(column) => match column.values()[lane] {
+                            x if x.is_nan() => f64::NAN.to_bits(),
+                            x => (x + 0.0).to_bits(),
+                        },
+                        OutputColumn::Word(words) => u64::from(words[lane]),
+                    });
+                }
+            }
+        }
+        all
+    }
+}
+
+impl Undefined {
+    /// True for one of these stores, outside of its array.
+    pub fn strays(&self, stores: &HashSet<Site>) -> bool {
+        self.kind == Kind::Index && stores.contains(&self.site)
+    }
+
+    /// Why the value is undefined, with the arguments; a clause without a full stop.
+    pub fn why(&self, args: &[f64]) -> String {
+        let arg = |k: usize| args.get(k).copied().unwrap_or(f64::NAN);
+        let (a, b) = (arg(0), arg(1));
+        match self.kind {
+            Kind::Index if args.is_empty() => "the place is outside of the texture".to_owned(),
+            Kind::Index => format!("index {a} is outside of 0 to {}", b - 1.0),
+            Kind::DivisionByZero => format!("{a} is divided by zero"),
+            Kind::Quotient => format!("{a} / {b} does not fit 32 bits"),
+            Kind::Remainder => format!("`%` has a negative operand: {a} % {b}"),
+            Kind::Shift => format!("a shift by {b} bits, where 0 to 31 are defined"),
+            Kind::Conversion if a.is_nan() => "nan is converted to an integer".to_owned(),
+            Kind::Conversion => format!("{a:?} is converted to an integer type that does not hold it"),
+            Kind::BitField => format!("a bit field at offset {a} with {b} bits reaches outside of 32 bits"),
+            Kind::Argument => self.what.map_or_else(String::new, |what| outside(what, a, b)),
+            Kind::Unset => "it is read before it has a value".to_owned(),
+            Kind::NoReturn => "the function ends without `return`".to_owned(),
+            Kind::Overlap => {
+                "two `out` arguments are one variable, and the order in which they are copied back is open".to_owned()
+            }
+            Kind::Overflow | Kind::Fuel | Kind::Killed => "the operation leaves its range".to_owned(),
+        }
+    }
+}
+
+/// Why a function is undefined at its arguments.
+fn outside(what: Guarded, x: f64, y: f64) -> String {
+    match what {
+        Guarded::Sqrt => format!("`sqrt` of {x:?}, a negative number"),
+        Guarded::InverseSqrt => format!("`inversesqrt` of {x:?}, which is not above 0"),
+        Guarded::Log => format!("`log` of {x:?}, which is not above 0"),
+        Guarded::Log2 => format!("`log2` of {x:?}, which is not above 0"),
+        Guarded::Asin => format!("`asin` of {x:?}, which is outside of -1 to 1"),
+        Guarded::Acos => format!("`acos` of {x:?}, which is outside of -1 to 1"),
+        Guarded::Acosh => format!("`acosh` of {x:?}, which is below 1"),
+        Guarded::Atanh => format!("`atanh` of {x:?}, which is not between -1 and 1"),
+        Guarded::Pow if x < 0.0 => format!("`pow` of {x:?}, a negative base"),
+        Guarded::Pow => format!("`pow` of 0 to the power of {y:?}, which is not above 0"),
+        Guarded::Atan2 => "`atan` of 0, 0".to_owned(),
+        Guarded::Clamp => format!("`clamp` with a lower end of {x:?} above the upper end of {y:?}"),
+        Guarded::SmoothStep => {
+            format!("`smoothstep` with edges {x:?} and {y:?}, the first of which is not below the second")
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! A program: a naga module with the interface that the author sees and the way back to the text.
+
+mod build;
+mod capabilities;
+mod capture;
+mod constants;
+mod contain;
+mod drawn;
+mod front;
+mod fuel;
+mod interface;
+pub mod interp;
+mod lacks;
+pub mod lane;
+mod layout;
+pub mod lower;
+mod memory;
+pub mod probe;
+mod readback;
+mod source;
+mod strides;
+mod supply;
+pub mod texture;
+mod translate;
+mod wgsl;
+
+use std::sync::Arc;
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};
+use thiserror::Error;
+
+use crate::lower::{Lowered, Target};
+use base::diagnostic::Diagnostic;
+use base::text::SourceFile;
+use base::value::Field;
+use syntax::Shader;
+
+pub use crate::lower::{Primitives, Role};
+pub use build::DISCARD;
+pub use capture::{
+    Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
+    uniform_blocks,
+};
+pub use constants::{Constant, Constants, WrittenLiteral};
+pub use contain::contain;
+pub use drawn::ranges;
+pub use drawn::{Count, Drawn};
+pub use front::{NAGA, VALIDATOR};
+pub use probe::Probed;
+pub use readback::{Place, ReadBack};
+pub use texture::Texture;
+pub use translate::{Language, TranslateError, Translation, read_back};
+
+/// Name of the variable without a value that a function gives at its end where its author returns nothing.
+pub const NO_RETURN: &str = "sc_no_return";
+
+/// Why there is no program or kernel.
+#[derive(Debug, Error)]
+pub enum ProgramError {
+    /// The text is wrong; each diagnostic stands at its place in the author's text.
+    #[error("{}", summary(.0))]
+    Source(Vec<Diagnostic>),
+    /// Something that cannot be run here.
+    #[error("not supported: {what}")]
+    Unsupported {
+        /// What it is.
+        what: String,
+    },
+    /// A defect of shadercheck itself.
+    #[error("internal error, please report: {0}")]
+    Internal(String),
+}
+
+impl ProgramError {
+    pub(crate) fn internal(what: String) -> Self {
+        Self::Internal(what)
+    }
+}
+
+fn summary(diagnostics: &[Diagnostic]) -> String {
+    let lines: Vec<String> = diagnostics
+        .iter()
+        .map(|d| format!("{}: {}[{}]: {}", d.file.locate(d.span.start), d.severity.name(), d.code, d.message))
+        .collect();
+    lines.join("\n")
+}
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// An entry point, by index.
+    Point(usize),
+    /// An ordinary function.
+    Function(Handle<naga::Function>),
+}
+
+/// Where an input or output lies in the module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PortAt {
+    /// An argument, by value.
+    Argument(u32),
+    /// An argument, by reference (`out`, `inout`).
+    Reference(u32),
+    /// Several arguments, one for each vector of a matrix or array.
+    Arguments {
+        /// The first one.
+        first: u32,
+        /// How many there are.
+        count: u32,
+    },
+    /// The value that the function returns.
+    Result,
+    /// A member of the structure that the entry point returns.
+    ResultMember(u32),
+    /// A global variable.
+    Global(Handle<GlobalVariable>),
+    /// A member of a global structure.
+    Member(Handle<GlobalVariable>, u32),
+    /// A part of a global variable, further in.
+    Part {
+        /// The variable.
+        global: Handle<GlobalVariable>,
+        /// Indices of members, elements and columns on the way there.
+        path: Vec<u32>,
+    },
+    /// One member of each element of a global array of structures: `gl_in[].gl_Position`.
+    Vertices {
+        /// The array.
+        global: Handle<GlobalVariable>,
+        /// Index of the member.
+        member: u32,
+        /// Number of elements.
+        count: u32,
+    },
+}
+
+/// An input, uniform or output of a program.
+#[derive(Clone, Debug)]
+pub struct Port {
+    /// Name and shape as the author sees them.
+    pub field: Field,
+    /// Type in the module. For [`PortAt::Vertices`], the array of the member's type.
+    pub ty: Handle<Type>,
+    /// Where it lies.
+    pub at: PortAt,
+    /// The private variable that holds an output of an entry point until it returns.
+    pub backing: Option<Handle<GlobalVariable>>,
+}
+
+/// A shader that can be run: a validated module and its interface.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The module, as the front end made it.
+    pub module: Module,
+    /// What the validator found out about it.
+    pub info: ModuleInfo,
+    /// What is run.
+    pub entry: Entry,
+    /// How it is run.
+    pub role: Role,
+    /// What one invocation takes.
+    pub inputs: Vec<Port>,
+    /// What one case takes.
+    pub uniforms: Vec<Port>,
+    /// What one vertex, primitive vertex or call gives.
+    pub outputs: Vec<Port>,
+    /// Built-in arguments of the entry point that are no inputs, by argument index: those of a compute stage, which is
+    /// dispatched alone.
+    pub built_ins: Vec<(u32, BuiltIn)>,
+    /// Samplers, with what they are bound to when the program is run.
+    pub textures: Vec<Texture>,
+    /// For a fragment stage, the module as a host gets it, where what is run differs: it discards, takes
+    /// derivatives, or leaves the level of detail to them.
+    pub stage_module: Option<Arc<(Module, ModuleInfo)>>,
+    /// What the harness has no way to feed or read: such a program is translated, and not run.
+    pub unfed: Vec<Diagnostic>,
+    /// Inputs that are numbers of the draw, with the largest value that is tried where nothing is stated.
+    pub ranges: Vec<(String, u32)>,
+    /// Storage blocks that are no inputs and outputs yet.
+    pub(crate) memory: Vec<memory::Memory>,
+    /// The lowered text and the way back.
+    pub lowered: Lowered,
+    /// The author's own texts in GLSL, for a lane whose driver reads GLSL itself: several where several are linked into
+    /// the stage; none for a program that comes from elsewhere.
+    pub texts: Vec<SourceFile>,
+    /// Constant expressions of the text, as their author means them.
+    pub constants: Arc<Constants>,
+}
+
+impl Program {
+    /// Parses and validates lowered text.
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] with diagnostics at the author's places; [`ProgramError::Unsupported`]
+    /// for what naga cannot express.
+    pub fn new(lowered: Lowered) -> Result<Self, ProgramError> {
+        let (module, info) = front::parse(&lowered)?;
+        interface::resolve(module, info, lowered)
+    }
+
+    /// Builds a program out of the syntax tree, in whatever version it is written, without naga's reader.
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] for what naga cannot express, at its place in the author's text.
+    pub fn build(shader: &Shader, target: &Target) -> Result<Self, ProgramError> {
+        build::program(shader, target)
+    }
+
+    /// Refuses a program that takes or gives what the harness cannot pass.
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] with the places of what cannot be passed.
+    pub fn check_fed(&self) -> Result<(), ProgramError> {
+        // A function alone may do without the memory of its stage.
+        let used = |m: &&memory::Memory| match self.entry {
+            Entry::Function(function) => !self.info[function][m.global].is_empty(),
+            Entry::Point(_) => true,
+        };
+        let memory = self.memory.iter().filter(used).map(|m| &m.told);
+        let all: Vec<Diagnostic> = self.unfed.iter().chain(memory).cloned().collect();
+        if all.is_empty() { Ok(()) } else { Err(ProgramError::Source(all)) }
+    }
+}
+
+/// Validates a module that a pass of our own made.
+pub(crate) fn validate(module: &Module) -> Result<ModuleInfo, ProgramError> {
+    contain(|| validator().validate(module).map_err(Box::new))
+        .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?
+        .map_err(|error| ProgramError::internal(format!("{:?}", error.into_inner())))
+}
+
+pub(crate) fn validator() -> Validator {
+    Validator::new(ValidationFlags::all(), Capabilities::all())
+}

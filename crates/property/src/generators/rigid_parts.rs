@@ -1,0 +1,100 @@
+//! `rigid_parts`: the transforms of the parts of a jointed figure.
+
+use glam::{DMat3, DMat4, DVec3};
+
+use base::value::Shape;
+
+use super::matrix::{self, with_translation};
+use super::rigid::Rigid;
+use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, every_shape, is_mat4};
+
+/// Rigid transforms of parts that hang together: each part turns about a joint that it shares with
+/// the part before it. Special: all parts equal, all the identity, each part turned back by half a
+/// turn (where a connecting part collapses), parts that do not hang together.
+pub struct RigidParts;
+
+/// `m` turned by `turn` about a point.
+fn turned_about(m: &DMat4, joint: DVec3, turn: DMat3) -> DMat4 {
+    *m * with_translation(turn, joint - turn * joint)
+}
+
+impl Generator for RigidParts {
+    fn name(&self) -> &str {
+        "rigid_parts"
+    }
+
+    fn about(&self) -> &str {
+        "rigid transforms of the parts of a figure, each turned about a joint shared with the part before; joints lie in `range`"
+    }
+
+    fn range(&self) -> RangeRule {
+        RangeRule::Default(-2.0, 2.0)
+    }
+
+    fn check(&self, shapes: &[Shape], _options: &Options) -> Result<(), String> {
+        every_shape(self.name(), shapes, "mat4 and arrays of mat4", is_mat4)?;
+        match shapes.iter().map(|s| s.elements()).sum() {
+            0 | 1 => Err("generator `rigid_parts` needs at least two mat4; use `rigid` for one".into()),
+            _ => Ok(()),
+        }
+    }
+
+    fn fill(&self, group: &Group, _place: Place, stream: &mut Stream, out: &mut [u32]) {
+        let range = group.range();
+        let kind = if stream.one_in(SPECIAL) { stream.below(4) } else { 4 };
+        let mut m = match kind {
+            1 => DMat4::IDENTITY,
+            3 => matrix::special_rigid(range, stream),
+            _ => matrix::rigid(range, stream),
+        };
+        let half_turn = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
+        for element in group.elements() {
+            matrix::write(&m, &mut out[element.clone()]);
+            m = match kind {
+                0 | 1 => m,
+                2 => turned_about(&m, matrix::lattice(range, stream), half_turn),
+                3 => matrix::special_rigid(range, stream),
+                _ => {
+                    let turn = DMat3::from_quat(matrix::rotation(stream));
+                    turned_about(&m, matrix::point(range, stream), turn)
+                }
+            };
+        }
+    }
+
+    fn admits(&self, group: &Group, words: &[u32]) -> bool {
+        // A chain of parts leaves the box of its joints: only the sort of matrix is held.
+        let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
+        group.elements().iter().all(|e| matrix::is_rigid(&matrix::read(&words[e.clone()]), &wide))
+    }
+
+    fn role(&self) -> Role {
+        Role::Moves
+    }
+
+    fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
+        let parts = arrange::bent(group.range(), group.elements().len(), view.frame);
+        for (element, part) in group.elements().iter().zip(parts) {
+            matrix::write(&part, &mut out[element.clone()]);
+        }
+    }
+
+    fn lines(&self, group: &Group, words: &[u32]) -> Vec<[[f64; 3]; 2]> {
+        let parts = group.elements().len();
+        let line = |(k, element): (usize, &std::ops::Range<usize>)| {
+            let part = matrix::read(&words[element.clone()]);
+            [k, k + 1].map(|k| part.transform_point3(arrange::joint(group.range(), k, parts)).to_array())
+        };
+        group.elements().iter().enumerate().map(line).collect()
+    }
+
+    fn simplest(&self, group: &Group, out: &mut [u32]) {
+        for element in group.elements() {
+            matrix::write(&DMat4::IDENTITY, &mut out[element.clone()]);
+        }
+    }
+
+    fn simpler(&self, group: &Group, words: &[u32], k: usize, out: &mut [u32]) -> bool {
+        Rigid.simpler(group, words, k, out)
+    }
+}

@@ -1,0 +1,191 @@
+//! The report for programs. Keys may be added; none is renamed.
+
+use serde::Serialize;
+
+use super::Summary;
+use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport};
+use judge::verdict::Reason;
+
+#[derive(Serialize)]
+struct Root<'a> {
+    status: &'static str,
+    seed: u64,
+    lanes: Vec<Lane<'a>>,
+    files: Vec<File<'a>>,
+}
+
+#[derive(Serialize)]
+struct Lane<'a> {
+    name: &'a str,
+    driver: &'a str,
+}
+
+#[derive(Serialize)]
+struct File<'a> {
+    file: &'a str,
+    errors: Vec<Error>,
+    functions: Vec<Function<'a>>,
+}
+
+#[derive(Serialize)]
+struct Error {
+    at: String,
+    code: &'static str,
+    message: String,
+}
+
+#[derive(Serialize)]
+struct Function<'a> {
+    function: &'a str,
+    at: &'a str,
+    samples: u64,
+    edges: u64,
+    not_run: Option<&'a str>,
+    inputs: Vec<Domain<'a>>,
+    textures: &'a [String],
+    max_error: f64,
+    lanes: Vec<OnLane>,
+    findings: Vec<Found<'a>>,
+}
+
+#[derive(Serialize)]
+struct Domain<'a> {
+    input: &'a str,
+    domain: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct OnLane {
+    lane: &'static str,
+    not_run: Option<String>,
+    agreed: u64,
+    deviated: u64,
+    undetermined: u64,
+    undetermined_by: serde_json::Map<String, serde_json::Value>,
+    max_ulp: f64,
+}
+
+#[derive(Serialize)]
+struct Found<'a> {
+    kind: &'static str,
+    severity: &'static str,
+    message: &'a str,
+    at: Option<&'a str>,
+    text: Option<&'a str>,
+    #[serde(rename = "macro", skip_serializing_if = "Option::is_none")]
+    expansion: Option<&'a str>,
+    lane: Option<&'static str>,
+    samples: u64,
+    counting: u64,
+    inputs: Vec<Input<'a>>,
+    output: Option<&'a str>,
+    /// As text: JSON has neither NaN nor infinity.
+    meaning: Option<String>,
+    found_bits: Option<String>,
+    condition: Option<f64>,
+    worst: Option<Worst<'a>>,
+    cause: Option<String>,
+    reproduce: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Worst<'a> {
+    error: f64,
+    inputs: Vec<Input<'a>>,
+}
+
+#[derive(Serialize)]
+struct Input<'a> {
+    name: &'a str,
+    bits: Vec<String>,
+    values: &'a [String],
+}
+
+/// The report as one object, with a line break.
+pub fn json(summary: &Summary) -> String {
+    let totals = summary.totals();
+    let root = Root {
+        status: if totals.findings + totals.broken > 0 || !summary.shortcomings().is_empty() { "fail" } else { "pass" },
+        seed: summary.seed,
+        lanes: summary.lanes.iter().map(|d| Lane { name: d.name, driver: &d.driver }).collect(),
+        files: summary
+            .files
+            .iter()
+            .map(|file| File {
+                file: &file.file,
+                errors: file
+                    .errors
+                    .iter()
+                    .map(|d| Error { at: d.file.locate(d.span.start), code: d.code.0, message: d.message.to_string() })
+                    .collect(),
+                functions: file.functions.iter().map(function).collect(),
+            })
+            .collect(),
+    };
+    // Strings, numbers and lists: there is nothing that could not be written.
+    let mut text = serde_json::to_string_pretty(&root).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+fn function(report: &FunctionReport) -> Function<'_> {
+    Function {
+        function: &report.function,
+        at: &report.at,
+        samples: report.samples,
+        edges: report.edges,
+        not_run: report.not_run.as_deref(),
+        inputs: report
+            .inputs
+            .iter()
+            .map(|(input, laws)| Domain { input, domain: laws.iter().map(ToString::to_string).collect() })
+            .collect(),
+        textures: &report.textures,
+        max_error: report.max_error,
+        lanes: report.lanes.iter().map(on_lane).collect(),
+        findings: report.findings.iter().map(found).collect(),
+    }
+}
+
+fn on_lane(lane: &LaneReport) -> OnLane {
+    let v = &lane.verdicts;
+    let reasons = Reason::ALL.iter().zip(v.undetermined);
+    let reasons = reasons.filter(|(reason, n)| **reason != Reason::Undefined || *n > 0);
+    OnLane {
+        lane: lane.lane,
+        not_run: lane.not_run.clone(),
+        agreed: v.agreed,
+        deviated: v.deviated,
+        undetermined: v.undetermined_count(),
+        undetermined_by: reasons.map(|(reason, n)| (reason.name().to_owned(), n.into())).collect(),
+        max_ulp: v.max_ulp,
+    }
+}
+
+fn found(finding: &Finding) -> Found<'_> {
+    let place = finding.place.as_ref();
+    Found {
+        kind: finding.kind.name(),
+        severity: finding.severity.name(),
+        message: &finding.message,
+        at: place.map(|place| place.at.as_str()),
+        text: place.map(|place| place.text.as_str()),
+        expansion: place.and_then(|place| place.expansion.as_deref()),
+        lane: finding.lane,
+        samples: finding.count,
+        counting: finding.counting,
+        inputs: inputs(&finding.inputs),
+        output: finding.output.as_deref(),
+        meaning: finding.meaning.map(|m| format!("{m:?}")),
+        found_bits: finding.found.map(|b| format!("{b:08x}")),
+        condition: finding.condition,
+        worst: finding.worst.as_ref().map(|(error, worst)| Worst { error: *error, inputs: inputs(worst) }),
+        cause: finding.diagnosis.as_ref().and_then(|d| d.origin.as_ref()).map(ToString::to_string),
+        reproduce: finding.reproduce.as_deref(),
+    }
+}
+
+fn inputs(values: &[InputValue]) -> Vec<Input<'_>> {
+    let input = |input: &'_ InputValue| input.bits.iter().map(|b| format!("{b:08x}")).collect();
+    values.iter().map(|value| Input { name: &value.name, bits: input(value), values: &value.decimal }).collect()
+}

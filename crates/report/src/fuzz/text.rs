@@ -1,0 +1,195 @@
+//! The report for people: a line for each function, then what was found.
+
+use std::fmt::Write as _;
+
+use super::{FileReport, Summary};
+use crate::diagnostics;
+use base::diagnostic::Lang;
+use base::value::F32Bits;
+use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport, Severity};
+use judge::verdict::diagnosis::Place;
+
+/// Colours of a terminal; empty strings elsewhere.
+struct Style {
+    good: &'static str,
+    bad: &'static str,
+    weak: &'static str,
+    bold: &'static str,
+    off: &'static str,
+}
+
+impl Style {
+    fn new(color: bool) -> Self {
+        if color {
+            Self { good: "\u{1b}[32m", bad: "\u{1b}[31m", weak: "\u{1b}[33m", bold: "\u{1b}[1m", off: "\u{1b}[0m" }
+        } else {
+            Self { good: "", bad: "", weak: "", bold: "", off: "" }
+        }
+    }
+}
+
+/// One line for a function, with its line break.
+pub fn line(function: &FunctionReport, color: bool) -> String {
+    let style = Style::new(color);
+    let (mark, paint, text) = match &function.not_run {
+        Some(why) => ("--  ", style.weak, format!("not run: {why}")),
+        None => {
+            let (mark, paint) = if function.fails() { ("FAIL", style.bad) } else { ("ok  ", style.good) };
+            let counted = [
+                (Severity::Finding, "finding", "findings"),
+                (Severity::Warning, "warning", "warnings"),
+                (Severity::Note, "note", "notes"),
+            ];
+            let mut parts = vec![format!("{} samples", function.samples)];
+            for (severity, one, many) in counted {
+                match function.of(severity).count() {
+                    0 => {}
+                    1 => parts.push(format!("1 {one}")),
+                    n => parts.push(format!("{n} {many}")),
+                }
+            }
+            parts.extend(function.lanes.iter().map(on_lane));
+            (mark, paint, parts.join("  "))
+        }
+    };
+    format!("{paint}{mark}{}  {:<20} {text}\n", style.off, function.function)
+}
+
+fn on_lane(lane: &LaneReport) -> String {
+    if let Some(why) = &lane.not_run {
+        return format!("{}: not run: {why}", lane.lane);
+    }
+    let v = &lane.verdicts;
+    let mut text = format!("{} {} agreed", lane.lane, v.agreed);
+    for (n, what) in [(v.deviated, "deviated"), (v.undetermined_count(), "undetermined")] {
+        if n > 0 {
+            let _ = write!(text, ", {n} {what}");
+        }
+    }
+    text
+}
+
+/// What was found in the functions of a file, the worst first in each; notes only when `notes` says so.
+pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
+    let mut text = String::new();
+    for diagnostic in &file.errors {
+        text.push('\n');
+        text.push_str(&diagnostics::text(diagnostic, Lang::En, color));
+    }
+    for function in &file.functions {
+        let mut shown = false;
+        for finding in function.findings.iter().filter(|f| notes || f.severity != Severity::Note) {
+            one(&mut text, &function.function, finding, color);
+            shown = true;
+        }
+        if shown && !function.textures.is_empty() {
+            let _ = writeln!(text, "\nnote: textures of {}: {}", function.function, function.textures.join("; "));
+        }
+        if !function.first_of_dispatch.is_empty() {
+            let zeros = function.first_of_dispatch.join("`, `");
+            let _ = writeln!(
+                text,
+                "\nnote: {} is run as the first invocation of a dispatch, alone: `{zeros}` = 0 in every sample",
+                function.function
+            );
+        }
+    }
+    text
+}
+
+fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
+    let style = Style::new(color);
+    let severity = match finding.severity {
+        Severity::Finding => "",
+        Severity::Warning => "warning: ",
+        Severity::Note => "note: ",
+    };
+    let on = finding.lane.map_or_else(String::new, |lane| format!(" on {lane}"));
+    let _ = writeln!(text, "\n{}{severity}{function}{on}: {}{}", style.bold, finding.message, style.off);
+    if let Some(Place { at, text: source, expansion, line: _ }) = &finding.place {
+        let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
+        let _ = writeln!(text, "  at         {at}: `{source}`{expanded}");
+    }
+    if finding.count > 0 {
+        let counting = match finding.counting {
+            _ if finding.lane.is_some() => String::new(),
+            0 => ", all of them with inputs beyond the moderate".to_owned(),
+            n if n == finding.count => String::new(),
+            n => format!(", {n} of them with moderate or stated inputs"),
+        };
+        let _ = writeln!(text, "  samples    {}{counting}", finding.count);
+    }
+    let mut label = "smallest";
+    for input in &finding.inputs {
+        let _ = writeln!(text, "  {label:<10} {} = {}", input.name, values(input));
+        label = "";
+    }
+    if let Some((error, inputs)) = &finding.worst {
+        let all: Vec<String> = inputs.iter().map(|input| format!("{} = {}", input.name, values(input))).collect();
+        let _ = writeln!(text, "  worst      relative error {error:.1e}: {}", all.join("; "));
+    }
+    if let (Some(output), Some(found), Some(lane)) = (&finding.output, finding.found, finding.lane) {
+        let _ = writeln!(text, "  {lane:<10} {output} = {:?}", F32Bits(found));
+    }
+    if let Some(diagnosis) = &finding.diagnosis {
+        if let Some(origin) = &diagnosis.origin {
+            let _ = writeln!(text, "  cause      {origin}");
+        }
+        if let Some(divergence) = &diagnosis.divergence {
+            let _ = writeln!(text, "  parts at   {divergence}");
+        }
+    }
+    if let Some(command) = &finding.reproduce {
+        let _ = writeln!(text, "  reproduce  {command}");
+    }
+}
+
+/// Values of an input that are shown; the command has all of them.
+const SHOWN: usize = 16;
+
+fn values(input: &InputValue) -> String {
+    let identity = match input.bits.len() {
+        4 => 2,
+        9 => 3,
+        16 => 4,
+        _ => 0,
+    };
+    let one = |k: usize| k.is_multiple_of(identity + 1);
+    let is = |(k, &b): (usize, &u32)| b == if one(k) { 1.0_f32.to_bits() } else { 0 };
+    if identity > 0 && input.name.starts_with("mat") && input.bits.iter().enumerate().all(is) {
+        return "identity".to_owned();
+    }
+    let rest = input.decimal.len().saturating_sub(SHOWN);
+    let shown = input.decimal.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    if rest == 0 { shown } else { format!("{shown}, … ({rest} more)") }
+}
+
+/// The last lines: lanes that were missing, what was not told, and everything counted.
+pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
+    let style = Style::new(color);
+    let mut text = String::new();
+    for (name, missing) in &summary.unavailable {
+        let _ = writeln!(text, "note: lane `{name}` cannot be had: {missing}");
+    }
+    let totals = summary.totals();
+    if totals.notes > 0 && !notes {
+        let many = if totals.notes == 1 { "1 note is".to_owned() } else { format!("{} notes are", totals.notes) };
+        let _ =
+            writeln!(text, "note: {many} left out: they are about inputs that may never come; `--notes` shows them");
+    }
+    if totals.findings > 0 {
+        let _ = writeln!(
+            text,
+            "help: inputs that never come are left out by a comment before the function, `// shadercheck: x in [0, 1]`, or by `--domain x=[0,1]`"
+        );
+    }
+    let failed = totals.findings + totals.broken > 0;
+    let (word, paint) = if failed { ("fail", style.bad) } else { ("ok", style.good) };
+    let broken = if totals.broken == 0 { String::new() } else { format!(", {} files do not compile", totals.broken) };
+    let _ = writeln!(
+        text,
+        "{paint}{word}{}: {} functions run, {} not run, {} findings, {} warnings{broken}",
+        style.off, totals.run, totals.not_run, totals.findings, totals.warnings
+    );
+    text
+}

@@ -1,0 +1,247 @@
+//! A finding with all that is known about it.
+
+use std::fmt::Write;
+
+use super::escape::{Escaped, Message, count, number};
+use base::value::{F32Bits, Scalar};
+use engine::suite::run::{Case, Finding, FindingKind, Report};
+use judge::verdict::diagnosis::{Diagnosis, Divergence, Fault, Stand};
+use judge::verdict::{Blame, Deviation, Value};
+
+/// Whose fault a finding is, in a word or two.
+pub(super) fn who(finding: &Finding, lane: &str) -> String {
+    let blame = finding.case.as_ref().and_then(|case| case.deviation.as_ref()).map(|deviation| deviation.blame);
+    match (finding.kind, blame) {
+        (FindingKind::Deviation, Some(Blame::Shader)) | (FindingKind::Undefined, _) => "The shader".to_owned(),
+        (FindingKind::Deviation, _) => format!("The lane {lane}"),
+        (FindingKind::Relation, _) => "A relation".to_owned(),
+        (FindingKind::Translation, _) => "A translation".to_owned(),
+        (FindingKind::Coverage, _) => "Not drawn".to_owned(),
+        (FindingKind::Floor, _) => "Too little judged".to_owned(),
+        (FindingKind::Vacuous, _) => "Nothing tested".to_owned(),
+        (FindingKind::Quality, _) => "Lane quality".to_owned(),
+        (FindingKind::VacuousBound, _) => "Wide bounds".to_owned(),
+        (FindingKind::Range, _) => "Range".to_owned(),
+        (FindingKind::RoundedLiteral, _) => "A rounded constant".to_owned(),
+        (FindingKind::Flaky, _) => format!("The lane {lane}, which is flaky"),
+        (FindingKind::UnexpectedPass, _) => "A ledger".to_owned(),
+    }
+}
+
+/// Whose fault the deviations of a lane are, in a few words, where they are the fault of one part.
+pub(super) fn blamed(report: &Report) -> Option<String> {
+    let wrong = |finding: &&Finding| matches!(finding.kind, FindingKind::Deviation | FindingKind::Undefined);
+    let deviations = report.findings.iter().filter(wrong);
+    let mut faults: Vec<String> = deviations.filter_map(fault).collect();
+    faults.dedup();
+    match &faults[..] {
+        [] => None,
+        [one] => Some(one.clone()),
+        [_, ..] => Some("more than one".to_owned()),
+    }
+}
+
+fn fault(finding: &Finding) -> Option<String> {
+    let case = finding.case.as_ref()?;
+    if finding.kind == FindingKind::Undefined {
+        return Some("the shader".to_owned());
+    }
+    if case.deviation.as_ref()?.blame == Blame::Shader {
+        return Some("the shader".to_owned());
+    }
+    Some(match &case.diagnosis.hearing.as_ref()?.fault {
+        Fault::Executor { executor, .. } => format!("executor {executor}"),
+        Fault::Translator { front_end, .. } => format!("translator {front_end}"),
+        Fault::Either { executor, front_end } => format!("executor {executor} or translator {front_end}"),
+        Fault::Pair { executor, front_end } => format!("{executor} with {front_end}"),
+        Fault::OneGroup { executor, front_end } => format!("{executor}, {front_end} or our bound"),
+        Fault::Everyone { .. } => "our own meaning or bound, perhaps".to_owned(),
+        Fault::Mixed { .. } => "no single part".to_owned(),
+        Fault::Position { executor, .. } => format!("memory or readback of {executor}"),
+        Fault::Unsteady { executor, front_end } => format!("chance in {executor} or {front_end}"),
+        Fault::Shader => "the shader".to_owned(),
+    })
+}
+
+/// How often a finding shows, where that is counted.
+pub(super) fn how_many(finding: &Finding) -> Option<String> {
+    let unit = match finding.kind {
+        FindingKind::Coverage => ["segment", "segments"],
+        FindingKind::Floor | FindingKind::Vacuous | FindingKind::VacuousBound | FindingKind::UnexpectedPass => {
+            return None;
+        }
+        FindingKind::Deviation
+        | FindingKind::Undefined
+        | FindingKind::Relation
+        | FindingKind::Translation
+        | FindingKind::Quality
+        | FindingKind::Range
+        | FindingKind::RoundedLiteral
+        | FindingKind::Flaky => ["sample", "samples"],
+    };
+    let unit = unit[usize::from(finding.count != 1)];
+    (finding.count > 0).then(|| format!("{} {unit}", count(finding.count)))
+}
+
+/// A finding, with a name of its own for what can be copied.
+pub(super) fn finding(text: &mut String, finding: &Finding, lane: &str, name: &str) {
+    let class = if finding.kind.is_warning() { " warning" } else { "" };
+    let _ = write!(
+        text,
+        "<section class=\"finding{class}\"><h4>{}</h4><p>{}</p>",
+        Escaped(who(finding, lane)),
+        Message(&finding.message)
+    );
+    if let Some(many) = how_many(finding) {
+        let _ = write!(text, "<p class=\"quiet\">{many}</p>");
+    }
+    if let Some(case) = &finding.case {
+        sides(text, case);
+        because(text, &case.diagnosis);
+        inputs(text, case);
+    }
+    if let Some(command) = &finding.reproduce {
+        if let Some((_, line)) = command.split_once("--case '") {
+            copied(text, "Inputs as bits", &format!("{name}-inputs"), line.trim_end_matches('\''));
+        }
+        copied(text, "Run it again", &format!("{name}-command"), command);
+    }
+    text.push_str("</section>\n");
+}
+
+/// Text with a button that copies it.
+pub(super) fn copied(text: &mut String, title: &str, name: &str, content: &str) {
+    let _ = write!(
+        text,
+        "<h5>{title}</h5><div class=\"copy\"><code id=\"{0}\">{1}</code>\
+         <button type=\"button\" data-copy=\"{0}\">Copy</button></div>",
+        Escaped(name),
+        Escaped(content)
+    );
+}
+
+/// The component that deviates, on all sides.
+fn sides(text: &mut String, case: &Case) {
+    let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?))) else { return };
+    let Value { component, vertex, expected, meaning, actual, scalar, bound } = value;
+    let on = vertex.map_or_else(String::new, |vertex| format!(" of vertex {vertex}"));
+    let _ = write!(text, "<h5>{}{on}</h5><table>", Escaped(component));
+    let mut row = |side: &str, shown: String| {
+        let _ =
+            write!(text, "<tr><th scope=\"row\">{}</th><td class=\"mono\">{}</td></tr>", Escaped(side), Escaped(shown));
+    };
+    if let Some(expected) = expected {
+        row(if case.against == "expectation" { "expected" } else { &case.against }, format!("{expected:?}"));
+    }
+    let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
+    row("shader means", format!("{meaning:?}{allowed}"));
+    if *scalar == Scalar::F32 {
+        let bits = F32Bits(*actual);
+        row("lane gave", format!("{bits}   0x{actual:08x}   {}", bits.to_hex_float()));
+        if let Some(off) = off(deviation, value) {
+            row("off by", off);
+        }
+    } else {
+        row("lane gave", format!("0x{actual:08x}"));
+    }
+    text.push_str("</table>");
+}
+
+/// How far the side to blame is off.
+fn off(deviation: &Deviation, value: &Value) -> Option<String> {
+    let found = match deviation.blame {
+        Blame::Shader => value.meaning,
+        Blame::Lane => f64::from(f32::from_bits(value.actual)),
+    };
+    let target = deviation.target(value);
+    let off = (found - target).abs();
+    let ulp = off / base::value::ulp_at(target);
+    let times = match deviation.blame {
+        Blame::Lane if value.bound > 0.0 => format!(", {} times what is allowed", number(off / value.bound)),
+        Blame::Lane | Blame::Shader => String::new(),
+    };
+    off.is_finite().then(|| format!("{}, {} ULP{times}", number(off), number(ulp)))
+}
+
+/// Where a deviation comes from.
+fn because(text: &mut String, diagnosis: &Diagnosis) {
+    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position: _, hearing } = diagnosis;
+    let reasons = literals.iter().map(ToString::to_string).chain(no_value.iter().map(ToString::to_string));
+    let reasons: Vec<String> = reasons.chain(origin.iter().map(ToString::to_string)).collect();
+    if !reasons.is_empty() {
+        text.push_str("<h5>Because</h5>");
+        for reason in reasons {
+            let _ = write!(text, "<div>{}</div>", Message(reason));
+        }
+    }
+    if let (Some(written), None) = (written, divergence) {
+        let _ = write!(text, "<h5>Written at</h5><div>{}</div>", Message(written));
+    }
+    if let Some(hearing) = hearing {
+        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Message(hearing.fault.to_string()));
+        for stand in Stand::ALL {
+            let lanes = hearing.with(stand);
+            if !lanes.is_empty() {
+                let _ = write!(text, "<div class=\"mono\">{}: {}</div>", stand.name(), Escaped(lanes.join(", ")));
+            }
+        }
+    }
+    let Some(Divergence { place, args, meaning, bound, actual, condition, path }) = divergence else { return };
+    let _ = write!(text, "<h5>Where lane and shader part first</h5><table>");
+    let mut row = |side: &str, shown: String| {
+        let _ = write!(text, "<tr><th scope=\"row\">{side}</th><td class=\"mono\">{}</td></tr>", Escaped(shown));
+    };
+    row("operation", place.to_string());
+    if *path {
+        row("lane", "goes another way here".to_owned());
+    } else {
+        if !args.is_empty() {
+            row("arguments", args.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", "));
+        }
+        row("means", format!("{meaning:?} ± {bound:.1e}"));
+        row("lane has", format!("{:?}", F32Bits(*actual)));
+        if condition.is_finite() {
+            row("condition number", number(*condition));
+        }
+    }
+    text.push_str("</table>");
+}
+
+/// Words of an input that are shown; the command has all.
+const SHOWN: usize = 16;
+
+fn inputs(text: &mut String, case: &Case) {
+    let title = if case.tried > 0 { "Smallest inputs that show it" } else { "Inputs" };
+    let _ = write!(text, "<h5>{title}</h5><table>");
+    for input in &case.inputs {
+        let shown = if is_identity(&input.name, &input.bits) {
+            "identity".to_owned()
+        } else {
+            let more = input.decimal.len().saturating_sub(SHOWN);
+            let rest = if more > 0 { format!(", … {more} more") } else { String::new() };
+            format!("{}{rest}", input.decimal[..input.decimal.len().min(SHOWN)].join(", "))
+        };
+        let _ = write!(
+            text,
+            "<tr><th scope=\"row\" class=\"mono\">{}</th><td class=\"mono\">{}</td></tr>",
+            Escaped(&input.name),
+            Escaped(shown)
+        );
+    }
+    text.push_str("</table>");
+    if case.tried > 0 {
+        let _ = write!(text, "<p class=\"quiet\">Shrunk in {} rounds from {} candidates.</p>", case.rounds, case.tried);
+    }
+}
+
+/// True for the words of an identity matrix.
+fn is_identity(name: &str, bits: &[u32]) -> bool {
+    let size = match bits.len() {
+        4 => 2,
+        9 => 3,
+        16 => 4,
+        _ => return false,
+    };
+    let one = |k: usize| if k.is_multiple_of(size + 1) { 1.0_f32.to_bits() } else { 0 };
+    name.starts_with("mat") && bits.iter().enumerate().all(|(k, &b)| b == one(k))
+}

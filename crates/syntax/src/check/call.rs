@@ -1,0 +1,464 @@
+//! Calls: constructors, functions of the shader, built-in functions.
+
+use super::super::ast::{Callee, ExprId, Ident, ItemKind};
+use super::super::builtin::{self, Signature};
+use super::super::constructor::{Constructor, Fit};
+use super::super::errors;
+use super::super::fold::{self, Const};
+use super::super::language::{Feature, Language};
+use super::super::names::nearest;
+use super::super::symbols::{CallTarget, Direction, FunctionId};
+use super::super::types::{ArraySize, Conversions, OpaqueKind, ScalarType, Type};
+use super::expression::{article, with_near};
+use super::{Checker, Entry};
+use base::diagnostic::message;
+use base::text::Span;
+
+/// A function that may be meant.
+struct Candidate {
+    params: Vec<(Direction, Type)>,
+    result: Type,
+    user: Option<FunctionId>,
+}
+
+impl Checker<'_> {
+    pub(super) fn call(&mut self, id: ExprId, callee: &Callee, args: &[ExprId]) -> (Type, Option<Const>) {
+        match callee {
+            Callee::Type(spec) => {
+                let base = self.named_type(&spec.kind, spec.name_span);
+                let mut ty = base;
+                for dim in spec.dims.iter().rev() {
+                    let size = dim.size.map_or(ArraySize::Unsized, |size| self.size_value(size));
+                    ty = Type::Array(std::sync::Arc::new(ty), size);
+                }
+                self.constructor(id, ty, spec.span, args)
+            }
+            Callee::Name(name) => match self.lookup(&name.name) {
+                Some(Entry::Structure(s)) => {
+                    let ty = Type::Struct(std::sync::Arc::clone(s));
+                    self.constructor(id, ty, name.span, args)
+                }
+                // Functions have names of their own in the first version.
+                Some(Entry::Variable(_))
+                    if self.language.number() == 110 && self.functions.contains_key(&name.name) =>
+                {
+                    self.function_call(id, name, args)
+                }
+                // A variable of a subroutine type, or of one that is not known.
+                Some(Entry::Variable(v)) if self.out.symbols[v.index()].ty.is_error() => (Type::Error, None),
+                Some(Entry::Variable(_)) => {
+                    let message = format!("`{}` is a variable and cannot be called", name.name);
+                    self.sink.error(errors::UNKNOWN_FUNCTION, name.span, message, "called here");
+                    (Type::Error, None)
+                }
+                None => self.function_call(id, name, args),
+            },
+        }
+    }
+
+    fn constructor(&mut self, id: ExprId, ty: Type, span: Span, args: &[ExprId]) -> (Type, Option<Const>) {
+        let types: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
+        let ty = match ty {
+            // `float[](a, b)` has as many elements as arguments.
+            Type::Array(element, ArraySize::Unsized) => {
+                let n = u32::try_from(args.len()).unwrap_or(u32::MAX);
+                let element = match (element.as_ref(), types.first()) {
+                    // The same for inner dimensions.
+                    (Type::Array(_, ArraySize::Unsized), Some(first @ Type::Array(..))) => first.clone().into(),
+                    _ => element,
+                };
+                Type::Array(element, ArraySize::Known(n))
+            }
+            other => other,
+        };
+        self.out.calls[id.index()] = Some(CallTarget::Constructor(ty.clone()));
+        if matches!(ty, Type::Array(..)) {
+            self.need(Feature::StructArrayConstructors, span);
+        }
+        let good = match &ty {
+            Type::Error => false,
+            // Vulkan makes a sampler of a texture and a plain sampler.
+            Type::Opaque(_) if self.language.is_open() => true,
+            Type::Void | Type::Opaque(_) => {
+                let message = format!("{} `{ty}` cannot be constructed", article(&ty));
+                self.sink.error(errors::CONSTRUCTOR, span, message, "no constructor");
+                false
+            }
+            Type::Scalar(_) | Type::Vector(..) | Type::Matrix(..) => {
+                let mut good = true;
+                for (arg, arg_ty) in args.iter().zip(&types) {
+                    if arg_ty.components().is_none() && !arg_ty.is_error() {
+                        let message = format!(
+                            "{} `{arg_ty}` has no components to build {} `{ty}` from",
+                            article(arg_ty),
+                            article(&ty)
+                        );
+                        let label = format!("this is {} `{arg_ty}`", article(arg_ty));
+                        self.sink.error(errors::CONSTRUCTOR, self.arena.get(*arg).span, message, label);
+                        good = false;
+                    }
+                }
+                good && self.matrix_rules(&ty, args, &types)
+                    && match Constructor::new(&ty, &types).fit {
+                        Fit::Fits | Fit::Unknown => true,
+                        Fit::TooMany { first_extra } => {
+                            self.too_many(&ty, span, first_extra, args, &types);
+                            false
+                        }
+                        Fit::TooFew { given } => {
+                            self.too_few(&ty, span, given);
+                            false
+                        }
+                    }
+            }
+            Type::Struct(s) => {
+                let fields: Vec<Type> = s.fields.iter().map(|f| f.ty.clone()).collect();
+                self.elements(&ty, span, &fields, args, &types, "members")
+            }
+            Type::Array(element, size) => {
+                let n = match size {
+                    ArraySize::Known(n) => usize::try_from(*n).unwrap_or(usize::MAX),
+                    ArraySize::Unsized | ArraySize::Unknown => args.len(),
+                };
+                if args.len() == n {
+                    let wanted = vec![element.as_ref().clone(); n];
+                    self.elements(&ty, span, &wanted, args, &types, "elements")
+                } else {
+                    self.count(&ty, span, n, args.len(), "elements");
+                    false
+                }
+            }
+        };
+        if !good {
+            return (Type::Error, None);
+        }
+        let value = match args {
+            [one] => self.value_of(*one).and_then(|v| fold::convert(v, &ty)),
+            _ => None,
+        };
+        (ty, value)
+    }
+
+    /// The arguments of a constructor from `first` on give nothing.
+    fn too_many(&mut self, ty: &Type, span: Span, first: usize, args: &[ExprId], types: &[Type]) {
+        // What depends on something unknown stays silent.
+        let given: Option<Vec<usize>> = types.iter().map(Type::components).collect();
+        let (Some(given), [.., last]) = (given, args) else { return };
+        let (needs, given) = (ty.components().unwrap_or_default(), given.iter().sum::<usize>());
+        let surplus = self.arena.get(args[first]).span.to(self.arena.get(*last).span);
+        let has = if needs == 1 { "1 component".to_owned() } else { format!("{needs} components") };
+        let file = self.sink.file.clone();
+        let d = self
+            .sink
+            .start(
+                errors::TOO_MANY,
+                span,
+                message!(
+                    "`{ty}` has {has}, but is given {given}",
+                    "`{ty}` の成分は {needs} 個ですが、{given} 個与えられています"
+                ),
+            )
+            .with_label(message!("makes a `{ty}`", "`{ty}` を作る"))
+            .with_related(&file, surplus, message!("too many", "余分です"))
+            .with_why(message!(
+                "a constructor takes no argument behind the last component that it needs: the shader does not compile",
+                "コンストラクタは、必要な最後の成分より後ろの引数を受け取りません。このシェーダはコンパイルできません",
+            ))
+            .with_help(message!(
+                "give {has}, or construct a larger type",
+                "成分を {needs} 個にするか、より大きい型にしてください"
+            ));
+        self.sink.push(d);
+    }
+
+    fn too_few(&mut self, ty: &Type, span: Span, given: usize) {
+        let needs = ty.components().unwrap_or(0);
+        let d = self
+            .sink
+            .start(
+                errors::TOO_FEW,
+                span,
+                message!(
+                    "`{ty}` needs {needs} components, but gets {given}",
+                    "`{ty}` には {needs} 成分が必要ですが、{given} 成分しかありません"
+                ),
+            )
+            .with_label(message!("components are missing", "成分が足りません"))
+            .with_why(message!(
+                "a constructor takes one scalar, or as many components as the type has",
+                "コンストラクタの引数は、スカラ一つか、型の成分数ちょうどです"
+            ))
+            .with_help(message!("give all {needs} components", "{needs} 成分を全て書いてください"));
+        self.sink.push(d);
+    }
+
+    /// Matrices among the arguments of a constructor.
+    fn matrix_rules(&mut self, ty: &Type, args: &[ExprId], types: &[Type]) -> bool {
+        if !matches!(ty, Type::Matrix(..)) {
+            return true;
+        }
+        let Some(at) = types.iter().position(|t| matches!(t, Type::Matrix(..))) else { return true };
+        let span = self.arena.get(args[at]).span;
+        if types.len() > 1 {
+            let message = message!(
+                "a matrix made of a matrix takes no other argument",
+                "行列から行列を作るときは引数を一つだけ書きます"
+            );
+            self.sink.error(errors::CONSTRUCTOR, span, message, message!("this is a matrix", "これは行列"));
+            return false;
+        }
+        if !self.language.at_least(120, 300) {
+            let since = (120, 300, [].as_slice());
+            self.lacks(message!("a matrix made of a matrix", "行列から作る行列"), since, span);
+        }
+        true
+    }
+
+    fn count(&mut self, ty: &Type, span: Span, wanted: usize, given: usize, what: &str) {
+        let message = format!("`{ty}` has {wanted} {what}, but {given} are given");
+        self.sink.error(errors::CONSTRUCTOR, span, message, "this constructor");
+    }
+
+    /// Arguments of a structure's or array's constructor, one for each member or element.
+    fn elements(
+        &mut self,
+        ty: &Type,
+        span: Span,
+        wanted: &[Type],
+        args: &[ExprId],
+        types: &[Type],
+        what: &str,
+    ) -> bool {
+        if wanted.len() != args.len() {
+            self.count(ty, span, wanted.len(), args.len(), what);
+            return false;
+        }
+        for ((wanted, arg), given) in wanted.iter().zip(args).zip(types) {
+            if !self.conversions.allow(given, wanted) {
+                let message =
+                    format!("{} `{given}` stands where `{ty}` needs {} `{wanted}`", article(given), article(wanted));
+                let label = format!("this is {} `{given}`", article(given));
+                self.sink.error(errors::CONSTRUCTOR, self.arena.get(*arg).span, message, label);
+                return false;
+            }
+            self.implicit(*arg, given, wanted);
+        }
+        true
+    }
+
+    fn function_call(&mut self, id: ExprId, name: &Ident, args: &[ExprId]) -> (Type, Option<Const>) {
+        let types: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
+        let user = self.functions.get(&name.name).cloned().unwrap_or_default();
+        let mut candidates: Vec<Candidate> = user
+            .iter()
+            .map(|f| {
+                let info = &self.out.functions[f.index()];
+                let params = info.params.iter().map(|p| (p.direction, p.ty.clone())).collect();
+                Candidate { params, result: info.return_type.clone(), user: Some(*f) }
+            })
+            .collect();
+        // The shader's own functions come first: they may replace built-in ones.
+        let mut best = best(&candidates, &types, self.conversions);
+        if best.is_none() {
+            let built_in = builtin::functions(&name.name);
+            let absent = builtin::function_absent(&name.name, self.stage, &self.language);
+            if let Some(why) = absent.filter(|_| candidates.is_empty() && !built_in.is_empty()) {
+                self.absent(&name.name, name.span, why);
+                return (Type::Error, None);
+            }
+            let language = self.language.clone();
+            let fragment = matches!(self.stage, super::super::Stage::Fragment | super::super::Stage::Library);
+            let built_in =
+                built_in.iter().filter(|s| absent.is_none() && available(&name.name, s, &language, fragment));
+            candidates.extend(built_in.map(|Signature { params, result, bias: _ }| Candidate {
+                params: params.clone(),
+                result: result.clone(),
+                user: None,
+            }));
+            best = self::best(&candidates, &types, self.conversions);
+        }
+        if candidates.is_empty() {
+            self.unknown_function(name);
+            return (Type::Error, None);
+        }
+        let Some((index, certain)) = best else {
+            self.no_overload(name, &candidates, &types);
+            return (Type::Error, None);
+        };
+        let Candidate { params, result, user } = candidates.swap_remove(index);
+        for ((direction, wanted), arg) in params.iter().zip(args) {
+            if *direction == Direction::In {
+                self.implicit(*arg, &self.type_of(*arg).clone(), wanted);
+            } else {
+                self.assignable(*arg);
+            }
+        }
+        if let (Some(callee), Some((caller, _))) = (user, &self.current) {
+            self.calls.push((*caller, callee, name.span));
+        }
+        let value = match user {
+            None => {
+                let values: Option<Vec<Const>> = args.iter().map(|a| self.value_of(*a)).collect();
+                values.and_then(|v| fold::call(&name.name, &v)).filter(|v| v.ty() == result)
+            }
+            Some(_) => None,
+        };
+        self.out.calls[id.index()] = Some(match user {
+            Some(f) => CallTarget::User(f),
+            None => CallTarget::Builtin(params.into_iter().map(|p| p.0).collect()),
+        });
+        (if certain { result } else { Type::Error }, value)
+    }
+
+    fn unknown_function(&mut self, name: &Ident) {
+        if let Some(since) = builtin::type_since(&name.name) {
+            let text = &name.name;
+            return self.lacks(message!("`{text}`", "`{text}` "), since, name.span);
+        }
+        if self.language.is_open() || !self.first_time(&name.name) {
+            return;
+        }
+        let message = format!("function `{}` is not declared", name.name);
+        let d = self.sink.start(errors::UNKNOWN_FUNCTION, name.span, message).with_label("unknown function");
+        let below = self.unit.items.iter().find_map(|item| match &item.kind {
+            ItemKind::Function(f) if f.name.name == name.name => Some(f.name.span),
+            _ => None,
+        });
+        if let Some(span) = below {
+            let file = self.sink.file.clone();
+            let d = d.with_related(&file, span, "it is defined here");
+            self.sink.push(
+                d.with_help("a function must be declared before it is called: move it up, or put a prototype there"),
+            );
+            return;
+        }
+        let mut known: Vec<&str> = self.functions.keys().map(String::as_str).collect();
+        for name in builtin::function_names() {
+            known.push(name);
+        }
+        known.extend(["vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "float", "int", "uint"]);
+        known.sort_unstable();
+        let near = nearest(&name.name, known).map(str::to_owned);
+        self.sink.push(with_near(d, near));
+    }
+
+    fn no_overload(&mut self, name: &Ident, candidates: &[Candidate], types: &[Type]) {
+        let list =
+            |types: &mut dyn Iterator<Item = &Type>| types.map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        let given = list(&mut types.iter());
+        let mut arities: Vec<usize> = candidates.iter().map(|c| c.params.len()).collect();
+        arities.sort_unstable();
+        arities.dedup();
+        let same: Vec<&Candidate> = candidates.iter().filter(|c| c.params.len() == types.len()).collect();
+        let message = if same.is_empty() {
+            let counts = arities.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+            let plural = if arities == [1] { "" } else { "s" };
+            format!("`{}` takes {counts} argument{plural}, not {}", name.name, types.len())
+        } else {
+            format!("`{}` does not take ({given})", name.name)
+        };
+        // The closest ones: those with the most arguments that fit.
+        let mut close: Vec<(usize, String)> = same
+            .iter()
+            .map(|c| {
+                let fitting = c.params.iter().zip(types).filter(|((_, p), t)| self.conversions.allow(t, p)).count();
+                (fitting, list(&mut c.params.iter().map(|p| &p.1)))
+            })
+            .collect();
+        close.sort_by_key(|c| std::cmp::Reverse(c.0));
+        let shown: Vec<String> = close.iter().take(3).map(|c| format!("({})", c.1)).collect();
+        let d = self.sink.start(errors::NO_OVERLOAD, name.span, message).with_label(format!("called with ({given})"));
+        self.sink.push(if shown.is_empty() { d } else { d.with_help(format!("it takes {}", shown.join(" or "))) });
+    }
+}
+
+/// The candidate that needs the fewest conversions, the first one of equals, and whether its
+/// result is certain: with arguments of unknown type several may fit.
+fn best(candidates: &[Candidate], types: &[Type], rules: Conversions) -> Option<(usize, bool)> {
+    let unknown = types.iter().any(Type::is_error);
+    let mut found: Option<(u32, usize)> = None;
+    let mut certain = true;
+    for (i, candidate) in candidates.iter().enumerate() {
+        if candidate.params.len() != types.len() {
+            continue;
+        }
+        let costs = candidate.params.iter().zip(types).map(|((direction, param), given)| match direction {
+            Direction::In => cost(given, param, rules),
+            Direction::Out => cost(param, given, rules),
+            Direction::InOut => cost(given, param, rules).filter(|c| *c == 0),
+        });
+        let Some(total) = costs.sum::<Option<u32>>() else { continue };
+        match found {
+            Some((least, at)) => {
+                if unknown && candidates[at].result != candidate.result {
+                    certain = false;
+                }
+                if total < least {
+                    found = Some((total, i));
+                }
+            }
+            None => found = Some((total, i)),
+        }
+    }
+    found.map(|(_, i)| (i, certain))
+}
+
+/// True when the version has this form of a built-in function: those on unsigned integers, on `double`,
+/// and some on integers came later than the function itself.
+fn available(name: &str, signature: &Signature, language: &Language, fragment: bool) -> bool {
+    if language.is_open() {
+        return true;
+    }
+    let uses = |wanted: ScalarType| {
+        let is = |t: &Type| {
+            t.scalar() == Some(wanted)
+                || matches!(t, Type::Opaque(o) if o.scalar == wanted && o.kind != OpaqueKind::AtomicCounter)
+        };
+        signature.params.iter().any(|p| is(&p.1)) || is(&signature.result)
+    };
+    if uses(ScalarType::Double) && !language.has(Feature::Doubles) {
+        return false;
+    }
+    if uses(ScalarType::Uint) && !language.has(Feature::UnsignedIntegers) {
+        return false;
+    }
+    if signature.bias && !fragment {
+        return false;
+    }
+    let first = signature.params.first().and_then(|p| p.1.scalar());
+    match name {
+        "abs" | "sign" | "min" | "max" | "clamp" if first == Some(ScalarType::Int) => {
+            language.since((130, 300, &["EXT_gpu_shader4"]))
+        }
+        "mix" if signature.params.last().and_then(|p| p.1.scalar()) == Some(ScalarType::Bool) => {
+            if first.is_some_and(ScalarType::is_floating) {
+                language.at_least(130, 300)
+            } else {
+                language.since((450, 310, &["EXT_shader_integer_mix"]))
+            }
+        }
+        "outerProduct" | "transpose" | "matrixCompMult" => {
+            !language.es() || language.number() >= 300 || square(signature)
+        }
+        _ => true,
+    }
+}
+
+fn square(signature: &Signature) -> bool {
+    matches!(signature.result, Type::Matrix(_, c, r) if c == r)
+}
+
+fn cost(from: &Type, to: &Type, rules: Conversions) -> Option<u32> {
+    if !rules.allow(from, to) {
+        return None;
+    }
+    Some(match (from.scalar(), to.scalar()) {
+        (Some(a), Some(b)) if a != b => match (a, b) {
+            (ScalarType::Float, ScalarType::Double) => 1,
+            (_, ScalarType::Uint) => 2,
+            (_, ScalarType::Float) => 3,
+            _ => 4,
+        },
+        _ => 0,
+    })
+}

@@ -1,0 +1,160 @@
+//! Constant expressions (GLSL 4.60 specification, section 4.3.3) and what the version has.
+
+use super::super::ast::{ExprId, ExprKind, UnaryOp};
+use super::super::builtin;
+use super::super::errors;
+use super::super::interface::Storage;
+use super::super::language::{Feature, Since};
+use super::super::symbols::{CallTarget, SymbolKind};
+use super::super::types::{ScalarType, Type};
+use super::Checker;
+use base::diagnostic::{Message, message};
+use base::text::Span;
+
+impl Checker<'_> {
+    /// Tells when the version lacks a feature. The feature is told once.
+    pub(super) fn need(&mut self, feature: Feature, span: Span) -> bool {
+        if self.language.has(feature) {
+            return true;
+        }
+        if self.told_features.insert(feature) {
+            self.lacks(feature.told(), feature.since(), span);
+        }
+        false
+    }
+
+    /// Tells that something came later than this version.
+    pub(super) fn lacks(&mut self, what: Message, since: Since, span: Span) {
+        self.language.lacks(self.sink, &what, since, span);
+    }
+
+    /// True when the expression is constant by the rules of the language.
+    pub(super) fn is_constant(&self, id: ExprId) -> bool {
+        self.constant.get(id.index()).copied().unwrap_or(false)
+    }
+
+    /// Whether an expression is constant, when its operands are known.
+    pub(super) fn constness(&self, id: ExprId) -> bool {
+        let expr = self.arena.get(id);
+        let all = || expr.children().iter().all(|c| self.is_constant(*c));
+        match &expr.kind {
+            ExprKind::Literal(_) | ExprKind::Error => true,
+            ExprKind::Name(_) => match self.out.names[id.index()] {
+                Some(symbol) => self.is_constant_symbol(symbol),
+                // It has been told that it is unknown.
+                None => true,
+            },
+            ExprKind::Unary { op: UnaryOp::Increment | UnaryOp::Decrement, .. }
+            | ExprKind::Postfix { .. }
+            | ExprKind::Assign { .. } => false,
+            // A sequence is no constant from 1.20 and ES 3.00 on.
+            ExprKind::Comma { .. } => all() && !self.language.at_least(120, 300),
+            ExprKind::Method { base, .. } => {
+                self.type_of(*base).index_count().is_some() || self.type_of(*base).is_error()
+            }
+            ExprKind::Call { callee: _, args: _ } => match &self.out.calls[id.index()] {
+                Some(CallTarget::User(_)) => false,
+                Some(CallTarget::Builtin(_)) => {
+                    let name = match &expr.kind {
+                        ExprKind::Call { callee: super::super::ast::Callee::Name(name), .. } => name.name.as_str(),
+                        _ => "",
+                    };
+                    let sampled = name.starts_with("texture")
+                        || name.starts_with("shadow")
+                        || name.starts_with("texelFetch")
+                        || name.starts_with("image")
+                        || name.starts_with("atomic")
+                        || name.starts_with("interpolate");
+                    let noise = name.starts_with("noise") && self.language.number() >= 120;
+                    all() && !sampled && !noise && name != "ftransform" && self.language.has(Feature::ConstantCalls)
+                }
+                Some(CallTarget::Constructor(_)) | None => all(),
+            },
+            ExprKind::Paren(_)
+            | ExprKind::Index { .. }
+            | ExprKind::Field { .. }
+            | ExprKind::Unary { .. }
+            | ExprKind::Binary { .. }
+            | ExprKind::Ternary { .. }
+            | ExprKind::List(_) => all(),
+        }
+    }
+
+    fn is_constant_symbol(&self, symbol: super::super::symbols::SymbolId) -> bool {
+        let (id, symbol) = (symbol, &self.out.symbols[symbol.index()]);
+        match symbol.kind {
+            SymbolKind::Builtin => {
+                symbol.name.starts_with("gl_Max")
+                    || symbol.name.starts_with("gl_Min")
+                    || symbol.name == "gl_WorkGroupSize"
+            }
+            SymbolKind::Global(storage) => storage == Storage::Const,
+            SymbolKind::Local => symbol.read_only && !self.run_time.contains(&id),
+            SymbolKind::BlockMember(_) | SymbolKind::BlockInstance(_) | SymbolKind::Param(_) => false,
+        }
+    }
+
+    /// Tells an integer that stands for a `float` in a version without implicit conversions.
+    pub(super) fn implicit(&mut self, id: ExprId, given: &Type, wanted: &Type) {
+        if self.language.has(Feature::ImplicitConversions) {
+            return;
+        }
+        let integer = given.scalar().is_some_and(ScalarType::is_integer);
+        if !integer || wanted.scalar() != Some(ScalarType::Float) {
+            return;
+        }
+        let version = self.language.name();
+        let expr = self.arena.get(id);
+        let d = self
+            .sink
+            .start(
+                errors::IMPLICIT_FLOAT,
+                expr.span,
+                message!(
+                    "`{given}` does not become `{wanted}` by itself",
+                    "`{given}` は `{wanted}` に自動変換されません"
+                ),
+            )
+            .with_label(message!("this is `{given}`", "これは `{given}`"))
+            .with_why(message!("{version} has no implicit conversions", "{version} に暗黙の型変換はありません"));
+        let literal = matches!(expr.kind, ExprKind::Literal(_)) && !expr.from_macro;
+        let d = d.with_help(if literal {
+            message!("write it with a decimal point", "小数点を付けてください")
+        } else {
+            message!("write `{wanted}(…)` around it", "`{wanted}(…)` で囲んでください")
+        });
+        self.sink.push(d);
+    }
+
+    /// Tells a built-in function or variable that this stage or version does not have.
+    pub(super) fn absent(&mut self, name: &str, span: Span, why: builtin::Absent) {
+        if !self.first_time(name) {
+            return;
+        }
+        match why {
+            builtin::Absent::Later(since) => self.lacks(message!("`{name}`", "`{name}` "), since, span),
+            builtin::Absent::Stage => {
+                let stage = self.stage.name();
+                let message = message!(
+                    "a {stage} shader does not have `{name}`",
+                    "このステージ（{stage}）に `{name}` はありません"
+                );
+                let label = message!("not in this stage", "このステージにはない");
+                self.sink.error(errors::UNKNOWN_NAME, span, message, label);
+            }
+            builtin::Absent::Removed => {
+                let version = self.language.name();
+                let profile = if self.language.es() { "" } else { " core" };
+                let message = message!(
+                    "{version}{profile} does not have `{name}`",
+                    "{version}{profile} に `{name}` はありません"
+                );
+                let d = self.sink.start(errors::UNKNOWN_NAME, span, message);
+                self.sink.push(
+                    d.with_label(message!("removed from the language", "言語から削除されました"))
+                        .with_help(message!("declare a variable of your own", "自分で変数を宣言してください")),
+                );
+            }
+        }
+    }
+}

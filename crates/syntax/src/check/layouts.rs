@@ -1,0 +1,298 @@
+//! Which layout qualifiers there are, where they belong, and their values (GLSL 4.60 specification,
+//! section 4.4).
+
+use super::super::ast::{LayoutEntry, Qualifiers};
+use super::super::fold::Const;
+use super::super::interface::Storage;
+use super::super::language::{Feature, Since};
+use super::super::types::{ArraySize, Type};
+use super::super::{Stage, errors};
+use super::Checker;
+use base::diagnostic::{Message, message};
+
+/// What carries a layout qualifier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bearer {
+    /// A variable at file scope.
+    Variable(Storage),
+    /// A block.
+    Block(Storage),
+    /// A member of a block.
+    Member(Storage),
+    /// `layout(…) in;`
+    Stage(Storage),
+    /// A redeclared built-in variable.
+    Builtin,
+    /// A local variable, parameter or member of a structure.
+    Nothing,
+}
+
+/// Keys, whether a value belongs to them, and when they came.
+const KEYS: &[(&str, bool, Since)] = &[
+    (
+        "location",
+        true,
+        (
+            330,
+            300,
+            &[
+                "ARB_explicit_attrib_location",
+                "ARB_separate_shader_objects",
+                "EXT_separate_shader_objects",
+                "ARB_explicit_uniform_location",
+            ],
+        ),
+    ),
+    ("index", true, (330, u32::MAX, &["ARB_explicit_attrib_location"])),
+    ("component", true, (440, u32::MAX, &[])),
+    (
+        "binding",
+        true,
+        (
+            420,
+            310,
+            &[
+                "ARB_shading_language_420pack",
+                "ARB_shader_atomic_counters",
+                "ARB_shader_storage_buffer_object",
+                "ARB_shader_image_load_store",
+            ],
+        ),
+    ),
+    ("offset", true, (420, 310, &[])),
+    ("align", true, (440, u32::MAX, &[])),
+    ("shared packed row_major column_major", false, (140, 300, &["ARB_uniform_buffer_object"])),
+    ("std140", false, (140, 300, &["ARB_uniform_buffer_object", "ARB_shader_storage_buffer_object"])),
+    ("std430", false, (430, 310, &["ARB_shader_storage_buffer_object"])),
+    ("origin_upper_left pixel_center_integer", false, (150, u32::MAX, &["ARB_fragment_coord_conventions"])),
+    (
+        "points lines triangles lines_adjacency triangles_adjacency line_strip triangle_strip",
+        false,
+        (150, 310, &["ARB_tessellation_shader"]),
+    ),
+    ("max_vertices", true, (150, 320, &[])),
+    ("invocations", true, (400, 320, &["ARB_gpu_shader5"])),
+    ("stream", true, (400, u32::MAX, &["ARB_gpu_shader5"])),
+    ("vertices", true, (400, 320, &["ARB_tessellation_shader"])),
+    (
+        "quads isolines equal_spacing fractional_even_spacing fractional_odd_spacing cw ccw point_mode",
+        false,
+        (400, 320, &["ARB_tessellation_shader"]),
+    ),
+    ("local_size_x local_size_y local_size_z", true, (430, 310, &[])),
+    (
+        "depth_any depth_greater depth_less depth_unchanged",
+        false,
+        (420, u32::MAX, &["ARB_conservative_depth", "AMD_conservative_depth", "EXT_conservative_depth"]),
+    ),
+    ("early_fragment_tests", false, (420, 310, &[])),
+    ("xfb_buffer xfb_offset xfb_stride", true, (440, u32::MAX, &[])),
+    (
+        "rgba32f rgba16f rg32f rg16f r11f_g11f_b10f r32f r16f rgba16 rgb10_a2 rgba8 rg16 rg8 r16 r8 rgba16_snorm \
+         rgba8_snorm rg16_snorm rg8_snorm r16_snorm r8_snorm rgba32i rgba16i rgba8i rg32i rg16i rg8i r32i r16i r8i \
+         rgba32ui rgba16ui rgb10_a2ui rgba8ui rg32ui rg16ui rg8ui r32ui r16ui r8ui",
+        false,
+        (420, 310, &[]),
+    ),
+];
+
+impl Checker<'_> {
+    /// Checks all layout qualifiers; their values have been typed.
+    pub(super) fn layout_rules(&mut self, qualifiers: &Qualifiers, bearer: Bearer, ty: Option<&Type>) {
+        if self.language.is_open() {
+            return;
+        }
+        let mut count = 0;
+        let mut seen: Vec<&str> = Vec::new();
+        for (entries, span) in qualifiers.layouts() {
+            count += 1;
+            if count > 1 && !self.language.has(Feature::MixedQualifiers) {
+                self.need(Feature::MixedQualifiers, span);
+            }
+            if bearer == Bearer::Nothing {
+                self.qualifier(
+                    span,
+                    message!(
+                        "it belongs to variables and blocks of the interface",
+                        "インターフェースの変数かブロックに付ける修飾子です"
+                    ),
+                );
+                continue;
+            }
+            for entry in entries {
+                let key = entry.key.name.as_str();
+                if seen.contains(&key) && !self.language.has(Feature::MixedQualifiers) {
+                    self.layout_error(entry, message!("it stands there twice", "二度書かれています"));
+                }
+                seen.push(key);
+                self.layout_entry(entry, bearer, ty);
+            }
+        }
+    }
+
+    fn layout_error(&mut self, entry: &LayoutEntry, why: Message) {
+        let key = &entry.key.name;
+        let d = self
+            .sink
+            .start(
+                errors::LAYOUT,
+                entry.span,
+                message!("`layout({key})` cannot stand here", "`layout({key})` はここに書けません"),
+            )
+            .with_label(message!("this layout qualifier", "この layout 修飾子"));
+        self.sink.push(d.with_why(why));
+    }
+
+    fn layout_entry(&mut self, entry: &LayoutEntry, bearer: Bearer, ty: Option<&Type>) {
+        let key = entry.key.name.to_ascii_lowercase();
+        // Before 4.20 case does not matter; `origin_upper_left` is looked up as written.
+        let row = KEYS.iter().find(|(keys, ..)| keys.split_whitespace().any(|k| k == key));
+        let Some((_, valued, since)) = row else {
+            return self
+                .layout_error(entry, message!("the language has no such key", "そのようなキーは言語にありません"));
+        };
+        match (entry.value, *valued) {
+            (None, true) => return self.layout_error(entry, message!("it needs a value", "値が必要です")),
+            (Some(_), false) => return self.layout_error(entry, message!("it takes no value", "値は取りません")),
+            (Some(value), true) => {
+                let folded = self.value_of(value).and_then(Const::as_integer);
+                if folded.is_some_and(|v| v < 0) {
+                    return self
+                        .layout_error(entry, message!("its value must not be negative", "値を負にはできません"));
+                }
+                let integer =
+                    self.type_of(value).is_error() || self.type_of(value).scalar().is_some_and(|s| s.is_integer());
+                if !integer && key != "max_vertices" && key != "invocations" {
+                    return self
+                        .layout_error(entry, message!("its value must be an integer", "値は整数でなければなりません"));
+                }
+            }
+            (None, false) => {}
+        }
+        if !self.belongs(&key, bearer, ty) {
+            return self.layout_error(entry, message!("it does not belong to this", "この宣言には付けられません"));
+        }
+        if key == "location" {
+            return self.location(entry, bearer);
+        }
+        if !self.language.since(*since) {
+            self.lacks(message!("`layout({key})`", "`layout({key})` "), *since, entry.span);
+        }
+    }
+
+    fn location(&mut self, entry: &LayoutEntry, bearer: Bearer) {
+        let feature = match bearer {
+            Bearer::Variable(Storage::Uniform) => Feature::LayoutLocationUniform,
+            Bearer::Variable(Storage::In) if self.stage == Stage::Vertex => Feature::LayoutLocation,
+            Bearer::Variable(Storage::Out) if self.stage == Stage::Fragment => Feature::LayoutLocation,
+            _ => Feature::LayoutLocationVarying,
+        };
+        self.need(feature, entry.span);
+    }
+
+    /// True when the key belongs to what bears it.
+    fn belongs(&self, key: &str, bearer: Bearer, ty: Option<&Type>) -> bool {
+        use Bearer::{Block, Builtin, Member, Nothing, Variable};
+        use Storage::{Buffer, In, Out, Uniform};
+        let stage = self.stage;
+        let opaque = ty.is_some_and(Type::contains_opaque);
+        match key {
+            "location" => matches!(bearer, Variable(In | Out | Uniform) | Block(In | Out) | Member(In | Out)),
+            "index" => stage == Stage::Fragment && bearer == Variable(Out),
+            "component" => matches!(bearer, Variable(In | Out) | Member(In | Out)),
+            "binding" => {
+                matches!(bearer, Block(Uniform | Buffer))
+                    || bearer == Variable(Uniform) && opaque
+                    || bearer == Bearer::Stage(Uniform)
+            }
+            "offset" => {
+                matches!(bearer, Member(Uniform | Buffer))
+                    || matches!(bearer, Variable(Uniform) | Bearer::Stage(Uniform))
+            }
+            "align" => matches!(bearer, Block(Uniform | Buffer) | Member(Uniform | Buffer)),
+            "shared" | "packed" | "std140" | "std430" => {
+                matches!(bearer, Block(Uniform | Buffer) | Bearer::Stage(Uniform | Buffer))
+            }
+            "row_major" | "column_major" => {
+                matches!(bearer, Block(Uniform | Buffer) | Bearer::Stage(Uniform | Buffer) | Member(Uniform | Buffer))
+            }
+            "origin_upper_left" | "pixel_center_integer" => stage == Stage::Fragment && bearer == Builtin,
+            "depth_any" | "depth_greater" | "depth_less" | "depth_unchanged" => {
+                stage == Stage::Fragment && bearer == Builtin
+            }
+            "points" | "lines" | "lines_adjacency" | "triangles_adjacency" => {
+                stage == Stage::Geometry && matches!(bearer, Bearer::Stage(In | Out))
+            }
+            "triangles" => match stage {
+                Stage::Geometry => matches!(bearer, Bearer::Stage(In | Out)),
+                Stage::TessEvaluation => bearer == Bearer::Stage(In),
+                _ => false,
+            },
+            "line_strip" | "triangle_strip" | "max_vertices" => {
+                stage == Stage::Geometry && bearer == Bearer::Stage(Out)
+            }
+            "invocations" => stage == Stage::Geometry && bearer == Bearer::Stage(In),
+            "stream" => {
+                stage == Stage::Geometry
+                    && matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out))
+            }
+            "vertices" => stage == Stage::TessControl && bearer == Bearer::Stage(Out),
+            "quads"
+            | "isolines"
+            | "equal_spacing"
+            | "fractional_even_spacing"
+            | "fractional_odd_spacing"
+            | "cw"
+            | "ccw"
+            | "point_mode" => stage == Stage::TessEvaluation && bearer == Bearer::Stage(In),
+            "local_size_x" | "local_size_y" | "local_size_z" => stage == Stage::Compute && bearer == Bearer::Stage(In),
+            "early_fragment_tests" => stage == Stage::Fragment && bearer == Bearer::Stage(In),
+            "xfb_buffer" | "xfb_offset" | "xfb_stride" => {
+                matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out) | Builtin)
+            }
+            // Formats of images.
+            _ => bearer == Variable(Uniform) && opaque && bearer != Nothing,
+        }
+    }
+
+    /// An input of a geometry shader must be an array: one element for each vertex.
+    pub(super) fn geometry_input(&mut self, name: &super::super::ast::Ident, ty: &Type, dims: base::text::Span) {
+        if self.stage != Stage::Geometry || ty.is_error() {
+            return;
+        }
+        match ty {
+            Type::Array(_, size) => {
+                if let (ArraySize::Known(n), Some(wanted)) = (size, self.vertices)
+                    && *n != wanted
+                {
+                    let text = &name.name;
+                    let message = message!(
+                        "`{text}` has {n} elements, but the input primitive has {wanted} vertices",
+                        "`{text}` の要素は {n} 個ですが、入力プリミティブの頂点は {wanted} 個です"
+                    );
+                    self.sink.error(errors::ARRAY, dims, message, message!("size of the input", "入力の大きさ"));
+                }
+            }
+            _ => {
+                let text = &name.name;
+                let d = self
+                    .sink
+                    .start(
+                        errors::GEOMETRY_INPUT,
+                        name.span,
+                        message!(
+                            "the geometry input `{text}` is no array",
+                            "ジオメトリ入力 `{text}` が配列ではありません"
+                        ),
+                    )
+                    .with_label(message!("one value for a whole primitive", "プリミティブ全体に一つの値"))
+                    .with_why(message!(
+                        "a geometry shader gets one element for each vertex of the primitive",
+                        "ジオメトリシェーダの入力は、プリミティブの頂点ごとに一要素を持つ配列です"
+                    ))
+                    .with_help(message!("write `{text}[]`", "`{text}[]` と書いてください"));
+                self.sink.push(d);
+            }
+        }
+    }
+}

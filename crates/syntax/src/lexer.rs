@@ -1,0 +1,258 @@
+//! Text to tokens (GLSL 4.60 specification, sections 3.1 to 3.8).
+
+use logos::{Lexer, Logos};
+
+use super::Comment;
+use base::text::Span;
+
+/// What the text is made of.
+#[derive(Logos, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Lex {
+    #[regex(r"[ \t\x0b\x0c]+")]
+    Blank,
+    #[regex(r"\r\n|\n|\r")]
+    Newline,
+    #[regex(r"\\(\r\n|\n|\r)")]
+    Splice,
+    #[token("//", line_comment)]
+    LineComment,
+    /// The flag is false when `*/` is missing.
+    #[token("/*", block_comment)]
+    BlockComment(bool),
+    #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
+    Word,
+    /// Everything that starts like a number, good or bad; read by `number`.
+    #[regex(r"0[xX][0-9A-Za-z_]*")]
+    #[token("0")]
+    #[regex(r"0([0-9A-WYZa-wyz_.]|[eE][+-])([0-9A-Za-z_.]|[eE][+-])*")]
+    #[regex(r"(\.[0-9]|[1-9])([0-9A-Za-z_.]|[eE][+-])*")]
+    Number,
+    #[token("(")]
+    LParen,
+    #[token(")")]
+    RParen,
+    #[token("[")]
+    LBracket,
+    #[token("]")]
+    RBracket,
+    #[token("{")]
+    LBrace,
+    #[token("}")]
+    RBrace,
+    #[token(".")]
+    Dot,
+    #[token(",")]
+    Comma,
+    #[token(";")]
+    Semicolon,
+    #[token(":")]
+    Colon,
+    #[token("?")]
+    Question,
+    #[token("=")]
+    Assign,
+    #[token("+=")]
+    AddAssign,
+    #[token("-=")]
+    SubAssign,
+    #[token("*=")]
+    MulAssign,
+    #[token("/=")]
+    DivAssign,
+    #[token("%=")]
+    RemAssign,
+    #[token("<<=")]
+    ShlAssign,
+    #[token(">>=")]
+    ShrAssign,
+    #[token("&=")]
+    AndAssign,
+    #[token("^=")]
+    XorAssign,
+    #[token("|=")]
+    OrAssign,
+    #[token("++")]
+    Increment,
+    #[token("--")]
+    Decrement,
+    #[token("+")]
+    Plus,
+    #[token("-")]
+    Minus,
+    #[token("*")]
+    Star,
+    #[token("/")]
+    Slash,
+    #[token("%")]
+    Percent,
+    #[token("<<")]
+    Shl,
+    #[token(">>")]
+    Shr,
+    #[token("<")]
+    Less,
+    #[token(">")]
+    Greater,
+    #[token("<=")]
+    LessEqual,
+    #[token(">=")]
+    GreaterEqual,
+    #[token("==")]
+    EqualEqual,
+    #[token("!=")]
+    NotEqual,
+    #[token("&")]
+    Amp,
+    #[token("^")]
+    Caret,
+    #[token("|")]
+    Pipe,
+    #[token("&&")]
+    AndAnd,
+    #[token("^^")]
+    XorXor,
+    #[token("||")]
+    OrOr,
+    #[token("!")]
+    Bang,
+    #[token("~")]
+    Tilde,
+    #[token("#")]
+    Hash,
+    #[token("##")]
+    HashHash,
+    /// One or more characters that start no token.
+    Unknown,
+    /// A text in quotes; made by the preprocessor where an extension brings them.
+    Quoted,
+    /// Behind the last token; made by the parser.
+    End,
+}
+
+fn line_comment(lexer: &mut Lexer<'_, Lex>) {
+    let rest = lexer.remainder().as_bytes();
+    let mut end = rest.len();
+    for (i, &b) in rest.iter().enumerate() {
+        // A backslash before the line break joins the next line to the comment.
+        let joined = match i {
+            0 => false,
+            _ => rest[i - 1] == b'\\' || (b == b'\n' && i > 1 && rest[i - 1] == b'\r' && rest[i - 2] == b'\\'),
+        };
+        if (b == b'\n' || b == b'\r') && !joined {
+            end = i;
+            break;
+        }
+    }
+    lexer.bump(end);
+}
+
+fn block_comment(lexer: &mut Lexer<'_, Lex>) -> bool {
+    let rest = lexer.remainder();
+    let end = rest.find("*/");
+    lexer.bump(end.map_or(rest.len(), |e| e + 2));
+    end.is_some()
+}
+
+/// A token of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Piece {
+    pub lex: Lex,
+    pub span: Span,
+    /// First token of its logical line (continued lines are one).
+    pub first: bool,
+    /// White space or a comment stands before it.
+    pub spaced: bool,
+}
+
+/// A text cut into tokens.
+#[derive(Debug, Default)]
+pub(crate) struct Pieces {
+    pub pieces: Vec<Piece>,
+    pub comments: Vec<Comment>,
+    /// Place of a `/*` that is never closed.
+    pub open_comment: Option<Span>,
+}
+
+/// Cuts a text into tokens. Never fails: what is no token becomes [`Lex::Unknown`].
+pub(crate) fn lex(text: &str) -> Pieces {
+    let mut out = Pieces::default();
+    let (mut first, mut spaced) = (true, true);
+    // A byte order mark at the start is no part of the text.
+    let skip = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    for (token, range) in Lex::lexer(&text[skip..]).spanned() {
+        let span = Span::new(range.start + skip, range.end + skip);
+        let lex = token.unwrap_or(Lex::Unknown);
+        match lex {
+            Lex::Blank | Lex::Splice => spaced = true,
+            Lex::Newline => (first, spaced) = (true, true),
+            Lex::LineComment | Lex::BlockComment(_) => {
+                spaced = true;
+                if lex == Lex::BlockComment(false) {
+                    out.open_comment = Some(Span::new(span.start, span.start + 2));
+                }
+                out.comments.push(Comment { span, block: lex != Lex::LineComment });
+            }
+            Lex::Unknown => {
+                match out.pieces.last_mut() {
+                    // Neighbours are one thing to tell.
+                    Some(last) if last.lex == Lex::Unknown && last.span.end == span.start => last.span.end = span.end,
+                    _ => out.pieces.push(Piece { lex, span, first, spaced }),
+                }
+                (first, spaced) = (false, false);
+            }
+            _ => {
+                out.pieces.push(Piece { lex, span, first, spaced });
+                (first, spaced) = (false, false);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<&str> {
+        lex(text).pieces.iter().map(|p| &text[p.span.range()]).collect()
+    }
+
+    #[test]
+    fn the_longest_operator_wins() {
+        assert_eq!(words("a<<=b>>c^^d^=e++ +f--"), "a <<= b >> c ^^ d ^= e ++ + f --".split(' ').collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn numbers_stay_in_one_piece() {
+        assert_eq!(words("1.0e-5f+.5-0x1Fu*3.lf"), ["1.0e-5f", "+", ".5", "-", "0x1Fu", "*", "3.lf"]);
+        assert_eq!(words("0xE+1 1e+2"), ["0xE", "+", "1", "1e+2"]);
+    }
+
+    #[test]
+    fn spans_behind_multi_byte_comments_are_exact() {
+        let text = "/* 頂点 */ a // 球\nb";
+        let out = lex(text);
+        assert_eq!(words(text), ["a", "b"]);
+        assert_eq!(out.comments.iter().map(|c| &text[c.span.range()]).collect::<Vec<_>>(), ["/* 頂点 */", "// 球"]);
+        assert!(out.pieces.iter().all(|p| p.first), "the block comment leaves `a` first on its line");
+    }
+
+    #[test]
+    fn a_backslash_joins_lines_and_comments() {
+        assert_eq!(words("a // x \\\n still\nb"), ["a", "b"]);
+        assert_eq!(words("a // x \\\r\n still\r\nb"), ["a", "b"]);
+        let out = lex("#define A \\\n 1\nb");
+        assert_eq!(out.pieces.iter().map(|p| p.first).collect::<Vec<_>>(), [true, false, false, false, true]);
+    }
+
+    #[test]
+    fn unknown_characters_are_joined_and_a_bom_is_skipped() {
+        assert_eq!(words("\u{feff}a\u{3000}\u{3000}@b"), ["a", "\u{3000}\u{3000}@", "b"]);
+    }
+
+    #[test]
+    fn an_open_comment_is_noticed() {
+        assert_eq!(lex("a /* b").open_comment, Some(Span::new(2, 4)));
+        assert_eq!(lex("a /* b */").open_comment, None);
+    }
+}

@@ -1,0 +1,427 @@
+//! Front end for GLSL 1.10 to 4.60 and GLSL ES 1.00 to 3.20: text to tokens, syntax tree, symbols, types
+//! and the exact stage interface, with byte spans for everything. Broken input gives diagnostics and as
+//! much of the rest as can be read.
+
+pub mod ast;
+mod builtin;
+mod check;
+mod constructor;
+mod dialect;
+pub mod errors;
+mod fitting;
+mod fold;
+pub mod include;
+pub mod interface;
+pub mod known;
+mod language;
+mod lexer;
+pub mod link;
+mod names;
+mod number;
+mod parser;
+mod preprocess;
+mod reach;
+pub mod real;
+mod sink;
+pub mod swizzle;
+pub mod symbols;
+#[cfg(test)]
+mod tests;
+pub mod types;
+
+use ast::{Arena, Expr, ExprId, Unit};
+use base::diagnostic::Diagnostic;
+use base::text::{SourceFile, Span};
+pub use constructor::{Constructor, Fit, constructor_needs};
+pub use fitting::fitting;
+pub use fold::Const;
+use interface::Interface;
+use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
+use types::Type;
+
+/// Pipeline stage of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Vertex shader.
+    Vertex,
+    /// Tessellation control shader.
+    TessControl,
+    /// Tessellation evaluation shader.
+    TessEvaluation,
+    /// Geometry shader.
+    Geometry,
+    /// Fragment shader.
+    Fragment,
+    /// Compute shader.
+    Compute,
+    /// Functions without `main`, to be put before a shader.
+    Library,
+}
+
+impl Stage {
+    /// The stage that a file name says: by its last extension, or the one before `.glsl`
+    /// (`a.vert.glsl`). A bare `.glsl` is a library.
+    pub fn from_path(name: &str) -> Option<Self> {
+        let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let mut parts = file.rsplit('.');
+        let of = |part: &str| {
+            Some(match part.to_ascii_lowercase().as_str() {
+                "vert" | "vs" | "vsh" | "vertex" | "vertexshader" => Self::Vertex,
+                "tesc" | "tcs" => Self::TessControl,
+                "tese" | "tes" => Self::TessEvaluation,
+                "geom" | "gs" | "gsh" | "geo" | "geometry" | "geometryshader" => Self::Geometry,
+                "frag" | "fs" | "fsh" | "fragment" | "fragmentshader" => Self::Fragment,
+                "comp" | "cs" | "compute" => Self::Compute,
+                _ => return None,
+            })
+        };
+        let last = parts.next()?;
+        let before = parts.next()?;
+        if last.eq_ignore_ascii_case("glsl") {
+            // The first part of the name is no extension: `vs.glsl` is a library called `vs`. The whole
+            // word for a stage is clear: `vertex.glsl`.
+            let whole = ["vertex", "geometry", "fragment"].iter().any(|w| before.eq_ignore_ascii_case(w));
+            let stage = if parts.next().is_some() || whole { of(before) } else { None };
+            return Some(stage.unwrap_or(Self::Library));
+        }
+        of(last)
+    }
+
+    /// `vertex`, `geometry`, …
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::TessControl => "tessellation control",
+            Self::TessEvaluation => "tessellation evaluation",
+            Self::Geometry => "geometry",
+            Self::Fragment => "fragment",
+            Self::Compute => "compute",
+            Self::Library => "library",
+        }
+    }
+}
+
+/// Profile of a `#version` line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Profile {
+    /// `core`, or nothing from 1.50 on.
+    Core,
+    /// `compatibility`, or nothing before 1.50.
+    Compatibility,
+    /// `es`, or version 100.
+    Es,
+}
+
+/// Version of the language.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Version {
+    /// The number: 110 to 460; 110 without a directive.
+    pub number: u32,
+    /// The profile.
+    pub profile: Profile,
+    /// From `#` to the last token of the directive, without blanks and comments around it; none
+    /// without a directive.
+    pub span: Option<Span>,
+}
+
+/// `#extension name : behaviour`
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Extension {
+    /// The name, such as `GL_ARB_explicit_attrib_location`, or `all`.
+    pub name: String,
+    /// `require`, `enable`, `warn` or `disable`, as written.
+    pub behavior: String,
+    /// From `#` to the last token of the directive.
+    pub span: Span,
+}
+
+/// A comment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Comment {
+    /// Its place, with `//` or `/*` and `*/`, without the line break.
+    pub span: Span,
+    /// True for `/* … */`.
+    pub block: bool,
+}
+
+/// Kind of a token of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TokenKind {
+    /// A name or keyword.
+    Word,
+    /// A number.
+    Number,
+    /// An operator or other punctuation, `#` and `##` included.
+    Punctuation,
+    /// Something that is no token of the language.
+    Unknown,
+}
+
+/// Where a token of the text stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TokenPlace {
+    /// In text that is compiled.
+    Text,
+    /// In a directive, macro bodies included.
+    Directive,
+    /// In text or a directive that an `#if` leaves out.
+    Inactive,
+}
+
+/// A token of the original text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Token {
+    /// Its kind.
+    pub kind: TokenKind,
+    /// Its place; `SourceFile::slice` gives the text.
+    pub span: Span,
+    /// Where it stands.
+    pub place: TokenPlace,
+}
+
+/// True when the version and stage of a shader have a built-in function of that name.
+pub fn is_builtin_function(shader: &Shader, name: &str) -> bool {
+    let language = language::Language::new(shader.version(), shader.extensions());
+    !builtin::functions(name).is_empty() && builtin::function_absent(name, shader.stage(), &language).is_none()
+}
+
+/// A shader and what is wrong with it.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// The shader, as far as it could be read.
+    pub shader: Shader,
+    /// Errors of the front end, in the order of the text.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A shader that has been read.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    file: SourceFile,
+    stage: Stage,
+    version: Version,
+    extensions: Vec<Extension>,
+    comments: Vec<Comment>,
+    tokens: Vec<Token>,
+    unit: Unit,
+    arena: Arena,
+    types: Vec<Type>,
+    values: Vec<Option<Const>>,
+    names: Vec<Option<SymbolId>>,
+    calls: Vec<Option<CallTarget>>,
+    symbols: Vec<Symbol>,
+    functions: Vec<FunctionInfo>,
+    uses: Vec<Use>,
+    unknown: bool,
+    interface: Interface,
+    defines: Vec<(String, String)>,
+}
+
+impl Shader {
+    /// Reads a shader. Broken input gives diagnostics, not an error: reading goes on behind the
+    /// next `;` or `}`.
+    pub fn parse(file: &SourceFile, stage: Stage) -> Parsed {
+        Self::read(file, stage, &[], None)
+    }
+
+    /// Reads a shader that a host puts behind another text, which states this version and may declare
+    /// names that this one does not.
+    pub fn parse_behind(file: &SourceFile, stage: Stage, before: Version) -> Parsed {
+        Self::read(file, stage, &[], Some(before))
+    }
+
+    /// Reads a shader with macros that are given from outside: names and values.
+    pub fn parse_with(file: &SourceFile, stage: Stage, defines: &[(String, String)]) -> Parsed {
+        Self::read(file, stage, defines, None)
+    }
+
+    fn read(file: &SourceFile, stage: Stage, defines: &[(String, String)], before: Option<Version>) -> Parsed {
+        let mut sink = sink::Sink::new(file);
+        let pieces = lexer::lex(file.text());
+        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete } =
+            preprocess::run(&pieces, defines, before, &mut sink);
+        extensions.extend(dialect::vulkan(file, &raw, &version));
+        let language = language::Language::new(&version, &extensions);
+        let (unit, mut arena) = parser::parse(tokens, &language, &mut sink);
+        let check::Checked { types, values, names, calls, mut symbols, functions, mut uses, unknown, interface } =
+            check::check(&unit, &arena, stage, language, incomplete, &mut sink);
+        // A project keeps thousands of these: what growing vectors hold in reserve adds up.
+        arena.shrink();
+        symbols.shrink_to_fit();
+        uses.shrink_to_fit();
+        let shader = Self {
+            file: sink.file.clone(),
+            stage,
+            version,
+            extensions,
+            comments: pieces.comments,
+            tokens: raw,
+            unit,
+            arena,
+            types,
+            values,
+            names,
+            calls,
+            symbols,
+            functions,
+            uses,
+            unknown,
+            interface,
+            defines: defines.to_vec(),
+        };
+        Parsed { shader, diagnostics: sink.finish() }
+    }
+
+    /// The file.
+    pub fn file(&self) -> &SourceFile {
+        &self.file
+    }
+
+    /// Macros that were given from outside.
+    pub fn defines(&self) -> &[(String, String)] {
+        &self.defines
+    }
+
+    /// The stage.
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// True when a name is used that nothing in this text declares.
+    pub fn has_unknown_names(&self) -> bool {
+        self.unknown
+    }
+
+    /// The version, with the place of its directive.
+    pub fn version(&self) -> &Version {
+        &self.version
+    }
+
+    /// Active `#extension` lines.
+    pub fn extensions(&self) -> &[Extension] {
+        &self.extensions
+    }
+
+    /// All comments in the order of the text.
+    pub fn comments(&self) -> &[Comment] {
+        &self.comments
+    }
+
+    /// All tokens of the original text in order, those in directives and in parts that an `#if`
+    /// leaves out included; no comments.
+    pub fn tokens(&self) -> &[Token] {
+        &self.tokens
+    }
+
+    /// The syntax tree.
+    pub fn unit(&self) -> &Unit {
+        &self.unit
+    }
+
+    /// The expressions of the syntax tree.
+    pub fn arena(&self) -> &Arena {
+        &self.arena
+    }
+
+    /// An expression.
+    pub fn expr(&self, id: ExprId) -> &Expr {
+        self.arena.get(id)
+    }
+
+    /// The text of an expression's span.
+    pub fn text_of(&self, id: ExprId) -> &str {
+        self.file.slice(self.expr(id).span)
+    }
+
+    /// The stage interface.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    /// Type of an expression; [`Type::Error`] when it is unknown because of an error told
+    /// elsewhere.
+    pub fn type_of(&self, id: ExprId) -> &Type {
+        self.types.get(id.index()).unwrap_or(&Type::Error)
+    }
+
+    /// Value of a constant scalar expression.
+    pub fn fold(&self, id: ExprId) -> Option<Const> {
+        self.values.get(id.index()).copied().flatten()
+    }
+
+    /// The variable that a name expression means.
+    pub fn symbol_of(&self, id: ExprId) -> Option<SymbolId> {
+        self.names.get(id.index()).copied().flatten()
+    }
+
+    /// What a call expression means; none when no function fits.
+    pub fn callee(&self, id: ExprId) -> Option<&CallTarget> {
+        self.calls.get(id.index())?.as_ref()
+    }
+
+    /// Components that a constructor call needs and gets; none when the expression is no
+    /// constructor call. The type of an ill-formed one is [`Type::Error`] by [`Shader::type_of`],
+    /// so that nothing that depends on it is told; here it is the type that is written.
+    pub fn constructor(&self, id: ExprId) -> Option<Constructor> {
+        let (Some(CallTarget::Constructor(ty)), ast::ExprKind::Call { callee: _, args }) =
+            (self.callee(id), &self.expr(id).kind)
+        else {
+            return None;
+        };
+        let args: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
+        Some(Constructor::new(ty, &args))
+    }
+
+    /// A variable.
+    pub fn symbol(&self, id: SymbolId) -> &Symbol {
+        &self.symbols[id.index()]
+    }
+
+    /// All variables, and the built-in ones that are used.
+    pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &Symbol)> {
+        self.symbols.iter().enumerate().map(|(i, s)| (SymbolId(u32::try_from(i).unwrap_or(u32::MAX)), s))
+    }
+
+    /// All uses of variables in the order of the text.
+    pub fn uses(&self) -> &[Use] {
+        &self.uses
+    }
+
+    /// The uses of one variable.
+    pub fn uses_of(&self, symbol: SymbolId) -> impl Iterator<Item = &Use> {
+        self.uses.iter().filter(move |u| u.symbol == symbol)
+    }
+
+    /// The built-in variable of that name, when the shader uses it.
+    pub fn builtin(&self, name: &str) -> Option<SymbolId> {
+        self.symbols().find(|(_, s)| s.kind == symbols::SymbolKind::Builtin && s.name == name).map(|(id, _)| id)
+    }
+
+    /// True when the variable is written anywhere, in part or as a whole.
+    pub fn is_written(&self, symbol: SymbolId) -> bool {
+        self.uses_of(symbol).any(|u| u.access.writes())
+    }
+
+    /// All functions of the shader with their signatures.
+    pub fn functions(&self) -> impl Iterator<Item = (FunctionId, &FunctionInfo)> {
+        self.functions.iter().enumerate().map(|(i, f)| (FunctionId(u32::try_from(i).unwrap_or(u32::MAX)), f))
+    }
+
+    /// The first function of that name.
+    pub fn function(&self, name: &str) -> Option<&FunctionInfo> {
+        self.functions.iter().find(|f| f.name.name == name)
+    }
+
+    /// A function by its identity.
+    pub fn function_info(&self, id: FunctionId) -> &FunctionInfo {
+        &self.functions[id.index()]
+    }
+
+    /// The syntax of a function's definition, if it has one.
+    pub fn function_syntax(&self, function: &FunctionInfo) -> Option<&ast::Function> {
+        match &self.unit.items.get(function.definition?)?.kind {
+            ast::ItemKind::Function(f) => Some(f),
+            _ => None,
+        }
+    }
+}

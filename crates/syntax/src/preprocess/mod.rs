@@ -1,0 +1,594 @@
+//! Directives and macros: from the tokens of the text to the tokens that are compiled.
+
+mod condition;
+mod foreign;
+mod limit;
+mod macros;
+
+use std::sync::Arc;
+
+use super::lexer::{Lex, Piece, Pieces};
+use super::sink::Sink;
+use super::{Extension, Profile, Token, TokenKind, TokenPlace, Version, errors};
+use base::diagnostic::{Safety, message};
+use base::text::{Edit, Span};
+pub(crate) use macros::Tok;
+use macros::{Macro, Macros, Spelling};
+
+/// What the preprocessor leaves.
+pub(crate) struct Preprocessed {
+    pub tokens: Vec<Tok>,
+    pub version: Version,
+    pub extensions: Vec<Extension>,
+    pub raw: Vec<Token>,
+    /// An `#include` was met: names may be declared in text that is not here.
+    pub incomplete: bool,
+}
+
+/// One `#if` that is still open.
+struct Conditional {
+    span: Span,
+    /// Lines are compiled now.
+    active: bool,
+    /// A branch was taken, or the whole lies in a part that is left out.
+    done: bool,
+    seen_else: bool,
+}
+
+struct Preprocessor<'a> {
+    sink: &'a mut Sink,
+    /// Macros that are given from outside.
+    given: &'a [(String, String)],
+    macros: Macros,
+    conditionals: Vec<Conditional>,
+    pending: Vec<Tok>,
+    out: Vec<Tok>,
+    version: Version,
+    extensions: Vec<Extension>,
+    line_shift: i64,
+    incomplete: bool,
+    /// A token or directive stands before the line at hand.
+    begun: bool,
+}
+
+/// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option; `before` is
+/// the version that a text states which stands before this one and is not here: names may be declared there.
+pub(crate) fn run(
+    pieces: &Pieces,
+    defines: &[(String, String)],
+    before: Option<Version>,
+    sink: &mut Sink,
+) -> Preprocessed {
+    if let Some(span) = pieces.open_comment {
+        let diagnostic = sink
+            .start(errors::TOKEN, span, "this comment is never closed")
+            .with_label("the comment starts here")
+            .with_why("everything up to the end of the file belongs to it")
+            .with_help("put `*/` where the comment ends");
+        sink.push(diagnostic);
+    }
+    let mut this = Preprocessor {
+        sink,
+        given: defines,
+        macros: Macros::new(),
+        conditionals: Vec::new(),
+        pending: Vec::new(),
+        out: Vec::new(),
+        incomplete: before.is_some(),
+        version: before.unwrap_or(Version { number: 110, profile: Profile::Compatibility, span: None }),
+        extensions: Vec::new(),
+        line_shift: 0,
+        begun: false,
+    };
+    this.predefine();
+    defines.iter().for_each(|(name, value)| this.given(name, value));
+    let all = limit::within(&pieces.pieces, this.sink);
+    let mut raw = Vec::with_capacity(all.len());
+    let mut at = 0;
+    while at < all.len() && this.out.len() <= macros::MOST_TOKENS {
+        let rest = &all[at..];
+        let len = rest.iter().skip(1).position(|p| p.first).map_or(rest.len(), |n| n + 1);
+        let line = &rest[..len];
+        at += len;
+        let active = this.active();
+        let directive = line[0].lex == Lex::Hash;
+        let place = if directive {
+            this.directive(line);
+            // The directives of the outermost #if are no part of what it leaves out.
+            let word = line.get(1).map(|p| this.slice(p)).unwrap_or_default();
+            let conditional = matches!(word.as_str(), "if" | "ifdef" | "ifndef" | "elif" | "else" | "endif");
+            if active || this.active() || (conditional && this.outer_active()) {
+                TokenPlace::Directive
+            } else {
+                TokenPlace::Inactive
+            }
+        } else if active {
+            this.text(line);
+            TokenPlace::Text
+        } else {
+            TokenPlace::Inactive
+        };
+        this.begun = true;
+        raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
+    }
+    this.flush();
+    for open in std::mem::take(&mut this.conditionals) {
+        let diagnostic = this
+            .sink
+            .start(errors::CONDITIONAL, open.span, "this `#if` has no `#endif`")
+            .with_label("opened here")
+            .with_help("add `#endif` where it ends");
+        this.sink.push(diagnostic);
+    }
+    this.sink.expanded();
+    let Preprocessor { out: tokens, version, extensions, incomplete, .. } = this;
+    Preprocessed { tokens, version, extensions, raw, incomplete }
+}
+
+fn kind(lex: Lex) -> TokenKind {
+    match lex {
+        Lex::Word => TokenKind::Word,
+        Lex::Number => TokenKind::Number,
+        Lex::Unknown => TokenKind::Unknown,
+        _ => TokenKind::Punctuation,
+    }
+}
+
+impl Preprocessor<'_> {
+    fn active(&self) -> bool {
+        self.conditionals.last().is_none_or(|c| c.active)
+    }
+
+    /// True when the innermost `#if` itself stands in compiled text.
+    fn outer_active(&self) -> bool {
+        self.conditionals.iter().rev().nth(1).is_none_or(|c| c.active)
+    }
+
+    fn number(&mut self, name: &str, value: &str) {
+        let body = vec![(Lex::Number, Spelling::Made(value.into()))];
+        self.macros.insert(name.to_owned(), Macro { params: None, body, definition: None });
+    }
+
+    /// A macro from outside.
+    fn given(&mut self, name: &str, value: &str) {
+        let spelled = |piece: &Piece| (piece.lex, Spelling::Made(value[piece.span.range()].into()));
+        let body = super::lexer::lex(value).pieces.iter().map(spelled).collect();
+        self.macros.insert(name.to_owned(), Macro { params: None, body, definition: None });
+    }
+
+    /// Macros that depend on the version.
+    fn predefine(&mut self) {
+        for name in ["GL_ES", "GL_core_profile", "GL_compatibility_profile", "GL_es_profile"] {
+            self.macros.remove(name);
+        }
+        let number = self.version.number;
+        self.number("__VERSION__", &number.to_string());
+        match self.version.profile {
+            Profile::Es => {
+                self.number("GL_ES", "1");
+                self.number("GL_es_profile", "1");
+            }
+            Profile::Core | Profile::Compatibility if number >= 150 => {
+                // Both names exist in the compatibility profile (GLSL 1.50, section 3.3).
+                self.number("GL_core_profile", "1");
+                if self.version.profile == Profile::Compatibility {
+                    self.number("GL_compatibility_profile", "1");
+                }
+            }
+            Profile::Core | Profile::Compatibility => {}
+        }
+        if self.version.profile == Profile::Es || number >= 130 {
+            self.number("GL_FRAGMENT_PRECISION_HIGH", "1");
+        }
+    }
+
+    fn text(&mut self, line: &[Piece]) {
+        for piece in self.with_texts(line).iter() {
+            match piece.lex {
+                Lex::Unknown => {
+                    self.unknown(piece.span);
+                    // The parser must know that something stands here, unless it is a blank.
+                    if !self.sink.file.slice(piece.span).chars().all(char::is_whitespace) {
+                        self.pending.push(Tok::new(piece));
+                    }
+                }
+                _ => self.pending.push(Tok::new(piece)),
+            }
+        }
+    }
+
+    fn flush(&mut self) {
+        let pending = std::mem::take(&mut self.pending);
+        let end = pending.last().map(|tok| tok.span);
+        let tokens = macros::expand(pending, &self.macros, self.line_shift, self.sink);
+        self.out.extend(tokens);
+        limit::expanded(self.out.len(), end, self.sink);
+    }
+
+    fn slice(&self, piece: &Piece) -> String {
+        self.sink.file.slice(piece.span).to_owned()
+    }
+
+    fn directive(&mut self, line: &[Piece]) {
+        let Some(name) = line.get(1) else { return };
+        let span = line[0].span.to(line[line.len() - 1].span);
+        let rest = &line[2..];
+        let word = self.slice(name);
+        match word.as_str() {
+            "if" | "ifdef" | "ifndef" => self.open(&word, name, rest, span),
+            "elif" => self.elif(rest, span),
+            "else" => self.otherwise(rest, span),
+            "endif" => {
+                self.extra(rest, "endif");
+                if self.conditionals.pop().is_none() {
+                    self.stray("endif", span);
+                }
+            }
+            _ if !self.active() => {}
+            "define" => {
+                self.flush();
+                self.define(rest, span);
+            }
+            "undef" => {
+                self.flush();
+                match rest {
+                    [one] if one.lex == Lex::Word => {
+                        let name = self.slice(one);
+                        if self.is_predefined(&name) {
+                            return self.predefined(&name, one.span);
+                        }
+                        self.macros.remove(&name);
+                    }
+                    _ => self.malformed(span, "`#undef` takes one name"),
+                }
+            }
+            "error" => {
+                let text = line
+                    .get(2)
+                    .map_or(String::new(), |p| self.sink.file.slice(Span::new(p.span.start, span.end)).to_owned());
+                let text = text.trim();
+                let message =
+                    if text.is_empty() { "`#error` is reached".to_owned() } else { format!("#error: {text}") };
+                self.sink.error(errors::ERROR_DIRECTIVE, span, message, "reached here");
+            }
+            "pragma" => {}
+            "version" => self.version(rest, span),
+            "extension" => self.extension(rest, span),
+            "line" => self.line(rest, span),
+            _ => self.unknown_directive(&word, name, span),
+        }
+    }
+
+    fn unknown_directive(&mut self, word: &str, name: &Piece, span: Span) {
+        self.incomplete |= word == "include";
+        let start = |code, message: String| self.sink.start(code, span, message);
+        let diagnostic = if word == "include" {
+            start(errors::INCLUDE, "`#include` is not part of GLSL".to_owned())
+                .with_label("the file is not read")
+                .with_help("compilers refuse it; put the text here, or let the host join the files")
+        } else {
+            let all = [
+                "define",
+                "undef",
+                "if",
+                "ifdef",
+                "ifndef",
+                "else",
+                "elif",
+                "endif",
+                "error",
+                "pragma",
+                "extension",
+                "version",
+                "line",
+            ];
+            let mut d = start(errors::UNKNOWN_DIRECTIVE, format!("`#{word}` is no directive of GLSL"));
+            d.span = name.span;
+            d.label = "unknown directive".into();
+            match super::names::nearest(word, all) {
+                Some(near) => d.with_help(format!("did you mean `#{near}`?")),
+                None => d,
+            }
+        };
+        self.sink.push(diagnostic);
+    }
+
+    fn malformed(&mut self, span: Span, message: &str) {
+        self.sink.error(errors::DIRECTIVE, span, message, "this directive");
+    }
+
+    fn is_predefined(&self, name: &str) -> bool {
+        matches!(name, "__LINE__" | "__FILE__" | "__VERSION__")
+            || (name == "GL_ES" && self.version.profile == Profile::Es)
+    }
+
+    fn predefined(&mut self, name: &str, span: Span) {
+        let message = message!("the language defines `{name}` itself", "`{name}` は言語が定義するマクロです");
+        let d = self.sink.start(errors::RESERVED, span, message).with_label(message!("reserved", "予約されています"));
+        self.sink.push(
+            d.with_why(message!("macros that start with `GL_` are reserved", "`GL_` で始まるマクロは予約されています"))
+                .with_help(message!("choose another name", "別の名前にしてください")),
+        );
+    }
+
+    fn extra(&mut self, rest: &[Piece], name: &str) {
+        if let Some(first) = rest.first() {
+            let span = first.span.to(rest[rest.len() - 1].span);
+            let diagnostic = self
+                .sink
+                .start(errors::DIRECTIVE, span, format!("nothing may follow `#{name}`"))
+                .with_label("this is too much")
+                .with_fix("Put it into a comment", Safety::Safe, vec![Edit::insert(span.start, "// ")]);
+            self.sink.push(diagnostic);
+        }
+    }
+
+    fn stray(&mut self, name: &str, span: Span) {
+        self.sink.error(errors::CONDITIONAL, span, format!("`#{name}` without `#if`"), "belongs to no `#if`");
+    }
+
+    fn open(&mut self, word: &str, name: &Piece, rest: &[Piece], span: Span) {
+        let outer = self.active();
+        let value = outer
+            && match (word, rest) {
+                ("if", _) => self.condition(rest, span),
+                (_, [one]) if one.lex == Lex::Word => self.is_defined(&self.slice(one)) == (word == "ifdef"),
+                _ => {
+                    self.malformed(span, &format!("`#{word}` takes one name"));
+                    false
+                }
+            };
+        let span = Span::new(span.start, name.span.end);
+        self.conditionals.push(Conditional { span, active: value, done: value || !outer, seen_else: false });
+    }
+
+    fn elif(&mut self, rest: &[Piece], span: Span) {
+        let Some(top) = self.conditionals.last() else { return self.stray("elif", span) };
+        let (done, seen_else) = (top.done, top.seen_else);
+        if seen_else {
+            self.sink.error(errors::CONDITIONAL, span, "`#elif` behind `#else`", "must come before `#else`");
+        }
+        let value = !done && !seen_else && self.condition(rest, span);
+        if let Some(top) = self.conditionals.last_mut() {
+            top.active = value;
+            top.done |= value;
+        }
+    }
+
+    fn otherwise(&mut self, rest: &[Piece], span: Span) {
+        self.extra(rest, "else");
+        let Some(top) = self.conditionals.last_mut() else { return self.stray("else", span) };
+        let again = std::mem::replace(&mut top.seen_else, true);
+        top.active = !top.done && !again;
+        top.done = true;
+        if again {
+            self.sink.error(errors::CONDITIONAL, span, "a second `#else` for one `#if`", "second `#else`");
+        }
+    }
+
+    fn is_defined(&self, name: &str) -> bool {
+        self.macros.contains_key(name) || matches!(name, "__LINE__" | "__FILE__")
+    }
+
+    fn condition(&mut self, rest: &[Piece], span: Span) -> bool {
+        // `defined` must see names before they are expanded.
+        let mut tokens = Vec::with_capacity(rest.len());
+        let mut at = 0;
+        while let Some(piece) = rest.get(at) {
+            at += 1;
+            if piece.lex == Lex::Unknown {
+                return self.condition_failed(piece.span, "this is not part of a condition");
+            }
+            if piece.lex != Lex::Word || self.slice(piece) != "defined" {
+                tokens.push(Tok::new(piece));
+                continue;
+            }
+            let (name, used) = match &rest[at..] {
+                [l, name, r, ..] if (l.lex, name.lex, r.lex) == (Lex::LParen, Lex::Word, Lex::RParen) => (name, 3),
+                [name, ..] if name.lex == Lex::Word => (name, 1),
+                _ => return self.condition_failed(piece.span, "`defined` takes a name, as in `defined(NAME)`"),
+            };
+            at += used;
+            let value: Arc<str> = if self.is_defined(&self.slice(name)) { "1".into() } else { "0".into() };
+            let number = Piece { lex: Lex::Number, span: piece.span.to(name.span), ..*piece };
+            tokens.push(Tok { spelling: Spelling::Made(value), ..Tok::new(&number) });
+        }
+        let tokens = macros::expand(tokens, &self.macros, self.line_shift, self.sink);
+        match condition::evaluate(&tokens, &self.sink.file, span) {
+            Ok(value) => value,
+            Err(error) => self.condition_failed(error.span, &error.message),
+        }
+    }
+
+    fn condition_failed(&mut self, span: Span, message: &str) -> bool {
+        self.sink.error(errors::DIRECTIVE, span, message, "in this condition");
+        false
+    }
+
+    fn define(&mut self, rest: &[Piece], span: Span) {
+        let Some((name, body)) = rest.split_first().filter(|(n, _)| n.lex == Lex::Word) else {
+            return self.malformed(span, "`#define` needs a name");
+        };
+        let text = self.slice(name);
+        if self.is_predefined(&text) || text.starts_with("GL_") || text == "defined" {
+            return self.predefined(&text, name.span);
+        }
+        // Only `(` right behind the name opens parameters.
+        let (params, body) = match body.split_first() {
+            Some((open, after)) if open.lex == Lex::LParen && !open.spaced => {
+                let Some(close) = after.iter().position(|p| p.lex == Lex::RParen) else {
+                    return self.malformed(span, "the parameters of this macro have no closing `)`");
+                };
+                let (inside, body) = (&after[..close], &after[close + 1..]);
+                let good = inside.is_empty()
+                    || (inside.len() % 2 == 1
+                        && inside
+                            .iter()
+                            .enumerate()
+                            .all(|(i, p)| p.lex == if i % 2 == 0 { Lex::Word } else { Lex::Comma }));
+                if !good {
+                    return self.malformed(span, "the parameters of a macro are names separated by commas");
+                }
+                let names = inside.iter().filter(|p| p.lex == Lex::Word).map(|p| self.slice(p)).collect();
+                (Some(names), body)
+            }
+            _ => (None, body),
+        };
+        let body = self.with_texts(body);
+        for piece in body.iter().filter(|p| p.lex == Lex::Unknown) {
+            self.unknown(piece.span);
+        }
+        let body = body.iter().filter(|p| p.lex != Lex::Unknown).map(|p| (p.lex, Spelling::Source(p.span))).collect();
+        if text == "defined" || text.starts_with("__") && self.macros.contains_key(&text) {
+            return self.malformed(span, &format!("`{text}` cannot be redefined"));
+        }
+        let new = Macro { params, body, definition: Some(name.span) };
+        if let Some(old) = self.macros.get(&text)
+            && !self.same(old, &new)
+        {
+            let message = format!("macro `{text}` is defined twice with different bodies");
+            let diagnostic = self.sink.start(errors::MACRO, name.span, message).with_label("second definition");
+            let diagnostic = if self.given.iter().any(|(name, _)| *name == text) {
+                let help = format!("put this line between `#ifndef {text}` and `#endif`");
+                diagnostic.with_why("the first one is given from outside").with_help(help)
+            } else {
+                diagnostic.with_help(format!("put `#undef {text}` before it, or remove one of them"))
+            };
+            self.sink.push(diagnostic);
+        }
+        self.macros.insert(text, new);
+    }
+
+    fn same(&self, a: &Macro, b: &Macro) -> bool {
+        let text = |s: &Spelling| match s {
+            Spelling::Source(span) => self.sink.file.slice(*span).to_owned(),
+            Spelling::Made(text) => text.to_string(),
+        };
+        a.params == b.params
+            && a.body.len() == b.body.len()
+            && a.body.iter().zip(&b.body).all(|(x, y)| x.0 == y.0 && text(&x.1) == text(&y.1))
+    }
+
+    fn version(&mut self, rest: &[Piece], span: Span) {
+        let number = rest.first().map(|p| self.slice(p)).unwrap_or_default();
+        let known = [100, 110, 120, 130, 140, 150, 300, 310, 320, 330, 400, 410, 420, 430, 440, 450, 460];
+        let Some(number) = number.parse::<u32>().ok().filter(|n| known.contains(n)) else {
+            let diagnostic = self
+                .sink
+                .start(errors::DIRECTIVE, rest.first().map_or(span, |p| p.span), "this is no version of GLSL")
+                .with_label("unknown version")
+                .with_help("versions are 110, 120, 130, 140, 150, 330, 400 to 460, and 100, 300, 310, 320 of GLSL ES");
+            return self.sink.push(diagnostic);
+        };
+        let es_number = matches!(number, 100 | 300 | 310 | 320);
+        let profile = match rest.get(1).map(|p| self.slice(p)).as_deref() {
+            None if number == 100 => Profile::Es,
+            None if number >= 150 => Profile::Core,
+            None => Profile::Compatibility,
+            Some("es") if es_number => Profile::Es,
+            Some("core") if number >= 150 && !es_number => Profile::Core,
+            Some("compatibility") if number >= 150 && !es_number => Profile::Compatibility,
+            Some(other) => {
+                let message = format!("`{other}` is no profile of version {number}");
+                self.sink.error(errors::DIRECTIVE, rest[1].span, message, "unknown profile");
+                if es_number { Profile::Es } else { Profile::Core }
+            }
+        };
+        if let Some(third) = rest.get(2) {
+            self.sink.error(errors::DIRECTIVE, third.span, "nothing may follow the profile", "this is too much");
+        }
+        if self.version.span.is_some() {
+            self.flush();
+            return self.malformed(span, "a second `#version`");
+        }
+        if self.begun {
+            let d = self
+                .sink
+                .start(
+                    errors::LATE_VERSION,
+                    span,
+                    message!("`#version` must be the first thing in the text", "`#version` はテキストの先頭に書きます"),
+                )
+                .with_label(message!("too late", "遅すぎます"))
+                .with_why(message!(
+                    "only blanks and comments may stand before it",
+                    "前に置けるのは空白とコメントだけです"
+                ))
+                .with_help(message!("move it to the first line", "一行目へ移してください"));
+            self.sink.push(d);
+        }
+        self.flush();
+        self.version = Version { number, profile, span: Some(span) };
+        self.predefine();
+    }
+
+    fn extension(&mut self, rest: &[Piece], span: Span) {
+        self.flush();
+        match rest {
+            [name, colon, behavior] if name.lex == Lex::Word && colon.lex == Lex::Colon => {
+                let (name, behavior_text) = (self.slice(name), self.slice(behavior));
+                if !matches!(behavior_text.as_str(), "require" | "enable" | "warn" | "disable") {
+                    let diagnostic = self
+                        .sink
+                        .start(
+                            errors::DIRECTIVE,
+                            behavior.span,
+                            format!("`{behavior_text}` is no behaviour of an extension"),
+                        )
+                        .with_label("unknown behaviour")
+                        .with_help("write `require`, `enable`, `warn` or `disable`");
+                    self.sink.push(diagnostic);
+                }
+                self.known_extension(&name, &behavior_text, span);
+                if behavior_text != "disable" && name != "all" {
+                    self.number(&name, "1");
+                }
+                self.extensions.push(Extension { name, behavior: behavior_text, span });
+            }
+            _ => self.malformed(span, "`#extension` is written as `#extension NAME : enable`"),
+        }
+    }
+
+    /// `require` of something that no vendor can have made, and `all` with a behaviour that it cannot have.
+    fn known_extension(&mut self, name: &str, behavior: &str, span: Span) {
+        const VENDORS: &[&str] = &[
+            "ARB", "EXT", "OES", "NV", "NVX", "AMD", "ATI", "INTEL", "KHR", "APPLE", "ANDROID", "MESA", "OVR", "QCOM",
+            "ARM", "IMG", "SGI", "SGIS", "SGIX", "WEBGL", "GOOGLE", "3DFX", "VIV", "DMP", "FJ", "HUAWEI", "ANGLE",
+            "CHROMIUM", "WIN", "IBM", "MTX", "PGI", "REND", "S3", "SUN", "NOUVEAU",
+        ];
+        if name == "all" && matches!(behavior, "require" | "enable") {
+            return self.malformed(span, "`all` can only be `warn` or `disable`");
+        }
+        let made = name.strip_prefix("GL_").and_then(|n| n.split('_').next()).is_some_and(|v| VENDORS.contains(&v));
+        if behavior == "require" && !made && name != "all" {
+            let d = self
+                .sink
+                .start(
+                    errors::EXTENSION,
+                    span,
+                    message!("there is no extension `{name}`", "拡張 `{name}` は存在しません"),
+                )
+                .with_label(message!("required here", "ここで必須とされています"))
+                .with_why(message!(
+                    "a required extension that is not there is an error",
+                    "必須の拡張がないとエラーになります"
+                ))
+                .with_help(message!("check its name, or write `enable`", "名前を確かめるか `enable` にしてください"));
+            self.sink.push(d);
+        }
+    }
+
+    fn line(&mut self, rest: &[Piece], span: Span) {
+        self.flush();
+        let first = rest.first().and_then(|p| self.slice(p).parse::<i64>().ok());
+        match first {
+            Some(line) => {
+                let here = i64::try_from(self.sink.file.position(span.start).line).unwrap_or(0);
+                self.line_shift = line - (here + 1);
+            }
+            // A macro or an expression is allowed; the places in our messages do not follow #line.
+            None if rest.iter().all(|p| p.lex != Lex::Unknown) && !rest.is_empty() => {}
+            None => self.malformed(span, "`#line` needs a number"),
+        }
+    }
+}

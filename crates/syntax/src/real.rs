@@ -1,0 +1,302 @@
+//! Constant expressions in real numbers: literals count as they are written, and nothing is rounded.
+//!
+//! Front ends fold such expressions, each in its own way: in binary32 after every operation, or in binary64 with one
+//! rounding at the end, with functions of their own. Beside the number that the author means stands how far apart they
+//! may be.
+
+use std::sync::Arc;
+
+use super::Shader;
+use super::ast::{Callee, ExprId, ExprKind, Literal};
+use super::fold::Const;
+use super::known::{self, Known};
+use super::symbols::CallTarget;
+use super::types::{ScalarType, Type};
+
+/// Distance between numbers of binary32 next to 1.
+const ULP: f64 = f32::EPSILON as f64;
+
+/// The value of a constant expression.
+#[derive(Clone, Debug)]
+pub struct Real {
+    meant: Known,
+    /// With every operation rounded to binary32.
+    single: Known,
+    /// How far the functions of a front end may be off, for each component.
+    slack: Vec<f64>,
+}
+
+impl Real {
+    /// Its type.
+    pub fn ty(&self) -> &Type {
+        &self.meant.ty
+    }
+
+    /// Components in order, columns of a matrix behind each other, as near as binary64 comes to them.
+    pub fn values(&self) -> &[f64] {
+        &self.meant.parts
+    }
+
+    /// For each component, how far from `value` a front end may be that folds the expression, where `value` is what
+    /// one of them gives.
+    #[expect(clippy::cast_possible_truncation, reason = "front ends round at the end")]
+    pub fn spread(&self, component: usize, value: f64) -> f64 {
+        let of = |known: &Known| known.parts.get(component).copied().unwrap_or(value);
+        let apart = |other: f64| (value - other).abs();
+        let once = f64::from(of(&self.meant) as f32);
+        apart(once).max(apart(of(&self.single))) + self.slack.get(component).copied().unwrap_or(0.0)
+    }
+
+    /// True when a front end may have folded a component to `value`.
+    #[expect(clippy::cast_possible_truncation, reason = "front ends round at the end")]
+    pub fn is_near(&self, component: usize, value: f64) -> bool {
+        let (once, single) = (f64::from(self.meant.parts[component] as f32), self.single.parts[component]);
+        let room = self.slack[component] + 2.0 * ULP * value.abs();
+        once.min(single) - room <= value && value <= once.max(single) + room
+    }
+
+    fn exact(value: Known) -> Self {
+        let slack = vec![0.0; value.parts.len()];
+        Self { single: value.clone(), meant: value, slack }
+    }
+
+    fn literal(value: f64) -> Self {
+        let meant = Known { ty: Type::FLOAT, parts: vec![value] };
+        Self { single: known::rounded(meant.clone()), meant, slack: vec![0.0] }
+    }
+
+    /// What an operation gives, which itself may be off by `own` of its value.
+    fn of(args: &[&Self], own: impl Fn(f64) -> f64, op: impl Fn(&[Known]) -> Option<Known>) -> Option<Self> {
+        let singles: Vec<Known> = args.iter().map(|arg| arg.single.clone()).collect();
+        let single = known::rounded(op(&singles)?);
+        if single.ty.scalar().is_some_and(|scalar| scalar != ScalarType::Float) {
+            // Whole numbers and truth values are those that the language makes of binary32.
+            return Some(Self::exact(single));
+        }
+        let mut moved: Vec<Known> = args.iter().map(|arg| arg.meant.clone()).collect();
+        let meant = op(&moved)?;
+        let mut slack: Vec<f64> = meant.parts.iter().map(|&v| own(v)).collect();
+        for (k, arg) in args.iter().enumerate() {
+            for (part, &by) in arg.slack.iter().enumerate().filter(|(_, by)| **by > 0.0) {
+                let mut reach = vec![0.0_f64; slack.len()];
+                for sign in [-1.0, 1.0] {
+                    moved[k].parts[part] = arg.meant.parts[part] + sign * by;
+                    let there = op(&moved)?;
+                    let all = reach.iter_mut().zip(there.parts.iter().zip(&meant.parts));
+                    all.for_each(|(reach, (a, b))| *reach = reach.max((a - b).abs()));
+                }
+                moved[k].parts[part] = arg.meant.parts[part];
+                slack.iter_mut().zip(reach).for_each(|(slack, reach)| *slack += reach);
+            }
+        }
+        Some(Self { meant, single, slack })
+    }
+}
+
+/// Values of all constant expressions of a shader.
+#[derive(Clone, Debug, Default)]
+pub struct Reals(Vec<Option<Arc<Real>>>);
+
+impl Reals {
+    /// Of a shader. `literal` says what a literal of `float` is meant to be, by its expression and the number as it is
+    /// written.
+    pub fn new(shader: &Shader, literal: &dyn Fn(ExprId, f64) -> f64) -> Self {
+        let mut all = Self(Vec::with_capacity(shader.arena().len()));
+        // Operands come before their users, and declarations before their uses.
+        for (id, _) in shader.arena().iter() {
+            let value = all.evaluate(shader, id, literal);
+            all.0.push(value);
+        }
+        all
+    }
+
+    /// The value of an expression; `None` where it is no constant, or none that is known here.
+    pub fn get(&self, id: ExprId) -> Option<&Real> {
+        self.arc(id).map(|real| &**real)
+    }
+
+    fn arc(&self, id: ExprId) -> Option<&Arc<Real>> {
+        self.0.get(id.index())?.as_ref()
+    }
+
+    fn evaluate(&self, shader: &Shader, id: ExprId, literal: &dyn Fn(ExprId, f64) -> f64) -> Option<Arc<Real>> {
+        if let Some(value) = shader.fold(id) {
+            let number = match value {
+                Const::Bool(v) => Some(f64::from(u8::from(v))),
+                Const::Int(_) | Const::Uint(_) => value.as_f64(),
+                Const::Float(_) | Const::Double(_) => None,
+            };
+            if let Some(number) = number {
+                return Some(Arc::new(Real::exact(Known { ty: value.ty(), parts: vec![number] })));
+            }
+        }
+        let of = |id: ExprId| self.get(id);
+        let none = |_: f64| 0.0;
+        let value = match &shader.expr(id).kind {
+            ExprKind::Literal(Literal::Float(v)) => Some(Real::literal(literal(id, *v))),
+            ExprKind::Name(_) => return self.constant(shader, id),
+            ExprKind::Paren(inner) => return self.arc(*inner).cloned(),
+            ExprKind::Unary { op, operand, .. } => {
+                Real::of(&[of(*operand)?], none, |args| known::unary(*op, args[0].clone()))
+            }
+            ExprKind::Binary { op, left, right, .. } => {
+                let sides = [of(*left)?, of(*right)?];
+                Real::of(&sides, none, |args| known::binary(*op, args[0].clone(), args[1].clone()))
+            }
+            ExprKind::Ternary { condition, yes, no } => {
+                let sides = [of(*condition)?, of(*yes)?, of(*no)?];
+                Real::of(&sides, none, |args| known::chosen(&args[0], &args[1], &args[2]))
+            }
+            ExprKind::Index { base, index } => {
+                let k = usize::try_from(shader.fold(*index)?.as_integer()?).ok()?;
+                Real::of(&[of(*base)?], none, |args| known::element(&args[0], k))
+            }
+            ExprKind::Field { base, field } => {
+                Real::of(&[of(*base)?], none, |args| known::field(&args[0], &field.name))
+            }
+            ExprKind::Call { callee, args } => {
+                let values: Option<Vec<&Real>> = args.iter().map(|&arg| of(arg)).collect();
+                let values = values?;
+                match (shader.callee(id)?, callee) {
+                    (CallTarget::Constructor(ty), _) => Real::of(&values, none, |args| known::constructed(ty, args)),
+                    (CallTarget::Builtin(_), Callee::Name(name)) => {
+                        let round = is_round(&values);
+                        let own = |value: f64| error_of(&name.name, round, value);
+                        Real::of(&values, own, |args| known::function(&name.name, args.to_vec()))
+                    }
+                    (CallTarget::Builtin(_), Callee::Type(_)) | (CallTarget::User(_), _) => None,
+                }
+            }
+            ExprKind::Literal(_)
+            | ExprKind::Method { .. }
+            | ExprKind::Postfix { .. }
+            | ExprKind::Assign { .. }
+            | ExprKind::Comma { .. }
+            | ExprKind::List(_)
+            | ExprKind::Error => None,
+        };
+        value.map(Arc::new)
+    }
+
+    /// The value of a constant by its name.
+    fn constant(&self, shader: &Shader, id: ExprId) -> Option<Arc<Real>> {
+        let symbol = shader.symbol(shader.symbol_of(id)?);
+        let initializer = symbol.initializer?;
+        let value = self.initial(shader, initializer, &symbol.ty)?;
+        let same = value.ty().scalar() == symbol.ty.scalar();
+        if same {
+            Some(value)
+        } else {
+            Real::of(&[&value], |_| 0.0, |args| known::converted(args[0].clone(), &symbol.ty)).map(Arc::new)
+        }
+    }
+
+    /// The value of an initialiser for a variable of a type, lists in braces included.
+    fn initial(&self, shader: &Shader, id: ExprId, ty: &Type) -> Option<Arc<Real>> {
+        let ExprKind::List(items) = &shader.expr(id).kind else { return self.arc(id).cloned() };
+        let part = |k: usize| match ty {
+            Type::Struct(s) => s.fields.get(k).map(|field| field.ty.clone()),
+            _ => ty.indexed(),
+        };
+        let values: Option<Vec<Arc<Real>>> =
+            items.iter().enumerate().map(|(k, &item)| self.initial(shader, item, &part(k)?)).collect();
+        let values = values?;
+        let values: Vec<&Real> = values.iter().map(|value| &**value).collect();
+        Real::of(&values, |_| 0.0, |args| known::constructed(ty, args)).map(Arc::new)
+    }
+}
+
+/// True for arguments at which the inverse functions of angles have values that every front end knows.
+fn is_round(args: &[&Real]) -> bool {
+    args.iter().flat_map(|arg| arg.values()).all(|v| [-1.0, 0.0, 1.0].contains(v))
+}
+
+/// How far the functions of a front end may be off. Most take those of a library in C; Mesa approximates the inverse
+/// functions of angles as it does on a device.
+fn error_of(name: &str, round: bool, value: f64) -> f64 {
+    match name {
+        "abs" | "sign" | "floor" | "ceil" | "trunc" | "round" | "roundEven" | "min" | "max" | "clamp" | "step"
+        | "transpose" => 0.0,
+        "asin" | "acos" | "atan" | "asinh" | "acosh" | "atanh" if !round => value.abs().max(1.0) / 2048.0,
+        _ => 4.0 * ULP * value.abs(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Stage;
+    use super::*;
+    use base::text::SourceFile;
+
+    /// The value of `x` in `const TYPE x = …;`.
+    fn value(text: &str) -> Option<Real> {
+        let file = SourceFile::new("a.glsl", format!("#version 450\n{text}\nfloat f() {{ return float(x); }}\n"));
+        let parsed = Shader::parse(&file, Stage::Library);
+        assert!(parsed.diagnostics.is_empty(), "{text}: {:?}", parsed.diagnostics);
+        let shader = parsed.shader;
+        let reals = Reals::new(&shader, &|_, v| v);
+        let (id, _) = shader.arena().iter().find(|(_, e)| e.kind == ExprKind::Name("x".into()))?;
+        reals.get(id).cloned()
+    }
+
+    #[test]
+    fn constants_are_the_numbers_that_are_written() {
+        let pi = std::f64::consts::PI;
+        let declared = "const float PI = 3.14159265358979323846; struct S { int n; vec2 v[2]; };";
+        for (text, wanted) in [
+            ("const float x = 0.1;", 0.1),
+            ("const float x = PI * 0.5;", pi / 2.0),
+            ("const float x = 2 * PI / 3;", 2.0 * pi / 3.0),
+            ("const float x = radians(180.0);", pi),
+            ("const float x = acos(-1.0);", pi),
+            ("const float x = 4.0 * atan(1.0);", pi),
+            ("const float x = atan(0.0, -1.0);", pi),
+            ("const float x = sqrt(2.0);", std::f64::consts::SQRT_2),
+            ("const float x = exp(1.0);", std::f64::consts::E),
+            ("const float y = -PI; const float x = -(+y);", pi),
+            ("const vec3 v = vec3(1.0, PI, 2.0) * 2.0; const float x = v.zy.y;", 2.0 * pi),
+            ("const float a[2] = float[](1.0, PI); const float x = a[1];", pi),
+            ("const float a[2] = { 1.0, PI }; const float x = a[1];", pi),
+            ("const S s = S(1, vec2[](vec2(0.0), vec2(1.0, PI))); const float x = s.v[1].y;", pi),
+            ("const S s = { 1, { vec2(0.0), vec2(1.0, PI) } }; const float x = s.v[1][1];", pi),
+            ("const mat2 m = mat2(PI); const float x = (m * vec2(0.0, 2.0)).y;", 2.0 * pi),
+            ("const float x = PI > 3.0 ? PI : 1.0;", pi),
+            ("const int n = 3; const float x = n;", 3.0),
+        ] {
+            let real = value(&format!("{declared}\n{text}")).unwrap_or_else(|| panic!("{text}"));
+            let found = real.values()[0];
+            assert!((found - wanted).abs() <= 4e-16 * wanted.abs(), "{text}: {found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_those_of_binary32() {
+        // In real numbers it is less than 29.
+        assert_eq!(value("const int n = int(0.29 * 100.0); const float x = float(n);").unwrap().values(), [29.0]);
+    }
+
+    #[test]
+    fn what_is_no_constant_has_no_value() {
+        for text in ["uniform float x;", "float x = 1.0;", "in float y; const float x = 1.0 * float(y > 0.0);"] {
+            let file = SourceFile::new("a.glsl", format!("#version 450\n{text}\nfloat f() {{ return x; }}\n"));
+            let shader = Shader::parse(&file, Stage::Library).shader;
+            let reals = Reals::new(&shader, &|_, v| v);
+            let (id, _) = shader.arena().iter().find(|(_, e)| e.kind == ExprKind::Name("x".into())).unwrap();
+            assert!(reals.get(id).is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn front_ends_agree_about_one_operation_and_not_about_chains_and_functions() {
+        let spread = |text: &str| {
+            let real = value(text).unwrap();
+            real.spread(0, f64::from(real.values()[0] as f32))
+        };
+        assert_eq!(spread("const float x = 2.0 * 3.14159265358979;"), 0.0);
+        // 2^24 + 1 is no number of binary32.
+        assert_eq!(spread("const float x = 16777216.0 + 1.0 - 16777216.0;"), 1.0);
+        assert!(spread("const float x = acos(-1.0);") < 2e-6);
+        assert!(spread("const float x = acos(0.3);") > 2e-4);
+        assert!(spread("const float x = 1000.0 * acos(0.3);") > 2e-1);
+    }
+}

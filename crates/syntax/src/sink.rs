@@ -1,0 +1,57 @@
+//! Where the parts of the front end put their diagnostics.
+
+use base::diagnostic::{Code, Diagnostic, Message, Severity};
+use base::text::{Expansion, SourceFile, Span};
+
+/// Collects errors about one file.
+#[derive(Debug)]
+pub(crate) struct Sink {
+    pub file: SourceFile,
+    list: Vec<Diagnostic>,
+    /// Macros that are expanded, before the file knows them.
+    pub expansions: Vec<Expansion>,
+}
+
+/// Garbage can give an error at every token; nobody reads more than these.
+const MOST: usize = 200;
+
+impl Sink {
+    pub(crate) fn new(file: &SourceFile) -> Self {
+        Self { file: file.clone(), list: Vec::new(), expansions: Vec::new() }
+    }
+
+    /// Adds an error with words for the place.
+    pub(crate) fn error(&mut self, code: Code, span: Span, message: impl Into<Message>, label: impl Into<Message>) {
+        let file = self.file.clone();
+        self.push(Diagnostic::new(code, Severity::Error, &file, span, message).with_label(label));
+    }
+
+    /// Adds a diagnostic.
+    pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
+        if self.list.len() < MOST {
+            self.list.push(diagnostic);
+        }
+    }
+
+    /// Ends the reading of macros: the file knows where they are expanded from here on.
+    pub(crate) fn expanded(&mut self) {
+        let expansions = std::mem::take(&mut self.expansions);
+        self.file = self.file.clone().with_expansions(expansions);
+    }
+
+    /// True when something was told with that code.
+    pub(crate) fn has(&self, code: Code) -> bool {
+        self.list.iter().any(|d| d.code == code)
+    }
+
+    /// A diagnostic to be completed and pushed.
+    pub(crate) fn start(&self, code: Code, span: Span, message: impl Into<Message>) -> Diagnostic {
+        Diagnostic::new(code, Severity::Error, &self.file, span, message)
+    }
+
+    /// All diagnostics in the order of the text.
+    pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
+        self.list.sort_by_key(|d| d.span.start);
+        self.list
+    }
+}
