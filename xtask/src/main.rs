@@ -1,6 +1,7 @@
 //! Set-up, gate, tests and benchmarks of shadercheck: `cargo xtask`.
 
 mod against;
+mod book;
 mod cargo;
 mod features;
 mod host;
@@ -28,6 +29,9 @@ usage: cargo xtask <task> [arguments]
   bench [ARGS]...   set the machine up, then print how fast gate and linter are; with --against-script
                     [--samples N] [--rounds N] [--program FILE], beside a test written by hand with
                     moderngl and numpy, in a Python environment that is thrown away
+  book [--program FILE]
+                    write the book in docs/book with a page for each lint rule, and make a web site of it with
+                    mdBook, in target/book/html; --program takes the rules from FILE and builds nothing
   soundness [--samples N] [--seed N]
                     judge devices that err as far as they may, 100 million samples unless told
                     otherwise; status 1 when one of them is accused
@@ -70,6 +74,7 @@ fn run(arguments: Vec<OsString>, messages: &mut dyn Write) -> Result<u8> {
         Some("test") => tasks::test(&rest, messages),
         Some("tidy") if rest.is_empty() => tasks::tidy(messages),
         Some("bench") => tasks::bench(&rest, messages),
+        Some("book") => book::run(&rest, messages),
         Some("soundness") => tasks::soundness(&rest),
         #[cfg(unix)]
         Some("slurm-demo") => slurm::run(&rest, messages),
@@ -117,7 +122,7 @@ mod tests {
 
     #[test]
     fn usage_names_every_task() {
-        for task in ["check", "test", "tidy", "bench", "soundness", "survey", "piglit", "slurm-demo"] {
+        for task in ["check", "test", "tidy", "bench", "book", "soundness", "survey", "piglit", "slurm-demo"] {
             assert!(USAGE.lines().any(|l| l.starts_with(&format!("  {task} "))), "{task}");
         }
     }

@@ -1,0 +1,194 @@
+//! `cargo xtask book`: the book in `docs/book`, with a page for each lint rule, as a web site.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::cargo::{cargo, status, workspace};
+
+/// The line of SUMMARY.md below which the pages of the rules are listed.
+const RULES: &str = "- [Lint rules](rules.md)\n";
+
+/// The words of the third column of `shadercheck explain`.
+const SEVERITIES: [&str; 3] = ["error", "warning", "info"];
+
+/// A line of `shadercheck explain`.
+#[derive(Debug, PartialEq, Eq)]
+struct Rule<'a> {
+    code: &'a str,
+    /// Empty for an error of the front end.
+    name: &'a str,
+    severity: &'a str,
+    summary: &'a str,
+}
+
+/// Pages by file name, and their lines in SUMMARY.md.
+type Pages = (Vec<(String, String)>, String);
+
+/// Writes the sources of the book and the pages of all rules below the build folder, and runs mdBook on them. Status 2
+/// when mdBook is missing.
+pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
+    let workspace = workspace()?;
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
+    let target = std::path::absolute(target)?;
+    let program = match arguments {
+        [] => built(&target)?,
+        [option, program] if option == "--program" => fs::canonicalize(program)?,
+        _ => bail!("book takes no argument but --program FILE"),
+    };
+    let folder = target.join("book");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("cannot remove {}", folder.display()))?;
+    }
+    // Pages include documents beside the book, by relative paths.
+    copy(&workspace.join("docs"), &folder.join("docs"))?;
+    fs::copy(workspace.join("ARCHITECTURE.md"), folder.join("ARCHITECTURE.md"))
+        .context("cannot copy ARCHITECTURE.md")?;
+    let book = folder.join("docs").join("book");
+    write(&book.join("src"), pages(&explain(&program, None)?, &|code| explain(&program, Some(code)))?)?;
+    if Command::new("mdbook").arg("--version").output().is_err() {
+        writeln!(messages, "xtask: mdBook is missing; to install it: cargo install mdbook --locked")?;
+        return Ok(2);
+    }
+    let site = folder.join("html");
+    let failed = status(Command::new("mdbook").arg("build").arg(&book).arg("--dest-dir").arg(&site))?;
+    if failed == 0 {
+        writeln!(messages, "xtask: the book is {}", site.join("index.html").display())?;
+    }
+    Ok(failed)
+}
+
+/// Builds the program; gives its path.
+fn built(target: &Path) -> Result<PathBuf> {
+    let failed = status(&mut cargo(["build", "--quiet", "--package", "shadercheck", "--bin", "shadercheck"]))?;
+    ensure!(failed == 0, "the program cannot be built");
+    Ok(target.join("debug").join(format!("shadercheck{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// What `shadercheck explain` prints about a rule, or the list of all rules.
+fn explain(program: &Path, code: Option<&str>) -> Result<String> {
+    let output = Command::new(program).arg("explain").args(code).args(["--lang", "en"]).output();
+    let output = output.with_context(|| format!("cannot start {}", program.display()))?;
+    ensure!(output.status.success(), "`explain` failed: {}", String::from_utf8_lossy(&output.stderr).trim());
+    Ok(String::from_utf8(output.stdout)?)
+}
+
+/// Copies a folder with everything in it.
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to).with_context(|| format!("cannot make {}", to.display()))?;
+    for entry in fs::read_dir(from).with_context(|| format!("cannot list {}", from.display()))? {
+        let entry = entry?;
+        let (from, to) = (entry.path(), to.join(entry.file_name()));
+        if entry.file_type()?.is_dir() {
+            copy(&from, &to)?;
+        } else {
+            fs::copy(&from, &to).with_context(|| format!("cannot copy {}", from.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Adds the pages of the rules to the sources of the book.
+fn write(source: &Path, (pages, lines): Pages) -> Result<()> {
+    for (name, text) in pages {
+        let path = source.join(name);
+        fs::create_dir_all(path.parent().unwrap_or(source))?;
+        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    let summary = source.join("SUMMARY.md");
+    let text = fs::read_to_string(&summary).with_context(|| format!("cannot read {}", summary.display()))?;
+    Ok(fs::write(&summary, listed(&text, &lines)?)?)
+}
+
+/// SUMMARY.md with the pages of the rules.
+fn listed(summary: &str, lines: &str) -> Result<String> {
+    let (before, behind) = summary.split_once(RULES).context("SUMMARY.md does not list rules.md")?;
+    Ok(format!("{before}{RULES}{lines}{behind}"))
+}
+
+/// One page for each rule that has one, and a page with the rest in a table. `explain` gives the page of a rule.
+fn pages(list: &str, explain: &dyn Fn(&str) -> Result<String>) -> Result<Pages> {
+    let (mut pages, mut lines) = (Vec::new(), String::new());
+    let mut rest = "# Errors of the front end\n\n| Code | Severity | What |\n|---|---|---|\n".to_owned();
+    for line in list.lines() {
+        let Rule { code, name, severity, summary } =
+            rule(line).with_context(|| format!("`explain` lists what is no rule: {line}"))?;
+        let page = explain(code)?;
+        if page.starts_with("# ") {
+            let file = format!("rules/{}.md", code.to_ascii_lowercase());
+            lines += &format!("  - [{code} {name}]({file})\n");
+            pages.push((file, page));
+        } else {
+            rest += &format!("| {code} | {severity} | {} |\n", summary.replace('|', "\\|"));
+        }
+    }
+    ensure!(!pages.is_empty(), "`explain` lists no rule");
+    lines += "  - [Errors of the front end](rules/errors.md)\n";
+    pages.push(("rules/errors.md".to_owned(), rest));
+    Ok((pages, lines))
+}
+
+fn rule(line: &str) -> Option<Rule<'_>> {
+    let (code, rest) = word(line)?;
+    let (first, behind) = word(rest)?;
+    let (name, severity, summary) = if SEVERITIES.contains(&first) {
+        ("", first, behind)
+    } else {
+        let (severity, summary) = word(behind)?;
+        (first, severity, summary)
+    };
+    SEVERITIES.contains(&severity).then_some(Rule { code, name, severity, summary: summary.trim() })
+}
+
+/// The first word, and what stands behind it.
+fn word(text: &str) -> Option<(&str, &str)> {
+    text.trim_start().split_once(' ')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIST: &str = "\
+D001  uninitialised-read  warning  read before it has a value
+E001                      error    no `a | b`
+";
+
+    #[test]
+    fn rules_with_a_name_and_without_one_are_read() {
+        let rules: Vec<_> =
+            LIST.lines().map(|line| rule(line).unwrap()).map(|r| (r.code, r.name, r.severity)).collect();
+        assert_eq!(rules, [("D001", "uninitialised-read", "warning"), ("E001", "", "error")]);
+        assert_eq!(rule("D001  uninitialised-read  grave  read"), None);
+        assert_eq!(rule(""), None);
+    }
+
+    #[test]
+    fn a_rule_has_a_page_and_the_rest_a_table() {
+        let explain = |code: &str| -> Result<String> {
+            let text = if code == "D001" { "# D001\n" } else { "E001  one line\n" };
+            Ok(text.to_owned())
+        };
+        let (pages, lines) = pages(LIST, &explain).unwrap();
+        assert_eq!(pages[0], ("rules/d001.md".to_owned(), "# D001\n".to_owned()));
+        assert!(pages[1].1.ends_with("| E001 | error | no `a \\| b` |\n"), "{}", pages[1].1);
+        assert_eq!(lines.lines().next(), Some("  - [D001 uninitialised-read](rules/d001.md)"));
+    }
+
+    #[test]
+    fn a_list_without_rules_is_an_error() {
+        assert!(pages("", &|_| Ok(String::new())).is_err());
+        assert!(pages("nothing\n", &|_| Ok(String::new())).is_err());
+    }
+
+    #[test]
+    fn the_summary_of_the_book_lists_the_page_of_the_rules() {
+        let listed = listed(include_str!("../../docs/book/src/SUMMARY.md"), "  - [A](rules/a.md)\n").unwrap();
+        assert!(listed.contains("(rules.md)\n  - [A](rules/a.md)\n"));
+        assert!(super::listed("# Summary\n", "").is_err());
+    }
+}
