@@ -4,6 +4,7 @@
 
 mod keys;
 mod runner;
+mod templates;
 
 use std::fs;
 use std::path::Path;
@@ -17,6 +18,8 @@ use runner::{Event, Runner};
 const ACTION: &str = "deploy/github/action.yml";
 const WORKFLOW: &str = "deploy/github/workflow.yml";
 const GITLAB: &str = "deploy/gitlab/.gitlab-ci.yml";
+/// The workflow of this repository.
+const PROJECT: &str = ".github/workflows/ci.yml";
 
 fn text(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap()
@@ -41,6 +44,16 @@ fn project(right: bool) -> TempDir {
 #[test]
 fn the_action_and_the_workflows_have_keys_that_are_known() {
     assert_eq!(keys::faults(&text(ACTION), &text(WORKFLOW), &text(GITLAB)), Vec::<String>::new());
+}
+
+#[test]
+fn the_workflow_of_the_project_runs_everything_and_has_keys_that_are_known() {
+    let faults = |workflow: &str| keys::faults(&text(ACTION), workflow, &text(GITLAB));
+    let workflow = text(PROJECT);
+    assert_eq!(faults(&workflow), Vec::<String>::new());
+    assert!(workflow.lines().any(|line| line.trim() == "- run: .ci/run"), "{workflow}");
+    assert!(root().join(".ci/run").is_file());
+    assert_eq!(faults(&workflow.replacen("runs-on", "run-on", 1)).len(), 1);
 }
 
 #[test]

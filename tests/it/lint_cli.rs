@@ -286,9 +286,9 @@ fn hooks_call_options_that_exist() {
 }
 
 #[test]
-fn the_configuration_of_the_readme_is_right() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
-    let (_, section) = readme.split_once("### Configuration").unwrap();
+fn the_configuration_of_the_book_is_right() {
+    let page = fs::read_to_string(root().join("docs/book/src/lint.md")).unwrap();
+    let (_, section) = page.split_once("## Configuration").unwrap();
     let (_, block) = section.split_once("```toml\n").unwrap();
     let (text, _) = block.split_once("```").unwrap();
     let files = [
@@ -304,9 +304,9 @@ fn the_configuration_of_the_readme_is_right() {
 }
 
 #[test]
-fn the_tour_of_the_readme_is_what_the_tool_says() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+fn the_tour_of_the_book_is_what_the_tool_says() {
+    let page = fs::read_to_string(root().join("docs/book/src/lint.md")).unwrap();
     let ran = lint(root(), "fixtures/tour --format concise --no-config").expect(1);
     assert_eq!(ran.out.lines().count(), 10, "{}", ran.out);
-    assert!(readme.contains(ran.out.trim_end()), "{}", ran.out);
+    assert!(page.contains(ran.out.trim_end()), "{}", ran.out);
 }

@@ -35,7 +35,7 @@ A shader stands for the suites beside it that are about it. Where there are none
 stage, is a data set of its own, with the inputs that `fuzz` gives it: from the domains that comments or --domain \
 state, or else of ordinary sizes.
 
-`docs/refdata.md` tells what is in the files.")]
+The page \"Reference data\" of the book (`docs/book/src/refdata.md`) describes the files.")]
 pub struct GenerateArgs {
     /// Shipped suites by name, suite files (*.suite.toml), shaders, and folders
     #[arg(value_name = "SUITE|FILE", required = true)]

@@ -5,6 +5,7 @@ mod advisories;
 mod architecture;
 mod dependencies;
 mod lengths;
+mod links;
 mod paths;
 mod readme;
 mod suites;

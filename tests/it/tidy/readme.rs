@@ -1,11 +1,21 @@
-//! The commands in README.md exist, with the options that it shows.
+//! The commands in README.md, CONTRIBUTING.md and the pages of the book exist, with the options that they show.
 
 use std::process::Command;
 
 use super::{Fault, File, expect_none, file, messages, project};
 
-/// Commands in fenced blocks that start with `program` and that its help does not know. `help`
-/// gives the help of a subcommand, or nothing when there is no such subcommand.
+/// Most lines that README.md may have.
+const README: usize = 150;
+
+/// Documents with commands.
+fn documents(files: &[File]) -> Vec<&File> {
+    let is_page = |path: &str| path.starts_with("docs/book/src/") && path.ends_with(".md");
+    let wanted = |path: &str| path == "README.md" || path == "CONTRIBUTING.md" || is_page(path);
+    files.iter().filter(|file| wanted(&file.path)).collect()
+}
+
+/// Commands that start with `program` and that its help does not know. `help` gives the help of a subcommand, or
+/// nothing when there is no such subcommand.
 fn unknown_commands(document: &File, program: &str, help: &dyn Fn(&str) -> Option<String>) -> Vec<Fault> {
     let mut faults = Vec::new();
     for (line, command) in commands(document) {
@@ -24,49 +34,71 @@ fn unknown_commands(document: &File, program: &str, help: &dyn Fn(&str) -> Optio
     faults
 }
 
-/// The lines of fenced blocks, without prompts and comments.
-fn commands(document: &File) -> impl Iterator<Item = (usize, &str)> {
+/// The lines of fenced blocks, without prompts and comments, and code within a line of prose.
+fn commands(document: &File) -> Vec<(usize, &str)> {
     let mut fenced = false;
-    document.text.lines().enumerate().filter_map(move |(at, line)| {
-        let fence = line.starts_with("```");
-        fenced ^= fence;
-        let command = line.trim().trim_start_matches("$ ").split(" #").next()?.trim();
-        (fenced && !fence).then_some((at + 1, command))
-    })
+    let mut found = Vec::new();
+    for (at, line) in document.text.lines().enumerate() {
+        let text = line.trim();
+        if text.starts_with("```") {
+            fenced = !fenced;
+        } else if fenced {
+            let command = text.trim_start_matches("$ ").split(" #").next().unwrap_or_default();
+            found.push((at + 1, command.trim()));
+        } else {
+            found.extend(line.split('`').skip(1).step_by(2).map(|code| (at + 1, code)));
+        }
+    }
+    found
+}
+
+/// What the program prints as help for these words; nothing when it does not know them.
+fn help_of(words: &[&str]) -> Option<String> {
+    let run = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args(words).arg("--help").output();
+    let output = run.expect("the binary starts");
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 #[test]
-fn the_tasks_of_the_readme_exist() {
+fn the_tasks_of_the_documents_exist() {
     let files = project();
     let usage = &file(&files, "xtask/src/main.rs").text;
-    let readme = file(&files, "README.md");
+    // `cargo xtask check` passes its options to the program.
+    let options = help_of(&["check"]).expect("the gate has help");
     let help = |task: &str| {
         let known = usage.lines().any(|line| line.starts_with(&format!("  {task} ")));
-        // A task hands its options to the program that it runs.
-        let options = readme.text.split_whitespace().filter(|word| word.starts_with("--")).collect::<Vec<_>>();
-        known.then(|| options.join(" "))
+        known.then(|| format!("{usage}\n{options}"))
     };
-    expect_none(&unknown_commands(readme, "cargo xtask", &help));
-    assert!(commands(readme).any(|(_, line)| line == "cargo xtask check"), "the README does not show the gate");
-    assert!(commands(readme).any(|(_, line)| line == "cargo xtask test"), "the README does not show the tests");
+    let unknown = |document: &File| unknown_commands(document, "cargo xtask", &help);
+    expect_none(&documents(&files).into_iter().flat_map(unknown).collect::<Vec<_>>());
+    let readme = commands(file(&files, "README.md"));
+    assert!(readme.iter().any(|(_, line)| *line == "cargo xtask check"), "the README does not show the gate");
+    assert!(readme.iter().any(|(_, line)| *line == "cargo xtask test"), "the README does not show the tests");
 }
 
 #[test]
-fn the_commands_of_the_readme_exist() {
+fn the_commands_of_the_documents_exist() {
     let files = project();
-    let of = |words: &[&str]| {
-        let run = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args(words).arg("--help").output();
-        let output = run.expect("the binary starts");
-        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
-    };
     let help = |command: &str| {
-        let own = of(&[command])?;
+        let own = help_of(&[command])?;
         // A command may have commands of its own, with options of theirs.
         let below = own.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-        let below = below.filter_map(|line| of(&[command, line.split_whitespace().next()?]));
+        let below = below.filter_map(|line| help_of(&[command, line.split_whitespace().next()?]));
         Some(below.fold(own.clone(), |all, help| all + &help))
     };
-    expect_none(&unknown_commands(file(&files, "README.md"), "shadercheck", &help));
+    let documents = documents(&files);
+    assert!(documents.len() > 20, "the book has {} pages", documents.len());
+    let shown = documents.iter().flat_map(|document| commands(document));
+    assert!(shown.filter(|(_, line)| line.starts_with("shadercheck ")).count() > 50, "the book shows no commands");
+    let unknown = |document: &File| unknown_commands(document, "shadercheck", &help);
+    expect_none(&documents.into_iter().flat_map(unknown).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_readme_is_short() {
+    let files = project();
+    let lines = file(&files, "README.md").text.lines().count();
+    assert!(lines <= README, "README.md has {lines} lines; the limit is {README}: the rest belongs in the book");
 }
 
 #[cfg(test)]
@@ -82,6 +114,7 @@ mod planted {
     #[test]
     fn a_command_that_does_not_exist_is_reported() {
         assert_eq!(said("```\nshadercheck chekc sphere\n```\n"), ["`shadercheck` has no command `chekc`"]);
+        assert_eq!(said("run `shadercheck chekc sphere` first\n"), ["`shadercheck` has no command `chekc`"]);
     }
 
     #[test]
@@ -90,10 +123,19 @@ mod planted {
             said("```sh\n$ shadercheck check --sed 1 # all\n```\n"),
             ["`shadercheck check` has no option `--sed`"]
         );
+        assert_eq!(said("- a list\n  ```sh\n  shadercheck check --sed 1\n  ```\n").len(), 1);
     }
 
     #[test]
     fn commands_that_exist_and_prose_are_fine() {
         assert!(said("shadercheck is a tool\n```\nshadercheck check --seed=1 [--lane L]\nother --x\n```\n").is_empty());
+    }
+
+    #[test]
+    fn pages_of_the_book_are_documents_and_other_files_are_not() {
+        let paths = ["README.md", "docs/book/src/lanes.md", "docs/glossary.md", "docs/book/book.toml", "src/README.md"];
+        let files = paths.map(|path| File::new(path, ""));
+        let found: Vec<&str> = documents(&files).iter().map(|file| file.path.as_str()).collect();
+        assert_eq!(found, ["README.md", "docs/book/src/lanes.md"]);
     }
 }

@@ -29,7 +29,7 @@ pub const RULE: Rule = Rule {
         }],
         fix: "Removes the code from the list, or the comment when no code is left. Unsafe: a run on more files, or \
               with another configuration, may find what the comment is for.",
-        references: &["shadercheck, README, section Lint: suppressions"],
+        references: &["The book of shadercheck, page on lint: suppressions"],
         ja: Japanese {
             summary: "何も報告されない場所で規則を抑止しているコメント",
             what: "`// shadercheck: ignore[…]` と `ignore-file[…]` のコードのうち、どの指摘も抑止しなかったものを報告します。\

@@ -29,7 +29,7 @@ pub const RULE: Rule = Rule {
         }],
         fix: "Writes the code of a rule in place of its name: safe, since it is a comment. There is no fix for the \
               other faults: only the author knows what was meant.",
-        references: &["shadercheck, README, section Lint: suppressions"],
+        references: &["The book of shadercheck, page on lint: suppressions"],
         ja: Japanese {
             summary: "shadercheck へのコメントが読み取れない、または存在しない規則を指定している",
             what: "`shadercheck:` で始まり、`ignore[コード, …] 理由` または `ignore-file[コード, …] 理由` の形になっていない\
