@@ -65,8 +65,8 @@ fn faults(text: &str) -> Vec<String> {
         faults.push("it says nothing of itself".to_owned());
     }
     for (k, question) in form.body.iter().enumerate() {
-        if form.body[..k].iter().any(|other| other.id == question.id || other.attributes.label == question.attributes.label)
-        {
+        let same = |other: &Question| other.id == question.id || other.attributes.label == question.attributes.label;
+        if form.body[..k].iter().any(same) {
             faults.push(format!("two questions are called `{}`", question.id));
         }
     }
