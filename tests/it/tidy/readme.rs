@@ -34,8 +34,26 @@ fn unknown_commands(document: &File, program: &str, help: &dyn Fn(&str) -> Optio
     faults
 }
 
-/// The lines of fenced blocks, without prompts and comments, and code within a line of prose.
+/// Options in a page that `help` does not know.
+fn unknown_options(page: &File, help: &str) -> Vec<Fault> {
+    let known = |option: &str| help.split([' ', ',', '=', '\n', '[', ']']).any(|word| word == option);
+    let spans = code(page).into_iter().filter(|(_, fenced, text)| !fenced && text.starts_with("--"));
+    let options = spans.flat_map(|(line, _, text)| text.split([' ', '=']).map(move |word| (line, word)));
+    let unknown = options.filter(|(_, word)| word.starts_with("--") && !known(word));
+    unknown.map(|(line, word)| page.fault(line, format!("there is no option `{word}`"))).collect()
+}
+
+/// The commands of a document with their lines, without prompts and comments.
 fn commands(document: &File) -> Vec<(usize, &str)> {
+    code(document).into_iter().map(|(line, _, text)| (line, command(text))).collect()
+}
+
+fn command(text: &str) -> &str {
+    text.trim_start_matches("$ ").split(" #").next().unwrap_or_default().trim()
+}
+
+/// The code of a document with its lines: lines of fenced blocks (`true`), and code within a line of prose (`false`).
+fn code(document: &File) -> Vec<(usize, bool, &str)> {
     let mut fenced = false;
     let mut found = Vec::new();
     for (at, line) in document.text.lines().enumerate() {
@@ -43,20 +61,23 @@ fn commands(document: &File) -> Vec<(usize, &str)> {
         if text.starts_with("```") {
             fenced = !fenced;
         } else if fenced {
-            let command = text.trim_start_matches("$ ").split(" #").next().unwrap_or_default();
-            found.push((at + 1, command.trim()));
+            found.push((at + 1, true, text));
         } else {
-            found.extend(line.split('`').skip(1).step_by(2).map(|code| (at + 1, code)));
+            found.extend(line.split('`').skip(1).step_by(2).map(|code| (at + 1, false, code)));
         }
     }
     found
 }
 
+/// What the program prints, where it succeeds.
+fn output_of(words: &[&str]) -> Option<String> {
+    let output = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args(words).output().expect("the binary starts");
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
 /// What the program prints as help for these words; nothing when it does not know them.
 fn help_of(words: &[&str]) -> Option<String> {
-    let run = Command::new(env!("CARGO_BIN_EXE_shadercheck")).args(words).arg("--help").output();
-    let output = run.expect("the binary starts");
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    output_of(&[words, &["--help"]].concat())
 }
 
 #[test]
@@ -95,6 +116,22 @@ fn the_commands_of_the_documents_exist() {
 }
 
 #[test]
+fn the_options_in_pages_of_rules_exist() {
+    let help = ["lint", "check", "fuzz"].map(|command| help_of(&[command]).expect("the command has help")).concat();
+    let list = output_of(&["explain"]).expect("the rules are listed");
+    let codes: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(codes.len() > 100, "{list}");
+    let mut faults = Vec::new();
+    for rule in codes {
+        for lang in ["en", "ja"] {
+            let page = output_of(&["explain", rule, "--lang", lang]).expect("the rule has a page");
+            faults.extend(unknown_options(&File::new(&format!("explain {rule}"), &page), &help));
+        }
+    }
+    expect_none(&faults);
+}
+
+#[test]
 fn the_readme_is_short() {
     let files = project();
     let lines = file(&files, "README.md").text.lines().count();
@@ -124,6 +161,14 @@ mod planted {
             ["`shadercheck check` has no option `--sed`"]
         );
         assert_eq!(said("- a list\n  ```sh\n  shadercheck check --sed 1\n  ```\n").len(), 1);
+    }
+
+    #[test]
+    fn an_option_of_a_page_that_does_not_exist_is_reported() {
+        let faults =
+            |text: &str| unknown_options(&File::new("explain A001", text), "  --level <LEVEL>\n  --fix\n").len();
+        assert_eq!(faults("With `--strict`, it says more; with `--level strict` too, and `--fix` repairs `x--`.\n"), 1);
+        assert_eq!(faults("```glsl\n--i;\n```\n"), 0);
     }
 
     #[test]

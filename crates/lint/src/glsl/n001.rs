@@ -19,8 +19,8 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports `pow(x, y)` when the text shows that `x` takes negative values: a sine, the scalar product of \
                two normalised vectors, a declared range that begins below 0. One minus such a product counts too: \
-               rounding makes the product slightly larger than 1. With `--strict`, bases are reported as well that \
-               are known to lie in a range with negative numbers, but perhaps never get there. A base of which \
+               rounding makes the product slightly larger than 1. With `--level strict`, bases are reported as well \
+               that are known to lie in a range with negative numbers, but perhaps never get there. A base of which \
                nothing is known is not reported.",
         why: "GLSL leaves `pow(x, y)` undefined for `x < 0`, whatever `y` is. Most devices compute \
               `exp2(y * log2(x))` and give NaN, which shows as black or flickering pixels and spreads through \
@@ -42,7 +42,7 @@ pub const RULE: Rule = Rule {
         references: &["GLSL 4.60 specification, section 8.2 \"Exponential Functions\": results are undefined if x < 0"],
         ja: Japanese {
             summary: "`pow` の底が負になりえます。結果は未定義です",
-            what: "`pow(x, y)` の `x` が負の値を取ることが本文から分かる場合に報告します。正弦、正規化した 2 つのベクトルの内積、0 より小さい値から始まると設定された範囲などです。1 からそのような内積を引いたものも含みます。丸めによって内積が 1 をわずかに超えるためです。`--strict` では、負の数を含む範囲にあることは分かるものの、実際にその値を取るとは限らない底も報告します。何も分からない底は報告しません。",
+            what: "`pow(x, y)` の `x` が負の値を取ることが本文から分かる場合に報告します。正弦、正規化した 2 つのベクトルの内積、0 より小さい値から始まると設定された範囲などです。1 からそのような内積を引いたものも含みます。丸めによって内積が 1 をわずかに超えるためです。`--level strict` では、負の数を含む範囲にあることは分かるものの、実際にその値を取るとは限らない底も報告します。何も分からない底は報告しません。",
             why: "GLSL では `x < 0` のとき、`y` によらず `pow(x, y)` の結果は未定義です。多くの装置は `exp2(y * log2(x))` を計算して NaN を返します。これは黒い画素やちらつきとして現れ、ぼかしや合成によって広がります。",
             fix: "底を `max(x, 0.0)` とします。指数が 2、3、4 のときは積で書きます。unsafe: 底が負のところで結果が変わります。",
         },

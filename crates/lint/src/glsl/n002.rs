@@ -16,7 +16,7 @@ pub const RULE: Rule = Rule {
     summary: "`pow` can get a base of 0 together with an exponent of 0 or less",
     page: Page {
         what: "Reports `pow(x, y)` when the text shows that `x` is 0 somewhere, as behind `max(…, 0.0)`, and that `y` \
-               can be 0 or less: a constant, or a range that the configuration declares. With `--heuristic`, an \
+               can be 0 or less: a constant, or a range that the configuration declares. With `--level heuristic`, an \
                exponent of which nothing is known is reported as well.",
         why: "GLSL leaves `pow(x, y)` undefined for `x = 0` and `y <= 0`. Devices compute `exp2(y * log2(x))`, which \
               for two zeros is 0 times infinity: NaN. A material without shininess then has black spots where the \
@@ -38,7 +38,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "`pow` の底が 0 で、指数が 0 以下になりえます",
-            what: "`max(…, 0.0)` の後のように `x` が 0 になり、かつ `y` が 0 以下になりうることが本文から分かる `pow(x, y)` を報告します。`y` は定数か、設定で範囲を宣言したものです。`--heuristic` では、何も分からない指数も報告します。",
+            what: "`max(…, 0.0)` の後のように `x` が 0 になり、かつ `y` が 0 以下になりうることが本文から分かる `pow(x, y)` を報告します。`y` は定数か、設定で範囲を宣言したものです。`--level heuristic` では、何も分からない指数も報告します。",
             why: "GLSL では `x = 0` かつ `y <= 0` のとき `pow(x, y)` は未定義です。装置は `exp2(y * log2(x))` を計算します。両方が 0 だと 0 と無限大の積になり、NaN になります。光沢の指数が 0 の材質では、光が裏から当たるところに黒い点が出ます。",
             fix: "定数でない指数を `max(y, 1e-4)` とします。unsafe: 指数がそれより小さいところで結果が変わります。",
         },

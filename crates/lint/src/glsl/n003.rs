@@ -17,7 +17,7 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports `pow(x, y)` with an exponent of 64 or more, stated by a constant or a declared range, when the \
                range of `x` reaches bases whose power is below the least normal number of binary32. Only with \
-               `--heuristic`: a highlight that fades to 0 is mostly meant.",
+               `--level heuristic`: a highlight that fades to 0 is mostly meant.",
         why: "Below 1.18e-38 a device may give 0 or a subnormal number, and devices differ. What divides by the \
               result, takes its logarithm or compares it with 0 then differs as well.",
         bad: &[Example {
@@ -37,7 +37,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "指数の大きい `pow` が、0 から離れた底でも正規化数の範囲を下回ります",
-            what: "定数または宣言した範囲から指数が 64 以上と分かり、`x` の範囲に、べき乗が binary32 の最小の正規化数を下回る底が含まれる `pow(x, y)` を報告します。0 に消えていくハイライトはたいてい意図したものなので、`--heuristic` のときだけ報告します。",
+            what: "定数または宣言した範囲から指数が 64 以上と分かり、`x` の範囲に、べき乗が binary32 の最小の正規化数を下回る底が含まれる `pow(x, y)` を報告します。0 に消えていくハイライトはたいてい意図したものなので、`--level heuristic` のときだけ報告します。",
             why: "1.18e-38 より小さいと、装置は 0 を返すことも非正規化数を返すこともあり、装置によって異なります。その結果で割る、対数を取る、0 と比べるといった計算の結果も異なってきます。",
             fix: "自動修正（fix）はありません。小さい結果が問題になるかどうかは分からないためです。",
         },

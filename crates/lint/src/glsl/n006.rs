@@ -17,8 +17,8 @@ pub const RULE: Rule = Rule {
     summary: "the argument of `acos` or `asin` can be beyond -1 or 1",
     page: Page {
         what: "Reports `acos(x)` and `asin(x)` when the text shows that `x` goes beyond -1 or 1, if only by rounding: \
-               the scalar product of two normalised vectors, a component of one, a declared range. With `--strict`, \
-               arguments are reported as well whose range goes beyond, but perhaps never comes up. An argument of \
+               the scalar product of two normalised vectors, a component of one, a declared range. With `--level \
+               strict`, arguments are reported as well whose range goes beyond, but perhaps never comes up. An argument of \
                which nothing is known is not reported.",
         why: "The functions are undefined outside [-1, 1]. A normalised vector is 1 long up to rounding only: the \
               product of two that are parallel may be 1.0000001, and its arc cosine is NaN just where the angle \
@@ -40,7 +40,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "`acos` や `asin` の引数が -1 から 1 の範囲を超えることがあります",
-            what: "`acos(x)` や `asin(x)` の `x` が、丸めによるわずかな分も含めて -1 から 1 の範囲を超えることが本文から分かる場合に報告します。正規化した 2 つのベクトルの内積、その成分、宣言した範囲などです。`--strict` では、範囲は超えるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
+            what: "`acos(x)` や `asin(x)` の `x` が、丸めによるわずかな分も含めて -1 から 1 の範囲を超えることが本文から分かる場合に報告します。正規化した 2 つのベクトルの内積、その成分、宣言した範囲などです。`--level strict` では、範囲は超えるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
             why: "これらの関数は [-1, 1] の外では未定義です。正規化したベクトルの長さは丸めの分だけ 1 からずれます。平行な 2 つのベクトルの内積は 1.0000001 になることがあり、角度が 0 になるはずのところで逆余弦が NaN になります。",
             fix: "`clamp(x, -1.0, 1.0)` と書きます。unsafe: 引数が範囲を超えるところで結果が変わります。",
         },

@@ -17,8 +17,8 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports `sqrt(x)` when the text shows that `x` takes negative values, and `inversesqrt(x)`, `log(x)` and \
                `log2(x)` when it shows negative values or 0: a sine, one minus the square of a scalar product of \
-               normalised vectors, what is cut off at 0, a declared range. With `--strict`, arguments are reported \
-               as well whose range leaves the domain, but perhaps never comes up. An argument of which nothing is \
+               normalised vectors, what is cut off at 0, a declared range. With `--level strict`, arguments are \
+               reported as well whose range leaves the domain, but perhaps never comes up. An argument of which nothing is \
                known is not reported.",
         why: "Outside the domain the result is undefined; devices give NaN, or infinity for 0.",
         bad: &[Example {
@@ -36,7 +36,7 @@ pub const RULE: Rule = Rule {
         references: &["GLSL 4.60 specification, section 8.2 \"Exponential Functions\""],
         ja: Japanese {
             summary: "平方根や対数の引数が定義域を外れることがあります",
-            what: "`x` が負になることが本文から分かる `sqrt(x)` と、負または 0 になることが分かる `inversesqrt(x)`、`log(x)`、`log2(x)` を報告します。正弦、正規化したベクトルの内積の二乗を 1 から引いたもの、0 で切ったもの、宣言した範囲などです。`--strict` では、定義域を外れるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
+            what: "`x` が負になることが本文から分かる `sqrt(x)` と、負または 0 になることが分かる `inversesqrt(x)`、`log(x)`、`log2(x)` を報告します。正弦、正規化したベクトルの内積の二乗を 1 から引いたもの、0 で切ったもの、宣言した範囲などです。`--level strict` では、定義域を外れるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
             why: "定義域の外では結果は未定義です。装置は NaN を、0 に対しては無限大を返します。",
             fix: "`max(x, 0.0)` と書きます。0 も定義域に入らないものでは `max(x, 1.17549435e-38)` とします。unsafe: 定義域を外れるところで結果が変わります。",
         },

@@ -19,7 +19,7 @@ pub const RULE: Rule = Rule {
     page: Page {
         what: "Reports `a / b`, `a % b` and `mod(a, b)` when the text shows that `b` can be 0: a constant, what \
                `max(…, 0.0)` or `clamp` cut off at 0, a declared range with 0, a count such as `gl_InstanceID`. With \
-               `--strict`, divisors are reported as well that pass through 0, as a sine does. A divisor of which \
+               `--level strict`, divisors are reported as well that pass through 0, as a sine does. A divisor of which \
                nothing is known is not reported.",
         why: "An integer divided by 0 is undefined. A floating-point number divided by 0 is infinite or NaN where the \
               device follows IEEE 754, which it need not.",
@@ -40,7 +40,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "除数が 0 になりえます",
-            what: "`b` が 0 になりうることが本文から分かる `a / b`、`a % b`、`mod(a, b)` を報告します。定数、`max(…, 0.0)` や `clamp` で 0 に制限したもの、0 を含むと宣言した範囲、`gl_InstanceID` のような番号などです。`--strict` では、正弦のように 0 を通過する除数も報告します。何も分からない除数は報告しません。",
+            what: "`b` が 0 になりうることが本文から分かる `a / b`、`a % b`、`mod(a, b)` を報告します。定数、`max(…, 0.0)` や `clamp` で 0 に制限したもの、0 を含むと宣言した範囲、`gl_InstanceID` のような番号などです。`--level strict` では、正弦のように 0 を通過する除数も報告します。何も分からない除数は報告しません。",
             why: "整数を 0 で割った結果は未定義です。浮動小数点数を 0 で割ると、IEEE 754 に従う装置では無限大か NaN になりますが、従うとは限りません。",
             fix: "自動修正（fix）はありません。商をいくつにすべきか分からないためです。",
         },

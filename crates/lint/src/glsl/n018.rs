@@ -21,7 +21,7 @@ pub const RULE: Rule = Rule {
         what: "Reports an array of constant floats, or a constant vector in a `dot`, whose sum is within a tenth of 1 \
                but off by more than 0.001. An array may also hold one half of a symmetric kernel: the first \
                element and twice the others. Sums farther from 1 are taken for something else than weights. It is \
-               a guess, and only made with `--heuristic`.",
+               a guess, and only made with `--level heuristic`.",
         why: "Weights of a blur or of a luminance that do not add up to 1 make the picture darker or brighter, and \
               with each pass more so.",
         bad: &[Example {
@@ -40,7 +40,7 @@ pub const RULE: Rule = Rule {
         references: &["R. C. Gonzalez and R. E. Woods, Digital Image Processing, chapter on spatial filtering"],
         ja: Japanese {
             summary: "定数の重みの和が、1 に近いものの 1 になっていません",
-            what: "定数の浮動小数点数の配列、または `dot` に渡す定数ベクトルのうち、和と 1 との差が 0.1 以内で、0.001 を超えるものを報告します。配列は、対称なカーネルの半分（最初の要素と、残りの 2 倍）とみなす場合もあります。1 から遠い和は重みではないとみなします。推測なので、`--heuristic` のときだけ報告します。",
+            what: "定数の浮動小数点数の配列、または `dot` に渡す定数ベクトルのうち、和と 1 との差が 0.1 以内で、0.001 を超えるものを報告します。配列は、対称なカーネルの半分（最初の要素と、残りの 2 倍）とみなす場合もあります。1 から遠い和は重みではないとみなします。推測なので、`--level heuristic` のときだけ報告します。",
             why: "ぼかしや輝度の重みの和が 1 でないと、画像が暗くなったり明るくなったりします。処理を重ねるたびに差が広がります。",
             fix: "自動修正（fix）はありません。どの重みが誤りか分からないためです。",
         },

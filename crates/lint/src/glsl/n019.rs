@@ -22,7 +22,7 @@ pub const RULE: Rule = Rule {
         what: "Reports a local `vec4` that is the product with a projection matrix (by its name: `proj`, `mvp`, \
                `clip`) of which components are used, but never `w`; and the product of a matrix with \
                `vec4(position, 0.0)` or `vec4(normal, 1.0)`, by the names of the vectors. It is a guess by names, \
-               and only made with `--heuristic`.",
+               and only made with `--level heuristic`.",
         why: "Behind a perspective projection, `x`, `y` and `z` mean nothing before they are divided by `w`. A \
               position with `w = 0` is not moved by a translation, and a direction with `w = 1` is.",
         bad: &[Example {
@@ -43,7 +43,7 @@ pub const RULE: Rule = Rule {
         ],
         ja: Japanese {
             summary: "射影したベクトルを `w` で割らずに使っているか、`w` が変換するものに合っていません",
-            what: "射影行列（名前に `proj`、`mvp`、`clip` を含むもの）との積である局所変数の `vec4` のうち、成分が使われるのに `w` が一度も使われないものを報告します。また、行列と `vec4(位置, 0.0)` や `vec4(法線, 1.0)` との積を、ベクトルの名前から報告します。名前による推測なので、`--heuristic` のときだけ報告します。",
+            what: "射影行列（名前に `proj`、`mvp`、`clip` を含むもの）との積である局所変数の `vec4` のうち、成分が使われるのに `w` が一度も使われないものを報告します。また、行列と `vec4(位置, 0.0)` や `vec4(法線, 1.0)` との積を、ベクトルの名前から報告します。名前による推測なので、`--level heuristic` のときだけ報告します。",
             why: "透視射影の後では、`w` で割る前の `x`、`y`、`z` には意味がありません。`w = 0` の位置は平行移動されず、`w = 1` の方向は平行移動されてしまいます。",
             fix: "自動修正（fix）はありません。意図は推測にすぎないためです。",
         },
