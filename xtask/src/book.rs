@@ -37,7 +37,9 @@ pub fn run(arguments: &[OsString], messages: &mut dyn Write) -> Result<u8> {
     let target = std::path::absolute(target)?;
     let program = match arguments {
         [] => built(&target)?,
-        [option, program] if option == "--program" => fs::canonicalize(program)?,
+        [option, program] if option == "--program" => {
+            fs::canonicalize(program).with_context(|| format!("cannot find {}", program.display()))?
+        }
         _ => bail!("book takes no argument but --program FILE"),
     };
     let folder = target.join("book");
@@ -110,25 +112,24 @@ fn listed(summary: &str, lines: &str) -> Result<String> {
     Ok(format!("{before}{RULES}{lines}{behind}"))
 }
 
-/// One page for each rule that has one, and a page with the rest in a table. `explain` gives the page of a rule.
+/// One page for each rule that has one, and a table of all. `explain` gives the page of a rule.
 fn pages(list: &str, explain: &dyn Fn(&str) -> Result<String>) -> Result<Pages> {
-    let (mut pages, mut lines) = (Vec::new(), String::new());
-    let mut rest = "# Errors of the front end\n\n| Code | Severity | What |\n|---|---|---|\n".to_owned();
+    let mut table = "# All rules\n\n| Code | Name | Severity | What |\n|---|---|---|---|\n".to_owned();
+    let (mut pages, mut lines) = (Vec::new(), "  - [All rules](rules/all.md)\n".to_owned());
     for line in list.lines() {
         let Rule { code, name, severity, summary } =
             rule(line).with_context(|| format!("`explain` lists what is no rule: {line}"))?;
-        let page = explain(code)?;
-        if page.starts_with("# ") {
-            let file = format!("rules/{}.md", code.to_ascii_lowercase());
-            lines += &format!("  - [{code} {name}]({file})\n");
-            pages.push((file, page));
-        } else {
-            rest += &format!("| {code} | {severity} | {} |\n", summary.replace('|', "\\|"));
+        let (file, page) = (format!("{}.md", code.to_ascii_lowercase()), explain(code)?);
+        let has_page = page.starts_with("# ");
+        let shown = if has_page { format!("[{code}]({file})") } else { code.to_owned() };
+        table += &format!("| {shown} | {name} | {severity} | {} |\n", summary.replace('|', "\\|"));
+        if has_page {
+            lines += &format!("  - [{code} {name}](rules/{file})\n");
+            pages.push((format!("rules/{file}"), page));
         }
     }
     ensure!(!pages.is_empty(), "`explain` lists no rule");
-    lines += "  - [Errors of the front end](rules/errors.md)\n";
-    pages.push(("rules/errors.md".to_owned(), rest));
+    pages.push(("rules/all.md".to_owned(), table));
     Ok((pages, lines))
 }
 
@@ -168,15 +169,17 @@ E001                      error    no `a | b`
     }
 
     #[test]
-    fn a_rule_has_a_page_and_the_rest_a_table() {
+    fn rules_with_a_page_are_linked_from_the_table() {
         let explain = |code: &str| -> Result<String> {
             let text = if code == "D001" { "# D001\n" } else { "E001  one line\n" };
             Ok(text.to_owned())
         };
         let (pages, lines) = pages(LIST, &explain).unwrap();
         assert_eq!(pages[0], ("rules/d001.md".to_owned(), "# D001\n".to_owned()));
-        assert!(pages[1].1.ends_with("| E001 | error | no `a \\| b` |\n"), "{}", pages[1].1);
-        assert_eq!(lines.lines().next(), Some("  - [D001 uninitialised-read](rules/d001.md)"));
+        let table = "| [D001](d001.md) | uninitialised-read | warning | read before it has a value |\n\
+                     | E001 |  | error | no `a \\| b` |\n";
+        assert!(pages[1].1.ends_with(table), "{}", pages[1].1);
+        assert_eq!(lines, "  - [All rules](rules/all.md)\n  - [D001 uninitialised-read](rules/d001.md)\n");
     }
 
     #[test]

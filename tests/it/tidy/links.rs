@@ -1,14 +1,22 @@
-//! Links between documents lead to files that exist, and every page of the book is in its table of contents.
+//! Links and paths in documents lead to files that exist, and every page of the book is in its table of contents.
 
+use super::readme::{code, documents};
 use super::{Fault, File, expect_none, file, messages, project};
 
 /// The folder of the pages of the book.
 const PAGES: &str = "docs/book/src";
 
+/// Folders of the project that a path in a document may start with.
+const ROOTS: [&str; 10] =
+    [".ci/", "crates/", "deploy/", "docs/", "examples/", "fixtures/", "shaders/", "src/", "tests/", "xtask/"];
+
+fn exists(path: &str, files: &[File]) -> bool {
+    files.iter().any(|file| file.path == path || file.is_below(&[path]))
+}
+
 /// Relative links of a document to files that do not exist. Pages of the book link to each other alone: what lies outside
 /// of their folder is not part of the web site.
 fn broken(document: &File, files: &[File]) -> Vec<Fault> {
-    let exists = |path: &str| files.iter().any(|file| file.path == path || file.is_below(&[path]));
     let mut faults = Vec::new();
     for (line, target) in links(document) {
         let path = resolved(&document.path, target);
@@ -16,7 +24,7 @@ fn broken(document: &File, files: &[File]) -> Vec<Fault> {
             Some(path) if document.is_below(&[PAGES]) && !path.starts_with(PAGES) => {
                 faults.push(document.fault(line, format!("`{target}` is not a part of the book")));
             }
-            Some(path) if exists(&path) => {}
+            Some(path) if exists(&path, files) => {}
             _ => faults.push(document.fault(line, format!("`{target}` does not exist"))),
         }
     }
@@ -37,6 +45,15 @@ fn links(document: &File) -> Vec<(usize, &str)> {
         }
     }
     found
+}
+
+/// Paths of this project in the prose of a document that do not exist.
+fn missing(document: &File, files: &[File]) -> Vec<Fault> {
+    let spans = code(document).into_iter().filter(|(_, fenced, _)| !fenced);
+    let paths = spans.filter_map(|(line, _, text)| Some((line, text.split(' ').next()?.trim_end_matches('/'))));
+    let ours = paths.filter(|(_, path)| ROOTS.iter().any(|root| path.starts_with(root)));
+    let gone = ours.filter(|(_, path)| !exists(path, files));
+    gone.map(|(line, path)| document.fault(line, format!("`{path}` does not exist"))).collect()
 }
 
 /// The path from the root that a link of the file `from` leads to.
@@ -76,6 +93,13 @@ fn links_lead_to_files_that_exist() {
 }
 
 #[test]
+fn paths_in_documents_exist() {
+    let files = project();
+    let faults: Vec<Fault> = documents(&files).iter().flat_map(|document| missing(document, &files)).collect();
+    expect_none(&faults);
+}
+
+#[test]
 fn the_summary_lists_every_page() {
     expect_none(&unlisted(&project()));
 }
@@ -111,6 +135,14 @@ mod planted {
     #[test]
     fn links_that_lead_somewhere_addresses_and_code_are_fine() {
         assert!(said("[a](a.md#top), [b](#b), [c](https://example.org/c.md)\n```\n[d](d.md)\n```\n").is_empty());
+    }
+
+    #[test]
+    fn a_path_that_does_not_exist_is_reported() {
+        let files = tree("");
+        let found = |text: &str| messages(&missing(&File::new("README.md", text), &files)).join("; ");
+        assert_eq!(found("`docs/books/` has it"), "`docs/books` does not exist");
+        assert_eq!(found("`docs/book/src/a.md`, `docs/book/`, `report/a.md`\n```\ndocs/b.md `docs/c.md`\n```\n"), "");
     }
 
     #[test]

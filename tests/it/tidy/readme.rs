@@ -8,7 +8,7 @@ use super::{Fault, File, expect_none, file, messages, project};
 const README: usize = 150;
 
 /// Documents with commands.
-fn documents(files: &[File]) -> Vec<&File> {
+pub(super) fn documents(files: &[File]) -> Vec<&File> {
     let is_page = |path: &str| path.starts_with("docs/book/src/") && path.ends_with(".md");
     let wanted = |path: &str| path == "README.md" || path == "CONTRIBUTING.md" || is_page(path);
     files.iter().filter(|file| wanted(&file.path)).collect()
@@ -53,7 +53,7 @@ fn command(text: &str) -> &str {
 }
 
 /// The code of a document with its lines: lines of fenced blocks (`true`), and code within a line of prose (`false`).
-fn code(document: &File) -> Vec<(usize, bool, &str)> {
+pub(super) fn code(document: &File) -> Vec<(usize, bool, &str)> {
     let mut fenced = false;
     let mut found = Vec::new();
     for (at, line) in document.text.lines().enumerate() {
