@@ -304,9 +304,12 @@ fn the_configuration_of_the_book_is_right() {
 }
 
 #[test]
-fn the_tour_of_the_book_is_what_the_tool_says() {
+fn the_tour_of_the_book_and_of_the_readme_is_what_the_tool_says() {
     let page = fs::read_to_string(root().join("docs/book/src/lint.md")).unwrap();
     let ran = lint(root(), "fixtures/tour --format concise --no-config").expect(1);
     assert_eq!(ran.out.lines().count(), 10, "{}", ran.out);
     assert!(page.contains(ran.out.trim_end()), "{}", ran.out);
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let shown: Vec<&str> = readme.lines().filter(|line| line.starts_with("fixtures/tour/")).collect();
+    assert!(!shown.is_empty() && shown.iter().all(|line| ran.out.lines().any(|said| said == *line)), "{shown:?}");
 }
