@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use base::text::SourceFile;
 use engine::suite::run::{DEFAULT_SEED, Prepared, Request, prepare, run};
 use engine::suite::{self, Suite};
-use judge::profile::Rulings;
-use judge::verdict::{Court, judge_batch};
+use judge::profile::Promises;
+use judge::verdict::{JudgeContext, judge_batch};
 use lanes::{Lane, Stage, vulkan};
 use property::Sampler;
 
@@ -52,7 +52,7 @@ fn parsed(shipped: &suite::ShippedSuite) -> Suite {
     suite::parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn request(samples: u64, rulings: &Rulings) -> Request {
+fn request(samples: u64, promises: &Promises) -> Request {
     Request {
         samples: Some(samples),
         seed: DEFAULT_SEED,
@@ -60,7 +60,7 @@ fn request(samples: u64, rulings: &Rulings) -> Request {
         replay: Vec::new(),
         replay_only: false,
         arguments: String::new(),
-        rulings: rulings.clone(),
+        promises: promises.clone(),
     }
 }
 
@@ -79,9 +79,9 @@ fn fastest(mut work: impl FnMut()) -> Duration {
 /// the same, the formula, the judge.
 fn compare(name: &str, lane: &dyn Lane) {
     let prepared = prepared(name);
-    let rulings = Rulings::of_lane(lane.description());
+    let promises = Promises::of_lane(lane.description());
     let Prepared { oracle, reference, .. } = &prepared;
-    let court = Court { oracle, reference, rulings: &rulings, stage: Stage::Compute };
+    let context = JudgeContext { oracle, reference, promises: &promises, stage: Stage::Compute };
     let per_case = prepared.suite.per_case;
     let sampler = Sampler::new(prepared.plan.clone(), DEFAULT_SEED);
     let mut runner = lane.prepare(&prepared.compute, 1 << 17).unwrap_or_else(|e| panic!("{e}"));
@@ -89,7 +89,7 @@ fn compare(name: &str, lane: &dyn Lane) {
     let batches: Vec<_> =
         (0..SAMPLES / (cases * per_case) as u64).map(|k| sampler.batch(k * cases as u64, cases, per_case)).collect();
     let check = |samples: u64| {
-        let report = run(&prepared, lane, Stage::Compute, &request(samples, &rulings), &mut |_| {});
+        let report = run(&prepared, lane, Stage::Compute, &request(samples, &promises), &mut |_| {});
         let report = report.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(report.verdicts.deviated, 0, "{name}");
         assert!(report.judged() >= samples * 9 / 10, "{name}");
@@ -107,7 +107,7 @@ fn compare(name: &str, lane: &dyn Lane) {
         raw = raw.min(start.elapsed());
         let start = Instant::now();
         for (batch, actual) in batches.iter().zip(&actuals) {
-            std::hint::black_box(judge_batch(&court, batch, actual));
+            std::hint::black_box(judge_batch(&context, batch, actual));
         }
         judge = judge.min(start.elapsed());
         let start = Instant::now();
@@ -127,7 +127,7 @@ fn compare(name: &str, lane: &dyn Lane) {
         let time = fastest(|| {
             for batch in &samples {
                 let actual = runner.run(batch).unwrap_or_else(|e| panic!("{e}"));
-                std::hint::black_box(judge_batch(&court, batch, &actual));
+                std::hint::black_box(judge_batch(&context, batch, &actual));
             }
         });
         time.mul_f64(SAMPLES as f64 / SINGLE as f64)
@@ -150,13 +150,13 @@ fn ms(time: Duration) -> f64 {
 
 /// All suites on all stages, as `check --quick` runs them.
 fn quick(lane: &dyn Lane) {
-    let rulings = Rulings::of_lane(lane.description());
+    let promises = Promises::of_lane(lane.description());
     let time = fastest(|| {
         for shipped in suite::shipped() {
             let suite = parsed(shipped);
             let shader = SourceFile::new(shipped.shader_name, shipped.shader_text);
             let prepared = prepare(&suite, &shader).unwrap_or_else(|e| panic!("{e}"));
-            let request = Request { samples: None, quick: true, ..request(1, &rulings) };
+            let request = Request { samples: None, quick: true, ..request(1, &promises) };
             for stage in [Stage::Compute, Stage::Vertex] {
                 if stage == Stage::Compute || prepared.vertex.is_some() {
                     let report = run(&prepared, lane, stage, &request, &mut |_| {});
@@ -171,9 +171,9 @@ fn quick(lane: &dyn Lane) {
 /// Peak memory after a run of 2^20 samples and after one of 2^23.
 fn memory(lane: &dyn Lane) {
     let prepared = prepared("sphere");
-    let rulings = Rulings::of_lane(lane.description());
+    let promises = Promises::of_lane(lane.description());
     let peak = |samples: u64| {
-        let report = run(&prepared, lane, Stage::Compute, &request(samples, &rulings), &mut |_| {});
+        let report = run(&prepared, lane, Stage::Compute, &request(samples, &promises), &mut |_| {});
         assert_eq!(report.unwrap_or_else(|e| panic!("{e}")).verdicts.deviated, 0);
         std::fs::read_to_string("/proc/self/status").ok().and_then(|s| {
             s.lines()

@@ -28,11 +28,14 @@
 //! What is named on this page is the interface of the library. [`cli`] is the program `shadercheck`; the crates behind both
 //! change without notice.
 
+#[cfg(feature = "run")]
 mod api;
 #[doc(hidden)]
 pub mod cli;
 
+#[cfg(feature = "run")]
 pub use api::{Components, Domain, Error, Inputs, Law, Outcome, Shader, test_main};
 
 // Its catalogue is found by every program that links it.
+#[cfg(feature = "run")]
 use chapter as _;

@@ -4,32 +4,41 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use shadercheck::cli::{Cli, Command, node, run, worker};
+use shadercheck::cli::{Cli, run};
 
+#[cfg(feature = "run")]
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    #[cfg(feature = "run")]
+    devices(&cli.command);
+    run(&cli).into()
+}
+
+/// What has to be set before a device is opened.
+#[cfg(feature = "run")]
+fn devices(command: &shadercheck::cli::Command) {
+    use shadercheck::cli::{Command, node, worker};
     if let Some(program) = std::env::current_exe().ok().and_then(worker::program) {
         lanes::worker::set_program(program);
     }
     #[cfg(unix)]
-    if let Command::Worker(_) = cli.command {
+    if let Command::Worker(_) = command {
         end_with_the_parent();
     }
-    if cli.command.opens_devices() {
+    if command.opens_devices() {
         #[cfg(unix)]
         quiet_loader();
         lanes::webgpu::set_folder(node::package());
     }
-    run(&cli).into()
 }
 
 /// A layer of Mesa's Vulkan loader asks for a Wayland display and prints an error line when
 /// `XDG_RUNTIME_DIR` is not set, which is usual in CI. The variable must be there before the process
 /// starts, so the process is started again with it, once.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "run"))]
 fn quiet_loader() {
     use std::os::unix::process::CommandExt;
     const VARIABLE: &str = "XDG_RUNTIME_DIR";
@@ -43,7 +52,7 @@ fn quiet_loader() {
 }
 
 /// A shader that does not end would keep this process busy after the one that sent it has gone.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "run"))]
 fn end_with_the_parent() {
     use std::os::unix::process::parent_id;
     let parent = parent_id();

@@ -9,7 +9,7 @@ use base::text::{Shown, SourceFile};
 use engine::suite::ledger::{self, Ledger};
 use engine::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
 use engine::suite::{self, Suite};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use property::Sample;
 
 use super::run;
@@ -86,7 +86,7 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
         quick: false,
         replay: replay.clone(),
         replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
+        promises: Promises::of_lane(lane.description()),
         arguments: if variant.is_empty() {
             path.display().to_string()
         } else {
@@ -118,7 +118,7 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
 fn ledger_of(suite: &Path) -> Result<Option<Ledger>, Failed> {
     let Some(path) = suite::ledger_path(suite) else { return Ok(None) };
     let read = ledger::parse(&suite::read_ledger(&path)?);
-    let told = |problems: Vec<suite::Problem>| {
+    let told = |problems: Vec<disk::Problem>| {
         Failed::from(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
     };
     read.map(Some).map_err(told)

@@ -4,10 +4,10 @@ use base::diagnostic::Lang;
 use base::text::SourceFile;
 use engine::suite::draft::guess;
 use engine::suite::run::{
-    Entry, Outcome as Run, Peer, Prepared, Request, RunError, Status, Summary, hear, prepare, prepare_with, run,
+    Entry, Outcome as Run, Peer, Prepared, Request, RunError, Status, Summary, cross_check, prepare, prepare_with, run,
 };
 use engine::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::{Literals, Reference};
 use lanes::{self, Lane};
 use program::Program;
@@ -42,7 +42,7 @@ pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
         quick: false,
         replay: replay.clone(),
         replay_only: shader.case.is_some(),
-        rulings: Rulings::of_lane(lane.description()),
+        promises: Promises::of_lane(lane.description()),
         arguments: String::new(),
     });
     for entry in &mut entries {
@@ -110,7 +110,7 @@ pub(super) fn on_lanes(
     request: impl Fn(&dyn Lane) -> Request,
 ) -> Vec<Entry> {
     let mut entries = Vec::new();
-    let rulings: Vec<Rulings> = lanes.iter().map(|lane| request(lane.as_ref()).rulings).collect();
+    let promises: Vec<Promises> = lanes.iter().map(|lane| request(lane.as_ref()).promises).collect();
     for lane in lanes {
         let request = request(lane.as_ref());
         for stage in prepared.stages(lane.as_ref()) {
@@ -123,12 +123,12 @@ pub(super) fn on_lanes(
         }
     }
     let peers: Vec<Peer<'_>> =
-        lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane: lane.as_ref(), rulings }).collect();
+        lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
     let ran = entries.iter_mut().filter_map(|entry: &mut Entry| match &mut entry.outcome {
         Run::Ran(report) => Some(&mut **report),
         Run::Refused(_) | Run::LaneFailed(_) | Run::KnownFailure { .. } => None,
     });
-    hear(prepared, &peers, &mut ran.collect::<Vec<_>>());
+    cross_check(prepared, &peers, &mut ran.collect::<Vec<_>>());
     entries
 }
 

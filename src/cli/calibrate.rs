@@ -15,13 +15,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::cli::check::Format;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
+use base::nearest;
 use base::text::{Shown, SourceFile};
+use disk::fresh;
 use engine::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
 use engine::shard::Shard;
-use engine::suite::fresh;
 use judge::profile::{self, Op};
 use lanes::{self, Lane, Stage};
-use property::nearest;
 
 pub use shared::Found;
 

@@ -18,18 +18,20 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
+use base::nearest;
 use base::text::{Shown, SourceFile};
+use disk::fresh;
 use engine::suite::run::{
     DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
-    check_translations, hear, most_from, prepare, run as run_suite, run_from, stage_of,
+    check_translations, cross_check, max_samples, prepare, run as run_suite, run_from, stage_of,
 };
-use engine::suite::{self, fresh, save_regressions};
-use judge::profile::Rulings;
+use engine::suite::{self, save_regressions};
+use judge::profile::Promises;
 use judge::verdict::Literals;
 use lanes::{self, Lane, LaneError, Stage, interrupt};
 use program::Source;
+use property::Sample;
 use property::regressions::{self, Regression};
-use property::{Sample, nearest};
 
 use bundle::write_bundle;
 use ledger::Ledgers;
@@ -208,7 +210,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let profile = Choice::new(args.profile.as_deref())?;
     let ledgers = Ledgers::new(args, &selected)?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
-    let (lanes, rulings) = open_lanes(args, &profile, &mut summary)?;
+    let (lanes, promises) = open_lanes(args, &profile, &mut summary)?;
     if lanes.is_empty() {
         for (name, missing) in &summary.unavailable {
             writeln!(err, "lane `{name}` cannot be had: {missing}")?;
@@ -219,13 +221,13 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         anyhow::bail!("no lane can run here, so nothing was checked");
     }
     if let Some(shard) = shard {
-        return shared::run(args, shard, &selected, &ledgers, &lanes, &rulings, summary, out, err);
+        return shared::run(args, shard, &selected, &ledgers, &lanes, &promises, summary, out, err);
     }
     let tasks = tasks(args, &selected, &lanes);
     let mut progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
     let mut pages = Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?;
     let mut screen = Screen::new(args, &selected, &lanes, color);
-    let all = Peers { lanes: &lanes, rulings: &rulings, ledgers: &ledgers };
+    let all = Peers { lanes: &lanes, promises: &promises, ledgers: &ledgers };
     let mut unfit: Vec<&str> = Vec::new();
     for (number, suite) in selected.iter().enumerate() {
         let before = summary.entries.len();
@@ -245,7 +247,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     summary.stale = ledgers.stale();
     if let Some(folder) = &args.report_dir {
         pages.attempt(write_reports(folder, &summary));
-        let written = pages.write(folder, &summary, &rulings);
+        let written = pages.write(folder, &summary, &promises);
         pages.attempt(written);
         for note in &pages.notes {
             writeln!(err, "note: {note}")?;
@@ -304,7 +306,7 @@ fn status_of(summary: &Summary) -> ExitStatus {
 }
 
 /// Lanes, and for each what its results are held against.
-type Lanes = (Vec<Box<dyn Lane>>, Vec<Rulings>);
+type Lanes = (Vec<Box<dyn Lane>>, Vec<Promises>);
 
 /// Opens the lanes that are asked for, or all. A required one that is missing is an error.
 fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyhow::Result<Lanes> {
@@ -317,7 +319,7 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
         }
     }
     (summary.asked, summary.required) = (args.lane.clone(), args.require_lane.clone());
-    let (mut lanes, mut rulings) = (Vec::new(), Vec::new());
+    let (mut lanes, mut promises) = (Vec::new(), Vec::new());
     for candidate in lanes::registry() {
         let named = |list: &[String]| list.iter().any(|n| n == candidate.name);
         let required = named(&args.require_lane);
@@ -330,9 +332,9 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
         match (candidate.open)() {
             Ok(lane) => {
                 let description = lane.description().clone();
-                let ruled = profile.rulings(&description);
+                let ruled = profile.promises(&description);
                 summary.lanes.push(LaneUsed::new(description, &ruled));
-                rulings.push(ruled);
+                promises.push(ruled);
                 lanes.push(lane);
             }
             Err(missing) if required => {
@@ -341,7 +343,7 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
             Err(missing) => summary.unavailable.push((candidate.name, missing)),
         }
     }
-    Ok((lanes, rulings))
+    Ok((lanes, promises))
 }
 
 /// What is to be run, as far as it is known before shaders are read.
@@ -369,14 +371,14 @@ fn tasks(args: &CheckArgs, selected: &[Selected], lanes: &[Box<dyn Lane>]) -> Ve
 /// The lanes of a run, what each is held against, and what is expected to fail.
 struct Peers<'a> {
     lanes: &'a [Box<dyn Lane>],
-    rulings: &'a [Rulings],
+    promises: &'a [Promises],
     ledgers: &'a Ledgers,
 }
 
 fn one_suite(
     args: &CheckArgs,
     (number, selected): (usize, &Selected),
-    Peers { lanes, rulings, ledgers }: &Peers<'_>,
+    Peers { lanes, promises, ledgers }: &Peers<'_>,
     summary: &mut Summary,
     (progress, pages): (&mut Progress, &mut Pages),
     screen: &Screen,
@@ -402,14 +404,14 @@ fn one_suite(
     // Translations have no lane: the first that gives a report bears what is found out about them.
     let mut untold = true;
     let mut entries = before;
-    for (lane, rulings) in lanes.iter().zip(*rulings) {
-        let request = request(args, selected, &prepared, rulings.clone())?;
+    for (lane, promises) in lanes.iter().zip(*promises) {
+        let request = request(args, selected, &prepared, promises.clone())?;
         let name = lane.description().name;
         for (stage, source) in ways(args, lane.as_ref(), &prepared) {
             if interrupt::asked() {
                 break;
             }
-            let most = source.map_or(u64::MAX, |source| most_from(&prepared, source));
+            let most = source.map_or(u64::MAX, |source| max_samples(&prepared, source));
             progress.start((number, &suite.name), name, stage, request.samples_of(suite).min(most));
             let mut at = |done| progress.at(done);
             let result = match source {
@@ -425,7 +427,7 @@ fn one_suite(
                         check_translations(&prepared, &request, &mut report);
                     }
                     if let Some(folder) = &args.report_dir {
-                        for bundle in bundles(&prepared, lane.as_ref(), stage, &request.rulings, &report)? {
+                        for bundle in bundles(&prepared, lane.as_ref(), stage, &request.promises, &report)? {
                             pages.attempt(write_bundle(folder, &bundle));
                         }
                     }
@@ -451,13 +453,13 @@ fn one_suite(
         }
     }
     let peers: Vec<Peer<'_>> =
-        lanes.iter().zip(*rulings).map(|(lane, rulings)| Peer { lane: lane.as_ref(), rulings }).collect();
+        lanes.iter().zip(*promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
     let ran = summary.entries[before..].iter_mut().filter_map(|entry| match &mut entry.outcome {
         Outcome::Ran(report) => Some(&mut **report),
         Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
     });
     if !interrupt::asked() {
-        hear(&prepared, &peers, &mut ran.collect::<Vec<&mut Report>>());
+        cross_check(&prepared, &peers, &mut ran.collect::<Vec<&mut Report>>());
     }
     // Another shader's failures are no regressions of the suite's own.
     if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some())
@@ -509,7 +511,7 @@ fn ways(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<(Stage, O
     }
 }
 
-fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: Rulings) -> anyhow::Result<Request> {
+fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, promises: Promises) -> anyhow::Result<Request> {
     let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
     let mut arguments = shell_word(&selected.argument);
     if let Some(shader) = &args.shader {
@@ -554,7 +556,7 @@ fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, rulings: 
         quick: args.quick,
         replay_only: args.case.is_some(),
         replay,
-        rulings,
+        promises,
         arguments,
     })
 }

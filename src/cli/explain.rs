@@ -44,6 +44,7 @@ pub fn run(args: &ExplainArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
         }
         return Ok(ExitStatus::Clean);
     };
+    #[cfg(feature = "run")]
     if given.eq_ignore_ascii_case("suite") {
         out.write_all(engine::suite::page().as_bytes())?;
         return Ok(ExitStatus::Clean);

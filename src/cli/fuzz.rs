@@ -15,11 +15,11 @@ use super::includes::{self, Source};
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Severity};
+use base::nearest;
 use engine::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
 use engine::suite::run::DEFAULT_SEED;
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{self, Lane, Stage, interrupt};
-use property::nearest;
 
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
@@ -108,8 +108,8 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         args.files.iter().map(|path| includes::read(path, &args.include)).collect::<anyhow::Result<Vec<_>>>()?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
     let lanes = open_lanes(args, &mut summary)?;
-    let lanes: Vec<(&dyn Lane, Rulings)> =
-        lanes.iter().map(|lane| (lane.as_ref(), Rulings::of_lane(lane.description()))).collect();
+    let lanes: Vec<(&dyn Lane, Promises)> =
+        lanes.iter().map(|lane| (lane.as_ref(), Promises::of_lane(lane.description()))).collect();
     let mut inputs = Inputs::new(&stated);
     let mut known: Vec<String> = Vec::new();
     if let Some(shard) = shard {
@@ -209,7 +209,7 @@ struct Printed<'a> {
 fn one_file(
     args: &FuzzArgs,
     source: &Source,
-    lanes: &[(&dyn Lane, Rulings)],
+    lanes: &[(&dyn Lane, Promises)],
     inputs: &mut Inputs<'_>,
     known: &mut Vec<String>,
     progress: &mut Bar,
@@ -272,7 +272,7 @@ fn one_function(
     source: &Source,
     subject: &Subject,
     domain: &Domain,
-    lanes: &[(&dyn Lane, Rulings)],
+    lanes: &[(&dyn Lane, Promises)],
     progress: &mut Bar,
 ) -> anyhow::Result<FunctionReport> {
     progress.start(&subject.label, "all lanes", Stage::Compute, args.samples);

@@ -10,8 +10,9 @@ use ignore::WalkBuilder;
 
 use crate::cli::status::ExitStatus;
 use base::text::{Shown, SourceFile};
+use disk::fresh;
 use engine::suite::draft::{self, Subject};
-use engine::suite::{self, Suite, fresh};
+use engine::suite::{self, Suite};
 use lanes::{self, Lane};
 use syntax::Stage;
 

@@ -1,29 +1,40 @@
 //! SIGINT and SIGTERM: runs end early and report what they found, other commands remove what they had begun to write.
 
 use std::io;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use signal_hook::{flag, low_level};
+use signal_hook::low_level;
 
-use engine::suite::fresh;
-use lanes::interrupt;
+use disk::fresh;
 
 /// Has a run end early at the first signal; a second one ends the process at once.
 ///
 /// # Errors
 /// When the system takes no handler.
+#[cfg(feature = "run")]
 pub fn listen() -> io::Result<()> {
+    use signal_hook::flag;
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicBool;
+
     let again = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         // In this order: the first signal finds the flag as it is before it is set.
         flag::register_conditional_shutdown(signal, 128 + signal, again.clone())?;
         flag::register(signal, again.clone())?;
-        flag::register_usize(signal, interrupt::flag(), signal as usize)?;
+        flag::register_usize(signal, lanes::interrupt::flag(), signal as usize)?;
     }
     Ok(())
+}
+
+/// There is nothing to report early without what runs shaders.
+///
+/// # Errors
+/// When the system takes no handler.
+#[cfg(not(feature = "run"))]
+pub fn listen() -> io::Result<()> {
+    clean_up()
 }
 
 /// Has a signal remove unfinished files before it ends the process.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::check::Format;
 use crate::cli::status::ExitStatus;
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{self, Description, Unavailable};
 
 /// Arguments of `shadercheck lanes`.
@@ -25,7 +25,7 @@ const WIDTH: usize = 100;
 struct Found {
     name: &'static str,
     about: &'static str,
-    what: Result<(Description, Rulings), Unavailable>,
+    what: Result<(Description, Promises), Unavailable>,
 }
 
 /// Runs the command. The status is [`ExitStatus::Clean`] even when no lane can be had: that is an
@@ -36,7 +36,7 @@ struct Found {
 pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let one = |candidate: &lanes::Candidate| {
         let opened = (candidate.open)();
-        let what = opened.map(|lane| (lane.description().clone(), Rulings::of_lane(lane.description())));
+        let what = opened.map(|lane| (lane.description().clone(), Promises::of_lane(lane.description())));
         Found { name: candidate.name, about: candidate.about, what }
     };
     let all: Vec<Found> = lanes::registry().iter().map(one).collect();
@@ -85,11 +85,11 @@ fn table(all: &[Found]) -> String {
     let mut text = line(HEAD);
     for (found, row) in all.iter().zip(&rows) {
         match (&found.what, row) {
-            (Ok((lane, rulings)), Some(cells)) => {
+            (Ok((lane, promises)), Some(cells)) => {
                 text.push_str(&line(cells.each_ref().map(String::as_str)));
-                let promises: Vec<&str> = rulings.promises().map(|p| p.name.as_str()).collect();
-                let measured = rulings.measured.as_ref().map_or("none", |p| p.name.as_str());
-                let (api, promises) = (lane.api.name(), promises.join(", "));
+                let names: Vec<&str> = promises.promises().map(|p| p.name.as_str()).collect();
+                let measured = promises.measured.as_ref().map_or("none", |p| p.name.as_str());
+                let (api, promises) = (lane.api.name(), names.join(", "));
                 text.push_str(&wrapped(
                     &format!("API {api}: promises {promises}; measured profile: {measured}"),
                     "",
@@ -160,9 +160,9 @@ fn driver(text: &str) -> (String, String) {
 
 fn value(found: &Found) -> Value {
     match &found.what {
-        Ok((lane, rulings)) => {
+        Ok((lane, promises)) => {
             let stages: Vec<&str> = lane.stages.iter().map(|stage| stage.name()).collect();
-            let promises: Vec<&str> = rulings.promises().map(|p| p.name.as_str()).collect();
+            let names: Vec<&str> = promises.promises().map(|p| p.name.as_str()).collect();
             json!({
                 "name": found.name,
                 "about": found.about,
@@ -173,8 +173,8 @@ fn value(found: &Found) -> Value {
                 "executor": lane.executor,
                 "front_end": lane.front_end,
                 "api": lane.api.name(),
-                "promises": promises,
-                "measured": rulings.measured.as_ref().map(|p| p.name.clone()),
+                "promises": names,
+                "measured": promises.measured.as_ref().map(|p| p.name.clone()),
             })
         }
         Err(Unavailable { why, remedy }) => json!({
@@ -196,8 +196,8 @@ mod tests {
         let (executor, front_end) = ("gallivm".to_owned(), "glslang".to_owned());
         let description =
             Description { name, driver: driver.to_owned(), executor, front_end, api: Api::Vulkan, stages };
-        let rulings = Rulings::of_lane(&description);
-        Found { name, about: "a lane", what: Ok((description, rulings)) }
+        let promises = Promises::of_lane(&description);
+        Found { name, about: "a lane", what: Ok((description, promises)) }
     }
 
     const LLVMPIPE: &str = "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)";

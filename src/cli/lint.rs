@@ -5,6 +5,7 @@ mod diff;
 mod files;
 mod groups;
 mod known;
+#[cfg(feature = "run")]
 mod prove;
 mod summary;
 mod write;
@@ -20,7 +21,7 @@ use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Safety, Severity};
 use base::text::{Encoding, Shown};
-use engine::suite::fresh;
+use disk::fresh;
 use lint::fix::{FixedFile, Outcome};
 use lint::{Input, Level};
 use report::lint::{Context, FORMATS, Format, by_name};
@@ -130,6 +131,9 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if args.prove && !args.fix && !args.diff {
         anyhow::bail!("--prove compares what --fix or --diff changes; add one of them");
     }
+    if args.prove && cfg!(not(feature = "run")) {
+        anyhow::bail!("--prove runs shaders, which this program was built without; build it with the feature `run`");
+    }
     let mut loaded = files::load(&args.paths);
     let groups = Groups::new(args, &mut loaded)?;
     let lang = super::lang(args.lang.or(groups.lang));
@@ -226,7 +230,14 @@ impl Session<'_> {
         outcome.refused.iter().try_for_each(|refusal| writeln!(self.err, "warning: {refusal}"))
     }
 
-    /// Tells how far repairs move what shaders compute.
+    /// Without what runs shaders there is nothing to compare with.
+    #[cfg(not(feature = "run"))]
+    fn prove(&mut self, _: &Outcome) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    /// Reports how far repairs move what shaders compute.
+    #[cfg(feature = "run")]
     fn prove(&mut self, outcome: &Outcome) -> std::io::Result<()> {
         for file in outcome.files.iter().filter(|_| self.args.prove) {
             let name = file.before.name();

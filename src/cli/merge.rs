@@ -15,8 +15,8 @@ use super::check::Format;
 use super::status::ExitStatus;
 use super::{calibrate, check, fuzz, mutate, refdata};
 use base::text::Shown;
+use disk::fresh;
 use engine::shard::{self, Identity, Sealed, Shard, Sort};
-use engine::suite::fresh;
 
 /// Arguments of `shadercheck merge`.
 #[derive(Args, Clone, Debug, Default)]

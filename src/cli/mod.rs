@@ -1,25 +1,39 @@
 //! The command line, one file a subcommand. Results go to standard output, progress and complaints
 //! to standard error.
 
+#[cfg(feature = "run")]
 mod bar;
+#[cfg(feature = "run")]
 pub mod calibrate;
+#[cfg(feature = "run")]
 pub mod check;
 pub mod explain;
+#[cfg(feature = "run")]
 pub mod fuzz;
+#[cfg(feature = "run")]
 mod includes;
+#[cfg(feature = "run")]
 pub mod init;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(feature = "run")]
 pub mod lanes;
 pub mod lint;
+#[cfg(feature = "run")]
 pub mod merge;
+#[cfg(feature = "run")]
 pub mod mutate;
+#[cfg(feature = "run")]
 pub mod node;
 mod paths;
+#[cfg(feature = "run")]
 pub mod refdata;
+#[cfg(feature = "run")]
 pub mod shard;
 pub mod status;
+#[cfg(feature = "run")]
 pub mod translate;
+#[cfg(feature = "run")]
 pub mod worker;
 
 use std::io::{IsTerminal, Write};
@@ -69,41 +83,59 @@ pub struct Cli {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Run shaders on many inputs and compare every output with its formula
+    #[cfg(feature = "run")]
     Check(check::CheckArgs),
     /// Run every function of a shader file on generated inputs, without a suite
+    #[cfg(feature = "run")]
     Fuzz(fuzz::FuzzArgs),
     /// Write first suites for a folder of shaders
+    #[cfg(feature = "run")]
     Init(init::InitArgs),
     /// Find and repair mistakes in shaders and in the code that feeds them
     Lint(lint::LintArgs),
     /// Show the page of a lint rule
     Explain(explain::ExplainArgs),
     /// Translate a shader to another language
+    #[cfg(feature = "run")]
     Translate(translate::TranslateArgs),
     /// Put small faults into shaders and see whether their suites notice
+    #[cfg(feature = "run")]
     Mutate(mutate::MutateArgs),
     /// Write reference data, and compare anyone's results with them
+    #[cfg(feature = "run")]
     Refdata(refdata::RefdataArgs),
     /// Join what the shards of a run found
+    #[cfg(feature = "run")]
     Merge(merge::MergeArgs),
     /// Show what can run shaders here
+    #[cfg(feature = "run")]
     Lanes(lanes::LanesArgs),
     /// Measure how far a device's operations are off, beside what is promised
+    #[cfg(feature = "run")]
     Calibrate(calibrate::CalibrateArgs),
     /// Run jobs of a lane that another process sends
+    #[cfg(feature = "run")]
     #[command(hide = true)]
     Worker(worker::WorkerArgs),
 }
 
 impl Command {
     /// True when the command opens devices.
+    #[cfg(feature = "run")]
     pub fn opens_devices(&self) -> bool {
         matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_))
     }
 
     /// True when the command reports what it found so far when a signal asks it to end.
+    #[cfg(all(unix, feature = "run"))]
     fn ends_early(&self) -> bool {
         matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Mutate(_))
+    }
+
+    /// The linter reports at its end alone.
+    #[cfg(all(unix, not(feature = "run")))]
+    fn ends_early(&self) -> bool {
+        false
     }
 }
 
@@ -119,17 +151,27 @@ pub fn run(cli: &Cli) -> ExitStatus {
         let _ = writeln!(err, "note: signals end the program at once: {error}");
     }
     let result = match &cli.command {
+        #[cfg(feature = "run")]
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
         Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),
         Command::Explain(args) => explain::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
         Command::Translate(args) => translate::run(args, &mut out, &mut err),
+        #[cfg(feature = "run")]
         Command::Mutate(args) => mutate::run(args, &mut out, &mut err),
+        #[cfg(feature = "run")]
         Command::Refdata(args) => refdata::run(args, &mut out, &mut err),
+        #[cfg(feature = "run")]
         Command::Merge(args) => merge::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
         Command::Lanes(args) => lanes::run(args, &mut out),
+        #[cfg(feature = "run")]
         Command::Calibrate(args) => calibrate::run(args, &mut out, &mut err),
+        #[cfg(feature = "run")]
         Command::Worker(args) => worker::run(args, &mut out),
     };
     let result = result.and_then(|status| Ok(out.flush().map(|()| status)?));

@@ -14,13 +14,13 @@ use super::check::select::{self, Selected};
 use crate::cli::shard::{ShardArgs, Store, told};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
+use base::nearest;
 use base::text::{Shown, fingerprint};
 use engine::mutate::operators::{by_name, registry};
 use engine::mutate::{MutateError, Operator, Request, run as run_suite};
 use engine::shard::Shard;
 use engine::suite::run::{DEFAULT_SEED, RunError, signal_name};
 use lanes::{self, Lane, Stage, interrupt};
-use property::nearest;
 use report::diagnostics;
 use report::mutate::{Summary, json, text};
 

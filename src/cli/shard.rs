@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
+use disk::fresh;
 use engine::shard::{self, Identity, Sealed, Shard, Sort};
-use engine::suite::fresh;
 use lanes::{self, Unavailable};
 
 /// Arguments of every command that can be shared out.

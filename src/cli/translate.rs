@@ -9,7 +9,7 @@ use clap::Args;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
 use base::text::{Shown, SourceFile, decode};
-use engine::suite::{fresh, read_source};
+use disk::{fresh, read_source};
 use program::lower::Target;
 use program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
 use report::diagnostics;

@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use engine::adversary::{Adversary, Fault, Strategy};
 use judge::formula::{Args, Formula, Kind, Param, Rule};
-use judge::profile::{Op, Profile, Rulings, by_name};
+use judge::profile::{Op, Profile, Promises, by_name};
 
 use base::text::SourceFile;
 use base::value::{Batch, Field, Record, Shape};
 use engine::suite::Suite;
 use engine::suite::run::{Case, FindingKind, Prepared, Report};
 use judge::verdict::diagnosis::Origin;
-use judge::verdict::{Blame, Court, Deviation, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each};
+use judge::verdict::{
+    Blame, Deviation, JudgeContext, Literals, Oracle, Reason, Reference, Verdict, dependences, judge_each,
+};
 use lanes::{Actual, Api, Description, Lane, LaneError, Runner, Stage, embedded};
 use program::interp::{Dependence, Laws};
 use program::lower::Target;
@@ -24,13 +26,13 @@ fn exactly(suite: &str, from: &str, to: &str) -> Prepared {
     changed(suite, |suite| Suite { literals: Literals::Exact, ..suite }, |text| text.replacen(from, to, 1))
 }
 
-fn check(prepared: &Prepared, lane: &dyn Lane, rulings: Rulings) -> Report {
-    report(prepared, lane, Some(2048), rulings)
+fn check(prepared: &Prepared, lane: &dyn Lane, promises: Promises) -> Report {
+    report(prepared, lane, Some(2048), promises)
 }
 
 /// A promise alone, without a conformance suite and without a measurement.
-fn text(profile: &'static Profile) -> Rulings {
-    Rulings { text: profile, conformance: None, measured: None }
+fn text(profile: &'static Profile) -> Promises {
+    Promises { text: profile, conformance: None, measured: None }
 }
 
 fn vulkan() -> &'static Profile {
@@ -50,7 +52,7 @@ fn deviation(report: &Report) -> (&Deviation, &Case) {
 fn a_typo_in_a_formula_is_the_shaders_fault() {
     let lane = embedded::open().unwrap();
     let wrong = replaced("sphere", "cos(ph)", "cos(th)");
-    let report = check(&wrong, &*lane, Rulings::of_api(Api::Binary32));
+    let report = check(&wrong, &*lane, Promises::of_api(Api::Binary32));
     let (deviation, case) = deviation(&report);
     assert_eq!(deviation.blame, Blame::Shader);
     assert!(case.diagnosis.literals.is_empty() && case.diagnosis.origin.is_none());
@@ -61,14 +63,14 @@ fn a_typo_in_a_formula_is_the_shaders_fault() {
 fn short_digits_are_named_with_what_they_stand_for() {
     let lane = embedded::open().unwrap();
     let short = exactly("sphere", "6.28318530717958648", "6.283185");
-    let report = check(&short, &*lane, Rulings::of_api(Api::Binary32));
+    let report = check(&short, &*lane, Promises::of_api(Api::Binary32));
     let (deviation, case) = deviation(&report);
     assert_eq!(deviation.blame, Blame::Shader);
     let said: Vec<String> = case.diagnosis.literals.iter().map(ToString::to_string).collect();
     assert_eq!(said, ["`6.283185` (sphere.vert:11:14) stands for 2π, off by 3.1e-7"]);
     // Its binary32 alone, as near to 2π as binary32 comes, is no fault.
     let rounded = replaced("sphere", "6.28318530717958648", "6.283185307179586476925");
-    let report = check(&rounded, &*lane, Rulings::of_api(Api::Binary32));
+    let report = check(&rounded, &*lane, Promises::of_api(Api::Binary32));
     assert_eq!((report.verdicts.deviated, report.findings.len()), (0, 0), "{:?}", report.findings);
 }
 
@@ -162,9 +164,9 @@ fn verdicts(prepared: &Prepared, invocations: &[u32]) -> Vec<Verdict> {
     };
     let lane = embedded::open().unwrap();
     let actual = lane.prepare(&prepared.compute, 64).unwrap().run(&batch).unwrap();
-    let rulings = text(vulkan());
+    let promises = text(vulkan());
     let Prepared { oracle, reference, .. } = prepared;
-    judge_each(&Court { oracle, reference, rulings: &rulings, stage: Stage::Compute }, &batch, &actual)
+    judge_each(&JudgeContext { oracle, reference, promises: &promises, stage: Stage::Compute }, &batch, &actual)
 }
 
 #[test]
@@ -183,7 +185,7 @@ fn weights_below_the_range_of_binary32_are_a_matter_of_range() {
 #[test]
 fn a_tangent_of_length_zero_has_no_direction_whoever_computes_it() {
     let lane = embedded::open().unwrap();
-    let report = check(&replaced("hair", "", ""), &*lane, Rulings::of_api(Api::Binary32));
+    let report = check(&replaced("hair", "", ""), &*lane, Promises::of_api(Api::Binary32));
     assert_eq!(report.verdicts.deviated, 0, "{:?}", report.findings);
     let doubt = report.doubts.iter().find(|d| d.reason == Reason::Domain).unwrap();
     assert_eq!(doubt.op.map(|op| op.name()), Some("inversesqrt"));
@@ -209,8 +211,8 @@ fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, Option<Dependence>) {
     let program =
         Program::from_source(&SourceFile::new("angle.glsl", source), syntax::Stage::Library, |_| Ok(target)).unwrap();
     let (oracle, reference) = (Oracle::new(&program).unwrap(), Reference::new(&ANGLE, &program).unwrap());
-    let rulings = text(vulkan());
-    let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage: Stage::Compute };
+    let promises = text(vulkan());
+    let context = JudgeContext { oracle: &oracle, reference: &reference, promises: &promises, stage: Stage::Compute };
     let field = |name: &str| Field { name: name.into(), shape: Shape::VEC3 };
     let batch = Batch {
         invocation_record: Arc::new(Record::new(vec![field("a"), field("b")])),
@@ -221,7 +223,7 @@ fn angle_of(expression: &str, v: [f32; 3]) -> (Verdict, Option<Dependence>) {
     };
     let kernel = program.compute_kernel().unwrap();
     let actual = embedded::open().unwrap().prepare(&kernel, 1).unwrap().run(&batch).unwrap();
-    let verdict = judge_each(&court, &batch, &actual).remove(0);
+    let verdict = judge_each(&context, &batch, &actual).remove(0);
     (verdict, dependences(&oracle, &batch).remove(0))
 }
 

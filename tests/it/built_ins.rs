@@ -5,7 +5,7 @@ use base::text::SourceFile;
 use base::value::Batch;
 use engine::suite::parse;
 use engine::suite::run::{FindingKind, Prepared, Report, prepare, run};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{Actual, Description, Lane, LaneError, Runner, embedded, native, opengl, vulkan};
 use program::Kernel;
 
@@ -46,7 +46,7 @@ fn lanes() -> Vec<Box<dyn Lane>> {
 }
 
 fn reports(prepared: &Prepared, lane: &dyn Lane) -> Vec<Report> {
-    let request = request(prepared, Some(SAMPLES), Rulings::of_lane(lane.description()));
+    let request = request(prepared, Some(SAMPLES), Promises::of_lane(lane.description()));
     let one = |stage| run(prepared, lane, stage, &request, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
     prepared.stages(lane).into_iter().map(one).collect()
 }

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use engine::adversary::{Adversary, Strategy};
-use judge::profile::{Profile, Rulings, by_name};
+use judge::profile::{Profile, Promises, by_name};
 
 use base::text::SourceFile;
 use base::value::Batch;
-use judge::verdict::{Court, Oracle, Reason, Reference, Verdict, judge_each};
+use judge::verdict::{JudgeContext, Oracle, Reason, Reference, Verdict, judge_each};
 use lanes::{Lane, Stage, embedded};
 use program::Program;
 use program::lower::Target;
@@ -87,12 +87,12 @@ fn batch(program: &Program, inputs: &[[f32; 2]]) -> Batch {
 fn verdicts(program: &Program, profile: &'static Profile, on: (Stage, &dyn Lane), inputs: &[[f32; 2]]) -> Vec<Verdict> {
     let (stage, lane) = on;
     let (oracle, reference) = (Oracle::new(program).unwrap(), Reference::nothing(program));
-    let rulings = Rulings { text: profile, conformance: None, measured: None };
-    let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage };
+    let promises = Promises { text: profile, conformance: None, measured: None };
+    let context = JudgeContext { oracle: &oracle, reference: &reference, promises: &promises, stage };
     let batch = batch(program, inputs);
     let kernel = program.compute_kernel().unwrap();
     let actual = lane.prepare(&kernel, inputs.len()).unwrap().run(&batch).unwrap();
-    judge_each(&court, &batch, &actual)
+    judge_each(&context, &batch, &actual)
 }
 
 fn profiles() -> impl Iterator<Item = &'static Profile> {
@@ -152,12 +152,12 @@ fn a_wrong_answer_about_normal_numbers_is_held_against_the_device() {
                 }
                 // A device that compares the other way round: its words, judged as those of the shader.
                 let (oracle, reference) = (Oracle::new(&right).unwrap(), Reference::nothing(&right));
-                let rulings = Rulings { text: profile, conformance: None, measured: None };
-                let court = Court { oracle: &oracle, reference: &reference, rulings: &rulings, stage };
+                let promises = Promises { text: profile, conformance: None, measured: None };
+                let context = JudgeContext { oracle: &oracle, reference: &reference, promises: &promises, stage };
                 let (batch, kernel) = (batch(&right, &NORMAL), other.compute_kernel().unwrap());
                 let strict = embedded::open().unwrap();
                 let actual = strict.prepare(&kernel, NORMAL.len()).unwrap().run(&batch).unwrap();
-                for (inputs, verdict) in NORMAL.iter().zip(judge_each(&court, &batch, &actual)) {
+                for (inputs, verdict) in NORMAL.iter().zip(judge_each(&context, &batch, &actual)) {
                     if !matches!(verdict, Verdict::Deviate(_)) {
                         wrong.push(format!("{} {stage}: missed {condition} of {inputs:?}: {verdict:?}", profile.name));
                     }

@@ -1,7 +1,7 @@
 //! A lane that gives other bits for the same inputs: told as such, and not shrunk.
 
 use engine::suite::run::{Finding, FindingKind, Prepared, Report};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::Blame;
 use lanes::{Lane as _, embedded};
 
@@ -13,7 +13,7 @@ fn report(prepared: &Prepared, change: fn(usize, f32) -> f32) -> (Report, usize)
         let number = dispatch.of_lane;
         dispatch.each(|_, _| true, |x| change(number, x));
     });
-    let report = support::report(prepared, &lane, Some(512), Rulings::of_lane(lane.description()));
+    let report = support::report(prepared, &lane, Some(512), Promises::of_lane(lane.description()));
     (report, lane.dispatches())
 }
 

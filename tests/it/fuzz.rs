@@ -7,7 +7,7 @@ use base::text::SourceFile;
 use base::value::Batch;
 use engine::adversary::{Adversary, Fault, Strategy};
 use engine::fuzz::{Domain, Finding, FunctionReport, Kind, Request, Severity, Subject, option, run, subjects};
-use judge::profile::{Op, Rulings, by_name};
+use judge::profile::{Op, Promises, by_name};
 use judge::verdict::diagnosis::Origin;
 use lanes::{Actual, Api, Description, Lane, LaneError, Runner, embedded};
 use program::Kernel;
@@ -26,18 +26,18 @@ fn functions(name: &str, text: &str) -> Vec<Subject> {
     subjects(&parsed.shader, &|_| true).unwrap()
 }
 
-fn on(subject: &Subject, domain: &str, lane: &dyn Lane, rulings: Rulings) -> FunctionReport {
+fn on(subject: &Subject, domain: &str, lane: &dyn Lane, promises: Promises) -> FunctionReport {
     let mut stated = option(domain).unwrap();
     stated.extend(subject.stated.clone());
     let domain = match &subject.ready {
         Ok(ready) => Domain::new(&subject.label, ready.kernel.invocation.fields(), ready.kernel.case.fields(), &stated),
         Err(_) => Domain::default(),
     };
-    run(subject, &domain, &[(lane, rulings)], &request()).unwrap()
+    run(subject, &domain, &[(lane, promises)], &request()).unwrap()
 }
 
 fn strict(subject: &Subject, domain: &str) -> FunctionReport {
-    on(subject, domain, &*embedded::open().unwrap(), Rulings::of_api(Api::Binary32))
+    on(subject, domain, &*embedded::open().unwrap(), Promises::of_api(Api::Binary32))
 }
 
 /// The report of the only function of a library.
@@ -123,7 +123,7 @@ fn what_overflows_on_the_way_is_not_held_against_a_lane() {
                 float part(vec3 a, vec3 b) { float l = dot(b, b); vec3 c = a; if (l > 0.0) c -= b * clamp(dot(a, b) / l, 0.0, 1.0); return length(c); }\n\
                 float lit(vec3 n, vec3 l) { return max(dot(n, normalize(l)), 0.0); }\n\
                 float turned(vec3 v, float k) { return (v.x * v.y) * v.z + k * (2.0 * v.x); }\n";
-    let vulkan = || Rulings::of_api(Api::Vulkan);
+    let vulkan = || Promises::of_api(Api::Vulkan);
     let device = Adversary::lane(by_name("vulkan-1.4").unwrap(), lanes::Stage::Compute, Strategy::Extreme, 5, true);
     for subject in functions("a.glsl", text) {
         for lane in [&*embedded::open().unwrap(), &device as &dyn Lane] {
@@ -148,7 +148,7 @@ fn a_library_of_many_kinds_holds_nothing_against_a_lane_that_is_right() {
         let domain = Domain::new("", ready.kernel.invocation.fields(), &[], &subject.stated);
         let (lane, request) = (embedded::open().unwrap(), Request { samples: 8192, notes: false, ..request() });
         for api in [Api::Binary32, Api::Vulkan] {
-            let report = run(&subject, &domain, &[(&*lane, Rulings::of_api(api))], &request).unwrap();
+            let report = run(&subject, &domain, &[(&*lane, Promises::of_api(api))], &request).unwrap();
             let wrong: Vec<&Finding> = report.findings.iter().filter(|f| f.lane.is_some()).collect();
             assert!(wrong.is_empty(), "{} by {}: {:?}", subject.label, api.name(), wrong[0]);
         }
@@ -158,7 +158,7 @@ fn a_library_of_many_kinds_holds_nothing_against_a_lane_that_is_right() {
 #[test]
 fn a_lane_with_a_wrong_sine_is_blamed() {
     let vulkan = by_name("vulkan-1.4").unwrap();
-    let rulings = || Rulings { text: vulkan, conformance: None, measured: None };
+    let rulings = || Promises { text: vulkan, conformance: None, measured: None };
     let subject = &functions("a.glsl", "float wave(float x) { return 0.5 * sin(x) + 1.0; }")[0];
     let device = Adversary::lane(vulkan, lanes::Stage::Compute, Strategy::Extreme, 1, false);
     let report = on(subject, "x=[-3,3]", &device, rulings());
@@ -205,7 +205,7 @@ impl Runner for MixedRunner {
 #[test]
 fn equal_inputs_with_different_outputs_are_found() {
     let subject = &functions("a.glsl", "float twice(float x) { return 2.0 * x; }")[0];
-    let rulings = || Rulings::of_api(Api::Binary32);
+    let rulings = || Promises::of_api(Api::Binary32);
     let report = on(subject, "", &Mixed(embedded::open().unwrap()), rulings());
     assert!(kinds(&report, Severity::Finding).contains(&Kind::NotDeterministic), "{:?}", report.findings);
     let report = on(subject, "", &*embedded::open().unwrap(), rulings());

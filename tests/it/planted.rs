@@ -2,8 +2,8 @@
 //! a translator, the memory, chance, or nobody.
 
 use engine::suite::Suite;
-use engine::suite::run::{FindingKind, Peer, Prepared, Report, hear, run};
-use judge::profile::Rulings;
+use engine::suite::run::{FindingKind, Peer, Prepared, Report, cross_check, run};
+use judge::profile::Promises;
 use judge::verdict::diagnosis::Fault;
 use lanes::{Api, Lane as _, Stage, embedded};
 
@@ -37,14 +37,14 @@ fn device(prepared: &Prepared, name: &str, plant: Option<Plant>) -> Planted {
 
 /// Runs a suite on some devices, and hears them on what deviates. None for one that fails.
 fn reports(prepared: &Prepared, devices: &[Planted]) -> Vec<Option<Report>> {
-    let rulings: Vec<Rulings> = devices.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
+    let promises: Vec<Promises> = devices.iter().map(|lane| Promises::of_lane(lane.description())).collect();
     let one = |lane: &Planted| {
-        let request = request(prepared, Some(512), Rulings::of_lane(lane.description()));
+        let request = request(prepared, Some(512), Promises::of_lane(lane.description()));
         run(prepared, lane, Stage::Compute, &request, &mut |_| {}).ok()
     };
     let mut reports: Vec<Option<Report>> = devices.iter().map(one).collect();
-    let peers: Vec<Peer<'_>> = devices.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
-    hear(prepared, &peers, &mut reports.iter_mut().flatten().collect::<Vec<_>>());
+    let peers: Vec<Peer<'_>> = devices.iter().zip(&promises).map(|(lane, promises)| Peer { lane, promises }).collect();
+    cross_check(prepared, &peers, &mut reports.iter_mut().flatten().collect::<Vec<_>>());
     reports
 }
 
@@ -52,8 +52,8 @@ fn reports(prepared: &Prepared, devices: &[Planted]) -> Vec<Option<Report>> {
 fn blamed(report: &Report) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for finding in report.errors() {
-        let hearing = finding.case.as_ref().and_then(|case| case.diagnosis.hearing.as_ref());
-        all.push(match hearing.map(|hearing| &hearing.fault) {
+        let cross_check = finding.case.as_ref().and_then(|case| case.diagnosis.cross_check.as_ref());
+        all.push(match cross_check.map(|cross_check| &cross_check.fault) {
             Some(Fault::Executor { executor, .. }) => format!("executor {executor}"),
             Some(Fault::Translator { front_end, .. }) => format!("translator {front_end}"),
             Some(Fault::Position { executor, .. }) => format!("position {executor}"),
@@ -353,7 +353,7 @@ fn a_fault_of_a_place_is_told_as_one_and_takes_the_whole_run_to_show() {
     let report = reports(&prepared, &devices).remove(0).unwrap();
     let finding = report.errors()[0];
     let case = finding.case.as_ref().unwrap();
-    let fault = case.diagnosis.hearing.as_ref().unwrap().fault.to_string();
+    let fault = case.diagnosis.cross_check.as_ref().unwrap().fault.to_string();
     assert!(
         fault.starts_with(
             "the memory or the readback of the executor `X`, behind `naga`: it depends on the position and not on the \

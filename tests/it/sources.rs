@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use serde_json::Value;
 
 use base::text::SourceFile;
@@ -46,10 +46,10 @@ fn planted(prepared: &Prepared, source: Option<Source>) -> Planted {
 fn reports(suite: &str, sources: &[Source], wrong: Option<Source>) -> Vec<Report> {
     let prepared = prepared(suite);
     let lane = planted(&prepared, wrong);
-    let request = request(&prepared, Some(128), Rulings::of_lane(lane.description()));
+    let request = request(&prepared, Some(128), Promises::of_lane(lane.description()));
     let report = |source| {
         let report = run_from(&prepared, &lane, source, &request, &mut |_| {}).unwrap();
-        for bundle in bundles(&prepared, &lane, report.stage, &request.rulings, &report).unwrap() {
+        for bundle in bundles(&prepared, &lane, report.stage, &request.promises, &report).unwrap() {
             assert!(bundle.name.starts_with(&format!("{suite}-vulkan-{}-", source.name())), "{}", bundle.name);
         }
         report

@@ -8,7 +8,7 @@ use base::text::SourceFile;
 use base::value::Batch;
 use engine::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
 use engine::suite::{Suite, find, parse};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage};
 use program::{Kernel, OutputLayout};
 
@@ -35,21 +35,21 @@ pub fn changed(name: &str, suite: impl FnOnce(Suite) -> Suite, text: impl FnOnce
 }
 
 /// What is asked of a short run; as many samples as the suite says for `None`.
-pub fn request(prepared: &Prepared, samples: Option<u64>, rulings: Rulings) -> Request {
+pub fn request(prepared: &Prepared, samples: Option<u64>, promises: Promises) -> Request {
     Request {
         samples,
         seed: DEFAULT_SEED,
         quick: true,
         replay: Vec::new(),
         replay_only: false,
-        rulings,
+        promises,
         arguments: prepared.suite.name.clone(),
     }
 }
 
 /// A short run in the compute stage.
-pub fn report(prepared: &Prepared, lane: &dyn Lane, samples: Option<u64>, rulings: Rulings) -> Report {
-    run(prepared, lane, Stage::Compute, &request(prepared, samples, rulings), &mut |_| {}).unwrap()
+pub fn report(prepared: &Prepared, lane: &dyn Lane, samples: Option<u64>, promises: Promises) -> Report {
+    run(prepared, lane, Stage::Compute, &request(prepared, samples, promises), &mut |_| {}).unwrap()
 }
 
 /// What one dispatch left in the output buffer.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use base::value::Batch;
 use engine::suite::run::{FindingKind, Prepared, Report, Request, check_translations, check_translations_with, run};
 use engine::suite::shipped;
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::{Comparison, Difference, Translations, Unread};
 use lanes::{Api, Stage, embedded};
 use program::{Language, Program, Translation};
@@ -311,7 +311,7 @@ fn report(prepared: &Prepared, request: &Request) -> Report {
 }
 
 fn request(prepared: &Prepared) -> Request {
-    Request { quick: false, ..support::request(prepared, Some(4096), Rulings::of_api(Api::Binary32)) }
+    Request { quick: false, ..support::request(prepared, Some(4096), Promises::of_api(Api::Binary32)) }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use base::text::SourceFile;
 use base::value::Batch;
 use engine::suite::parse;
 use engine::suite::run::{FindingKind, Prepared, Report, prepare, run};
-use judge::profile::{Rulings, by_name};
+use judge::profile::{Promises, by_name};
 use judge::verdict::{Blame, Reason};
 use lanes::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
 use program::Kernel;
@@ -263,8 +263,8 @@ fn check(prepared: &Prepared, lane: &dyn Lane) -> Report {
 
 fn outcome(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, LaneError> {
     // A promise under which these functions have bounds.
-    let rulings = Rulings { text: by_name("vulkan-1.4").unwrap(), conformance: None, measured: None };
-    run(prepared, lane, Stage::Compute, &request(prepared, Some(1024), rulings), &mut |_| {})
+    let promises = Promises { text: by_name("vulkan-1.4").unwrap(), conformance: None, measured: None };
+    run(prepared, lane, Stage::Compute, &request(prepared, Some(1024), promises), &mut |_| {})
 }
 
 /// A device that is off by a part in 1000 wherever the first input is between 1.25 and 1.5.

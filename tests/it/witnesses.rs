@@ -1,9 +1,11 @@
 //! Faults of an executor and of a front end, seen through several lanes: whose fault it is follows from groups.
 
 use engine::shard::Shard;
-use engine::suite::run::{FindingKind, Peer, Prepared, Report, Request, Share, hear, hear_parts, run, run_part};
-use judge::profile::Rulings;
-use judge::verdict::diagnosis::{Fault, Hearing, Stand};
+use engine::suite::run::{
+    FindingKind, Peer, Prepared, Report, Request, Share, cross_check, cross_check_parts, run, run_part,
+};
+use judge::profile::Promises;
+use judge::verdict::diagnosis::{CrossCheck, Fault, Stand};
 use lanes::{Api, Lane, Stage, embedded};
 
 use crate::support::{self, Planted, prepared};
@@ -22,36 +24,36 @@ fn lanes(prepared: &Prepared, plans: &[Plan]) -> Vec<Planted> {
 }
 
 fn request(prepared: &Prepared, lane: &dyn Lane) -> Request {
-    support::request(prepared, Some(256), Rulings::of_lane(lane.description()))
+    support::request(prepared, Some(256), Promises::of_lane(lane.description()))
 }
 
 /// What the lanes say of the first deviation of each lane, in the order of the lanes; none for those without one.
-fn hearings(suite: &str, plans: &[Plan]) -> Vec<Option<Hearing>> {
+fn cross_checks(suite: &str, plans: &[Plan]) -> Vec<Option<CrossCheck>> {
     let prepared = prepared(suite);
     let lanes = lanes(&prepared, plans);
-    let rulings: Vec<Rulings> = lanes.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
+    let promises: Vec<Promises> = lanes.iter().map(|lane| Promises::of_lane(lane.description())).collect();
     let mut reports: Vec<Report> = lanes
         .iter()
         .map(|lane| run(&prepared, lane, Stage::Compute, &request(&prepared, lane), &mut |_| {}).unwrap())
         .collect();
-    let peers: Vec<Peer<'_>> = lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
-    hear(&prepared, &peers, &mut reports.iter_mut().collect::<Vec<_>>());
-    let hearing = |report: &Report| {
+    let peers: Vec<Peer<'_>> = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane, promises }).collect();
+    cross_check(&prepared, &peers, &mut reports.iter_mut().collect::<Vec<_>>());
+    let cross_check = |report: &Report| {
         let found = report.findings.iter().find(|finding| finding.kind == FindingKind::Deviation)?;
-        let hearing = found.case.as_ref().unwrap().diagnosis.hearing.clone();
-        Some(hearing.unwrap_or_else(|| panic!("nobody was heard: {found:?}")))
+        let cross_check = found.case.as_ref().unwrap().diagnosis.cross_check.clone();
+        Some(cross_check.unwrap_or_else(|| panic!("nobody was heard: {found:?}")))
     };
-    reports.iter().map(hearing).collect()
+    reports.iter().map(cross_check).collect()
 }
 
 /// The same fault on every lane that deviates.
 #[track_caller]
 fn fault(suite: &str, plans: &[Plan]) -> Fault {
-    let all: Vec<Option<Hearing>> = hearings(suite, plans);
-    for (hearing, plan) in all.iter().zip(plans) {
-        assert_eq!(hearing.is_some(), plan.4 != 0.0, "{plan:?}: {all:#?}");
+    let all: Vec<Option<CrossCheck>> = cross_checks(suite, plans);
+    for (cross_check, plan) in all.iter().zip(plans) {
+        assert_eq!(cross_check.is_some(), plan.4 != 0.0, "{plan:?}: {all:#?}");
     }
-    let mut faults = all.into_iter().flatten().map(|hearing| hearing.fault);
+    let mut faults = all.into_iter().flatten().map(|cross_check| cross_check.fault);
     let first = faults.next().unwrap();
     assert!(faults.all(|fault| fault.name() == first.name()));
     first
@@ -69,10 +71,10 @@ fn a_fault_of_an_executor_is_seen_through_two_front_ends() {
     let Fault::Executor { executor, through, right } = &found else { panic!("{found}") };
     assert_eq!((executor.as_str(), through.len(), right.as_slice()), ("X", 2, &["Y".to_owned()][..]));
     // The list names the lane that is accused first, then all others with what they say.
-    let hearing = hearings("morph", &plans).remove(1).unwrap();
-    let said: Vec<(&str, Stand)> = hearing.witnesses.iter().map(|w| (w.lane, w.stand)).collect();
+    let cross_check = cross_checks("morph", &plans).remove(1).unwrap();
+    let said: Vec<(&str, Stand)> = cross_check.witnesses.iter().map(|w| (w.lane, w.stand)).collect();
     assert_eq!(said, [("b", Stand::Wrong), ("a", Stand::Wrong), ("c", Stand::Right), ("d", Stand::Right)]);
-    assert!(hearing.witnesses.iter().all(|witness| witness.word.is_some()));
+    assert!(cross_check.witnesses.iter().all(|witness| witness.word.is_some()));
 }
 
 #[test]
@@ -115,33 +117,37 @@ fn a_lane_whose_api_promises_nothing_still_bears_witness() {
     // OpenGL promises nothing for the sine: there the same fault is no deviation, and is seen all the same.
     let plans: [Plan; 3] =
         [("a", "X", "naga", STRICT, 0.01), ("b", "X", "Mesa", Api::OpenGl, 0.01), ("c", "Y", "Mesa", Api::OpenGl, 0.0)];
-    let hearing = hearings("sphere", &plans).remove(0).unwrap();
-    assert_eq!(hearing.fault.name(), "executor", "{hearing:#?}");
-    assert_eq!(hearing.with(Stand::Wrong), ["a/compute", "b/compute"]);
-    assert_eq!(hearing.with(Stand::Right), ["c/compute"]);
+    let cross_check = cross_checks("sphere", &plans).remove(0).unwrap();
+    assert_eq!(cross_check.fault.name(), "executor", "{cross_check:#?}");
+    assert_eq!(cross_check.with(Stand::Wrong), ["a/compute", "b/compute"]);
+    assert_eq!(cross_check.with(Stand::Right), ["c/compute"]);
 }
 
 #[test]
 fn parts_of_a_run_are_heard_as_the_run_is() {
     let prepared = prepared("morph");
     let lanes = lanes(&prepared, &[("a", "X", "naga", STRICT, 0.01), ("b", "Y", "naga", STRICT, 0.0)]);
-    let rulings: Vec<Rulings> = lanes.iter().map(|lane| Rulings::of_lane(lane.description())).collect();
-    let peers: Vec<Peer<'_>> = lanes.iter().zip(&rulings).map(|(lane, rulings)| Peer { lane, rulings }).collect();
+    let promises: Vec<Promises> = lanes.iter().map(|lane| Promises::of_lane(lane.description())).collect();
+    let peers: Vec<Peer<'_>> = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane, promises }).collect();
     let request = request(&prepared, &lanes[0]);
     let mut save = |_: &_| std::ops::ControlFlow::Continue(());
     let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: false };
     let part = run_part(&prepared, &lanes[0], Stage::Compute, &request, share, &mut |_| {}).unwrap().unwrap();
     let mut parts = [part];
-    hear_parts(&prepared, &peers, &mut parts);
+    cross_check_parts(&prepared, &peers, &mut parts);
     // What is handed over is read back.
     let text = serde_json::to_string(&parts).unwrap();
     let [part]: [engine::suite::run::Part; 1] = serde_json::from_str(&text).unwrap();
     let mut whole = run(&prepared, &lanes[0], Stage::Compute, &request, &mut |_| {}).unwrap();
-    hear(&prepared, &peers, &mut [&mut whole]);
-    let heard = |report: &Report| -> Vec<Option<Hearing>> {
-        report.findings.iter().filter_map(|f| Some(f.case.as_ref()?.diagnosis.hearing.clone())).collect()
+    cross_check(&prepared, &peers, &mut [&mut whole]);
+    let collected = |report: &Report| -> Vec<Option<CrossCheck>> {
+        report.findings.iter().filter_map(|f| Some(f.case.as_ref()?.diagnosis.cross_check.clone())).collect()
     };
     let merged = part.report();
-    assert_eq!(heard(&merged), heard(&whole));
-    assert!(heard(&merged).iter().flatten().any(|hearing| hearing.fault.name() == "executor"), "{:?}", heard(&merged));
+    assert_eq!(collected(&merged), collected(&whole));
+    assert!(
+        collected(&merged).iter().flatten().any(|cross_check| cross_check.fault.name() == "executor"),
+        "{:?}",
+        collected(&merged)
+    );
 }

@@ -165,8 +165,8 @@ mod tests {
     use super::*;
     use crate::profile::by_name;
     use crate::single::{Inputs, measurable};
-    use program::Kernel;
     use lanes::{embedded, vulkan};
+    use program::Kernel;
     use program::lane::{Actual, Description, Marks, Runner};
 
     /// The embedded lane, which adds something to the results of one operation.

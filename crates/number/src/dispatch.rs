@@ -1,4 +1,5 @@
-//! One function over a column, in the widest vectors that the machine has.
+//! One function over a column, in the widest vectors that the machine has. Without the feature `simd` they are those that
+//! every machine has; the bits are the same.
 //!
 //! The loops below are ordinary ones that the compiler vectorises, once for each instruction set that
 //! `pulp` finds. A function is computed in all numbers of a block; where some of them need another way,
@@ -6,7 +7,40 @@
 
 use std::marker::PhantomData;
 
+#[cfg(feature = "simd")]
 use pulp::{Arch, NullaryFnOnce};
+
+/// The one instruction set of a build without `simd`: what the compiler was told to use.
+#[cfg(not(feature = "simd"))]
+struct Arch;
+
+#[cfg(not(feature = "simd"))]
+impl Arch {
+    fn new() -> Self {
+        Self
+    }
+
+    fn dispatch<F: NullaryFnOnce>(self, f: F) -> F::Output {
+        f.call()
+    }
+}
+
+/// A loop that can be compiled for each instruction set.
+#[cfg(not(feature = "simd"))]
+trait NullaryFnOnce {
+    type Output;
+
+    fn call(self) -> Self::Output;
+}
+
+#[cfg(not(feature = "simd"))]
+impl<R, F: FnOnce() -> R> NullaryFnOnce for F {
+    type Output = R;
+
+    fn call(self) -> R {
+        self()
+    }
+}
 
 /// Numbers that one pass takes: few enough to stay in the first cache between two passes.
 const BLOCK: usize = 256;

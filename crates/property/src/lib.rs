@@ -3,7 +3,6 @@
 pub mod ball;
 pub mod generators;
 pub mod law;
-mod nearest;
 mod own;
 mod picture;
 mod plan;
@@ -16,7 +15,6 @@ pub mod shrink;
 mod strategy;
 mod stream;
 
-pub use nearest::nearest;
 pub use own::Own;
 pub use picture::{Axis, Kind, Picture};
 pub use plan::{InputGroup, Plan, PlanError};

@@ -10,10 +10,10 @@ use base::value::{Record, Shape};
 
 use super::Sample;
 use super::generators::{Generator, Group, Options};
-use super::nearest::nearest;
 use super::own::Own;
 use super::shrink::Domain;
 use super::stream::{mix, mix_text};
+use base::nearest;
 
 /// Inputs that one generator fills together, as a suite states them.
 #[derive(Clone)]

@@ -15,7 +15,8 @@ use thiserror::Error;
 use base::text::SourceFile;
 use base::value::{F32Bits, Record, Scalar, Shape};
 
-use super::{Sample, nearest};
+use super::Sample;
+use base::nearest;
 
 /// First lines of a new regression file.
 const HEADER: &str = "\

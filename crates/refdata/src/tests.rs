@@ -6,12 +6,12 @@ use std::sync::{Arc, Mutex};
 use super::read::{Blocks, Chain, Dataset, ReadError, Sequence, Shared, Source};
 use super::write::{Format, Spill, Store};
 use super::*;
+use ::number::twofold::Real;
 use base::text::SourceFile;
 use chapter::exact::{Exact, Marks, Words};
 use engine::suite::run::{Prepared, prepare};
 use engine::suite::{self, shipped};
 use judge::profile;
-use ::number::twofold::Real;
 
 #[path = "../../number/src/twofold/big.rs"]
 mod big;

@@ -1,12 +1,17 @@
-//! Reports: text and JSON out of what suites and rules found.
+//! Reports: text and JSON out of what suites and rules found. Without the feature `run`, those of rules alone.
 
 mod actions;
+#[cfg(feature = "run")]
 pub mod check;
 pub mod diagnostics;
+#[cfg(feature = "run")]
 pub mod fuzz;
+#[cfg(feature = "run")]
 pub mod html;
 pub mod lint;
+#[cfg(feature = "run")]
 pub mod mutate;
 pub mod page;
+#[cfg(feature = "run")]
 pub mod refdata;
 mod sarif;

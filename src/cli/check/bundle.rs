@@ -7,7 +7,7 @@ use anyhow::Context;
 use super::shell_word;
 use crate::cli::paths::relative;
 use base::text::Shown;
-use engine::suite::fresh;
+use disk::fresh;
 use engine::suite::run::Bundle;
 
 /// A script that goes to the folder in which it was written before it does anything: its paths are relative to that.

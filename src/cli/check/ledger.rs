@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::CheckArgs;
 use super::select::Selected;
 use base::text::{Shown, SourceFile};
+use disk::Problem;
 use engine::catalogue;
+use engine::suite;
 use engine::suite::ledger::{self, Ledger};
 use engine::suite::run::{Entry, LaneUsed};
-use engine::suite::{self, Problem};
 
 /// What `--expectations` takes for no ledger at all.
 const NONE: &str = "none";

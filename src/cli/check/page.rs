@@ -6,9 +6,9 @@ use anyhow::Context;
 use serde_json::Value;
 
 use base::text::{Shown, SourceFile};
-use engine::suite::fresh;
+use disk::fresh;
 use engine::suite::run::{Gallery, Prepared, Promised, Report, Request, Summary, gallery, promised};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{Lane, LaneError, Stage};
 use report::html::{self, Page, Subject};
 
@@ -86,12 +86,12 @@ impl Pages {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn write(&self, folder: &Path, summary: &Summary, rulings: &[Rulings]) -> anyhow::Result<()> {
+    pub fn write(&self, folder: &Path, summary: &Summary, promises: &[Promises]) -> anyhow::Result<()> {
         let promises: Vec<(String, Vec<Promised>)> = summary
             .lanes
             .iter()
-            .zip(rulings)
-            .map(|(used, rulings)| (used.description.name.to_owned(), promised(rulings)))
+            .zip(promises)
+            .map(|(used, promises)| (used.description.name.to_owned(), promised(promises)))
             .collect();
         let (subjects, galleries) = (&self.subjects[..], &self.galleries[..]);
         let page = Page { summary, subjects, galleries, promises: &promises, mutations: self.mutations.as_ref() };

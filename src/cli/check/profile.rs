@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use anyhow::Context;
 
+use base::nearest;
 use base::text::SourceFile;
-use judge::profile::{self, Profile, Rulings};
+use judge::profile::{self, Profile, Promises};
 use lanes::Description;
-use property::nearest;
 
 /// The word that asks for no measured profile.
 const NONE: &str = "none";
@@ -37,11 +37,11 @@ impl Choice {
     }
 
     /// What the results of a lane are held against.
-    pub fn rulings(&self, lane: &Description) -> Rulings {
+    pub fn promises(&self, lane: &Description) -> Promises {
         match self {
-            Self::ByDevice => Rulings::of_lane(lane),
-            Self::Nothing => Rulings::of_api(lane.api),
-            Self::Given(measured) => Rulings { measured: Some(measured.clone()), ..Rulings::of_api(lane.api) },
+            Self::ByDevice => Promises::of_lane(lane),
+            Self::Nothing => Promises::of_api(lane.api),
+            Self::Given(measured) => Promises { measured: Some(measured.clone()), ..Promises::of_api(lane.api) },
         }
     }
 }
@@ -89,12 +89,12 @@ mod tests {
     }
 
     fn measured(argument: Option<&str>) -> Option<String> {
-        let rulings = Choice::new(argument).unwrap().rulings(&lane());
+        let promises = Choice::new(argument).unwrap().promises(&lane());
         assert_eq!(
-            (rulings.text.name.as_str(), rulings.conformance.unwrap().name.as_str()),
+            (promises.text.name.as_str(), promises.conformance.unwrap().name.as_str()),
             ("vulkan-1.4", "vulkan-cts")
         );
-        rulings.measured.map(|p| p.name.clone())
+        promises.measured.map(|p| p.name.clone())
     }
 
     #[test]

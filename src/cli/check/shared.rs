@@ -17,9 +17,9 @@ use crate::cli::status::ExitStatus;
 use base::text::fingerprint;
 use engine::shard::{Identity, Shard};
 use engine::suite::run::{
-    Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, hear_parts, prepare, run_part, signal_name,
+    Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, cross_check_parts, prepare, run_part, signal_name,
 };
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{Lane, interrupt};
 
 /// What some shards found.
@@ -96,7 +96,7 @@ pub fn run(
     selected: &[Selected],
     ledgers: &Ledgers,
     lanes: &[Box<dyn Lane>],
-    rulings: &[Rulings],
+    promises: &[Promises],
     summary: Summary,
     out: &mut dyn Write,
     err: &mut dyn Write,
@@ -120,8 +120,8 @@ pub fn run(
             .with_context(|| format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more"))?;
         let mut untold = true;
         let first = place;
-        for (lane, rulings) in lanes.iter().zip(rulings) {
-            let request = request(args, one, &prepared, rulings.clone())?;
+        for (lane, promises) in lanes.iter().zip(promises) {
+            let request = request(args, one, &prepared, promises.clone())?;
             for stage in stages(args, lane.as_ref(), &prepared) {
                 let told = std::mem::take(&mut untold);
                 place += 1;
@@ -164,8 +164,8 @@ pub fn run(
             }
         }
         let peers: Vec<Peer<'_>> =
-            lanes.iter().zip(rulings).map(|(lane, rulings)| Peer { lane: lane.as_ref(), rulings }).collect();
-        hear_parts(&prepared, &peers, &mut state.done[first..place]);
+            lanes.iter().zip(promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
+        cross_check_parts(&prepared, &peers, &mut state.done[first..place]);
     }
     progress.finish();
     let unavailable = Absent::new(summary.unavailable);

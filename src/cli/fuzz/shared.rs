@@ -15,7 +15,7 @@ use base::text::fingerprint;
 use engine::fuzz::{FunctionReport, Subject};
 use engine::shard::{Identity, Shard};
 use engine::suite::run::signal_name;
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{Description, Lane, interrupt};
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
@@ -65,7 +65,7 @@ pub fn run(
     args: &FuzzArgs,
     shard: Shard,
     files: &[(&Source, Vec<Subject>)],
-    lanes: &[(&dyn Lane, Rulings)],
+    lanes: &[(&dyn Lane, Promises)],
     inputs: &mut Inputs<'_>,
     summary: Summary,
     out: &mut dyn Write,

@@ -9,8 +9,8 @@ use anyhow::Context;
 use super::Source;
 use base::text::Shown;
 use base::value::{Scalar, Shape};
+use disk::fresh;
 use engine::fuzz::{FunctionReport, Law};
-use engine::suite::fresh;
 use report::fuzz::Summary;
 
 /// Range of an input for which none is stated.

@@ -8,11 +8,11 @@ use thiserror::Error;
 use toml::de::DeTable;
 
 use crate::cli::LangName;
+use base::nearest;
 use base::text::{Shown, SourceFile, TextError};
-use engine::suite::Problem;
-use engine::suite::table::{At, Reader, Table};
+use disk::Problem;
+use disk::table::{At, Reader, Table};
 use lint::{Config, ProgramEntry, Range, Selection, Wrapped, Wrapper};
-use property::nearest;
 
 use super::LevelName;
 

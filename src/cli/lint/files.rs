@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use base::text::{Decoded, Form, Shown, TextError, decode_western};
-use engine::suite::{MOST_BYTES, read_source};
+use disk::{MOST_BYTES, read_source};
 use lint::fix::FixedFile;
 use lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
 

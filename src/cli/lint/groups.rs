@@ -8,7 +8,7 @@ use crate::cli::LangName;
 use base::diagnostic::{Diagnostic, Safety};
 use base::text::Shown;
 use lint::fix::{self, Outcome};
-use lint::{Config, Input, Selection, Settings, by_code, run_with, sort};
+use lint::{Input, Selection, Settings, by_code, run_with, sort};
 
 use super::LintArgs;
 use super::config::{self, FILE_NAME, FileConfig};
@@ -126,7 +126,8 @@ impl Groups {
     }
 
     /// What the project says about itself, for a reported file.
-    pub fn config(&self, name: &str) -> Config {
+    #[cfg(feature = "run")]
+    pub fn config(&self, name: &str) -> lint::Config {
         let group = self.groups.iter().find(|g| g.names.contains(name));
         group.map(|g| g.settings.config.clone()).unwrap_or_default()
     }

@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use crate::cli::paths::relative;
 use base::diagnostic::Diagnostic;
 use base::text::Shown;
-use engine::suite::fresh;
+use disk::fresh;
 use lint::baseline::{Baseline, Covered};
 
 use super::files::Loaded;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use base::text::{EncodeError, Encoding, Shown};
-use engine::suite::fresh;
+use disk::fresh;
 
 /// Why a file was left as it was.
 #[derive(Debug, Error)]

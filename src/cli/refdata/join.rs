@@ -13,7 +13,7 @@ use crate::cli::check::Format as Shown;
 use crate::cli::merge::MergeArgs;
 use crate::cli::status::ExitStatus;
 use base::text::Shown as _;
-use engine::suite::fresh;
+use disk::fresh;
 use refdata::read::{Sequence, Source};
 use refdata::write::Format;
 use refdata::{CopyError, Document, copy};

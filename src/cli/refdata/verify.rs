@@ -10,7 +10,7 @@ use super::files;
 use crate::cli::check::Format;
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
-use engine::suite::fresh::Fresh;
+use disk::fresh::Fresh;
 use refdata::read::{self, Dataset, Sequence, Source, Wanted};
 use refdata::verify::{self, Element, Report, Rule, StreamError};
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use engine::suite::fresh::Fresh;
+use disk::fresh::Fresh;
 use refdata::{Block, Generator, Keep, run_key};
 
 /// What a file of a block begins with.

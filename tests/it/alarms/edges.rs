@@ -2,8 +2,8 @@
 //! the greatest number of bones, for a zero with a sign.
 
 use engine::suite::run::{self, DEFAULT_SEED, Prepared, Report};
-use judge::profile::Rulings;
-use judge::verdict::{Court, Failure, shader_deviation};
+use judge::profile::Promises;
+use judge::verdict::{Failure, JudgeContext, shader_deviation};
 use lanes::{self, Stage};
 use property::{Sample, Sampler};
 use rayon::prelude::*;
@@ -170,19 +170,19 @@ fn faulty(&(suite, from, to): &Fault) -> Prepared {
 /// Runs a suite as `check --quick --lane embedded` does.
 fn quick(prepared: &Prepared) -> Report {
     let lane = lanes::embedded::open().unwrap();
-    report(prepared, lane.as_ref(), None, Rulings::of_lane(lane.description()))
+    report(prepared, lane.as_ref(), None, Promises::of_lane(lane.description()))
 }
 
 /// The first deviation of the shader among the samples of a quick run: those at edges, then the others.
 fn deviation(prepared: &Prepared) -> Option<Failure> {
-    let rulings = Rulings::of_lane(lanes::embedded::open().unwrap().description());
+    let promises = Promises::of_lane(lanes::embedded::open().unwrap().description());
     let (oracle, reference) = (&prepared.oracle, &prepared.reference);
-    let court = Court { oracle, reference, rulings: &rulings, stage: Stage::Compute };
+    let context = JudgeContext { oracle, reference, promises: &promises, stage: Stage::Compute };
     let layout = &prepared.compute.output;
     let edges = Sample::batch(&run::edges_of(prepared, DEFAULT_SEED, 8192).samples);
-    shader_deviation(&court, layout, &edges).or_else(|| {
+    shader_deviation(&context, layout, &edges).or_else(|| {
         let batch = Sampler::new(prepared.plan.clone(), DEFAULT_SEED).batch(0, 512, 16);
-        shader_deviation(&court, layout, &batch)
+        shader_deviation(&context, layout, &batch)
     })
 }
 

@@ -1,7 +1,7 @@
 //! Faults in formulas: what the shipped suites compare with is wrong, and the shaders are right.
 
-use engine::suite::run::{FindingKind, Report};
 use chapter::formula::{all, by_name};
+use engine::suite::run::{FindingKind, Report};
 use judge::formula::{Args, Emission, Formula, Rule};
 use judge::verdict::Reference;
 

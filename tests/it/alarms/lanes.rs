@@ -2,7 +2,7 @@
 //! them: a stale buffer, a record that was never written, a value that is wrong once.
 
 use engine::suite::run::{Finding, FindingKind, Prepared, Report, run};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::Blame;
 use lanes::{Lane, LaneError, Stage, embedded, vulkan};
 
@@ -32,7 +32,7 @@ pub(super) fn reports_of(prepared: &Prepared, fault: Fault) -> Vec<Result<Report
 /// The same on another lane.
 fn reports_on(lane: Box<dyn Lane>, prepared: &Prepared, fault: Fault) -> Vec<Result<Report, LaneError>> {
     let lane = Planted::new(lane, prepared).with(fault).in_batches_of(128);
-    let request = request(prepared, Some(512), Rulings::of_lane(lane.description()));
+    let request = request(prepared, Some(512), Promises::of_lane(lane.description()));
     let vertex = prepared.vertex.is_some() && lane.description().stages.contains(&Stage::Vertex);
     let stages = if vertex { &[Stage::Compute, Stage::Vertex][..] } else { &[Stage::Compute] };
     stages.iter().map(|&stage| run(prepared, &lane, stage, &request, &mut |_| {})).collect()

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use base::text::SourceFile;
 use engine::suite::run::{DEFAULT_SEED, Entry, FindingKind, Outcome, Status, Summary};
-use judge::profile::{Profile, Rulings, by_name, parse};
+use judge::profile::{Profile, Promises, by_name, parse};
 use lanes::{Lane, Stage};
 use report::check::{finding, json, line, totals};
 
@@ -18,8 +18,8 @@ fn ran(suite: &str, fault: Fault, measured: Option<Arc<Profile>>) -> Summary {
     let mut prepared = prepared(suite);
     let lane = faulty(&prepared, fault, SAMPLES as usize);
     prepared.relations.clear();
-    let rulings = Rulings { measured, ..Rulings::of_api(lane.description().api) };
-    let report = support::report(&prepared, &lane, Some(SAMPLES), rulings);
+    let promises = Promises { measured, ..Promises::of_api(lane.description().api) };
+    let report = support::report(&prepared, &lane, Some(SAMPLES), promises);
     let entry = Entry {
         suite: suite.to_owned(),
         shader: report.shader.clone(),
@@ -37,7 +37,7 @@ fn kinds(summary: &Summary) -> Vec<FindingKind> {
 
 /// The measurement of the device of these tests.
 fn own_profile() -> Option<Arc<Profile>> {
-    let profile = Rulings::of_lane(faulty(&prepared("sphere"), |_| {}, 1).description()).measured;
+    let profile = Promises::of_lane(faulty(&prepared("sphere"), |_| {}, 1).description()).measured;
     assert!(profile.is_some(), "these tests need a device that was measured");
     profile
 }

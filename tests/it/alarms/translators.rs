@@ -4,7 +4,7 @@
 use base::text::SourceFile;
 use engine::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
 use engine::suite::{Suite, parse, shipped};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::Blame;
 use lanes::{Description, Lane, LaneError, Runner, Stage, native, vulkan};
 use program::Kernel;
@@ -98,7 +98,7 @@ fn report(prepared: &Prepared, lane: &dyn Lane, stage: Stage, samples: u64) -> R
         quick: true,
         replay: Vec::new(),
         replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
+        promises: Promises::of_lane(lane.description()),
         arguments: prepared.suite.name.clone(),
     };
     run(prepared, lane, stage, &request, &mut |_| {}).unwrap()

@@ -108,7 +108,7 @@ impl Runner for ShiftedRunner {
 #[test]
 fn a_lane_that_takes_the_neighbouring_texel_is_to_blame() {
     use engine::suite::run::{Request, prepare, run};
-    use judge::profile::Rulings;
+    use judge::profile::Promises;
     let file = base::text::SourceFile::new("lit.suite.toml", suite(""));
     let suite = engine::suite::parse(&file).unwrap();
     let prepared = prepare(&suite, &base::text::SourceFile::new("lit.frag", LIT)).unwrap();
@@ -119,7 +119,7 @@ fn a_lane_that_takes_the_neighbouring_texel_is_to_blame() {
             quick: false,
             replay: Vec::new(),
             replay_only: false,
-            rulings: Rulings::of_lane(lane.description()),
+            promises: Promises::of_lane(lane.description()),
             arguments: "lit".to_owned(),
         };
         run(&prepared, lane, Stage::Compute, &request, &mut |_| {}).unwrap()

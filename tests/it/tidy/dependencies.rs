@@ -38,7 +38,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("khronos_egl", &["crates/lanes/src/opengl"]),
     ("glow", &["crates/lanes/src/opengl"]),
     ("ash", &["crates/lanes/src/native"]),
-    ("std::fs", &["src/cli", "crates/engine/src/suite"]),
+    ("std::fs", &["src/cli", "crates/disk/src", "crates/engine/src/suite"]),
     ("std::env", &["src/cli", "crates/engine/src/suite"]),
     ("std::process::exit", &[]),
 ];

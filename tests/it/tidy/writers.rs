@@ -16,7 +16,7 @@ const WRITERS: [&[&str]; 8] = [
 ];
 
 /// Where they may be.
-const PLACE: &str = "crates/engine/src/suite/fresh";
+const PLACE: &str = "crates/disk/src/fresh";
 
 fn strays(files: &[File]) -> Vec<Fault> {
     let test_modules = test_modules(files);
@@ -28,8 +28,7 @@ fn strays(files: &[File]) -> Vec<Fault> {
             let is = |writer: &&&[&str]| path.segments.windows(writer.len()).any(|part| part.iter().eq(writer.iter()));
             if let Some(writer) = WRITERS.iter().find(is).filter(|_| !path.test) {
                 let what = writer.join("::");
-                faults
-                    .push(file.fault(path.line, format!("`{what}` is for {PLACE} alone; call `engine::suite::fresh`")));
+                faults.push(file.fault(path.line, format!("`{what}` is for {PLACE} alone; call `disk::fresh`")));
             }
         }
     }
@@ -50,6 +49,6 @@ fn planted_writers_are_reported() {
     assert_eq!(count("src/cli/a.rs", "fn f() { tempfile::NamedTempFile::new_in(p); }"), 1);
     assert_eq!(count("src/cli/a.rs", "fn f() { fs::read(p); File::open(p); fs::create_dir_all(p); }"), 0);
     assert_eq!(count("src/cli/a.rs", "#[cfg(test)]\nmod tests { fn f() { fs::write(p, b) } }"), 0);
-    assert_eq!(count("crates/engine/src/suite/fresh/target.rs", "fn f() { OpenOptions::new() }"), 0);
+    assert_eq!(count("crates/disk/src/fresh/target.rs", "fn f() { OpenOptions::new() }"), 0);
     assert_eq!(count("tests/it/a.rs", "fn f() { fs::write(p, b) }"), 0);
 }

@@ -5,9 +5,11 @@ use super::finding::{Finding, Kind, LaneReport, Severity};
 use super::shrinking::inputs;
 use super::subject::Ready;
 use base::value::{Batch, Scalar};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
-use judge::verdict::{BatchVerdict, Court, Fence, Fenced, Oracle, Reference, Verdict, What, judge_batch, judge_each};
+use judge::verdict::{
+    BatchVerdict, Fence, Fenced, JudgeContext, Oracle, Reference, Verdict, What, judge_batch, judge_each,
+};
 use lanes::{Actual, Lane, LaneError, LaneName, Runner, Stage, interrupt};
 use program::Program;
 use property::Sample;
@@ -19,7 +21,7 @@ const SHRUNK: usize = 4;
 /// A function on a lane.
 pub struct OnLane<'a> {
     lane: &'a dyn Lane,
-    rulings: &'a Rulings,
+    promises: &'a Promises,
     ready: &'a Ready,
     reference: &'a Reference,
     oracle: &'a Oracle,
@@ -34,7 +36,7 @@ pub struct OnLane<'a> {
 impl<'a> OnLane<'a> {
     /// Makes the function ready for batches of `capacity` samples.
     pub fn new(
-        (lane, rulings): (&'a dyn Lane, &'a Rulings),
+        (lane, promises): (&'a dyn Lane, &'a Promises),
         ready: &'a Ready,
         (reference, oracle): (&'a Reference, &'a Oracle),
         capacity: usize,
@@ -47,7 +49,7 @@ impl<'a> OnLane<'a> {
         };
         Self {
             lane,
-            rulings,
+            promises,
             ready,
             reference,
             oracle,
@@ -60,8 +62,8 @@ impl<'a> OnLane<'a> {
         }
     }
 
-    fn court(&self) -> Court<'a> {
-        Court { oracle: self.oracle, reference: self.reference, rulings: self.rulings, stage: Stage::Compute }
+    fn context(&self) -> JudgeContext<'a> {
+        JudgeContext { oracle: self.oracle, reference: self.reference, promises: self.promises, stage: Stage::Compute }
     }
 
     fn dispatch(&mut self, batch: &Batch) -> Option<Actual> {
@@ -103,7 +105,7 @@ impl<'a> OnLane<'a> {
             let part = part_of(batch, first, capacity.min(count - first));
             let part = part.as_ref().unwrap_or(batch);
             let Some(actual) = self.dispatch(part) else { return };
-            let verdict = judge_batch(&self.court(), part, &actual);
+            let verdict = judge_batch(&self.context(), part, &actual);
             let room = 16_usize.saturating_sub(self.failing.len());
             self.failing.extend(verdict.failures.iter().take(room).map(|f| Sample::of(part, f.invocation)));
             self.verdicts.merge(verdict);
@@ -178,7 +180,7 @@ impl<'a> OnLane<'a> {
         reproduce: &dyn Fn(&Sample) -> String,
         blank: &dyn Fn(Kind, String) -> Finding,
     ) -> Result<Vec<Finding>, LaneError> {
-        let court = self.court();
+        let context = self.context();
         let Ok(runner) = &mut self.runner else { return Ok(Vec::new()) };
         let first: Vec<Sample> = self.failing.iter().take(SHRUNK).cloned().collect();
         let mut deviates = |samples: &[Sample]| -> Result<Vec<bool>, LaneError> {
@@ -186,7 +188,7 @@ impl<'a> OnLane<'a> {
             for chunk in samples.chunks(runner.capacity().max(1)) {
                 let batch = Sample::batch(chunk);
                 let actual = runner.run(&batch)?;
-                let verdicts = judge_each(&court, &batch, &actual);
+                let verdicts = judge_each(&context, &batch, &actual);
                 all.extend(verdicts.iter().map(|v| matches!(v, Verdict::Deviate(_))));
             }
             Ok(all)
@@ -198,7 +200,7 @@ impl<'a> OnLane<'a> {
         for sample in samples {
             let batch = Sample::batch(std::slice::from_ref(&sample));
             let actual = runner.run(&batch)?;
-            let Some(Verdict::Deviate(deviation)) = judge_each(&court, &batch, &actual).pop() else {
+            let Some(Verdict::Deviate(deviation)) = judge_each(&context, &batch, &actual).pop() else {
                 // Message once, as a lane that gives different outputs for the same inputs is.
                 if let Some(told) = findings.iter_mut().find(|told| told.kind == Kind::NotDeterministic) {
                     told.count += 1;
@@ -235,7 +237,7 @@ impl<'a> OnLane<'a> {
                 deviation: &deviation,
             };
             let diagnosis =
-                diagnosis::lane(&court, &self.ready.program, &suspected).unwrap_or_else(|_| Diagnosis::default());
+                diagnosis::lane(&context, &self.ready.program, &suspected).unwrap_or_else(|_| Diagnosis::default());
             findings.push(Finding {
                 count: self.verdicts.deviated,
                 inputs: inputs(&sample),

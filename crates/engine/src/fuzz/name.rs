@@ -6,7 +6,7 @@ use super::scan::{LIMIT, Look, ROUNDS, Trouble};
 use super::subject::Ready;
 use base::text::Span;
 use base::value::Batch;
-use judge::profile::{Op, Profile, Rulings};
+use judge::profile::{Op, Profile, Promises};
 use judge::tape::{Model, Tape};
 use judge::verdict::diagnosis::Place;
 use lanes::{Api, Stage};
@@ -67,7 +67,7 @@ impl Named {
 
 /// A device that rounds every operation correctly.
 fn strict() -> &'static Profile {
-    Rulings::of_api(Api::Binary32).text
+    Promises::of_api(Api::Binary32).text
 }
 
 /// Names the trouble of samples; `None` where there is none after all: a comparison could go either way,

@@ -11,7 +11,7 @@ use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
 use super::shrinking::{inputs, smallest};
 use super::subject::{Ready, Subject};
 use base::value::{Batch, Record};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::{Fenced, Oracle, Reference, edges};
 use lanes::{Lane, LaneName, interrupt};
 use property::{Sample, Stream, regressions};
@@ -59,7 +59,7 @@ struct Group {
 pub fn run(
     subject: &Subject,
     domain: &Domain,
-    lanes: &[(&dyn Lane, Rulings)],
+    lanes: &[(&dyn Lane, Promises)],
     request: &Request,
 ) -> Result<FunctionReport, String> {
     let mut report = FunctionReport {
@@ -102,7 +102,7 @@ pub fn run(
     let capacity = size.min(samples as usize);
     let mut on: Vec<OnLane<'_>> = lanes
         .iter()
-        .map(|(lane, rulings)| OnLane::new((*lane, rulings), ready, (&reference, &oracle), capacity))
+        .map(|(lane, promises)| OnLane::new((*lane, promises), ready, (&reference, &oracle), capacity))
         .collect();
     let key = stream_key(request.seed, &subject.label);
     let mut groups: HashMap<Key, Group> = HashMap::new();

@@ -16,8 +16,8 @@ use crate::suite::{Stage, Suite};
 use base::diagnostic::Severity;
 use base::text::SourceFile;
 use base::value::Batch;
-use judge::profile::Rulings;
-use judge::verdict::{Court, Failure, Literals, Movement, What, judge_batch, movement, shader_deviation};
+use judge::profile::Promises;
+use judge::verdict::{Failure, JudgeContext, Literals, Movement, What, judge_batch, movement, shader_deviation};
 use lanes::{Lane, LaneError, Stage as LaneStage, interrupt};
 use program::Kernel;
 use program::OutputLayout;
@@ -57,16 +57,16 @@ struct Step {
 }
 
 /// What every mutant of a suite is put to.
-struct Bench<'a> {
+struct MutantRun<'a> {
     steps: Vec<Step>,
     probes: Probes,
     seed: u64,
     /// Samples of a mutant that nothing kills.
     samples: u64,
     /// The original.
-    court: Court<'a>,
+    context: JudgeContext<'a>,
     layout: &'a OutputLayout,
-    rulings: &'a Rulings,
+    promises: &'a Promises,
 }
 
 /// Makes the mutants of a suite's shader and runs each on the compute stage of `lane`. `progress`
@@ -85,13 +85,14 @@ pub fn run(
     let prepared = prepare(suite, shader)?;
     let kernel = fuelled(&prepared)?;
     let lane_error = |source| MutateError::Lane { suite: name(), source };
-    let rulings = Rulings::of_lane(lane.description());
-    let mut trial = Trial::with_capacity(&prepared, lane, &kernel, &rulings, STEPS[2]).map_err(lane_error)?;
+    let promises = Promises::of_lane(lane.description());
+    let mut trial = Trial::with_capacity(&prepared, lane, &kernel, &promises, STEPS[2]).map_err(lane_error)?;
     let probes = Probes::new(&prepared, request.seed);
     let steps = original(&mut trial, &probes, request)?;
-    let (court, layout) = (trial.court(), &kernel.output);
+    let (context, layout) = (trial.context(), &kernel.output);
     drop(trial);
-    let bench = Bench { steps, probes, seed: request.seed, samples: request.samples, court, layout, rulings: &rulings };
+    let shared =
+        MutantRun { steps, probes, seed: request.seed, samples: request.samples, context, layout, promises: &promises };
 
     // A mutant of π that happens to be π in fewer digits is a mutant.
     let literals = prepared.oracle.rounded_constants().iter().map(|literal| literal.written).collect();
@@ -118,7 +119,7 @@ pub fn run(
         for (mutant, ready) in chunk.iter().zip(ready) {
             let (outcome, samples) = match ready {
                 Ok((mutated, kernel)) if same_interface(&kernel, &prepared.compute) => {
-                    match outcome(&mutated, &kernel, lane, &bench, mutant.identity) {
+                    match outcome(&mutated, &kernel, lane, &shared, mutant.identity) {
                         // A device that is given up because the run ends has not failed.
                         Err(_) if interrupt::asked() => break,
                         outcome => outcome.map_err(lane_error)?,
@@ -140,7 +141,7 @@ pub fn run(
             progress(tested.len(), mutants.len());
         }
     }
-    let samples = bench.steps.iter().map(|s| s.batch.invocation_count() as u64).sum();
+    let samples = shared.steps.iter().map(|s| s.batch.invocation_count() as u64).sum();
     Ok(SuiteResult { suite: name(), shader: shader.name().to_owned(), samples, tested })
 }
 
@@ -215,7 +216,7 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
         let count = ((size / per_case).max(1) as u64).min(cases - first);
         let batch = sampler.batch(first, count as usize, per_case);
         let actual = trial.run(&batch).map_err(lane)?;
-        let verdicts = judge_batch(&trial.court(), &batch, &actual);
+        let verdicts = judge_batch(&trial.context(), &batch, &actual);
         if let Some(failure) = verdicts.failures.first() {
             return Err(fails(failure.deviation.to_string()));
         }
@@ -226,11 +227,12 @@ fn original(trial: &mut Trial<'_>, probes: &Probes, request: &Request) -> Result
     if judged == 0 {
         return Err(MutateError::Vacuous { suite: suite(), samples: cases * per_case as u64 });
     }
-    if let Some(failure) = at_edges(prepared, &trial.court(), &prepared.compute.output, (request.seed, request.samples))
+    if let Some(failure) =
+        at_edges(prepared, &trial.context(), &prepared.compute.output, (request.seed, request.samples))
     {
         return Err(fails(failure.deviation.to_string()));
     }
-    if let Some(relation) = probes.first_broken(&trial.court()) {
+    if let Some(relation) = probes.first_broken(&trial.context()) {
         return Err(fails(format!("the relation `{relation}` does not hold")));
     }
     if !covers(trial, request.seed).map_err(lane)? {
@@ -251,33 +253,33 @@ fn outcome(
     prepared: &Prepared,
     kernel: &Kernel,
     lane: &dyn Lane,
-    bench: &Bench<'_>,
+    shared: &MutantRun<'_>,
     identity: Option<&'static str>,
 ) -> Result<(Outcome, u64), LaneError> {
     let oracle = prepared.oracle.clone().with_fuel(FUEL);
     let (reference, stage) = (&prepared.reference, LaneStage::Compute);
-    let court = Court { oracle: &oracle, reference, rulings: bench.rulings, stage };
+    let context = JudgeContext { oracle: &oracle, reference, promises: shared.promises, stage };
     let (mut moved, mut samples) = (Movement::default(), 0);
-    for Step { batch, before } in &bench.steps {
+    for Step { batch, before } in &shared.steps {
         if interrupt::asked() {
             return Err(LaneError::Unsupported("the run was interrupted".to_owned()));
         }
         samples = before + batch.invocation_count() as u64;
-        if let Some(failure) = shader_deviation(&court, bench.layout, batch) {
+        if let Some(failure) = shader_deviation(&context, shared.layout, batch) {
             let at = failure.invocation as u64 + 1;
             return Ok((Outcome::Killed(kill(&failure)), before + at));
         }
-        moved.merge(movement(&bench.court, &court, bench.layout, batch));
+        moved.merge(movement(&shared.context, &context, shared.layout, batch));
     }
     // A fault may bring an edge of its own, which only the mutant shows.
-    if let Some(failure) = at_edges(prepared, &court, bench.layout, (bench.seed, bench.samples)) {
+    if let Some(failure) = at_edges(prepared, &context, shared.layout, (shared.seed, shared.samples)) {
         let at = failure.invocation as u64 + 1;
         return Ok((Outcome::Killed(kill(&failure)), samples + at));
     }
     if moved.samples == 0 {
         return Ok((identity.map_or(Outcome::Unmoved, |why| Outcome::Equivalent(why.into())), samples));
     }
-    let mut trial = match Trial::with_capacity(prepared, lane, kernel, bench.rulings, STEPS[2]) {
+    let mut trial = match Trial::with_capacity(prepared, lane, kernel, shared.promises, STEPS[2]) {
         Ok(trial) => trial,
         Err(error @ (LaneError::Unsupported(_) | LaneError::Api(_))) => {
             return Ok((Outcome::Invalid(error.to_string()), 0));
@@ -285,7 +287,7 @@ fn outcome(
         // A driver or a translator that is lost says nothing of the mutant.
         Err(error) => return Err(error),
     };
-    let kill = match related(&mut trial, bench) {
+    let kill = match related(&mut trial, shared) {
         Ok(kill) => kill,
         // An invocation that runs out of loop iterations writes no record.
         Err(LaneError::NotWritten { .. }) if kernel.has_loops() => Some(Kill::NotFinished),
@@ -307,21 +309,21 @@ fn kill(failure: &Failure) -> Kill {
 /// The first deviation among the samples at the edges of a shader.
 fn at_edges(
     prepared: &Prepared,
-    court: &Court<'_>,
+    context: &JudgeContext<'_>,
     layout: &OutputLayout,
     (seed, samples): (u64, u64),
 ) -> Option<Failure> {
     let edges = edges_of(prepared, seed, samples);
     let batch = (!edges.samples.is_empty()).then(|| Sample::batch(&edges.samples))?;
-    shader_deviation(court, layout, &batch)
+    shader_deviation(context, layout, &batch)
 }
 
 /// What relations and coverage say of a mutant.
-fn related(trial: &mut Trial<'_>, bench: &Bench<'_>) -> Result<Option<Kill>, LaneError> {
-    if let Some(relation) = bench.probes.first_broken(&trial.court()) {
+fn related(trial: &mut Trial<'_>, shared: &MutantRun<'_>) -> Result<Option<Kill>, LaneError> {
+    if let Some(relation) = shared.probes.first_broken(&trial.context()) {
         return Ok(Some(Kill::Relation(relation.to_owned())));
     }
-    Ok((!covers(trial, bench.seed)?).then_some(Kill::Coverage))
+    Ok((!covers(trial, shared.seed)?).then_some(Kill::Coverage))
 }
 
 fn diff(original: &SourceFile, mutant: &SourceFile) -> String {

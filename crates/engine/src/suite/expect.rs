@@ -1,7 +1,7 @@
 //! What a suite expects of its shader, and the variants of a shader that it runs.
 
+use base::nearest;
 use base::text::SourceFile;
-use property::nearest;
 
 /// What gives the expected outputs.
 #[derive(Clone, Debug, Default)]

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::elsewhere;
 use super::error::LoadError;
-use super::files::{MOST_BYTES, read_source};
 use base::diagnostic::Diagnostic;
 use base::text::{Shown, SourceFile, decode};
+use disk::{MOST_BYTES, read_source};
 use syntax::include::{self, Wanted};
 
 /// Files that a text includes, at most, each as often as it does.

@@ -6,7 +6,6 @@ mod elsewhere;
 mod error;
 mod expect;
 mod files;
-pub mod fresh;
 mod includes;
 mod keys;
 pub mod ledger;
@@ -14,7 +13,6 @@ mod parse;
 mod record;
 pub mod run;
 mod shipped;
-pub mod table;
 mod textures;
 
 use std::sync::Arc;
@@ -27,11 +25,11 @@ use property::generators::{self, Options, Strands};
 use property::law::Law;
 use property::{InputGroup, Own, Plan, PlanError};
 
-pub use error::{LoadError, Problem, RunTextureError, SuiteError};
+pub use error::{LoadError, RunTextureError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
-    ENDING, Loaded, MOST_BYTES, ledger_path, load, read_ledger, read_regressions, read_shader, read_source,
-    regressions_path, save_regressions, search,
+    ENDING, Loaded, ledger_path, load, read_ledger, read_regressions, read_shader, regressions_path, save_regressions,
+    search,
 };
 pub use includes::Includes;
 pub use keys::{page, schema};

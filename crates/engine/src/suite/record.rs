@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::error::Problem;
 use super::expect::{RecordedFile, hint};
 use base::text::SourceFile;
 use base::value::{Field, Record, Scalar};
+use disk::Problem;
 use judge::verdict::RecordedRow;
 use property::Sample;
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use property::nearest;
+use base::nearest;
 
 use crate::catalogue;
 

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::{RunTextureError, Suite};
+use base::nearest;
 use program::Program;
 use program::texture::{Image, Picture, TextureKind};
-use property::nearest;
 
 /// What a texture holds.
 #[derive(Clone, Debug, PartialEq)]

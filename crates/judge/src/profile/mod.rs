@@ -8,9 +8,9 @@ mod device;
 pub mod grid;
 mod measured;
 mod op;
+mod promises;
 mod read;
 mod rule;
-mod rulings;
 mod shipped;
 
 use std::fmt;
@@ -22,9 +22,9 @@ pub use device::{Identity, device_name};
 pub use grid::Interval;
 pub use measured::{BINS, CLASSES, Measured, Row, Table, bin_of, bounds_of_bin};
 pub use op::Op;
+pub use promises::{Promises, promises};
 pub use read::{ProfileError, parse};
 pub use rule::{Condition, Definition, Piece, Quantity, Rule};
-pub use rulings::{Rulings, promises};
 pub use shipped::{by_name, for_device, names};
 
 /// How a correctly rounded result is rounded.

@@ -9,8 +9,8 @@ use toml::de::{DeTable, DeValue};
 use super::measured::{CLASSES, Row, Table};
 use super::rule::{Condition, Piece, Quantity, Rule};
 use super::{Acceptance, Entry, Flush, Op, Profile, Rounding};
+use base::nearest;
 use base::text::SourceFile;
-use property::nearest;
 
 /// What is wrong with a profile: one line for each problem, `file:line:column: what`.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::grid::Interval;
-use property::nearest;
+use base::nearest;
 
 /// The formula that an operation is defined by: its result is at least as accurate as that of the
 /// formula, evaluated with the errors that the profile allows for the operations in it.

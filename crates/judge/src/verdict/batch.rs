@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
-use super::oracle::Court;
+use super::oracle::JudgeContext;
 use super::reference::{Evaluator, Expected, Reference};
-use super::suspects::Suspects;
+use super::second_pass::SecondPass;
 use super::undefined::{self, Looker};
 use crate::profile::Op;
 use crate::profile::grid::MIN_NORMAL;
@@ -164,14 +164,36 @@ const FEW: usize = 512;
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn judge_batch(court: &Court<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
+///
+/// ```
+/// use base::value::Batch;
+/// use judge::verdict::{BatchVerdict, JudgeContext, judge_batch};
+/// use program::lane::Actual;
+///
+/// fn verdict(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
+///     judge_batch(context, batch, actual)
+/// }
+/// ```
+///
+/// A comparison of a side with itself does not compile. This is the same text but for one type:
+///
+/// ```compile_fail,E0308
+/// use base::value::Batch;
+/// use judge::verdict::{BatchVerdict, JudgeContext, judge_batch};
+/// use program::interp::Meaning;
+///
+/// fn verdict(context: &JudgeContext<'_>, batch: &Batch, actual: &Meaning<u32>) -> BatchVerdict {
+///     judge_batch(context, batch, actual)
+/// }
+/// ```
+pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
     let count = batch.invocation_count();
     assert_eq!(actual.count(), count, "outputs of another batch");
     let chunks: Vec<BatchVerdict> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
-            || Bench::new(court),
-            |bench, chunk| bench.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
+            || Judge::new(context),
+            |judge, chunk| judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
         )
         .collect();
     let mut all = BatchVerdict::default();
@@ -185,18 +207,18 @@ pub fn judge_batch(court: &Court<'_>, batch: &Batch, actual: &Actual) -> BatchVe
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn judge_each(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Verdict> {
+pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Verdict> {
     let count = batch.invocation_count();
     assert_eq!(actual.count(), count, "outputs of another batch");
     let chunks: Vec<Vec<Verdict>> = (0..count.div_ceil(FEW))
         .into_par_iter()
         .map_init(
-            || Bench::new(court),
-            |bench, chunk| {
+            || Judge::new(context),
+            |judge, chunk| {
                 let range = chunk * FEW..((chunk + 1) * FEW).min(count);
                 let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
-                let (suspects, _) = bench.scan(batch, actual, range);
-                for (invocation, verdict) in bench.settle(batch, actual, suspects) {
+                let (open, _) = judge.scan(batch, actual, range);
+                for (invocation, verdict) in judge.settle(batch, actual, open) {
                     verdicts[invocation - first] = verdict;
                 }
                 verdicts
@@ -210,17 +232,17 @@ pub fn judge_each(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Verd
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn judge_at(court: &Court<'_>, batch: &Batch, actual: &Actual, invocation: usize) -> Verdict {
+pub fn judge_at(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, invocation: usize) -> Verdict {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
-    let mut bench = Bench::new(court);
-    let (suspects, _) = bench.scan(batch, actual, invocation..invocation + 1);
-    let judged = bench.settle(batch, actual, suspects).into_iter().next();
+    let mut judge = Judge::new(context);
+    let (open, _) = judge.scan(batch, actual, invocation..invocation + 1);
+    let judged = judge.settle(batch, actual, open).into_iter().next();
     judged.map_or(Verdict::Agree(Promise::Text), |(_, verdict)| verdict)
 }
 
 /// An invocation that the first look leaves open.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Suspect {
+pub(super) struct OpenSample {
     pub invocation: usize,
     /// The shader may not mean what the formula says.
     pub shader: bool,
@@ -235,85 +257,85 @@ pub(super) struct Suspect {
 pub(super) const NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// What one thread judges with.
-struct Bench<'a> {
-    court: Court<'a>,
+struct Judge<'a> {
+    context: JudgeContext<'a>,
     meaning: Machine<'a, Binary64>,
     /// Where literals are not binary32 numbers: what the author wrote.
     ideal: Option<Machine<'a, Binary64>>,
     evaluator: Evaluator<'a>,
     expected: Expected,
-    suspects: Suspects<'a>,
+    second: SecondPass<'a>,
     looker: Looker<'a>,
 }
 
-impl<'a> Bench<'a> {
-    fn new(court: &Court<'a>) -> Self {
+impl<'a> Judge<'a> {
+    fn new(context: &JudgeContext<'a>) -> Self {
         Self {
-            court: *court,
-            meaning: court.oracle.meaning(),
-            ideal: court.oracle.ideal(),
-            evaluator: Evaluator::new(court.reference),
+            context: *context,
+            meaning: context.oracle.meaning(),
+            ideal: context.oracle.ideal(),
+            evaluator: Evaluator::new(context.reference),
             expected: Expected::default(),
-            suspects: Suspects::new(court),
-            looker: Looker::new(court.oracle),
+            second: SecondPass::new(context),
+            looker: Looker::new(context.oracle),
         }
     }
 
-    /// Verdicts on suspects. Those that depend on an undefined value say nothing of the lane; a deviation of others
+    /// Verdicts on open samples. Those that depend on an undefined value say nothing of the lane; a deviation of others
     /// that came upon one is held against nobody if NaN or infinity in its place would have led there.
-    fn settle(&mut self, batch: &Batch, actual: &Actual, suspects: Vec<Suspect>) -> Vec<(usize, Verdict)> {
-        let (absent, suspects): (Vec<Suspect>, Vec<Suspect>) =
-            suspects.into_iter().partition(|suspect| actual.is_absent(suspect.invocation));
-        let mut judged = self.present(batch, actual, suspects);
+    fn settle(&mut self, batch: &Batch, actual: &Actual, open: Vec<OpenSample>) -> Vec<(usize, Verdict)> {
+        let (absent, open): (Vec<OpenSample>, Vec<OpenSample>) =
+            open.into_iter().partition(|sample| actual.is_absent(sample.invocation));
+        let mut judged = self.present(batch, actual, open);
         if !absent.is_empty() {
-            let absent: Vec<usize> = absent.into_iter().map(|suspect| suspect.invocation).collect();
+            let absent: Vec<usize> = absent.into_iter().map(|sample| sample.invocation).collect();
             let found = self.looker.on_the_way(batch, &absent);
-            judged.extend(undefined::verdicts(&self.court, batch, &found));
+            judged.extend(undefined::verdicts(&self.context, batch, &found));
         }
         judged
     }
 
     /// The same for those that the executor ran.
-    fn present(&mut self, batch: &Batch, actual: &Actual, suspects: Vec<Suspect>) -> Vec<(usize, Verdict)> {
-        let touched: Vec<usize> = suspects.iter().filter(|s| s.undefined).map(|s| s.invocation).collect();
+    fn present(&mut self, batch: &Batch, actual: &Actual, open: Vec<OpenSample>) -> Vec<(usize, Verdict)> {
+        let touched: Vec<usize> = open.iter().filter(|s| s.undefined).map(|s| s.invocation).collect();
         if touched.is_empty() {
-            return self.suspects.judge(batch, actual, &suspects);
+            return self.second.judge(batch, actual, &open);
         }
         let mut found = self.looker.look(batch, &touched, false);
-        let rest: Vec<Suspect> = suspects.into_iter().filter(|s| !found.contains_key(&s.invocation)).collect();
-        let mut judged = self.suspects.judge(batch, actual, &rest);
+        let rest: Vec<OpenSample> = open.into_iter().filter(|s| !found.contains_key(&s.invocation)).collect();
+        let mut judged = self.second.judge(batch, actual, &rest);
         let accused = |(invocation, verdict): &(usize, Verdict)| {
             matches!(verdict, Verdict::Deviate(_)) && touched.contains(invocation)
         };
         let accused: Vec<usize> = judged.iter().filter(|one| accused(one)).map(|one| one.0).collect();
         found.extend(self.looker.look(batch, &accused, true));
         judged.retain(|(invocation, _)| !found.contains_key(invocation));
-        judged.extend(undefined::verdicts(&self.court, batch, &found));
+        judged.extend(undefined::verdicts(&self.context, batch, &found));
         judged
     }
 
     fn judge(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> BatchVerdict {
         let mut verdict = BatchVerdict::default();
         let count = range.len();
-        let (suspects, max_ulp) = self.scan(batch, actual, range);
+        let (open, max_ulp) = self.scan(batch, actual, range);
         verdict.max_ulp = max_ulp;
-        verdict.agreed = (count - suspects.len()) as u64;
+        verdict.agreed = (count - open.len()) as u64;
         verdict.agreed_by[Promise::Text as usize] = verdict.agreed;
-        let mut judged = self.settle(batch, actual, suspects);
+        let mut judged = self.settle(batch, actual, open);
         // What comes first must not depend on how samples are shared out among batches and threads.
         judged.sort_by_key(|(invocation, _)| *invocation);
         for (invocation, one) in judged {
             verdict.count(invocation, one);
         }
-        verdict.max_ulp = verdict.max_ulp.max(self.suspects.take_max_ulp());
-        verdict.reread = self.suspects.take_reread();
-        verdict.faded = self.suspects.take_faded();
+        verdict.max_ulp = verdict.max_ulp.max(self.second.take_max_ulp());
+        verdict.reread = self.second.take_reread();
+        verdict.faded = self.second.take_faded();
         verdict
     }
 
     /// The first look: the invocations that it leaves open, and the largest error of the others in ULP.
-    fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> (Vec<Suspect>, f64) {
-        let mut suspects = Vec::new();
+    fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> (Vec<OpenSample>, f64) {
+        let mut open = Vec::new();
         let mut max_ulp = 0.0_f64;
         for first in range.clone().step_by(LANES) {
             let lanes = self.meaning.run(batch, first).min(range.end - first);
@@ -329,23 +351,23 @@ impl<'a> Bench<'a> {
                 }
                 None => &self.meaning,
             };
-            let columns = columns(ideal, self.court.reference);
+            let columns = columns(ideal, self.context.reference);
             let invocations: Vec<usize> = (first..first + lanes).collect();
             self.evaluator.turn_to(batch, &invocations);
             for lane in 0..lanes {
                 let invocation = first + lane;
                 self.evaluator.expected(batch, invocation, lane, &mut self.expected);
-                let shader = apart[lane] || !fits(ideal, &columns, self.court.reference, &self.expected, lane);
+                let shader = apart[lane] || !fits(ideal, &columns, self.context.reference, &self.expected, lane);
                 let undefined = undefined.has(lane);
                 if shader || !near[lane] || undefined {
-                    suspects.push(Suspect { invocation, shader, lane: !near[lane], undefined });
+                    open.push(OpenSample { invocation, shader, lane: !near[lane], undefined });
                 }
                 if !shader && near[lane] {
                     max_ulp = max_ulp.max(ulp[lane]);
                 }
             }
         }
-        (suspects, max_ulp)
+        (open, max_ulp)
     }
 }
 
@@ -477,13 +499,13 @@ impl Words<'_> {
 }
 
 /// Invocations of a chunk in which the shader may not mean what the formula says, by the first look.
-pub(super) fn shader_suspects(
-    court: &Court<'_>,
+pub(super) fn open_samples(
+    context: &JudgeContext<'_>,
     ideal: &mut Machine<'_, Binary64>,
     batch: &Batch,
     first: usize,
 ) -> Vec<usize> {
-    let reference = court.reference;
+    let reference = context.reference;
     let lanes = ideal.run(batch, first);
     let columns = columns(ideal, reference);
     let (mut evaluator, mut expected) = (Evaluator::new(reference), Expected::default());

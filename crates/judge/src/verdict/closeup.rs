@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::batch::judge_each;
 use super::judge::{Verdict, real};
 use super::observe::{Slack, slack_of};
-use super::oracle::Court;
+use super::oracle::JudgeContext;
 use super::reference::{Evaluator, Expected};
 use crate::tape::Tape;
 use base::value::Batch;
@@ -68,13 +68,13 @@ impl Seen {
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn closeups(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Closeup> {
+pub fn closeups(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Closeup> {
     let count = batch.invocation_count();
-    let verdicts = judge_each(court, batch, actual);
+    let verdicts = judge_each(context, batch, actual);
     let chunks: Vec<Vec<Vec<Vec<Seen>>>> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || Viewer::new(court),
+            || Viewer::new(context),
             |viewer, chunk| viewer.look(batch, actual, chunk * LANES..((chunk + 1) * LANES).min(count)),
         )
         .collect();
@@ -84,19 +84,19 @@ pub fn closeups(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Closeu
 
 /// What one thread looks with.
 struct Viewer<'a> {
-    court: Court<'a>,
+    context: JudgeContext<'a>,
     promise: Machine<'a, Tape<'a>>,
     measured: Option<Machine<'a, Tape<'a>>>,
     evaluator: Evaluator<'a>,
 }
 
 impl<'a> Viewer<'a> {
-    fn new(court: &Court<'a>) -> Self {
+    fn new(context: &JudgeContext<'a>) -> Self {
         Self {
-            court: *court,
-            promise: court.oracle.tape(court.lenient()),
-            measured: court.measured().map(|model| court.oracle.tape(model)),
-            evaluator: Evaluator::new(court.reference),
+            context: *context,
+            promise: context.oracle.tape(context.lenient()),
+            measured: context.measured().map(|model| context.oracle.tape(model)),
+            evaluator: Evaluator::new(context.reference),
         }
     }
 
@@ -105,7 +105,7 @@ impl<'a> Viewer<'a> {
         let promised = slack_of(&mut self.promise, batch, first);
         let measured: Option<Slack> = self.measured.as_mut().map(|machine| slack_of(machine, batch, first));
         let meanings = meanings(&mut self.promise, actual);
-        let reference = self.court.reference;
+        let reference = self.context.reference;
         let invocations: Vec<usize> = range.clone().collect();
         self.evaluator.turn_to(batch, &invocations);
         let mut expected = Expected::default();

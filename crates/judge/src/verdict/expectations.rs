@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::batch::{Failure, shader_suspects};
+use super::batch::{Failure, open_samples};
 use super::judge::Verdict;
-use super::oracle::Court;
-use super::suspects::Suspects;
+use super::oracle::JudgeContext;
+use super::second_pass::SecondPass;
 use base::value::Batch;
 use program::OutputLayout;
 use program::interp::{Kind, LANES, OutputColumn};
@@ -39,20 +39,20 @@ impl Movement {
 }
 
 /// The first invocation in which the shader deviates from the formula. No lane has a say in it.
-pub fn shader_deviation(court: &Court<'_>, layout: &OutputLayout, batch: &Batch) -> Option<Failure> {
+pub fn shader_deviation(context: &JudgeContext<'_>, layout: &OutputLayout, batch: &Batch) -> Option<Failure> {
     let count = batch.invocation_count();
     let found = AtomicUsize::new(usize::MAX);
     (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || (court.oracle.ideal_or_meaning(), Suspects::new(court)),
-            |(machine, suspects), chunk| {
+            || (context.oracle.ideal_or_meaning(), SecondPass::new(context)),
+            |(machine, second), chunk| {
                 let first = chunk * LANES;
                 if first > found.load(Ordering::Relaxed) {
                     return None;
                 }
-                let open = shader_suspects(court, machine, batch, first);
-                for (invocation, verdict) in open.iter().zip(suspects.shader(batch, layout, None, &open)) {
+                let open = open_samples(context, machine, batch, first);
+                for (invocation, verdict) in open.iter().zip(second.shader(batch, layout, None, &open)) {
                     if let Some(Verdict::Deviate(deviation)) = verdict {
                         found.fetch_min(*invocation, Ordering::Relaxed);
                         return Some(Failure { invocation: *invocation, deviation });
@@ -66,7 +66,7 @@ pub fn shader_deviation(court: &Court<'_>, layout: &OutputLayout, batch: &Batch)
 }
 
 /// How far the meaning of `after` is from that of `before`, which is the scale.
-pub fn movement(before: &Court<'_>, after: &Court<'_>, layout: &OutputLayout, batch: &Batch) -> Movement {
+pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &OutputLayout, batch: &Batch) -> Movement {
     let count = batch.invocation_count();
     let chunks: Vec<Movement> = (0..count.div_ceil(LANES))
         .into_par_iter()

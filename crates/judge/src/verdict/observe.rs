@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::judge::real;
-use super::oracle::Court;
-use crate::profile::Rulings;
+use super::oracle::JudgeContext;
+use crate::profile::Promises;
 use crate::tape::{Model, Tape};
 use base::value::Batch;
 use program::interp::{LANES, Machine, Number, OutputColumn};
@@ -15,21 +15,21 @@ use property::Observed;
 /// author wrote: what the most lenient promise allows, and the rounding of literals; infinite where
 /// nothing is promised. The words are those of the formula's outputs, in
 /// their order, and then all others; nothing else of the formula is used.
-pub fn observe(court: &Court<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
-    let slack = slack(court, batch);
-    (0..batch.invocation_count()).map(|i| observed(court, actual, i, &slack[i])).collect()
+pub fn observe(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Observed> {
+    let slack = slack(context, batch);
+    (0..batch.invocation_count()).map(|i| observed(context, actual, i, &slack[i])).collect()
 }
 
 /// How far each word may be off, for every invocation: by vertex, then by word of the record.
 pub(super) type Slack = Vec<Vec<f64>>;
 
 /// The slack of the outputs of a batch; it depends on the program and its inputs alone.
-fn slack(court: &Court<'_>, batch: &Batch) -> Slack {
+fn slack(context: &JudgeContext<'_>, batch: &Batch) -> Slack {
     let count = batch.invocation_count();
     let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || court.oracle.authored_tape(court.lenient()),
+            || context.oracle.authored_tape(context.lenient()),
             |machine, chunk| slack_of(machine, batch, chunk * LANES),
         )
         .collect();
@@ -62,15 +62,15 @@ pub(super) fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first
 /// slack is what a device that rounds every operation correctly would be off: related inputs are
 /// binary32 numbers, and related to each other no better than that. No lane and no promise has a say
 /// in it.
-pub fn meaning(court: &Court<'_>, batch: &Batch) -> Vec<Observed> {
+pub fn meaning(context: &JudgeContext<'_>, batch: &Batch) -> Vec<Observed> {
     let count = batch.invocation_count();
     let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || court.oracle.ideal_device_tape(strict()),
+            || context.oracle.ideal_device_tape(strict()),
             |machine, chunk| {
                 let slack = slack_of(machine, batch, chunk * LANES);
-                let see = |(lane, slack): (usize, &Vec<f64>)| meant(court, machine, lane, slack);
+                let see = |(lane, slack): (usize, &Vec<f64>)| meant(context, machine, lane, slack);
                 slack.iter().enumerate().map(see).collect()
             },
         )
@@ -80,16 +80,16 @@ pub fn meaning(court: &Court<'_>, batch: &Batch) -> Vec<Observed> {
 
 /// A device without an error of its own.
 fn strict() -> Model<'static> {
-    let profile = Rulings::of_api(Api::Binary32).text;
+    let profile = Promises::of_api(Api::Binary32).text;
     Model::Device { profile, stage: Stage::Compute, rearranged: false }
 }
 
-fn meant(court: &Court<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, slack: &[f64]) -> Observed {
+fn meant(context: &JudgeContext<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, slack: &[f64]) -> Observed {
     let stored = if machine.is_emitting() { machine.emitted()[lane] as usize } else { 1 };
     let vertices = stored.min(machine.room());
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
     for vertex in 0..vertices {
-        for output in &court.reference.seen {
+        for output in &context.reference.seen {
             for word in output.actual.clone() {
                 let value = match machine.output(vertex, word) {
                     OutputColumn::Real(&column) => machine.domain().values(column)[lane],
@@ -104,13 +104,13 @@ fn meant(court: &Court<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, sl
 }
 
 /// One invocation, with the slack of its words.
-fn observed(court: &Court<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
+fn observed(context: &JudgeContext<'_>, actual: &Actual, invocation: usize, slack: &[f64]) -> Observed {
     let vertices = actual.stored(invocation);
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
-    let width = court.oracle.executable.outputs().len();
+    let width = context.oracle.executable.outputs().len();
     for vertex in 0..vertices {
         let words = actual.vertex(invocation, vertex);
-        for output in &court.reference.seen {
+        for output in &context.reference.seen {
             for word in output.actual.clone() {
                 if actual.is_absent(invocation) {
                     observed.words.push(f64::NAN);

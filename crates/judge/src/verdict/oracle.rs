@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::profile::Rulings;
+use crate::profile::Promises;
 use crate::tape::{Literal, Model, Tape};
 use base::value::Batch;
 use program::Program;
@@ -163,26 +163,26 @@ fn as_folded(written: Written) -> Literal {
 
 /// Everything that a verdict on a lane needs.
 #[derive(Clone, Copy)]
-pub struct Court<'a> {
+pub struct JudgeContext<'a> {
     /// What the program means.
     pub oracle: &'a Oracle,
     /// What the formula says.
     pub reference: &'a Reference,
     /// What the lane is held against.
-    pub rulings: &'a Rulings,
+    pub promises: &'a Promises,
     /// The stage in which the lane ran.
     pub stage: Stage,
 }
 
-impl<'a> Court<'a> {
-    /// The same court for each reading of the program's literals as the constants that they round.
+impl<'a> JudgeContext<'a> {
+    /// The same context for each reading of the program's literals as the constants that they round.
     pub fn readings(&self) -> Vec<Self> {
         let oracle: &'a Oracle = self.oracle;
-        oracle.readings.iter().map(|reading| Court { oracle: &reading.oracle, ..*self }).collect()
+        oracle.readings.iter().map(|reading| JudgeContext { oracle: &reading.oracle, ..*self }).collect()
     }
 
-    /// For each invocation of a batch, whether one of its [`Court::readings`] may take the place of what is written.
-    pub fn may_read(&self, reading: &Court<'_>, batch: &Batch) -> Vec<bool> {
+    /// For each invocation of a batch, whether one of its [`JudgeContext::readings`] may take the place of what is written.
+    pub fn may_read(&self, reading: &JudgeContext<'_>, batch: &Batch) -> Vec<bool> {
         let invocations: Vec<usize> = (0..batch.invocation_count()).collect();
         let precise = |known: &&Reading| std::ptr::eq(&known.oracle, reading.oracle);
         if self.oracle.readings.iter().find(precise).is_some_and(|known| known.precise) {
@@ -193,7 +193,7 @@ impl<'a> Court<'a> {
 
     /// What may be allowed to a lane, the strictest first.
     pub(super) fn tiers(&self) -> Vec<(Promise, Model<'a>)> {
-        let Rulings { text, conformance, measured: _ } = self.rulings;
+        let Promises { text, conformance, measured: _ } = self.promises;
         let stage = self.stage;
         let device = |profile, rearranged| Model::Device { profile, stage, rearranged };
         let mut tiers = vec![(Promise::Text, device(*text, false))];
@@ -208,13 +208,13 @@ impl<'a> Court<'a> {
 
     /// What the device was measured to keep.
     pub(super) fn measured(&self) -> Option<Model<'a>> {
-        let profile = self.rulings.measured.as_ref()?;
+        let profile = self.promises.measured.as_ref()?;
         Some(Model::Device { profile, stage: self.stage, rearranged: profile.rearrangement })
     }
 
     /// The most that any promise allows.
     pub(super) fn lenient(&self) -> Model<'a> {
-        let profile = self.rulings.conformance.unwrap_or(self.rulings.text);
+        let profile = self.promises.conformance.unwrap_or(self.promises.text);
         Model::Device { profile, stage: self.stage, rearranged: profile.rearrangement }
     }
 }

@@ -1,9 +1,9 @@
 //! A shader read with the constants that its literals stand for, where it deviates with their digits.
 
 use super::judge::{Blame, Deviation, Verdict};
-use super::oracle::{Court, Oracle};
+use super::oracle::{JudgeContext, Oracle};
 use super::rounded::Rounded;
-use super::suspects::Suspects;
+use super::second_pass::SecondPass;
 use base::value::Batch;
 use program::OutputLayout;
 use program::interp::{LANES, OutputColumn};
@@ -41,16 +41,16 @@ impl Reading {
 /// A reading with what it takes to judge by it.
 pub(super) struct Reader<'a> {
     reading: &'a Reading,
-    suspects: Box<Suspects<'a>>,
+    open: Box<SecondPass<'a>>,
 }
 
 impl<'a> Reader<'a> {
-    /// For all readings of a court's program.
-    pub(super) fn all(court: &Court<'a>) -> Vec<Self> {
-        let oracle: &'a Oracle = court.oracle;
+    /// For all readings of a context's program.
+    pub(super) fn all(context: &JudgeContext<'a>) -> Vec<Self> {
+        let oracle: &'a Oracle = context.oracle;
         let reader = |reading: &'a Reading| {
-            let court = Court { oracle: &reading.oracle, ..*court };
-            Self { reading, suspects: Box::new(Suspects::new(&court)) }
+            let context = JudgeContext { oracle: &reading.oracle, ..*context };
+            Self { reading, open: Box::new(SecondPass::new(&context)) }
         };
         oracle.readings.iter().map(reader).collect()
     }
@@ -59,16 +59,16 @@ impl<'a> Reader<'a> {
     /// the verdict that takes the place of the deviation, where there is one.
     pub(super) fn look(
         &mut self,
-        court: &Court<'_>,
+        context: &JudgeContext<'_>,
         batch: &Batch,
         layout: &OutputLayout,
         invocations: &[usize],
     ) -> Vec<Option<Option<Verdict>>> {
-        let found = self.suspects.shader(batch, layout, None, invocations);
+        let found = self.open.shader(batch, layout, None, invocations);
         let near = if self.reading.precise {
             vec![true; found.len()]
         } else {
-            within_device(court, &self.reading.oracle, batch, invocations)
+            within_device(context, &self.reading.oracle, batch, invocations)
         };
         let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
         found.into_iter().zip(near).map(|(verdict, near)| (near && !wrong(&verdict)).then_some(verdict)).collect()
@@ -81,9 +81,14 @@ pub(super) fn may_be_read(verdict: &Option<Verdict>) -> bool {
 }
 
 /// For each invocation, whether the reading moves no output farther than a conforming device may be off.
-pub(super) fn within_device(court: &Court<'_>, read: &Oracle, batch: &Batch, invocations: &[usize]) -> Vec<bool> {
-    let (mut written, mut meant) = (court.oracle.ideal_or_meaning(), read.ideal_or_meaning());
-    let mut device = court.oracle.tape(court.lenient());
+pub(super) fn within_device(
+    context: &JudgeContext<'_>,
+    read: &Oracle,
+    batch: &Batch,
+    invocations: &[usize],
+) -> Vec<bool> {
+    let (mut written, mut meant) = (context.oracle.ideal_or_meaning(), read.ideal_or_meaning());
+    let mut device = context.oracle.tape(context.lenient());
     let lanes = written.run_some(batch, invocations);
     meant.run_some(batch, invocations);
     device.run_some(batch, invocations);

@@ -1,6 +1,6 @@
 //! How far literals that round a constant move the outputs.
 
-use super::oracle::{Court, Oracle};
+use super::oracle::{JudgeContext, Oracle};
 use super::rounded::Rounded;
 use base::value::{Batch, Record, ulp_at};
 use program::Program;
@@ -22,10 +22,10 @@ pub struct Effect {
 
 /// For each invocation of a batch, how far a literal moves the outputs from where its constant would have them; `None`
 /// where it moves none.
-pub fn effects(court: &Court<'_>, program: &Program, one: &Rounded, batch: &Batch) -> Vec<Option<Effect>> {
+pub fn effects(context: &JudgeContext<'_>, program: &Program, one: &Rounded, batch: &Batch) -> Vec<Option<Effect>> {
     let record = &program.output_layout().vertex;
-    let read: Oracle = court.oracle.read(program, one);
-    let (mut written, mut meant) = (court.oracle.ideal_or_meaning(), read.ideal_or_meaning());
+    let read: Oracle = context.oracle.read(program, one);
+    let (mut written, mut meant) = (context.oracle.ideal_or_meaning(), read.ideal_or_meaning());
     let mut all = Vec::with_capacity(batch.invocation_count());
     while all.len() < batch.invocation_count() {
         let lanes = written.run(batch, all.len());

@@ -2,7 +2,7 @@
 
 use super::batch::same_shape;
 use super::judge::{Blame, Deviation, What};
-use super::oracle::Court;
+use super::oracle::JudgeContext;
 use super::reference::Expected;
 use crate::tape::Tape;
 use program::interp::{Domain, Kind, Machine};
@@ -11,7 +11,7 @@ use program::lane::Actual;
 /// Compares what the shader emits with what the formula does.
 pub(super) fn shape_of_shader(
     machine: &Machine<'_, Tape<'_>>,
-    court: &Court<'_>,
+    context: &JudgeContext<'_>,
     expected: &Expected,
     lane: usize,
 ) -> Option<Deviation> {
@@ -19,7 +19,7 @@ pub(super) fn shape_of_shader(
     if machine.flags()[lane].has(Kind::Fuel) {
         return Some(Deviation { blame, what: What::Endless });
     }
-    if same_shape(machine, court.reference, expected, lane) {
+    if same_shape(machine, context.reference, expected, lane) {
         return None;
     }
     let (emitted, max) = (machine.emitted()[lane], machine.room() as u32);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::judge::agrees;
 use super::observe::{Slack, slack_of};
-use super::oracle::Court;
+use super::oracle::JudgeContext;
 use super::tightness::{Gauge, Tightness, Word, Worst, keep_worse};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::Tape;
@@ -44,25 +44,25 @@ impl Survey {
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn survey(court: &Court<'_>, batch: &Batch, actual: &Actual, most: usize) -> Survey {
+pub fn survey(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, most: usize) -> Survey {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
     let count = actual.count().min(most);
     let chunks: Vec<Tally> = (0..count.div_ceil(LANES))
         .into_par_iter()
         .map_init(
-            || Surveyor::new(court),
+            || Surveyor::new(context),
             |surveyor, chunk| surveyor.look(batch, actual, chunk * LANES..((chunk + 1) * LANES).min(count)),
         )
         .collect();
     let mut all = Tally::default();
     chunks.into_iter().for_each(|chunk| all.merge(chunk));
     let record = &actual.layout().vertex;
-    let rulings = court.rulings;
+    let promises = context.promises;
     let Tally { promise, measured, beyond, worst_beyond } = all;
     Survey {
         invocations: count as u64,
-        promise: promise.read(&rulings.conformance.unwrap_or(rulings.text).name, record),
-        measured: rulings.measured.as_ref().map(|profile| measured.read(&profile.name, record)),
+        promise: promise.read(&promises.conformance.unwrap_or(promises.text).name, record),
+        measured: promises.measured.as_ref().map(|profile| measured.read(&profile.name, record)),
         beyond,
         worst_beyond,
     }
@@ -93,10 +93,10 @@ struct Surveyor<'a> {
 }
 
 impl<'a> Surveyor<'a> {
-    fn new(court: &Court<'a>) -> Self {
+    fn new(context: &JudgeContext<'a>) -> Self {
         Self {
-            promise: court.oracle.tape(court.lenient()),
-            measured: court.measured().map(|model| court.oracle.tape(model)),
+            promise: context.oracle.tape(context.lenient()),
+            measured: context.measured().map(|model| context.oracle.tape(model)),
         }
     }
 

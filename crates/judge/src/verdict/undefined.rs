@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::judge::{Doubt, Reason, Verdict};
-use super::oracle::{Court, Oracle};
+use super::oracle::{JudgeContext, Oracle};
 use super::reference::{Evaluator, Expected};
 use crate::tape::{Cause, Why};
 use base::value::Batch;
@@ -51,10 +51,10 @@ impl<'a> Looker<'a> {
 
 /// Verdicts on samples that depend on undefined values, which have no say about the lane. Where nothing is expected
 /// the author knows that there is no value.
-pub(super) fn verdicts(court: &Court<'_>, batch: &Batch, found: &Found) -> Vec<(usize, Verdict)> {
+pub(super) fn verdicts(context: &JudgeContext<'_>, batch: &Batch, found: &Found) -> Vec<(usize, Verdict)> {
     let mut invocations: Vec<usize> = found.keys().copied().collect();
     invocations.sort_unstable();
-    let (mut evaluator, mut expected) = (Evaluator::new(court.reference), Expected::default());
+    let (mut evaluator, mut expected) = (Evaluator::new(context.reference), Expected::default());
     let mut all = Vec::with_capacity(invocations.len());
     for some in invocations.chunks(LANES) {
         evaluator.turn_to(batch, some);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::oracle::Court;
+use super::oracle::JudgeContext;
 use crate::tape::Model;
 use base::value::Batch;
 use program::interp::{LANES, OutputColumn};
@@ -25,10 +25,16 @@ pub struct Used {
 ///
 /// # Panics
 /// When `actual` is not of this batch: a defect of the caller.
-pub fn used(court: &Court<'_>, rearranged: bool, batch: &Batch, actual: &Actual, range: Range<usize>) -> Option<Used> {
+pub fn used(
+    context: &JudgeContext<'_>,
+    rearranged: bool,
+    batch: &Batch,
+    actual: &Actual,
+    range: Range<usize>,
+) -> Option<Used> {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
-    let model = Model::Device { profile: court.rulings.text, stage: court.stage, rearranged };
-    let mut machine = court.oracle.tape(model);
+    let model = Model::Device { profile: context.promises.text, stage: context.stage, rearranged };
+    let mut machine = context.oracle.tape(model);
     let record = &actual.layout().vertex;
     let mut most: Option<(f64, usize)> = None;
     for first in range.clone().step_by(LANES) {

@@ -37,25 +37,7 @@ impl Marks {
 /// Outputs of a batch as a device wrote them: words, bit by bit.
 ///
 /// Only a lane can make one, from the buffer that it read back. What the formula says and what the
-/// shader means are other types, and the judge takes this one alone for a lane's word:
-///
-/// ```
-/// use shadercheck::{lane::Actual, value::Batch, verdict::{BatchVerdict, Court, judge_batch}};
-///
-/// fn judge(court: &Court<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
-///     judge_batch(court, batch, actual)
-/// }
-/// ```
-///
-/// A comparison of a side with itself does not compile. This is the same text but for one type:
-///
-/// ```compile_fail,E0308
-/// use shadercheck::{interp::Meaning, value::Batch, verdict::{BatchVerdict, Court, judge_batch}};
-///
-/// fn judge(court: &Court<'_>, batch: &Batch, actual: &Meaning<u32>) -> BatchVerdict {
-///     judge_batch(court, batch, actual)
-/// }
-/// ```
+/// shader means are other types, and the judge takes this one alone for a lane's word.
 #[derive(Debug)]
 pub struct Actual {
     layout: OutputLayout,

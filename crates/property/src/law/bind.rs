@@ -6,7 +6,8 @@ use thiserror::Error;
 
 use super::bound::{Aim, BoundLaw};
 use super::{Law, LawKind};
-use crate::{Own, Relation, nearest};
+use crate::{Own, Relation};
+use base::nearest;
 use base::value::{Field, Record, Scalar, Shape};
 
 /// Why a law does not fit a shader.

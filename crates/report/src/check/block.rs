@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::text::Style;
 use base::value::{F32Bits, Scalar};
 use engine::suite::run::{Case, Finding, InputValue};
-use judge::verdict::diagnosis::{Diagnosis, Hearing, Place, Stand};
+use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Place, Stand};
 use judge::verdict::{Blame, Deviation, MEANING, Value};
 
 /// Characters of a line after its label.
@@ -90,8 +90,8 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     origins(text, &case.diagnosis);
     if let Some(deviation) = &case.deviation {
         fault(text, &case.against, deviation, &case.diagnosis);
-    } else if let Some(hearing) = &case.diagnosis.hearing {
-        heard(text, hearing);
+    } else if let Some(cross_check) = &case.diagnosis.cross_check {
+        collected(text, cross_check);
     }
     if case.tried > 0 && !told {
         let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
@@ -136,7 +136,7 @@ fn visible(c: char) -> char {
 
 /// Whose fault a deviation is, and what the lanes of the run say of it.
 fn fault(text: &mut String, against: &str, deviation: &Deviation, diagnosis: &Diagnosis) {
-    match (deviation.blame, &diagnosis.hearing) {
+    match (deviation.blame, &diagnosis.cross_check) {
         (Blame::Shader, _) if against == MEANING => {
             labelled(text, "fault", "the shader: it would be so on any device");
         }
@@ -144,17 +144,17 @@ fn fault(text: &mut String, against: &str, deviation: &Deviation, diagnosis: &Di
             let said = format!("the shader: its own meaning is not what its {against} says");
             labelled(text, "fault", &said);
         }
-        (Blame::Lane, Some(hearing)) => {
-            heard(text, hearing);
+        (Blame::Lane, Some(cross_check)) => {
+            collected(text, cross_check);
         }
         (Blame::Lane, None) => {}
     }
 }
 
 /// Whose fault it is as the lanes of the run show it, and what each of them says.
-fn heard(text: &mut String, hearing: &Hearing) {
-    labelled(text, "fault", &hearing.fault.to_string());
-    let said = Stand::ALL.map(|stand| (stand, hearing.with(stand)));
+fn collected(text: &mut String, cross_check: &CrossCheck) {
+    labelled(text, "fault", &cross_check.fault.to_string());
+    let said = Stand::ALL.map(|stand| (stand, cross_check.with(stand)));
     let said = said.iter().filter(|(_, lanes)| !lanes.is_empty());
     let said: Vec<String> = said.map(|(stand, lanes)| format!("{}: {}", stand.name(), lanes.join(", "))).collect();
     if !said.is_empty() {

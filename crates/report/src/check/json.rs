@@ -237,7 +237,7 @@ fn doubtful(doubtful: &Doubtful) -> Value {
 
 /// Adds what is known about the origin of a deviation, where anything is.
 fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position, hearing } = diagnosis;
+    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position, cross_check } = diagnosis;
     let place = |place: &Place| {
         let mut value = json!({"at": place.at, "text": place.text});
         expanded(&mut value, place.expansion.as_deref());
@@ -274,7 +274,7 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
             "message": position.to_string(),
         });
     }
-    if let Some(hearing) = hearing {
+    if let Some(cross_check) = cross_check {
         let witness = |w: &Witness| {
             json!({
                 "lane": w.lane,
@@ -290,8 +290,8 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
                 "actual_bits": w.word.map(|word| format!("0x{word:08x}")),
             })
         };
-        value["fault"] = json!({"kind": hearing.fault.name(), "message": hearing.fault.to_string()});
-        value["witnesses"] = hearing.witnesses.iter().map(witness).collect();
+        value["fault"] = json!({"kind": cross_check.fault.name(), "message": cross_check.fault.to_string()});
+        value["witnesses"] = cross_check.witnesses.iter().map(witness).collect();
     }
     if let Some(divergence) = divergence {
         value["first_divergence"] = json!({

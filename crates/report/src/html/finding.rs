@@ -49,7 +49,7 @@ fn fault(finding: &Finding) -> Option<String> {
     if case.deviation.as_ref()?.blame == Blame::Shader {
         return Some("the shader".to_owned());
     }
-    Some(match &case.diagnosis.hearing.as_ref()?.fault {
+    Some(match &case.diagnosis.cross_check.as_ref()?.fault {
         Fault::Executor { executor, .. } => format!("executor {executor}"),
         Fault::Translator { front_end, .. } => format!("translator {front_end}"),
         Fault::Either { executor, front_end } => format!("executor {executor} or translator {front_end}"),
@@ -165,7 +165,8 @@ fn off(deviation: &Deviation, value: &Value) -> Option<String> {
 
 /// Where a deviation comes from.
 fn because(text: &mut String, diagnosis: &Diagnosis) {
-    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position: _, hearing } = diagnosis;
+    let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position: _, cross_check } =
+        diagnosis;
     let reasons = literals.iter().map(ToString::to_string).chain(no_value.iter().map(ToString::to_string));
     let reasons: Vec<String> = reasons.chain(origin.iter().map(ToString::to_string)).collect();
     if !reasons.is_empty() {
@@ -177,10 +178,10 @@ fn because(text: &mut String, diagnosis: &Diagnosis) {
     if let (Some(written), None) = (written, divergence) {
         let _ = write!(text, "<h5>Written at</h5><div>{}</div>", Message(written));
     }
-    if let Some(hearing) = hearing {
-        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Message(hearing.fault.to_string()));
+    if let Some(cross_check) = cross_check {
+        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Message(cross_check.fault.to_string()));
         for stand in Stand::ALL {
-            let lanes = hearing.with(stand);
+            let lanes = cross_check.with(stand);
             if !lanes.is_empty() {
                 let _ = write!(text, "<div class=\"mono\">{}: {}</div>", stand.name(), Escaped(lanes.join(", ")));
             }

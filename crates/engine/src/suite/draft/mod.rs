@@ -10,7 +10,7 @@ use super::{Stage, parse};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use base::value::{Field, Scalar, Shape};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{self, Lane};
 use program::lower::Target;
 use program::{Program, ProgramError};
@@ -183,7 +183,7 @@ fn tried(prepared: &Prepared, lane: &dyn Lane) -> Result<Report, String> {
         quick: false,
         replay: Vec::new(),
         replay_only: false,
-        rulings: Rulings::of_lane(lane.description()),
+        promises: Promises::of_lane(lane.description()),
         arguments: prepared.suite.name.clone(),
     };
     run(prepared, lane, lanes::Stage::Compute, &request, &mut |_| {}).map_err(|error| error.to_string())

@@ -4,14 +4,14 @@ use std::cell::Cell;
 
 use toml::de::DeTable;
 
-use super::super::error::Problem;
-use super::super::table::{At, Reader, Table};
 use super::version::{self, Versions};
 use super::{Expected, Kind, Ledger};
 use crate::suite::run::Expectation;
+use base::nearest;
 use base::text::SourceFile;
+use disk::Problem;
+use disk::table::{At, Reader, Table};
 use lanes::Stage;
-use property::nearest;
 
 const KEYS: [&str; 10] =
     ["lane", "driver", "versions", "suite", "stage", "kind", "message", "reason", "link", "always"];

@@ -1,8 +1,8 @@
 //! `formula`, `reference`, `recorded` and `defines`.
 
 use super::super::expect::{Define, Expect, RecordedFile, ReferenceFile};
-use super::super::table::{At, Table};
 use super::{Names, Stage, known};
+use disk::table::{At, Table};
 
 /// Combinations of macros that are taken for intended.
 const MOST_VARIANTS: usize = 64;

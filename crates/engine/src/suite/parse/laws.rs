@@ -1,7 +1,7 @@
 //! `relations`: names of relations that come with the crate, and laws.
 
-use super::super::table::{At, Item, Table};
 use super::{Names, known};
+use disk::table::{At, Item, Table};
 use property::law::{Law, LawKind};
 
 /// The relations and laws of a suite, in their order.

@@ -11,11 +11,11 @@ use judge::verdict::Literals;
 use property::generators::{self, Ends, Generator, Options, RangeRule, Strands};
 use property::{InputGroup, Own};
 
-use super::error::SuiteError;
 use super::expect::hint;
-use super::table::{At, Reader, Table};
 use super::textures::WORDS;
 use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite};
+use disk::SuiteError;
+use disk::table::{At, Reader, Table};
 
 const KEYS: [&str; 19] = [
     "suite",

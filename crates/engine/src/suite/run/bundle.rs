@@ -8,7 +8,7 @@ use super::finding::{Case, Finding};
 use super::shader_test::shader_test;
 use super::trial::Trial;
 use super::{Prepared, Report};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::{Deviation, Value as Component};
 use lanes::{Actual, Lane, LaneError, Stage};
 use program::{ENTRY_POINT, Language, Source, binding};
@@ -33,7 +33,7 @@ pub fn bundles(
     prepared: &Prepared,
     lane: &dyn Lane,
     stage: Stage,
-    rulings: &Rulings,
+    promises: &Promises,
     report: &Report,
 ) -> Result<Vec<Bundle>, LaneError> {
     let kernel = prepared.kernel(stage).unwrap_or(&prepared.compute);
@@ -42,8 +42,8 @@ pub fn bundles(
         return Ok(Vec::new());
     }
     let mut trial = match report.source {
-        Some(source) => Trial::from_source(prepared, lane, source, rulings, 1)?,
-        None => Trial::with_capacity(prepared, lane, kernel, rulings, 1)?,
+        Some(source) => Trial::from_source(prepared, lane, source, promises, 1)?,
+        None => Trial::with_capacity(prepared, lane, kernel, promises, 1)?,
     };
     let way = report.source.map_or(stage.name(), Source::name);
     let mut all = Vec::new();

@@ -120,12 +120,12 @@ pub(super) fn judge(
     request: &Request,
     (wanted, first): (u64, u64),
 ) -> Result<(Counted, Reach), LaneError> {
-    let (court, prepared) = (trial.court(), trial.prepared);
+    let (context, prepared) = (trial.context(), trial.prepared);
     let found = of(prepared, request.seed, wanted);
     let (mut counted, mut all) = (Counted::default(), BatchVerdict::default());
     if !found.samples.is_empty() {
         trial.run_samples(&found.samples, |at, batch, actual| {
-            let mut verdict = judge_batch(&court, batch, actual);
+            let mut verdict = judge_batch(&context, batch, actual);
             counted.add(prepared, first + at as u64, (batch, actual), verdict.deviations());
             all.merge(verdict);
         })?;

@@ -287,7 +287,7 @@ pub(super) fn deviations(
     let samples: Vec<Sample> = shrunk.iter().map(|s| s.sample.clone()).collect();
     let batch = Sample::batch(&samples);
     let actual = trial.run(&batch)?;
-    let verdicts = judge_each(&trial.court(), &batch, &actual);
+    let verdicts = judge_each(&trial.context(), &batch, &actual);
     for ((shrunk, verdict), number) in shrunk.iter().zip(verdicts).zip(numbers) {
         let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
         let Verdict::Deviate(deviation) = verdict else {
@@ -333,21 +333,21 @@ fn diagnose(
     sample: &Sample,
     deviation: &Deviation,
 ) -> Result<Diagnosis, LaneError> {
-    let (court, prepared) = (trial.court(), trial.prepared);
+    let (context, prepared) = (trial.context(), trial.prepared);
     let batch = Sample::batch(std::slice::from_ref(sample));
     match deviation.blame {
-        Blame::Shader => Ok(diagnosis::shader(&court, &prepared.program, &batch, deviation)),
+        Blame::Shader => Ok(diagnosis::shader(&context, &prepared.program, &batch, deviation)),
         Blame::Lane => {
             let vertex = prepared.vertex.is_some();
-            let kernel = |program: &Program| match (trial.source, court.stage) {
+            let kernel = |program: &Program| match (trial.source, context.stage) {
                 (Some(source @ (Source::Constants | Source::Uniforms)), _) => program.kernel_from(source, &batch),
                 (Some(source @ Source::Attributes), _) if !vertex => program.kernel_from(source, &batch),
                 (_, LaneStage::Compute) => program.compute_kernel(),
                 (_, LaneStage::Vertex) => program.vertex_kernel(&components(&prepared.suite, program)),
                 (_, LaneStage::Geometry) => program.geometry_kernel(),
             };
-            let suspected = Suspected { lane, stage: court.stage, kernel: &kernel, batch: &batch, deviation };
-            diagnosis::lane(&court, &prepared.program, &suspected)
+            let suspected = Suspected { lane, stage: context.stage, kernel: &kernel, batch: &batch, deviation };
+            diagnosis::lane(&context, &prepared.program, &suspected)
         }
     }
 }

@@ -28,7 +28,7 @@ use std::ops::ControlFlow;
 use crate::shard::Shard;
 use crate::suite::Suite;
 use base::text::printable;
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use judge::verdict::{BatchVerdict, Survey};
 use lanes::{Lane, LaneError, Stage, interrupt};
 use program::{Kernel, Source};
@@ -47,14 +47,14 @@ pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
 pub use repeat::Repeated;
 pub use sampling::Sampled;
-pub use sources::{Apart, most as most_from, run_from};
+pub use sources::{Apart, most as max_samples, run_from};
 pub use summary::{
     Against, Entry, Expectation, Known, LaneUsed, Outcome, Standing, Status, Summary, Totals, signal_name,
 };
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 pub use trial::stage_of;
-pub use witness::{Peer, hear, hear_parts};
+pub use witness::{Peer, cross_check, cross_check_parts};
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;
@@ -76,7 +76,7 @@ pub struct Request {
     /// Only the samples of `replay`.
     pub replay_only: bool,
     /// What the results are held against.
-    pub rulings: Rulings,
+    pub promises: Promises,
     /// The arguments of `shadercheck check` that name the suite and the shader, for reproduction.
     pub arguments: String,
 }
@@ -257,7 +257,7 @@ fn on_kernel(
 ) -> Result<Option<Part>, LaneError> {
     let name = lane.description().name;
     let makes_samples = prepared.plan.makes_samples();
-    let mut trial = trial::Trial::new(prepared, lane, kernel, &request.rulings)?.in_stage(stage);
+    let mut trial = trial::Trial::new(prepared, lane, kernel, &request.promises)?.in_stage(stage);
     let mut report = Report { source, ..Report::empty(prepared, name, stage) };
     let mut counted = Counted::default();
     let given = request.replay.len() as u64;

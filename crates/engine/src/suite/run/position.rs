@@ -100,12 +100,12 @@ pub(super) fn probe(
     if count > trial.capacity() || count < 2 {
         return Ok(None);
     }
-    let court = trial.court();
+    let context = trial.context();
     let (same, other) = (filled(sample, count, per_case), others(trial, request.seed, sample, count, per_case));
     let prints = |actual: &Actual| -> Vec<u64> { (0..count).map(|k| repeat::print(actual, k)).collect() };
     trial.run(&other)?;
     let first = trial.run(&same)?;
-    let verdict = judge_batch(&court, &same, &first);
+    let verdict = judge_batch(&context, &same, &first);
     let first = prints(&first);
     // What comes in every second or third dispatch is not taken for what comes each time.
     for between in [1, 2] {
@@ -148,7 +148,7 @@ fn beside(
     at: usize,
     right: u64,
 ) -> Result<Option<Deviation>, LaneError> {
-    let court = trial.court();
+    let context = trial.context();
     let mut found = None;
     for (round, between) in [1, 1, 2].into_iter().enumerate() {
         (0..between).try_for_each(|_| trial.run(same).map(drop))?;
@@ -157,7 +157,7 @@ fn beside(
             return Ok(None);
         }
         if round == 0 {
-            found = match judge_at(&court, placed, &actual, at) {
+            found = match judge_at(&context, placed, &actual, at) {
                 Verdict::Deviate(deviation) if deviation.blame == Blame::Lane => Some(deviation),
                 _ => return Ok(None),
             };

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::suite::record::{self, Interface};
-use crate::suite::{Expect, Problem, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
+use crate::suite::{Expect, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
+use disk::Problem;
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
 use lanes::{Lane, Stage as LaneStage};
 use program::lower::Target;

@@ -6,8 +6,8 @@ use super::position::{self, Place, Tied};
 use super::trial::{Among, Trial};
 use super::{Prepared, Report, Request};
 use base::value::Batch;
-use judge::verdict::diagnosis::{Diagnosis, Hearing, Stand};
-use judge::verdict::{Court, dependences, meaning, observe};
+use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Stand};
+use judge::verdict::{JudgeContext, dependences, meaning, observe};
 use lanes::LaneError;
 use property::{Claim, Observed, Own, Relation, Sample, Sampler, shrink};
 
@@ -92,11 +92,11 @@ impl Probes {
     }
 
     /// The first relation that the meaning of a shader does not keep on some sample, by name.
-    pub fn first_broken(&self, court: &Court<'_>) -> Option<&str> {
+    pub fn first_broken(&self, context: &JudgeContext<'_>) -> Option<&str> {
         let broken = |probe: &&Probe| {
             let relation = &*probe.relation;
             let observed =
-                probe.batch.as_ref().map_or_else(Vec::new, |batch| read(court, batch, &mut |c| meaning(c, batch)));
+                probe.batch.as_ref().map_or_else(Vec::new, |batch| read(context, batch, &mut |c| meaning(c, batch)));
             as_meant(relation, &probe.inputs, observed).iter().any(|o| matches!(o, Outcome::Fails(_)))
         };
         self.probes.iter().find(broken).map(|probe| probe.relation.name())
@@ -156,8 +156,8 @@ fn outcomes(
 ) -> Result<Vec<Outcome>, LaneError> {
     let (inputs, batch) = related(relation, samples);
     let Some(batch) = batch else { return Ok(samples.iter().map(|_| Outcome::Silent).collect()) };
-    let court = trial.court();
-    let meant = as_meant(relation, &inputs, read(&court, &batch, &mut |court| meaning(court, &batch)));
+    let context = trial.context();
+    let meant = as_meant(relation, &inputs, read(&context, &batch, &mut |context| meaning(context, &batch)));
     let seen = observed(trial, &inputs, among)?;
     let seen = as_meant(relation, &inputs, seen);
     let both = meant.into_iter().zip(seen).map(|both| match both {
@@ -194,12 +194,12 @@ fn observed(
     inputs: &[Vec<Sample>],
     among: Option<Among>,
 ) -> Result<Vec<Vec<Observed>>, LaneError> {
-    let court = trial.court();
+    let context = trial.context();
     let flat: Vec<Sample> = inputs.iter().flatten().cloned().collect();
-    let mut seen: Vec<Vec<Observed>> = vec![Vec::with_capacity(flat.len()); 1 + court.readings().len()];
+    let mut seen: Vec<Vec<Observed>> = vec![Vec::with_capacity(flat.len()); 1 + context.readings().len()];
     let (all, before) = among.map_or_else(|| (flat.clone(), 0), |among| trial.among(&flat, among));
     trial.run_samples(&all, |_, batch, actual| {
-        let some = read(&court, batch, &mut |court| observe(court, batch, actual));
+        let some = read(&context, batch, &mut |context| observe(context, batch, actual));
         seen.iter_mut().zip(some).for_each(|(all, some)| all.extend(some));
     })?;
     for seen in &mut seen {
@@ -232,12 +232,16 @@ pub(super) fn stand_of(trial: &mut Trial<'_>, name: &str, sample: &Sample) -> Re
 }
 
 /// What a relation gets to see of the shader as it is written, and then as each reading of its literals has it.
-fn read(court: &Court<'_>, batch: &Batch, see: &mut dyn FnMut(&Court<'_>) -> Vec<Observed>) -> Vec<Vec<Observed>> {
-    let mut all = vec![see(court)];
-    for reading in court.readings() {
+fn read(
+    context: &JudgeContext<'_>,
+    batch: &Batch,
+    see: &mut dyn FnMut(&JudgeContext<'_>) -> Vec<Observed>,
+) -> Vec<Vec<Observed>> {
+    let mut all = vec![see(context)];
+    for reading in context.readings() {
         let mut seen = see(&reading);
         // What moves an output too far is no reading of it.
-        for (k, near) in court.may_read(&reading, batch).into_iter().enumerate() {
+        for (k, near) in context.may_read(&reading, batch).into_iter().enumerate() {
             if !near {
                 seen[k] = all[0][k].clone();
             }
@@ -354,11 +358,11 @@ fn fail(
         return Ok(());
     };
     let inputs = [relation.inputs(&simplest.sample)];
-    let meant = meaning(&trial.court(), &Sample::batch(&inputs[0]));
+    let meant = meaning(&trial.context(), &Sample::batch(&inputs[0]));
     let of_the_shader = matches!(verdicts(relation, &inputs, meant).next(), Some(Outcome::Fails(_)));
     let diagnosis = Diagnosis {
         relation: Some(relation.name().to_owned()),
-        hearing: of_the_shader.then(Hearing::of_the_shader),
+        cross_check: of_the_shader.then(CrossCheck::of_the_shader),
         ..Diagnosis::default()
     };
     report.findings.push(Finding {

@@ -95,7 +95,7 @@ impl Again {
 /// # Errors
 /// [`LaneError`] when the lane fails.
 pub(super) fn again(trial: &mut Trial<'_>, samples: &[Sample], first: &[u64]) -> Result<Vec<Again>, LaneError> {
-    let court = trial.court();
+    let context = trial.context();
     let mut runs: Vec<Vec<u64>> = vec![Vec::new(); samples.len()];
     let mut deviations: Vec<Option<Deviation>> = vec![None; samples.len()];
     let reversed: Vec<Sample> = samples.iter().rev().cloned().collect();
@@ -105,7 +105,7 @@ pub(super) fn again(trial: &mut Trial<'_>, samples: &[Sample], first: &[u64]) ->
         trial.run_among(if back { &reversed } else { samples }, among, |sample, place, batch, actual| {
             let sample = if back { samples.len() - 1 - sample } else { sample };
             runs[sample].push(print(actual, place));
-            if let Verdict::Deviate(deviation) = judge_at(&court, batch, actual, place) {
+            if let Verdict::Deviate(deviation) = judge_at(&context, batch, actual, place) {
                 deviations[sample].get_or_insert(deviation);
             }
         })?;

@@ -42,8 +42,8 @@ fn one(
     literal: &Rounded,
     samples: &[Sample],
 ) -> Result<Option<Finding>, LaneError> {
-    let (prepared, court) = (trial.prepared, trial.court());
-    let seen = |samples: &[Sample]| effects(&court, &prepared.program, literal, &Sample::batch(samples));
+    let (prepared, context) = (trial.prepared, trial.context());
+    let seen = |samples: &[Sample]| effects(&context, &prepared.program, literal, &Sample::batch(samples));
     let all = if samples.is_empty() { Vec::new() } else { seen(samples) };
     let ulp = |effect: &Option<Effect>| effect.as_ref().map_or(0.0, |effect| effect.ulp);
     let most = all.iter().map(ulp).fold(0.0_f64, f64::max);

@@ -25,9 +25,9 @@ pub struct Sampled {
 /// Runs saved samples, the first of which has the number `first` in the run.
 pub fn replay(trial: &mut Trial<'_>, samples: &[Sample], first: u64) -> Result<Counted, LaneError> {
     let mut counted = Counted::default();
-    let (court, prepared) = (trial.court(), trial.prepared);
+    let (context, prepared) = (trial.context(), trial.prepared);
     trial.run_samples(samples, |at, batch, actual| {
-        let verdict = judge_batch(&court, batch, actual);
+        let verdict = judge_batch(&context, batch, actual);
         counted.add(prepared, first + at as u64, (batch, actual), verdict);
     })?;
     Ok(counted)
@@ -54,7 +54,7 @@ pub fn sample(
     let cases = wanted.div_ceil(per_case as u64);
     let part = share.shard.range(cases);
     let mut sampled = share.resume.take().unwrap_or(Sampled { next: part.start, counted: Counted::default() });
-    let court = trial.court();
+    let context = trial.context();
     let batch_at = |first: u64| {
         let count = cases_per_batch.min(part.end.saturating_sub(first));
         (count > 0).then(|| sampler.batch(first, count as usize, per_case))
@@ -64,7 +64,7 @@ pub fn sample(
     if share.shard.is_first() && part.end < surveyed && sampled.counted.survey.is_none() {
         let batch = sampler.batch(0, surveyed as usize, per_case);
         let actual = trial.run(&batch)?;
-        sampled.counted.survey = Some(survey(&court, &batch, &actual, MOST));
+        sampled.counted.survey = Some(survey(&context, &batch, &actual, MOST));
     }
     // Three things go on at a time: the device runs a batch, the judge works on the one before, and
     // the inputs of the one after are made. Only as many batches are in memory, however many samples.
@@ -78,9 +78,9 @@ pub fn sample(
         rayon::in_place_scope(|scope| {
             scope.spawn(|_| next = batch_at(after));
             if let Some((batch, actual)) = &finished {
-                scope.spawn(|_| verdict = Some(judge_batch(&court, batch, actual)));
+                scope.spawn(|_| verdict = Some(judge_batch(&context, batch, actual)));
                 if wants_survey {
-                    scope.spawn(|_| surveyed = Some(survey(&court, batch, actual, MOST)));
+                    scope.spawn(|_| surveyed = Some(survey(&context, batch, actual, MOST)));
                 }
             }
             actual = running.as_ref().map(|batch| trial.run(batch));

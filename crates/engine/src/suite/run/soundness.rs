@@ -9,8 +9,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::adversary::{Adversary, Fault, Strategy};
-use judge::profile::{Flush, Profile, Rulings, by_name};
-use judge::verdict::{Court, Deviation, Reason, Used, judge_batch, used};
+use judge::profile::{Flush, Profile, Promises, by_name};
+use judge::verdict::{Deviation, JudgeContext, Reason, Used, judge_batch, used};
 use lanes::{LaneError, Stage};
 use program::interp::LANES;
 use property::{Sample, Sampler, mix};
@@ -221,16 +221,16 @@ fn run(
     if let Some(fault) = fault {
         lane = lane.with_fault(fault);
     }
-    let rulings = Rulings { text: profile, conformance: None, measured: None };
+    let promises = Promises { text: profile, conformance: None, measured: None };
     let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
     let cases = samples.div_ceil(per_case as u64) as usize;
     let batch = Sampler::new(Arc::clone(&prepared.plan), seed).batch(0, cases, per_case);
     let count = batch.invocation_count();
-    let mut trial = Trial::with_capacity(prepared, &lane, &prepared.compute, &rulings, count)?;
+    let mut trial = Trial::with_capacity(prepared, &lane, &prepared.compute, &promises, count)?;
     let actual = trial.run(&batch)?;
     // The lane runs the compute form whatever the stage is whose rules it follows.
-    let court = Court { stage, ..trial.court() };
-    let verdict = judge_batch(&court, &batch, &actual);
+    let context = JudgeContext { stage, ..trial.context() };
+    let verdict = judge_batch(&context, &batch, &actual);
     let violations = verdict.failures.iter().map(|failure| {
         let deviation = failure.deviation.clone();
         let value = deviation.value();
@@ -254,7 +254,7 @@ fn run(
         judged: verdict.agreed + verdict.deviated,
         undetermined: verdict.undetermined,
         violations: verdict.deviated,
-        used: used(&court, rearranges, &batch, &actual, 0..count.min(LANES)),
+        used: used(&context, rearranges, &batch, &actual, 0..count.min(LANES)),
     };
     Ok((row, violations.collect()))
 }

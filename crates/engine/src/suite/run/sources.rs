@@ -93,7 +93,7 @@ fn other(
     if prepared.compute.output.is_empty() {
         return Ok(Report { unsupported: wanted, unsupported_because: Some(super::NO_OUTPUT.to_owned()), ..report });
     }
-    let mut trial = match Trial::from_source(prepared, lane, source, &request.rulings, wanted as usize) {
+    let mut trial = match Trial::from_source(prepared, lane, source, &request.promises, wanted as usize) {
         Ok(trial) => trial,
         Err(LaneError::Unsupported(why)) => {
             return Ok(Report {
@@ -147,8 +147,8 @@ fn apart(prepared: &Prepared, lane: &dyn Lane, source: Source, request: &Request
         return Ok(None);
     }
     let most = samples.len();
-    let mut here = Trial::from_source(prepared, lane, source, &request.rulings, most)?;
-    let mut storage = Trial::from_source(prepared, lane, Source::Storage, &request.rulings, here.capacity())?;
+    let mut here = Trial::from_source(prepared, lane, source, &request.promises, most)?;
+    let mut storage = Trial::from_source(prepared, lane, Source::Storage, &request.promises, here.capacity())?;
     let mut found = Apart::default();
     let size = here.capacity().min(storage.capacity()).max(1);
     for chunk in samples.chunks(size) {

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{Finding, Report, RunError};
-use judge::profile::Rulings;
+use judge::profile::Promises;
 use lanes::{Description, Stage, Unavailable};
 
 /// A run of `check`.
@@ -51,11 +51,11 @@ pub struct Against {
 
 impl LaneUsed {
     /// A lane, held against some profiles.
-    pub fn new(description: Description, rulings: &Rulings) -> Self {
+    pub fn new(description: Description, promises: &Promises) -> Self {
         let against = Against {
-            promise: rulings.text.name.clone(),
-            conformance: rulings.conformance.map(|p| p.name.clone()),
-            measured: rulings.measured.as_ref().map(|p| p.name.clone()),
+            promise: promises.text.name.clone(),
+            conformance: promises.conformance.map(|p| p.name.clone()),
+            measured: promises.measured.as_ref().map(|p| p.name.clone()),
         };
         Self { description, against }
     }

@@ -1,8 +1,8 @@
 //! A prepared suite on an open lane.
 
 use base::value::Batch;
-use judge::profile::Rulings;
-use judge::verdict::{Court, Deviation, Fence, Fenced, Verdict, judge_each};
+use judge::profile::Promises;
+use judge::verdict::{Deviation, Fence, Fenced, JudgeContext, Verdict, judge_each};
 use lanes::{Actual, Lane, LaneError, Runner, Stage};
 use program::{Form, Kernel, Program, Source};
 use property::Sample;
@@ -87,7 +87,7 @@ pub struct Trial<'a> {
     /// The suite.
     pub prepared: &'a Prepared,
     /// What the lane is held against.
-    rulings: &'a Rulings,
+    promises: &'a Promises,
     stage: Stage,
     runner: Fence<'a>,
     /// Where inputs come from, when it is not what the stage says.
@@ -103,9 +103,9 @@ impl<'a> Trial<'a> {
         prepared: &'a Prepared,
         lane: &dyn Lane,
         kernel: &Kernel,
-        rulings: &'a Rulings,
+        promises: &'a Promises,
     ) -> Result<Self, LaneError> {
-        Self::with_capacity(prepared, lane, kernel, rulings, BATCH)
+        Self::with_capacity(prepared, lane, kernel, promises, BATCH)
     }
 
     /// Makes the kernel ready for batches of at most `most` invocations.
@@ -116,7 +116,7 @@ impl<'a> Trial<'a> {
         prepared: &'a Prepared,
         lane: &dyn Lane,
         kernel: &Kernel,
-        rulings: &'a Rulings,
+        promises: &'a Promises,
         most: usize,
     ) -> Result<Self, LaneError> {
         let widest = kernel.output.words().max(kernel.invocation.words()).max(kernel.case.words()).max(1);
@@ -127,7 +127,7 @@ impl<'a> Trial<'a> {
             Form::Geometry => Stage::Geometry,
         };
         let runner = Fence::new(lane.prepare(kernel, capacity)?, &prepared.oracle, &kernel.output);
-        Ok(Self { prepared, rulings, stage, runner, source: None })
+        Ok(Self { prepared, promises, stage, runner, source: None })
     }
 
     /// Makes a kernel ready whose inputs come from a source, for batches of at most `most` invocations.
@@ -138,7 +138,7 @@ impl<'a> Trial<'a> {
         prepared: &'a Prepared,
         lane: &'a dyn Lane,
         source: Source,
-        rulings: &'a Rulings,
+        promises: &'a Promises,
         most: usize,
     ) -> Result<Self, LaneError> {
         let stage = stage_of(source);
@@ -163,13 +163,13 @@ impl<'a> Trial<'a> {
             (Source::Storage, _) => {
                 return Ok(Self {
                     source: Some(source),
-                    ..Self::with_capacity(prepared, lane, &prepared.compute, rulings, most)?
+                    ..Self::with_capacity(prepared, lane, &prepared.compute, promises, most)?
                 });
             }
             (Source::Attributes, Some(vertex)) => {
                 return Ok(Self {
                     source: Some(source),
-                    ..Self::with_capacity(prepared, lane, vertex, rulings, most)?
+                    ..Self::with_capacity(prepared, lane, vertex, promises, most)?
                 });
             }
             (Source::Uniforms | Source::Attributes, _) => {
@@ -179,7 +179,7 @@ impl<'a> Trial<'a> {
             }
         };
         let runner = Fence::new(runner, &prepared.oracle, &prepared.compute.output);
-        Ok(Self { prepared, rulings, stage, runner, source: Some(source) })
+        Ok(Self { prepared, promises, stage, runner, source: Some(source) })
     }
 
     /// The same in a stage that the kernel does not tell: functions run in any.
@@ -188,9 +188,9 @@ impl<'a> Trial<'a> {
     }
 
     /// What verdicts on the lane's outputs need.
-    pub fn court(&self) -> Court<'a> {
+    pub fn context(&self) -> JudgeContext<'a> {
         let Prepared { oracle, reference, .. } = self.prepared;
-        Court { oracle, reference, rulings: self.rulings, stage: self.stage }
+        JudgeContext { oracle, reference, promises: self.promises, stage: self.stage }
     }
 
     /// The failure of the executor since which invocations with undefined behaviour are left out.
@@ -275,10 +275,10 @@ impl<'a> Trial<'a> {
         counts: &dyn Fn(&Deviation) -> bool,
     ) -> Result<Vec<bool>, LaneError> {
         let mut verdicts = Vec::with_capacity(samples.len());
-        let court = self.court();
+        let context = self.context();
         self.run_samples(samples, |_, batch, actual| {
             let deviates = |verdict: Verdict| matches!(verdict, Verdict::Deviate(deviation) if counts(&deviation));
-            verdicts.extend(judge_each(&court, batch, actual).into_iter().map(deviates));
+            verdicts.extend(judge_each(&context, batch, actual).into_iter().map(deviates));
         })?;
         Ok(verdicts)
     }

@@ -4,8 +4,8 @@ use super::bundle::sample;
 use super::finding::{Case, Finding};
 use super::trial::{Among, Trial};
 use super::{DEFAULT_SEED, Part, Prepared, Report, position, relate};
-use judge::profile::Rulings;
-use judge::verdict::diagnosis::{Hearing, Position, Stand, Witness, stand};
+use judge::profile::Promises;
+use judge::verdict::diagnosis::{CrossCheck, Position, Stand, Witness, stand};
 use judge::verdict::{Blame, Deviation, Verdict, judge_at};
 use lanes::{Actual, Lane, LaneError, LaneName, Stage};
 use program::Source;
@@ -20,7 +20,7 @@ pub struct Peer<'a> {
     /// The lane.
     pub lane: &'a dyn Lane,
     /// What its results are held against.
-    pub rulings: &'a Rulings,
+    pub promises: &'a Promises,
 }
 
 /// A finding with a sample, and where it was found.
@@ -44,7 +44,7 @@ fn accused<'f>(
 ) -> impl Iterator<Item = Accused<'f>> {
     let blamed = |case: &&mut Case| {
         let deviates = case.deviation.as_ref().is_some_and(|d| d.blame == Blame::Lane);
-        case.diagnosis.hearing.is_none() && (deviates || case.diagnosis.relation.is_some())
+        case.diagnosis.cross_check.is_none() && (deviates || case.diagnosis.relation.is_some())
     };
     let cases = findings.filter_map(|finding| finding.case.as_mut()).filter(blamed);
     cases.map(move |case| Accused { lane, stage, source, case })
@@ -52,7 +52,7 @@ fn accused<'f>(
 
 /// Hears every lane of a run on the samples on which one deviates, after all of them ran a suite. What follows for
 /// whose fault it is stands in the diagnosis of each finding.
-pub fn hear(prepared: &Prepared, peers: &[Peer<'_>], reports: &mut [&mut Report]) {
+pub fn cross_check(prepared: &Prepared, peers: &[Peer<'_>], reports: &mut [&mut Report]) {
     let found = reports.iter_mut().flat_map(|report| {
         let on = (report.lane, report.stage, report.source);
         accused(report.findings.iter_mut(), on)
@@ -61,7 +61,7 @@ pub fn hear(prepared: &Prepared, peers: &[Peer<'_>], reports: &mut [&mut Report]
 }
 
 /// The same for parts of a run.
-pub fn hear_parts(prepared: &Prepared, peers: &[Peer<'_>], parts: &mut [Part]) {
+pub fn cross_check_parts(prepared: &Prepared, peers: &[Peer<'_>], parts: &mut [Part]) {
     let found = parts.iter_mut().flat_map(|part| {
         let on = (part.lane, part.stage, None);
         accused(part.shown_mut(), on)
@@ -86,27 +86,27 @@ fn all(prepared: &Prepared, peers: &[Peer<'_>], accused: Vec<Accused<'_>>) {
 /// Hears all lanes on samples with inputs from one source.
 fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut accused: Vec<Accused<'_>>) {
     let samples: Vec<Sample> = accused.iter().map(|accused| sample(prepared, accused.case)).collect();
-    let mut heard: Vec<Vec<Witness>> = vec![Vec::new(); accused.len()];
+    let mut collected: Vec<Vec<Witness>> = vec![Vec::new(); accused.len()];
     for peer in peers {
         for stage in stages(prepared, *peer, source) {
             let described = peer.lane.description();
             let given = given(prepared, *peer, stage, source, &samples, &accused);
             match given {
                 Ok(given) => {
-                    for (heard, (stand, word)) in heard.iter_mut().zip(given) {
-                        heard.push(Witness::new(described, stage, stand, word));
+                    for (collected, (stand, word)) in collected.iter_mut().zip(given) {
+                        collected.push(Witness::new(described, stage, stand, word));
                     }
                 }
                 // What it cannot run it says nothing about.
                 Err(LaneError::Unsupported(_)) => {}
                 Err(error) => {
                     let stand = if error.is_failure() { Stand::Failed } else { Stand::Open };
-                    heard.iter_mut().for_each(|h| h.push(Witness::new(described, stage, stand, None)));
+                    collected.iter_mut().for_each(|h| h.push(Witness::new(described, stage, stand, None)));
                 }
             }
         }
     }
-    for (accused, mut witnesses) in accused.iter_mut().zip(heard) {
+    for (accused, mut witnesses) in accused.iter_mut().zip(collected) {
         let own = |w: &Witness| w.lane == accused.lane && w.stage == accused.stage;
         let word = accused.deviation().and_then(Deviation::value).map(|value| value.actual);
         // The lane that is accused comes first, with what it gave when it was asked like the others.
@@ -122,9 +122,9 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
             }
         }
         let diagnosis = &mut accused.case.diagnosis;
-        diagnosis.hearing = Some(match &diagnosis.position {
-            Some(position) => Hearing::at(witnesses, position),
-            None => Hearing::of(witnesses),
+        diagnosis.cross_check = Some(match &diagnosis.position {
+            Some(position) => CrossCheck::at(witnesses, position),
+            None => CrossCheck::of(witnesses),
         });
     }
 }
@@ -175,10 +175,10 @@ fn plain(
     accused: &[Accused<'_>],
     among: Among,
 ) -> Result<Vec<(Stand, Option<u32>)>, LaneError> {
-    let court = trial.court();
+    let context = trial.context();
     let mut all = Vec::with_capacity(samples.len());
     trial.run_among(samples, among, |sample, place, batch, actual| {
-        all.push(said(&accused[sample], actual, place, &judge_at(&court, batch, actual, place)));
+        all.push(said(&accused[sample], actual, place, &judge_at(&context, batch, actual, place)));
     })?;
     Ok(all)
 }
@@ -216,21 +216,21 @@ fn in_place(
         batch = position::filled(sample, count, per_case);
     }
     let actual = trial.run(&batch)?;
-    let verdict = judge_at(&trial.court(), &batch, &actual, invocation);
+    let verdict = judge_at(&trial.context(), &batch, &actual, invocation);
     Ok(said(accused, &actual, invocation, &verdict))
 }
 
 /// A lane ready for so many samples.
 fn trial<'a>(
     prepared: &'a Prepared,
-    Peer { lane, rulings }: Peer<'a>,
+    Peer { lane, promises }: Peer<'a>,
     stage: Stage,
     source: Option<Source>,
     most: usize,
 ) -> Result<Trial<'a>, LaneError> {
     match (source, prepared.kernel(stage)) {
-        (Some(source), _) => Trial::from_source(prepared, lane, source, rulings, most),
-        (None, Some(kernel)) => Ok(Trial::with_capacity(prepared, lane, kernel, rulings, most)?.in_stage(stage)),
+        (Some(source), _) => Trial::from_source(prepared, lane, source, promises, most),
+        (None, Some(kernel)) => Ok(Trial::with_capacity(prepared, lane, kernel, promises, most)?.in_stage(stage)),
         (None, None) => Err(LaneError::Unsupported(format!("the {stage} stage"))),
     }
 }

@@ -6,7 +6,7 @@ use crate::profile::{Op, Profile};
 use crate::replay::{ReplayError, replay};
 use crate::tape::{Model, Tape};
 use crate::verdict::judge::{Deviation, agrees};
-use crate::verdict::oracle::Court;
+use crate::verdict::oracle::JudgeContext;
 use base::value::{Batch, Scalar};
 use program::interp::{self, FUEL, Machine, Number, OutputColumn};
 use program::lane::{Actual, Lane, LaneError, Stage};
@@ -35,9 +35,9 @@ pub struct Suspected<'a> {
 ///
 /// # Errors
 /// [`LaneError`] when the lane fails.
-pub fn lane(court: &Court<'_>, program: &Program, suspected: &Suspected<'_>) -> Result<Diagnosis, LaneError> {
-    let profile = court.rulings.conformance.unwrap_or(court.rulings.text);
-    let written = written(court, program, suspected.batch, suspected.deviation);
+pub fn lane(context: &JudgeContext<'_>, program: &Program, suspected: &Suspected<'_>) -> Result<Diagnosis, LaneError> {
+    let profile = context.promises.conformance.unwrap_or(context.promises.text);
+    let written = written(context, program, suspected.batch, suspected.deviation);
     let mut diagnosis = Diagnosis { written, ..Diagnosis::default() };
     let mut built_in = None;
     if let Ok(probed) = program.probed(WORDS)
@@ -50,7 +50,7 @@ pub fn lane(court: &Court<'_>, program: &Program, suspected: &Suspected<'_>) -> 
     }
     diagnosis.origin = Some(match built_in {
         Some(origin) => origin,
-        None if regrouped(court, program, profile, suspected) => Origin::Rearrangement,
+        None if regrouped(context, program, profile, suspected) => Origin::Rearrangement,
         None => Origin::Miscompilation,
     });
     Ok(diagnosis)
@@ -168,10 +168,10 @@ fn beyond(
 }
 
 /// True when another order of sums and products explains the output, and the profile allows none.
-fn regrouped(court: &Court<'_>, program: &Program, profile: &Profile, suspected: &Suspected<'_>) -> bool {
+fn regrouped(context: &JudgeContext<'_>, program: &Program, profile: &Profile, suspected: &Suspected<'_>) -> bool {
     let Some(value) = suspected.deviation.value().filter(|_| !profile.rearrangement) else { return false };
     let model = Model::Device { profile, stage: suspected.stage, rearranged: true };
-    let mut machine = court.oracle.tape(model);
+    let mut machine = context.oracle.tape(model);
     machine.run_some(suspected.batch, &[0]);
     let layout = program.output_layout();
     let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component);

@@ -17,7 +17,7 @@ use base::value::F32Bits;
 pub use lane::{Suspected, lane};
 pub use position::Position;
 pub use shader::shader;
-pub use witness::{Fault, Hearing, NONE, Stand, Witness, stand};
+pub use witness::{CrossCheck, Fault, NONE, Stand, Witness, stand};
 
 /// A place in the author's text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -157,7 +157,8 @@ pub struct Diagnosis {
     #[serde(default)]
     pub position: Option<Position>,
     /// What the other lanes of the run say; `None` before they were asked, and where no lane has a say.
-    pub hearing: Option<Hearing>,
+    #[serde(rename = "hearing")]
+    pub cross_check: Option<CrossCheck>,
 }
 
 fn list(values: impl Iterator<Item = String>) -> String {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::{Diagnosis, NoValue, Place, ShortLiteral};
-use crate::verdict::batch::shader_suspects;
+use crate::verdict::batch::open_samples;
 use crate::verdict::judge::{Deviation, Value};
-use crate::verdict::oracle::Court;
+use crate::verdict::oracle::JudgeContext;
 use crate::verdict::rounded::CONSTANTS;
 use base::value::Batch;
 use program::Program;
@@ -15,43 +15,48 @@ use program::interp::{Binary64, FUEL, Machine, OutputColumn, Site, author_span};
 const NEAR: f64 = 2e-2;
 
 /// What explains that the shader deviates from its formula on the one sample of a batch.
-pub fn shader(court: &Court<'_>, program: &Program, batch: &Batch, deviation: &Deviation) -> Diagnosis {
+pub fn shader(context: &JudgeContext<'_>, program: &Program, batch: &Batch, deviation: &Deviation) -> Diagnosis {
     let no_value =
-        deviation.value().filter(|v| !v.meaning.is_finite()).and_then(|v| no_value(court, program, batch, v));
-    let written = written(court, program, batch, deviation);
-    Diagnosis { literals: literals(court, program, batch), no_value, written, ..Diagnosis::default() }
+        deviation.value().filter(|v| !v.meaning.is_finite()).and_then(|v| no_value(context, program, batch, v));
+    let written = written(context, program, batch, deviation);
+    Diagnosis { literals: literals(context, program, batch), no_value, written, ..Diagnosis::default() }
 }
 
 /// Where the component that deviates gets its value.
-pub(super) fn written(court: &Court<'_>, program: &Program, batch: &Batch, deviation: &Deviation) -> Option<Place> {
+pub(super) fn written(
+    context: &JudgeContext<'_>,
+    program: &Program,
+    batch: &Batch,
+    deviation: &Deviation,
+) -> Option<Place> {
     let value = deviation.value()?;
-    let mut machine = court.oracle.ideal_tape();
+    let mut machine = context.oracle.ideal_tape();
     machine.run_some(batch, &[0]);
     let layout = program.output_layout();
     let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component)?;
     let OutputColumn::Real(&column) = machine.output(value.vertex.unwrap_or(0), word) else { return None };
-    place(court, program, machine.domain().site_of(column, 0)?)
+    place(context, program, machine.domain().site_of(column, 0)?)
 }
 
 /// The place of a site in the author's text.
-pub(super) fn place(court: &Court<'_>, program: &Program, site: Site) -> Option<Place> {
-    let span = author_span(program, &court.oracle.executable.place(site))?;
+pub(super) fn place(context: &JudgeContext<'_>, program: &Program, site: Site) -> Option<Place> {
+    let span = author_span(program, &context.oracle.executable.place(site))?;
     Some(Place::of(&program.lowered.file, span))
 }
 
-fn no_value(court: &Court<'_>, program: &Program, batch: &Batch, value: &Value) -> Option<NoValue> {
-    let mut machine = court.oracle.ideal_tape();
+fn no_value(context: &JudgeContext<'_>, program: &Program, batch: &Batch, value: &Value) -> Option<NoValue> {
+    let mut machine = context.oracle.ideal_tape();
     machine.run_some(batch, &[0]);
     let layout = program.output_layout();
     let word = (0..layout.vertex.words()).find(|&word| layout.vertex.word_name(word) == value.component)?;
     let OutputColumn::Real(&column) = machine.output(value.vertex.unwrap_or(0), word) else { return None };
     let cause = machine.domain().cause(column, 0)?;
-    Some(NoValue { place: cause.site.and_then(|site| place(court, program, site)), op: cause.op, args: cause.args })
+    Some(NoValue { place: cause.site.and_then(|site| place(context, program, site)), op: cause.op, args: cause.args })
 }
 
 /// Literals that make the shader fit its formula once they have all their digits.
-fn literals(court: &Court<'_>, program: &Program, batch: &Batch) -> Vec<ShortLiteral> {
-    let oracle = court.oracle;
+fn literals(context: &JudgeContext<'_>, program: &Program, batch: &Batch) -> Vec<ShortLiteral> {
+    let oracle = context.oracle;
     let written = |site: Site, value: f32| oracle.literals[site.index()].map_or(f64::from(value), |l| l.value);
     let mut candidates = Vec::new();
     for (site, value) in oracle.executable.literals() {
@@ -75,7 +80,7 @@ fn literals(court: &Court<'_>, program: &Program, batch: &Batch) -> Vec<ShortLit
         }
         let numbers: Arc<[f64]> = numbers.into();
         let mut machine = Machine::new(&oracle.executable, Binary64::with_literals(numbers), FUEL);
-        shader_suspects(court, &mut machine, batch, 0).is_empty()
+        open_samples(context, &mut machine, batch, 0).is_empty()
     };
     let single = (0..candidates.len()).find(|&k| fits(&[k])).map(|k| vec![k]);
     let all: Vec<usize> = (0..candidates.len()).collect();
@@ -83,7 +88,7 @@ fn literals(court: &Court<'_>, program: &Program, batch: &Batch) -> Vec<ShortLit
     let literal = |k: usize| {
         let (site, stands_for, constant, value) = candidates[k];
         Some(ShortLiteral {
-            place: place(court, program, site)?,
+            place: place(context, program, site)?,
             stands_for: stands_for.into(),
             off: (value - constant).abs(),
         })

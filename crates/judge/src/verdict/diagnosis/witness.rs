@@ -97,7 +97,7 @@ pub fn stand(deviation: &Deviation, verdict: &Verdict, word: Option<u32>) -> Sta
 
 /// All lanes that were asked, and what follows.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Hearing {
+pub struct CrossCheck {
     /// The lane that deviates, then the others.
     pub witnesses: Vec<Witness>,
     /// Whose fault it is.
@@ -191,7 +191,7 @@ const OWN: [&str; 3] = ["naga", "Tint", NONE];
 /// The front end of an executor that takes the module as it is.
 pub const NONE: &str = "none";
 
-impl Hearing {
+impl CrossCheck {
     /// What follows from what lanes say, the first of which is the one that deviates.
     pub fn of(witnesses: Vec<Witness>) -> Self {
         let fault = Fault::of(&witnesses);
@@ -401,7 +401,7 @@ impl fmt::Display for Fault {
             Self::Everyone { groups, alike: true } => write!(
                 f,
                 "no single lane: {groups} groups of executor and front end agree with each other, and not with what the \
-                 shader means; our own meaning or bound is suspect, or the shader leans on unspecified behaviour"
+                 shader means; our own meaning or bound is sample, or the shader leans on unspecified behaviour"
             ),
             Self::Everyone { groups, alike: false } => write!(
                 f,

@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::{Expected, Reference, Source, given};
 use crate::tape::Tape;
-use crate::verdict::suspects::{TWO_WAYS, USELESS_64};
+use crate::verdict::second_pass::{TWO_WAYS, USELESS_64};
 use base::value::Batch;
 use program::interp::{Binary64, Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
 

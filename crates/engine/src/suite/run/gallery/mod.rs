@@ -46,9 +46,9 @@ pub fn gallery(
         Some(_) | None => return Ok(None),
     };
     let trial = match report.source {
-        None | Some(Source::Storage) => Trial::new(prepared, lane, kernel, &request.rulings),
+        None | Some(Source::Storage) => Trial::new(prepared, lane, kernel, &request.promises),
         Some(Source::Constants) => return Ok(None),
-        Some(source) => Trial::from_source(prepared, lane, source, &request.rulings, SAMPLES),
+        Some(source) => Trial::from_source(prepared, lane, source, &request.promises, SAMPLES),
     };
     let mut trial = match trial {
         Ok(trial) => trial,
@@ -63,7 +63,7 @@ pub fn gallery(
         let cases = SAMPLES.min(trial.capacity()).div_ceil(per_case).min((trial.capacity() / per_case).max(1));
         let batch = Sampler::new(prepared.plan.clone(), request.seed).batch(0, cases, per_case);
         let actual = trial.run(&batch)?;
-        closeups(&trial.court(), &batch, &actual).iter().for_each(|closeup| errors.add(closeup, &record));
+        closeups(&trial.context(), &batch, &actual).iter().for_each(|closeup| errors.add(closeup, &record));
     } else {
         let samples = &prepared.rows[..prepared.rows.len().min(SAMPLES)];
         look(&mut trial, samples)?.iter().for_each(|closeup| errors.add(closeup, &record));
@@ -75,11 +75,11 @@ pub fn gallery(
 /// Runs samples and looks at each.
 fn look(trial: &mut Trial<'_>, samples: &[Sample]) -> Result<Vec<Closeup>, LaneError> {
     let mut all = Vec::with_capacity(samples.len());
-    let court = trial.court();
+    let context = trial.context();
     for chunk in samples.chunks(trial.capacity()) {
         let batch = batch(chunk);
         let actual = trial.run(&batch)?;
-        all.extend(closeups(&court, &batch, &actual));
+        all.extend(closeups(&context, &batch, &actual));
     }
     Ok(all)
 }

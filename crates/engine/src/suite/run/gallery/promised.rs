@@ -1,6 +1,6 @@
 //! What is promised of each operation, beside what was measured.
 
-use judge::profile::{Entry, Op, Rulings};
+use judge::profile::{Entry, Op, Promises};
 
 /// One operation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,15 +16,15 @@ pub struct Promised {
 }
 
 /// Every operation of which anything is promised or measured.
-pub fn promised(rulings: &Rulings) -> Vec<Promised> {
+pub fn promised(promises: &Promises) -> Vec<Promised> {
     let row = |op: Op| {
-        let text = rulings.text.entry(op).to_string();
-        let conformance = rulings.conformance.map(|profile| profile.entry(op).to_string());
+        let text = promises.text.entry(op).to_string();
+        let conformance = promises.conformance.map(|profile| profile.entry(op).to_string());
         Promised {
             op: op.name(),
             conformance: conformance.filter(|accepted| *accepted != text),
             text,
-            measured: rulings.measured.as_ref().and_then(|profile| match profile.entry(op) {
+            measured: promises.measured.as_ref().and_then(|profile| match profile.entry(op) {
                 Entry::Measured(table) if table.samples > 0 => Some(told(profile.entry(op))),
                 Entry::Measured(_) | Entry::Promised(_) => None,
             }),
@@ -53,12 +53,12 @@ mod tests {
 
     #[test]
     fn every_operation_has_its_promise() {
-        let rows = promised(&Rulings::of_api(Api::Vulkan));
+        let rows = promised(&Promises::of_api(Api::Vulkan));
         assert_eq!(rows.len(), Op::ALL.len());
         let sin = rows.iter().find(|row| row.op == "sin").unwrap();
         assert!(!sin.text.is_empty() && sin.measured.is_none(), "{sin:?}");
         let measured = judge::profile::by_name("llvmpipe-22.3.6").cloned().map(std::sync::Arc::new);
-        let rows = promised(&Rulings { measured, ..Rulings::of_api(Api::Vulkan) });
+        let rows = promised(&Promises { measured, ..Promises::of_api(Api::Vulkan) });
         let sin = rows.iter().find(|row| row.op == "sin").unwrap();
         assert!(sin.measured.as_ref().unwrap().contains(" ULP over "), "{sin:?}");
     }

@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use super::batch::{NEAR, Suspect};
+use super::batch::{NEAR, OpenSample};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
 use super::open::{cut, fades, fork, underflow};
-use super::oracle::Court;
+use super::oracle::JudgeContext;
 use super::reading::{Reader, may_be_read};
 use super::reference::{Evaluator, Expected, Output};
 use super::shape::{shape_of_lane, shape_of_shader};
@@ -26,8 +26,8 @@ pub(super) const USELESS_64: f64 = 1.0 / (1_u64 << 30) as f64;
 pub(super) const TWO_WAYS: f64 = 8.0;
 
 /// Judges samples with the tape. The machines are made when they are first needed.
-pub(super) struct Suspects<'a> {
-    court: Court<'a>,
+pub(super) struct SecondPass<'a> {
+    context: JudgeContext<'a>,
     /// For a shader with loops: which invocations end. A tape of one that does not would take all memory.
     ends: Option<Machine<'a, Binary64>>,
     ideal: Option<Machine<'a, Tape<'a>>>,
@@ -50,18 +50,18 @@ struct Tier<'a> {
     machine: Option<Machine<'a, Tape<'a>>>,
 }
 
-impl<'a> Suspects<'a> {
-    pub(super) fn new(court: &Court<'a>) -> Self {
+impl<'a> SecondPass<'a> {
+    pub(super) fn new(context: &JudgeContext<'a>) -> Self {
         let tier = |(promise, model)| Tier { promise, model, machine: None };
         Self {
-            court: *court,
+            context: *context,
             ends: None,
             ideal: None,
-            tiers: court.tiers().into_iter().map(tier).collect(),
-            evaluator: Evaluator::bounded(court.reference),
+            tiers: context.tiers().into_iter().map(tier).collect(),
+            evaluator: Evaluator::bounded(context.reference),
             max_ulp: 0.0,
             forked: HashSet::new(),
-            readers: Reader::all(court),
+            readers: Reader::all(context),
             reread: 0,
             faded: HashSet::new(),
         }
@@ -82,13 +82,13 @@ impl<'a> Suspects<'a> {
         std::mem::take(&mut self.faded).len() as u64
     }
 
-    /// Verdicts on suspects, in their order.
-    pub(super) fn judge(&mut self, batch: &Batch, actual: &Actual, suspects: &[Suspect]) -> Vec<(usize, Verdict)> {
+    /// Verdicts on samples, in their order.
+    pub(super) fn judge(&mut self, batch: &Batch, actual: &Actual, samples: &[OpenSample]) -> Vec<(usize, Verdict)> {
         self.forked.clear();
-        let mut verdicts: Vec<Option<Verdict>> = vec![None; suspects.len()];
-        let shaders: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].shader).collect();
+        let mut verdicts: Vec<Option<Verdict>> = vec![None; samples.len()];
+        let shaders: Vec<usize> = (0..samples.len()).filter(|&k| samples[k].shader).collect();
         for group in shaders.chunks(LANES) {
-            let invocations: Vec<usize> = group.iter().map(|&k| suspects[k].invocation).collect();
+            let invocations: Vec<usize> = group.iter().map(|&k| samples[k].invocation).collect();
             for (&k, verdict) in group.iter().zip(self.shader(batch, actual.layout(), Some(actual), &invocations)) {
                 verdicts[k] = verdict;
             }
@@ -96,13 +96,13 @@ impl<'a> Suspects<'a> {
         self.rest();
         // A lane is judged by the shader as it is, where that is not what is wrong.
         let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
-        let mut lanes: Vec<usize> = (0..suspects.len()).filter(|&k| suspects[k].lane && !wrong(&verdicts[k])).collect();
+        let mut lanes: Vec<usize> = (0..samples.len()).filter(|&k| samples[k].lane && !wrong(&verdicts[k])).collect();
         let mut measurable: Vec<usize> = Vec::new();
         let mut permitted = HashSet::new();
         for tier in 0..self.tiers.len() {
             let mut open = Vec::new();
             for group in lanes.chunks(LANES) {
-                let invocations: Vec<usize> = group.iter().map(|&k| suspects[k].invocation).collect();
+                let invocations: Vec<usize> = group.iter().map(|&k| samples[k].invocation).collect();
                 for (&k, found) in group.iter().zip(self.lane(tier, batch, actual, &invocations)) {
                     // What is not promised is not held against a lane that is not as it was measured.
                     let measured = self.tiers[tier].promise == Promise::Measured;
@@ -139,12 +139,12 @@ impl<'a> Suspects<'a> {
             lanes = open;
         }
         let agree = Verdict::Agree(Promise::Text);
-        suspects.iter().zip(verdicts).map(|(s, v)| (s.invocation, v.unwrap_or(agree.clone()))).collect()
+        samples.iter().zip(verdicts).map(|(s, v)| (s.invocation, v.unwrap_or(agree.clone()))).collect()
     }
 
     /// Gives back what very long loops took: one tape at a time has much.
     fn rest(&mut self) {
-        if self.court.oracle.executable().has_loops() {
+        if self.context.oracle.executable().has_loops() {
             let tapes = self.tiers.iter_mut().filter_map(|tier| tier.machine.as_mut());
             self.ideal.iter_mut().chain(tapes).for_each(|machine| machine.domain().rest());
         }
@@ -182,14 +182,14 @@ impl<'a> Suspects<'a> {
         invocations: &[usize],
         verdicts: &mut [Option<Verdict>],
     ) {
-        let Self { court, readers, reread, .. } = self;
+        let Self { context, readers, reread, .. } = self;
         for reader in readers {
             let wrong: Vec<usize> = (0..verdicts.len()).filter(|&k| may_be_read(&verdicts[k])).collect();
             if wrong.is_empty() {
                 return;
             }
             let open: Vec<usize> = wrong.iter().map(|&k| invocations[k]).collect();
-            for (k, found) in wrong.into_iter().zip(reader.look(court, batch, layout, &open)) {
+            for (k, found) in wrong.into_iter().zip(reader.look(context, batch, layout, &open)) {
                 if let Some(verdict) = found {
                     *reread += u64::from(verdict.is_none());
                     verdicts[k] = verdict;
@@ -200,7 +200,7 @@ impl<'a> Suspects<'a> {
 
     /// For each invocation, whether a loop of the shader goes on without end; at most [`LANES`] of them.
     fn endless(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<bool> {
-        let oracle = self.court.oracle;
+        let oracle = self.context.oracle;
         if !oracle.executable().has_loops() {
             return vec![false; invocations.len().min(LANES)];
         }
@@ -218,9 +218,9 @@ impl<'a> Suspects<'a> {
         invocations: &[usize],
     ) -> Vec<Option<Verdict>> {
         let forked = self.decided_by_rounding(batch, invocations);
-        let Self { court, ideal, evaluator, .. } = self;
-        let reference = court.reference;
-        let machine = ideal.get_or_insert_with(|| court.oracle.ideal_tape());
+        let Self { context, ideal, evaluator, .. } = self;
+        let reference = context.reference;
+        let machine = ideal.get_or_insert_with(|| context.oracle.ideal_tape());
         let lanes = machine.run_some(batch, invocations);
         let mut verdicts = vec![None; lanes];
         let mut expected = vec![Expected::default(); lanes];
@@ -229,7 +229,7 @@ impl<'a> Suspects<'a> {
             evaluator.expected(batch, invocations[lane], lane, &mut expected[lane]);
             verdicts[lane] = match cut(machine.domain(), lane) {
                 Some(doubt) => Some(Verdict::Undetermined(doubt)),
-                None => shape_of_shader(machine, court, &expected[lane], lane).map(Verdict::Deviate),
+                None => shape_of_shader(machine, context, &expected[lane], lane).map(Verdict::Deviate),
             };
         }
         let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
@@ -292,10 +292,10 @@ impl<'a> Suspects<'a> {
 
     /// For each invocation, whether the rounding of a literal to binary32 decides a comparison.
     fn decided_by_rounding(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<Option<Doubt>> {
-        if !self.court.oracle.has_rounded_literals() {
+        if !self.context.oracle.has_rounded_literals() {
             return vec![None; invocations.len()];
         }
-        let mut machine = self.court.oracle.rounded_tape();
+        let mut machine = self.context.oracle.rounded_tape();
         let lanes = machine.run_some(batch, invocations);
         let tape = machine.domain();
         (0..lanes).map(|lane| tape.fork(lane).map(|_| fork(tape, lane))).collect()
@@ -303,15 +303,15 @@ impl<'a> Suspects<'a> {
 
     /// Whether a lane is within what a tier allows.
     fn lane(&mut self, tier: usize, batch: &Batch, actual: &Actual, invocations: &[usize]) -> Vec<Verdict> {
-        let Self { court, tiers, max_ulp, forked, faded, .. } = self;
+        let Self { context, tiers, max_ulp, forked, faded, .. } = self;
         let Tier { promise, model, machine } = &mut tiers[tier];
-        let machine = machine.get_or_insert_with(|| court.oracle.tape(*model));
+        let machine = machine.get_or_insert_with(|| context.oracle.tape(*model));
         let lanes = machine.run_some(batch, invocations);
         let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); lanes];
         let mut ulps = vec![0.0_f64; lanes];
         let mut faded_lanes = [false; LANES];
         let vectors: Vec<f64> =
-            invocations.iter().map(|&invocation| court.reference.vector_size(batch, invocation)).collect();
+            invocations.iter().map(|&invocation| context.reference.vector_size(batch, invocation)).collect();
         // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
         let regrouped = *promise == Promise::Rearranged;
         for lane in (0..lanes).filter(|_| !regrouped) {

@@ -6,10 +6,10 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use base::nearest;
 use base::text::{SourceFile, printable};
-use property::nearest;
 
-use super::error::{Problem, SuiteError};
+use crate::{Problem, SuiteError};
 
 /// A suite file with what was found wrong in it so far.
 pub struct Reader<'a> {

@@ -20,7 +20,7 @@ pub fn promises(api: Api) -> Vec<&'static Profile> {
 
 /// What the results of a lane are held against.
 #[derive(Clone, Debug)]
-pub struct Rulings {
+pub struct Promises {
     /// The text of the specification.
     pub text: &'static Profile,
     /// What the conformance suite of the specification accepts.
@@ -29,7 +29,7 @@ pub struct Rulings {
     pub measured: Option<Arc<Profile>>,
 }
 
-impl Rulings {
+impl Promises {
     /// The promises of an API, without a measurement.
     pub fn of_api(api: Api) -> Self {
         let promises = promises(api);
@@ -88,14 +88,14 @@ mod tests {
 
     #[test]
     fn a_lane_gets_the_measurement_of_its_device_and_no_other() {
-        let measured = |lane: &Description| Rulings::of_lane(lane).measured.map(|p| p.name.clone());
+        let measured = |lane: &Description| Promises::of_lane(lane).measured.map(|p| p.name.clone());
         let driver = |version| format!("llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa {version} (LLVM 15.0.6)");
         assert_eq!(measured(&lane(Api::Vulkan, &driver("22.3.6"))).as_deref(), Some("llvmpipe-22.3.6"));
         assert_eq!(measured(&lane(Api::Vulkan, &driver("22.3.1"))).as_deref(), Some("llvmpipe-22.3.6"));
         for other in [&driver("22.2.0"), &driver("25.0.1"), "softpipe, softpipe, Mesa 25.0.7", "soft 1"] {
             assert_eq!(measured(&lane(Api::Vulkan, other)), None, "{other}");
         }
-        let rulings = Rulings::of_lane(&lane(Api::Binary32, "interpreter"));
-        assert_eq!((rulings.text.name.as_str(), rulings.conformance), ("binary32", None));
+        let promises = Promises::of_lane(&lane(Api::Binary32, "interpreter"));
+        assert_eq!((promises.text.name.as_str(), promises.conformance), ("binary32", None));
     }
 }
