@@ -4,7 +4,7 @@
 use base::text::SourceFile;
 use base::value::Batch;
 use engine::suite::parse;
-use engine::suite::run::{FindingKind, Prepared, Report, prepare, run};
+use engine::suite::run::{Finding, FindingKind, Prepared, Report, prepare, run};
 use judge::profile::{Promises, by_name};
 use judge::verdict::{Blame, Reason};
 use lanes::{Actual, Description, Lane, LaneError, Runner, Stage, embedded};
@@ -442,6 +442,10 @@ fn an_executor_that_dies_where_the_shader_is_undefined_is_not_at_fault() {
         // What stores outside of an array is not run at all.
         let dies = "the process of the driver was ended by signal 11 (segmentation fault), which it may do there";
         assert_eq!(told(dies), !function.contains("] = 5.0"), "{function}: {undefined:?}");
+        // Annotations and SARIF point at it.
+        let of_the_shader = report.findings.iter().filter(|f| f.kind == FindingKind::Undefined);
+        let placed = |f: &Finding| f.case.as_ref().is_some_and(|case| case.diagnosis.written.is_some());
+        assert!(of_the_shader.clone().count() > 0 && of_the_shader.clone().all(placed), "{function}: {undefined:?}");
         assert!(report.verdicts.deviated == 0 && report.verdicts.agreed > 0, "{function}: {:?}", report.verdicts);
         let known = |kind| matches!(kind, FindingKind::Undefined | FindingKind::Floor);
         assert!(report.findings.iter().all(|f| known(f.kind)), "{function}: {:?}", report.findings);

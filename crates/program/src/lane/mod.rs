@@ -232,7 +232,7 @@ impl LaneError {
     /// What it means where the language leaves the behaviour of the invocation undefined, in a clause.
     pub fn at_undefined(&self) -> String {
         match self {
-            Self::Lost { how, .. } => format!("the process of the driver {how}, which it may do there"),
+            Self::Lost { how, .. } => format!("the process of the driver {}, which it may do there", printable(how)),
             other => format!("{other}, which may happen there"),
         }
     }

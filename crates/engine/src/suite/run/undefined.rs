@@ -59,10 +59,12 @@ pub(super) fn findings(
 fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, report: &Report) -> Shown {
     let shrunk = finding::unshrunk(fenced.sample.clone());
     let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
+    let mut case = finding::case(&shrunk, None);
+    case.diagnosis.written = place(prepared, &fenced.because);
     let finding = Finding {
         kind: FindingKind::Undefined,
         message: format!("{}; {}", message(prepared, &fenced.because), fenced.error.at_undefined()),
-        case: Some(finding::case(&shrunk, None)),
+        case: Some(case),
         count: 0,
         reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
     };
