@@ -37,7 +37,6 @@ const BATCH: usize = 64;
 struct Request {
     folders: Vec<PathBuf>,
     list: Option<String>,
-    tree: bool,
     every: usize,
     run: bool,
     vulkan: bool,
@@ -200,13 +199,12 @@ fn request(mut arguments: impl Iterator<Item = String>) -> Result<Request> {
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--list" => request.list = Some(arguments.next().context("--list takes a reason")?),
-            "--tree" => request.tree = true,
             "--run" => request.run = true,
             "--vulkan" => request.vulkan = true,
             "--translate" => request.translate = true,
             "--every" => request.every = arguments.next().context("--every takes a number")?.parse()?,
             _ if argument.starts_with('-') => {
-                bail!("unknown option `{argument}`; known: --list, --tree, --every, --run, --vulkan, --translate")
+                bail!("unknown option `{argument}`; known: --list, --every, --run, --vulkan, --translate")
             }
             _ => request.folders.push(PathBuf::from(argument)),
         }
@@ -259,7 +257,7 @@ fn examine(path: &Path, reference: bool, request: &Request) -> Option<Outcome> {
     let parsed = contain(|| Shader::parse(&file, stage)).ok()?.shader;
     let version = parsed.version();
     let es = if version.profile == Profile::Es { " es" } else { "" };
-    let made = contain(|| program(&file, stage, request.tree)).unwrap_or_else(|panic| Err(format!("panic: {panic}")));
+    let made = contain(|| program(&file, stage)).unwrap_or_else(|panic| Err(format!("panic: {panic}")));
     let accepted = !reference || accepted(path, stage, request.vulkan);
     let translated = match &made {
         Ok(program) if request.translate && accepted => translations::examine(program),
@@ -325,14 +323,8 @@ fn word(scalar: Scalar, stream: &mut Stream) -> u32 {
 }
 
 /// The program, or why a shader does not reach a valid module.
-fn program(file: &SourceFile, stage: Stage, tree: bool) -> Result<Program, String> {
-    let made = if tree {
-        let parsed = Shader::parse(file, stage);
-        Program::build(&parsed.shader, &Target::Stage)
-    } else {
-        Program::from_source(file, stage, |_| Ok(Target::Stage))
-    };
-    made.map_err(told)
+fn program(file: &SourceFile, stage: Stage) -> Result<Program, String> {
+    Program::from_source(file, stage, |_| Ok(Target::Stage)).map_err(told)
 }
 
 fn told(error: ProgramError) -> String {

@@ -40,18 +40,22 @@ pub struct Message {
     meant: Meant,
 }
 
+/// Every language, and naga's reading of the author's own text.
+fn languages() -> impl Iterator<Item = Language> {
+    Language::ALL.into_iter().chain([Language::NagaGlsl])
+}
+
 /// Translates a shader to every language.
 pub fn examine(program: &Program) -> Vec<Message> {
-    let meanings = contain(|| meanings(program)).unwrap_or_else(|panic| {
-        Language::ALL.into_iter().map(|l| (l, Meant::Unknown(format!("panic: {panic}")))).collect()
-    });
+    let meanings = contain(|| meanings(program))
+        .unwrap_or_else(|panic| languages().map(|l| (l, Meant::Unknown(format!("panic: {panic}")))).collect());
     let one = |language| {
         let written = contain(|| written(program, language));
         let written = written.unwrap_or_else(|panic| Written::Failed(format!("panic: {panic}")));
         let meant = meanings.get(&language).cloned();
         Message { language, written, meant: meant.unwrap_or_else(|| Meant::Unknown("no reader".to_owned())) }
     };
-    Language::ALL.into_iter().map(one).collect()
+    languages().map(one).collect()
 }
 
 fn written(program: &Program, language: Language) -> Written {
@@ -67,7 +71,7 @@ fn written(program: &Program, language: Language) -> Written {
 }
 
 fn meanings(program: &Program) -> BTreeMap<Language, Meant> {
-    let translations = Translations::to(program, &Language::READ_BACK);
+    let translations = Translations::to(program, &[&Language::READ_BACK[..], &[Language::NagaGlsl]].concat());
     let unknown = |language: Language, why: &Unread| match why {
         Unread::Unsupported(why) => (language, Meant::Unknown(line(why))),
         Unread::Interface(why) => (language, Meant::Differs(format!("another interface: {}", line(why)))),
@@ -80,7 +84,7 @@ fn meanings(program: &Program) -> BTreeMap<Language, Meant> {
             None => (c.language, Meant::Equal),
         })),
         Err(error) => {
-            for language in Language::ALL {
+            for language in languages() {
                 all.entry(language).or_insert_with(|| Meant::Unknown(line(&error.to_string())));
             }
         }
@@ -115,7 +119,7 @@ fn validated(translation: &Translation, language: Language, role: &Role) -> Opti
         Language::SpirV => ("spirv-val", vec!["--target-env", "vulkan1.1"]),
         Language::Glsl330 | Language::Glsl450 | Language::GlslEs310 => ("glslangValidator", vec!["-S", stage]),
         Language::Wgsl => ("tint", vec!["--format", "wgsl", "--allow-non-uniform-derivatives"]),
-        Language::Msl | Language::Hlsl => return None,
+        Language::Msl | Language::Hlsl | Language::NagaGlsl => return None,
     };
     let suffix = if language == Language::Wgsl { ".wgsl" } else { ".txt" };
     let mut file = tempfile::Builder::new().suffix(suffix).tempfile().ok()?;
@@ -138,7 +142,7 @@ fn line(text: &str) -> String {
 /// The table, and what stands in the way, most frequent first.
 pub fn print<'a>(all: impl Iterator<Item = &'a [Message]> + Clone) {
     println!("language    shaders  refused   failed  written accepted rejected    equal  differs not compared");
-    for language in Language::ALL {
+    for language in languages() {
         let told = || all.clone().flatten().filter(move |t| t.language == language);
         let count = |of: &dyn Fn(&Message) -> bool| told().filter(|t| of(t)).count();
         let verdict = |ok: bool| move |t: &Message| matches!(&t.written, Written::Text(Some(v)) if v.is_ok() == ok);

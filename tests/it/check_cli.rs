@@ -287,8 +287,10 @@ fn the_reported_command_shows_the_same_failure() {
     {
         let ran =
             run(&format!("check {suite} --shader fixtures/alarms/{shader} --samples 304 --format json")).expect(1);
+        let mut shown = 0;
         for entry in ran.json()["suites"].as_array().unwrap() {
             for finding in entry["findings"].as_array().unwrap().iter().filter(|f| f["kind"] != "coverage") {
+                shown += 1;
                 let line = finding["reproduce"].as_str().unwrap();
                 let again = run_reported(root(), line, &["--format", "json"]).expect(1);
                 let json = again.json();
@@ -301,6 +303,7 @@ fn the_reported_command_shows_the_same_failure() {
                 assert_eq!(same["samples"], 1);
             }
         }
+        assert!(shown > 0, "{shader}: no finding but that of coverage");
     }
 }
 

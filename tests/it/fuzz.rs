@@ -23,7 +23,9 @@ fn functions(name: &str, text: &str) -> Vec<Subject> {
     let stage = Stage::from_path(name).unwrap();
     let parsed = Shader::parse(&SourceFile::new(name, format!("#version 450\n{text}")), stage);
     assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
-    subjects(&parsed.shader, &|_| true).unwrap()
+    let subjects = subjects(&parsed.shader, &|_| true).unwrap();
+    assert!(!subjects.is_empty(), "no function in {text}");
+    subjects
 }
 
 fn on(subject: &Subject, domain: &str, lane: &dyn Lane, promises: Promises) -> FunctionReport {

@@ -89,10 +89,10 @@ fn run(program: &Program, primitives: &[Vec<f32>], uniforms: &[f32]) -> Ran {
 #[test]
 fn points_become_points() {
     let program = fixture!("points_to_points");
-    assert_eq!(names(&program), (vec!["gl_Position", "gl_PrimitiveIDIn", "uv"], vec!["gl_Position", "id", "st"]));
+    assert_eq!(names(&program), (vec!["gl_Position", "uv", "gl_PrimitiveIDIn"], vec!["gl_Position", "id", "st"]));
     let ran = run(
         &program,
-        &[vec![1., 2., 3., 1., 0., 0.25, 0.5], vec![4., 5., 6., 2., 1., 0.75, 1.], vec![0., 0., 0., 1., 2., 0., 0.]],
+        &[vec![1., 2., 3., 1., 0.25, 0.5, 0.], vec![4., 5., 6., 2., 0.75, 1., 1.], vec![0., 0., 0., 1., 0., 0., 2.]],
         &[10., 20., 30.],
     );
     // Every point is a primitive of its own: nothing ends a strip, and all vertices bear number 0.
@@ -157,11 +157,11 @@ fn lines_with_adjacency_become_strips_and_the_last_one_may_stay_open() {
     let program = fixture!("lines_adjacency_to_line_strip");
     assert_eq!(
         names(&program),
-        (vec!["gl_Position", "gl_PrimitiveIDIn", "n", "tag"], vec!["gl_Position", "tangent", "from"])
+        (vec!["gl_Position", "n", "tag", "gl_PrimitiveIDIn"], vec!["gl_Position", "tangent", "from"])
     );
     let nodes = [0., 0., 0., 1., 1., 1., 0., 1., 3., 1., 0., 1., 4., 5., 2., 1.];
     let normals = [9., 9., 9., 0., 0., 1., 0., 2., 0., 9., 9., 9.];
-    let primitive = |number: f32| [&nodes[..], &[number], &normals, &[5., 6., 7., 8.]].concat();
+    let primitive = |number: f32| [&nodes[..], &normals, &[5., 6., 7., 8.], &[number]].concat();
     let ran = run(&program, &[primitive(0.), primitive(1.)], &[]);
     assert_eq!((ran.actual.emitted(1), ran.actual.stored(1), ran.actual.ended_strips(1)), (6, 6, 2));
     assert_eq!(

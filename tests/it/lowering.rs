@@ -1,9 +1,9 @@
-//! Every shipped shader in the dialect that naga reads, and the way there for other tests.
+//! Every shipped shader in the dialect of naga's GLSL reader, and shaders for other tests.
 
 use base::text::SourceFile;
 use engine::suite;
-use program::lower::{Lowered, Target, lower};
-use program::{Program, ProgramError};
+use program::lower::Target;
+use program::{Language, Program, ProgramError, Translation};
 use syntax::{Shader, Stage};
 
 /// A shader with what is run of it.
@@ -86,24 +86,19 @@ pub fn stage(name: &str, text: &str) -> Case {
 }
 
 impl Case {
-    /// The shader, lowered.
-    pub fn lowered(&self) -> Lowered {
-        let parsed = Shader::parse(&self.file, self.stage);
-        assert!(parsed.diagnostics.is_empty(), "{:#?}", parsed.diagnostics);
-        lower(&parsed.shader, &self.target).unwrap()
-    }
-
     /// The shader as a program.
     ///
     /// # Errors
-    /// What naga says about the lowered text.
+    /// What is wrong with it.
     pub fn try_program(&self) -> Result<Program, ProgramError> {
-        Program::new(self.lowered())
+        let parsed = Shader::parse(&self.file, self.stage);
+        assert!(parsed.diagnostics.is_empty(), "{:#?}", parsed.diagnostics);
+        Program::from_source(&self.file, self.stage, |_| Ok(self.target.clone()))
     }
 
     /// The shader as a program.
     pub fn program(&self) -> Program {
-        self.try_program().unwrap_or_else(|e| panic!("{e}\n{}", self.lowered().edited.text))
+        self.try_program().unwrap_or_else(|e| panic!("{e}\n{}", self.file.text()))
     }
 }
 
@@ -118,7 +113,8 @@ pub fn compare_snapshot(folder: &str, name: &str, text: &str) {
 
 fn check(name: &str) {
     let case = shipped(name);
-    compare_snapshot("lowered", case.file.name(), &case.lowered().edited.text);
+    let Ok(Translation::Text(text)) = case.program().translate(Language::NagaGlsl) else { panic!("{name}") };
+    compare_snapshot("lowered", case.file.name(), &text);
 }
 
 each_shader!(check);

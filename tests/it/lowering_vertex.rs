@@ -1,6 +1,7 @@
 //! Vertex stages of all dialects of desktop GLSL, run on lavapipe as compute and as a vertex stage.
 //! Both give the same words, and the values worked out by hand.
 
+use naga::Binding;
 use program::Program;
 
 use crate::geometry::{batch, lane, values};
@@ -24,7 +25,12 @@ fn run(program: &Program, components: &[u8], vertices: &[Vec<f32>], uniforms: &[
 }
 
 fn locations(program: &Program) -> Vec<(&str, u32)> {
-    program.lowered.inputs.iter().map(|v| (v.name.as_str(), v.location.unwrap())).collect()
+    let location = |binding: &Option<Binding>| match binding {
+        Some(Binding::Location { location, .. }) => *location,
+        other => panic!("{other:?}"),
+    };
+    let arguments = &program.module.entry_points[0].function.arguments;
+    arguments.iter().map(|a| (a.name.as_deref().unwrap(), location(&a.binding))).collect()
 }
 
 #[test]

@@ -23,6 +23,7 @@ mod interrupt;
 mod json;
 mod kubernetes;
 mod lint_cli;
+mod lists;
 mod lowering;
 mod lowering_vertex;
 mod mutate;

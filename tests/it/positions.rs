@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use base::text::SourceFile;
-use program::lower::{Target, lower};
-use program::{Language, NAGA, Program, ProgramError};
+use program::lower::Target;
+use program::{Language, Program, Translation};
 use shadercheck::cli::status::ExitStatus;
 use shadercheck::cli::translate::{TranslateArgs, run};
-use syntax::{Shader, Stage};
+use syntax::Stage;
 
 use crate::lowering::compare_snapshot;
 
@@ -93,19 +93,27 @@ fn wide_characters_stand_before_every_place_on_its_line() {
     }
 }
 
+/// Texts that our front end takes and naga's reader refuses, and the text at which it does.
+const REFUSED_BY_NAGA: [(&str, &str); 2] = [
+    (
+        "in uint a; void main() { /* 桁上げ */ uint c = 0u; uint b = uaddCarry(a, 7u, c); gl_Position = vec4(b, c, 0u, 1u); }",
+        "uaddCarry",
+    ),
+    ("in vec4 a; void main() { /* 行列 */ gl_Position = matrixCompMult(mat4(a.x), mat4(a.y)) * a; }", "matrixCompMult"),
+];
+
 #[test]
-fn places_in_the_lowered_text_are_others() {
-    // Without the way back, what naga says would stand somewhere else.
-    for (name, text) in PLACES.iter().filter(|(name, _)| name.starts_with("translator") || name.starts_with("valid")) {
-        let file = fixture(name);
-        let parsed = Shader::parse(&file, Stage::Vertex);
-        assert!(parsed.diagnostics.is_empty(), "{name}: the front end finds it first");
-        let lowered = lower(&parsed.shader, &Target::Stage).unwrap();
-        let offset = file.text().find(text).unwrap();
-        let moved = lowered.edited.map.to_edited(offset);
-        let lowered = SourceFile::new("lowered", lowered.edited.text);
-        assert!(lowered.text()[moved..].starts_with(text), "{name}");
-        assert_ne!(lowered.position(moved), file.position(offset), "{name}");
+fn what_nagas_reader_refuses_stands_at_the_authors_place() {
+    for (text, at) in REFUSED_BY_NAGA {
+        let file = SourceFile::new("a.vert", format!("#version 450\n{text}\n"));
+        let program = Program::from_source(&file, Stage::Vertex, |_| Ok(Target::Stage)).unwrap();
+        let told = program.retranslate(Language::NagaGlsl).unwrap_err().to_string();
+        let place = file.locate(file.text().find(at).unwrap());
+        assert!(told.contains(&format!("{place}: ")), "{place} is not in {told}");
+        // Without the way back, it would stand somewhere else.
+        let Ok(Translation::Text(lowered)) = program.translate(Language::NagaGlsl) else { panic!("{text}") };
+        let lowered = SourceFile::new("a.vert", lowered);
+        assert_ne!(place, lowered.locate(lowered.text().find(at).unwrap()));
     }
 }
 
@@ -125,15 +133,16 @@ fn messages_do_not_speak_of_nagas_data() {
     }
 }
 
+fn panicking(name: &str) -> Program {
+    let program = Program::from_source(&fixture(name), Stage::Vertex, |_| Ok(Target::Stage));
+    program.unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
 #[test]
-fn a_panic_of_naga_is_a_diagnostic() {
+fn a_panic_of_naga_is_a_refusal() {
     for name in PANICS {
-        let parsed = Shader::parse(&fixture(name), Stage::Vertex);
-        let Err(ProgramError::Source(found)) = Program::new(lower(&parsed.shader, &Target::Stage).unwrap()) else {
-            panic!("{name} is read");
-        };
-        assert_eq!(found[0].code, NAGA);
-        assert_eq!(&*found[0].message, "the translator fails on this shader");
+        let told = panicking(name).retranslate(Language::NagaGlsl).unwrap_err().to_string();
+        assert!(told.contains("naga panicked"), "{name}: {told}");
     }
 }
 
@@ -156,9 +165,7 @@ fn what_naga_panics_on_is_translated_and_nothing_else_is_printed() {
 fn naga_still_panics_on_these() {
     // When it no longer does, the fixtures show nothing, and others have to be found.
     for name in PANICS {
-        let parsed = Shader::parse(&fixture(name), Stage::Vertex);
-        assert!(parsed.diagnostics.is_empty(), "{name}: the front end finds it first");
-        let text = lower(&parsed.shader, &Target::Stage).unwrap().edited.text;
+        let Ok(Translation::Text(text)) = panicking(name).translate(Language::NagaGlsl) else { panic!("{name}") };
         let options = naga::front::glsl::Options::from(naga::ShaderStage::Vertex);
         let parse = move || naga::front::glsl::Frontend::default().parse(&options, &text).is_ok();
         assert!(std::thread::spawn(parse).join().is_err(), "{name}");

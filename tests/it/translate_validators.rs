@@ -26,7 +26,7 @@ fn command(language: Language, role: &Role, file: &Path) -> Option<Command> {
             command = Command::new("glslangValidator");
             command.args(["-S", if *role == Role::Vertex { "vert" } else { "comp" }]);
         }
-        Language::Wgsl | Language::Msl | Language::Hlsl => return None,
+        Language::Wgsl | Language::Msl | Language::Hlsl | Language::NagaGlsl => return None,
     }
     command.arg(file);
     Some(command)

@@ -417,7 +417,7 @@ fn the_smallest_input_is_shown_with_the_place() {
     let inputs = &finding.case.as_ref().unwrap().inputs;
     assert_eq!(
         finding.message,
-        "the shader gives an undefined value: `[int(3.0 * x)]` at u.glsl:5:11: index -3 is outside of 0 to 3"
+        "the shader gives an undefined value: `a[int(3.0 * x)]` at u.glsl:5:10: index -3 is outside of 0 to 3"
     );
     assert_eq!(inputs.iter().map(|i| i.decimal.concat()).collect::<Vec<_>>(), ["-1.0", "0.0"]);
 }

@@ -35,12 +35,12 @@ usage: cargo xtask <task> [arguments]
   soundness [--samples N] [--seed N]
                     judge devices that err as far as they may, 100 million samples unless told
                     otherwise; status 1 when one of them is accused
-  survey FOLDER... [--list REASON] [--tree] [--every N] [--run] [--vulkan] [--translate]
+  survey FOLDER... [--list REASON] [--every N] [--run] [--vulkan] [--translate]
                     how many shaders of some folders reach a valid module, by version and stage, and what
-                    stops the others; --list names the files that REASON stops, --tree leaves out the
-                    lowering in place, --every takes one file in N, --run runs what is valid, --vulkan
-                    takes shaders for Vulkan too, --translate tells how many are translated to each
-                    language, accepted by its validator, and mean the same there
+                    stops the others; --list names the files that REASON stops, --every takes one
+                    file in N, --run runs what is valid, --vulkan takes shaders for Vulkan too,
+                    --translate tells how many are translated to each language, accepted by its
+                    validator, and mean the same there
   piglit FOLDER... [--list REASON] [--every N]
                     how many of piglit's generated tests (built-in-functions/vs-*, gs-*, fs-* and
                     cs-*.shader_test, below some folders) agree with the interpreter and with lane vulkan; --list names the

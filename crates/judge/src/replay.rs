@@ -188,7 +188,7 @@ mod tests {
 
         fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
             let runner = self.lane.prepare(kernel, capacity)?;
-            let own = kernel.program.lowered.file.name() == format!("calibrate-{}.glsl", self.op.name());
+            let own = kernel.program.file.name() == format!("calibrate-{}.glsl", self.op.name());
             Ok(Box::new(FaultyRunner { runner, fault: if own { self.fault } else { 0.0 } }))
         }
     }

@@ -117,8 +117,7 @@ impl Constants {
     /// What a literal of the module stands for, which has this value and, where that is known, this place in the
     /// author's text; with its place among all constants.
     ///
-    /// naga gives the calls of built-in functions no place, and what it makes of them that of another operand. Macros
-    /// may be where they are defined. So where nothing with that value stands at the place, it is looked for within it
+    /// A macro may be where it is defined, and a passage of naga may give what it folds the place of an operand. So where nothing with that value stands at the place, it is looked for within it
     /// and around it, and then anywhere.
     pub fn find(&self, span: Option<Span>, value: f32) -> Option<(usize, &Constant)> {
         // A number with few digits is meant as it stands, wherever it comes from.

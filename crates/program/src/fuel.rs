@@ -133,7 +133,7 @@ fn branch(condition: Handle<Expression>, then: Statement) -> Statement {
 
 #[cfg(test)]
 mod tests {
-    use crate::lower::{self, Target};
+    use crate::lower::Target;
     use crate::{Kernel, Program};
     use base::text::SourceFile;
     use syntax::{Shader, Stage};
@@ -141,8 +141,7 @@ mod tests {
     fn kernel(body: &str) -> Kernel {
         let file = SourceFile::new("f.glsl", format!("#version 150 core\nfloat f(float a) {{ {body} return a; }}\n"));
         let parsed = Shader::parse(&file, Stage::Library);
-        let lowered = lower::lower(&parsed.shader, &Target::Function("f".into())).unwrap();
-        Program::new(lowered).unwrap().compute_kernel().unwrap()
+        Program::build(&parsed.shader, &Target::Function("f".into())).unwrap().compute_kernel().unwrap()
     }
 
     fn text(kernel: &Kernel) -> String {

@@ -22,7 +22,7 @@ pub(super) fn lacks(module: &Module, info: &ModuleInfo, stage: ShaderStage, lang
         Language::Glsl330 => "GLSL 3.30",
         Language::Msl => "MSL",
         Language::Hlsl => "HLSL",
-        Language::Glsl450 | Language::SpirV => return None,
+        Language::Glsl450 | Language::SpirV | Language::NagaGlsl => return None,
     };
     let mut missing: Vec<String> = Vec::new();
     let doubles = module.types.iter().any(|(_, ty)| ty.inner.scalar().is_some_and(|s| s == Scalar::F64));

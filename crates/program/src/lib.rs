@@ -5,10 +5,10 @@ mod capabilities;
 mod capture;
 mod constants;
 mod contain;
+mod dialect;
 mod drawn;
 mod front;
 mod fuel;
-mod interface;
 pub mod interp;
 mod lacks;
 pub mod lane;
@@ -30,11 +30,11 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{BuiltIn, GlobalVariable, Handle, Module, Type};
 use thiserror::Error;
 
-use crate::lower::{Lowered, Target};
+use crate::lower::Target;
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use base::value::Field;
-use syntax::Shader;
+use syntax::{Shader, Stage};
 
 pub use crate::lower::{Primitives, Role};
 pub use build::DISCARD;
@@ -46,7 +46,7 @@ pub use constants::{Constant, Constants, WrittenLiteral};
 pub use contain::contain;
 pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
-pub use front::{NAGA, VALIDATOR};
+pub use front::{INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
 pub use probe::Probed;
 pub use readback::{Place, ReadBack};
 pub use texture::Texture;
@@ -151,7 +151,7 @@ pub struct Port {
 /// A shader that can be run: a validated module and its interface.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The module, as the front end made it.
+    /// The module, built from the syntax tree.
     pub module: Module,
     /// What the validator found out about it.
     pub info: ModuleInfo,
@@ -179,8 +179,14 @@ pub struct Program {
     pub ranges: Vec<(String, u32)>,
     /// Storage blocks that are no inputs and outputs yet.
     pub(crate) memory: Vec<memory::Memory>,
-    /// The lowered text and the way back.
-    pub lowered: Lowered,
+    /// The author's text, to which all places belong.
+    pub file: SourceFile,
+    /// Stage of the text.
+    pub stage: Stage,
+    /// Macros that are given from outside: names and values.
+    pub defines: Vec<(String, String)>,
+    /// True for a program that gives more than its text says: a trace of its operations, or what its memory holds.
+    pub instrumented: bool,
     /// The author's own texts in GLSL, for a lane whose driver reads GLSL itself: several where several are linked into
     /// the stage; none for a program that comes from elsewhere.
     pub texts: Vec<SourceFile>,
@@ -189,17 +195,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Parses and validates lowered text.
-    ///
-    /// # Errors
-    /// [`ProgramError::Source`] with diagnostics at the author's places; [`ProgramError::Unsupported`]
-    /// for what naga cannot express.
-    pub fn new(lowered: Lowered) -> Result<Self, ProgramError> {
-        let (module, info) = front::parse(&lowered)?;
-        interface::resolve(module, info, lowered)
-    }
-
-    /// Builds a program out of the syntax tree, in whatever version it is written, without naga's reader.
+    /// Builds a program out of the syntax tree, in whatever version it is written.
     ///
     /// # Errors
     /// [`ProgramError::Source`] for what naga cannot express, at its place in the author's text.

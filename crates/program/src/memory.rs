@@ -75,6 +75,7 @@ impl Program {
                     |global| Port { field: Field { name: name.clone(), shape }, ty, at: at(global), backing: None };
                 self.inputs.push(port(memory.global));
                 self.outputs.extend(after.map(port));
+                self.instrumented |= after.is_some();
             }
             if let Some(after) = after {
                 copy_at_end(&mut module.entry_points[entry].function, memory.global, after);

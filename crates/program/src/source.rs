@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use naga::valid::ShaderStages;
-
 use super::constants::Constants;
-use super::{Entry, Program, ProgramError, contain};
-use crate::lower::{Lowered, Target, lower};
+use super::{Program, ProgramError, contain};
+use crate::lower::Target;
 use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::SourceFile;
 use syntax::{Parsed, Shader, Stage, errors, link};
@@ -29,28 +27,18 @@ const OF_TYPES: [Code; 13] = [
 ];
 
 impl Program {
-    /// Reads a text, lowers what `target` chooses of it, and makes a program. Nothing is lowered when
-    /// the front end finds an error.
+    /// Reads a text and builds a program of what `target` chooses of it. Nothing is built when the front end finds an
+    /// error.
     ///
     /// # Errors
     /// [`ProgramError::Source`] with diagnostics at the author's places, and whatever `target` or
-    /// [`Program::new`] refuses.
+    /// [`Program::build`] refuses.
     pub fn from_source(
         file: &SourceFile,
         stage: Stage,
         target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
     ) -> Result<Self, ProgramError> {
         Self::from_source_with(file, stage, &[], target)
-    }
-
-    /// Refuses a function that discards or takes derivatives, which naga's reader leaves as they are.
-    fn by_itself(self) -> Result<Self, ProgramError> {
-        if let Entry::Function(function) = self.entry
-            && !self.info[function].available_stages.contains(ShaderStages::COMPUTE)
-        {
-            return Err(ProgramError::Unsupported { what: "a function of a fragment stage".to_owned() });
-        }
-        Ok(self)
     }
 
     /// The same with macros that are given from outside: names and values.
@@ -95,48 +83,19 @@ impl Program {
             return Err(ProgramError::Source(fatal));
         }
         let target = target(&shader)?;
-        // The syntax tree alone: it has no type for what is refused, and naga's reader takes some of it in another sense.
         let built = contain(|| Self::build(&shader, &target));
         let program = built.unwrap_or_else(|panic| Err(ProgramError::Internal(panic)))?;
         Ok(Self { texts: vec![file.clone()], ..program })
     }
 
     fn of(shader: Shader, file: &SourceFile, target: &Target) -> Result<Self, ProgramError> {
-        let by_edits = || {
-            let read = lower(&shader, target).map_err(ProgramError::Source).and_then(Self::new);
-            read.and_then(Self::by_itself)
-        };
-        let from_tree = || Self::build(&shader, target);
-        // What edits in place do not make readable to naga is built from the syntax tree. So is what uses macros: to
-        // naga's reader, what a macro writes stands in its `#define`.
-        let built = if shader.file().has_expansions() {
-            from_tree().or_else(|refused| by_edits().map_err(|_| refused))
-        } else {
-            by_edits().or_else(|_| from_tree())
-        };
-        match built {
-            Ok(program) => {
-                let ranges = super::drawn::ranges(&shader);
-                let constants = Arc::new(Constants::new(Arc::new(shader)));
-                Ok(Self { texts: vec![file.clone()], ranges, constants, ..program })
-            }
-            Err(ProgramError::Source(found)) => {
-                Err(ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()))
-            }
-            Err(other) => Err(other),
-        }
-    }
-
-    /// The text with the interface that naga reads, for translators that refuse the author's; none where that is the
-    /// same, or cannot be had.
-    pub fn rewritten(&self) -> Option<String> {
-        let Lowered { file, edited, .. } = &self.lowered;
-        if edited.text != file.text() {
-            return Some(edited.text.clone());
-        }
-        // What uses macros was built from the syntax tree, and may be readable all the same.
-        let shader = self.constants.shader().filter(|_| file.has_expansions())?;
-        lower(shader, &Target::Stage).ok().map(|lowered| lowered.edited.text)
+        let program = Self::build(&shader, target).map_err(|error| match error {
+            ProgramError::Source(found) => ProgramError::Source(found.into_iter().map(Diagnostic::at_origin).collect()),
+            other => other,
+        })?;
+        let ranges = super::drawn::ranges(&shader);
+        let constants = Arc::new(Constants::new(Arc::new(shader)));
+        Ok(Self { texts: vec![file.clone()], ranges, constants, ..program })
     }
 
     /// The same with several texts that are linked into one stage.

@@ -32,10 +32,13 @@ pub enum Language {
     Msl,
     /// HLSL, shader model 5.1.
     Hlsl,
+    /// The author's own text in the dialect of naga's GLSL reader, which is compared as a front end: nothing is
+    /// translated to it.
+    NagaGlsl,
 }
 
 impl Language {
-    /// All languages.
+    /// All languages that programs are translated to.
     pub const ALL: [Self; 7] =
         [Self::SpirV, Self::Wgsl, Self::Glsl330, Self::Glsl450, Self::GlslEs310, Self::Msl, Self::Hlsl];
 
@@ -60,6 +63,7 @@ impl Language {
             Self::GlslEs310 => "glsl-es310",
             Self::Msl => "msl",
             Self::Hlsl => "hlsl",
+            Self::NagaGlsl => "naga-glsl",
         }
     }
 }
@@ -116,7 +120,7 @@ pub enum TranslateError {
         reason: String,
     },
     /// It is not read back.
-    #[error("the {language} translation does not read back: {reason}")]
+    #[error("{}: {reason}", unread(*language))]
     ReadBack {
         /// The language.
         language: Language,
@@ -143,6 +147,10 @@ impl Program {
     /// # Errors
     /// [`TranslateError`]: what the language lacks.
     pub fn translate(&self, language: Language) -> Result<Translation, TranslateError> {
+        if language == Language::NagaGlsl {
+            let inexpressible = |reason| TranslateError::Inexpressible { language, reason };
+            return self.in_dialect().map(|edited| Translation::Text(edited.text)).map_err(inexpressible);
+        }
         match self.role {
             Role::Vertex | Role::Fragment | Role::Compute => {
                 let host = self.stage_module.as_deref();
@@ -205,6 +213,7 @@ fn translate(
             hlsl::Writer::new(&mut text, &options, &pipeline).write(module, info, None).map_err(|e| e.to_string())?;
             Ok(Translation::Text(text))
         }
+        Language::NagaGlsl => Err("a module has no text of its author's".to_owned()),
     })
     .map_err(|panic| fails(format!("naga panicked: {panic}")))?
     .map_err(fails)
@@ -322,7 +331,14 @@ pub fn read_back(translation: &Translation, language: Language, role: &Role) -> 
     Ok(Some(module))
 }
 
+fn unread(language: Language) -> String {
+    match language {
+        Language::NagaGlsl => "naga's GLSL reader refuses the text".to_owned(),
+        _ => format!("the {language} translation does not read back"),
+    }
+}
+
 /// An error and its causes in one line. The validator's places are those of a text that nobody has seen.
-fn chain(error: &dyn std::error::Error) -> String {
+pub(super) fn chain(error: &dyn std::error::Error) -> String {
     std::iter::successors(Some(error), |e| e.source()).map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }

@@ -3,11 +3,11 @@
 use naga::{ScalarKind, TypeInner};
 
 use super::capture::shape_of;
-use super::front::{NAGA, validate_lowered};
+use super::front::{NAGA, UNSUPPORTED, validate_text};
 use super::{Entry, Port, PortAt, Program, ProgramError, contain};
-use crate::lower::{Lowered, Role, UNSUPPORTED, Variable};
+use crate::lower::Role;
 use base::diagnostic::{Diagnostic, Severity};
-use base::text::{Edited, PositionMap, SourceFile, Span};
+use base::text::{SourceFile, Span};
 use base::value::Field;
 use syntax::Stage;
 
@@ -57,26 +57,7 @@ impl Program {
         if outputs.is_empty() {
             return Err(refused(place, format!("`{name}` gives nothing back")));
         }
-        let variables = |ports: &[Port]| {
-            let of = |p: &Port| Variable {
-                name: p.field.name.clone(),
-                shape: p.field.shape,
-                span: Span::default(),
-                location: None,
-            };
-            ports.iter().map(of).collect::<Vec<_>>()
-        };
         let role = Role::Function { name: name.to_owned() };
-        let lowered = Lowered {
-            file: file.clone(),
-            edited: Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) },
-            stage: Stage::Library,
-            role: role.clone(),
-            inputs: variables(&inputs),
-            uniforms: Vec::new(),
-            outputs: variables(&outputs),
-            defines: Vec::new(),
-        };
         let half = |ty: &naga::Type| match ty.inner {
             TypeInner::Scalar(s) | TypeInner::Vector { scalar: s, .. } | TypeInner::Matrix { scalar: s, .. } => {
                 s.kind == ScalarKind::Float && s.width != 4
@@ -86,7 +67,7 @@ impl Program {
         if let Some((ty, _)) = module.types.iter().find(|(_, ty)| half(ty)) {
             return Err(refused(Some(module.types.get_span(ty)), "only `f32` is a real number here".to_owned()));
         }
-        let info = validate_lowered(&lowered, &module)?;
+        let info = validate_text(file, &module)?;
         // Nothing feeds what lies outside of the function.
         for (global, variable) in module.global_variables.iter() {
             let fed = matches!(variable.space, naga::AddressSpace::Private | naga::AddressSpace::WorkGroup);
@@ -112,7 +93,10 @@ impl Program {
             stage_module: None,
             unfed: Vec::new(),
             memory: Vec::new(),
-            lowered,
+            file: file.clone(),
+            stage: Stage::Library,
+            defines: Vec::new(),
+            instrumented: false,
             texts: Vec::new(),
             constants: std::sync::Arc::default(),
         })

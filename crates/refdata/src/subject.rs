@@ -186,7 +186,7 @@ impl<'a> Subject<'a> {
                     stage: suite.stage.name().into(),
                     defines: suite.chosen.clone(),
                     suite_sha256: Digest::of_text(suite.file.text()),
-                    shader_sha256: Digest::of_text(prepared.program.lowered.file.text()),
+                    shader_sha256: Digest::of_text(prepared.program.file.text()),
                 }
             }
             Self::Bare(bare) => SuiteSource {

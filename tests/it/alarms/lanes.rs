@@ -46,6 +46,7 @@ fn rings(suite: &str, fault: Fault, kind: FindingKind, said: &str) {
 
 #[track_caller]
 fn ring(reports: Vec<Result<Report, LaneError>>, kind: FindingKind, said: &str) {
+    assert!(!reports.is_empty(), "no stage ran");
     for report in reports {
         let report = report.unwrap();
         let messages: Vec<String> = report.findings.iter().map(|f| format!("{:?}: {}", f.kind, f.message)).collect();

@@ -19,7 +19,7 @@ fn linked(texts: &[&str]) -> Result<Program, ProgramError> {
 fn refused(texts: &[&str], said: &str, at: &str) {
     let found = match linked(texts) {
         Err(ProgramError::Source(found)) => found,
-        other => panic!("not refused: {:?}", other.map(|p| p.lowered.file.text().to_owned())),
+        other => panic!("not refused: {:?}", other.map(|p| p.file.text().to_owned())),
     };
     assert!(found[0].message.contains(said), "{}", &*found[0].message);
     let found = found[0].file.locate(found[0].span.start);

@@ -1,6 +1,7 @@
 //! Constructs of every version of GLSL, one small shader each, and what they give: the values are
 //! worked out by hand or in Rust, and not by the front end that is tested.
 
+mod dialect;
 mod fragment;
 mod interface;
 mod language;
@@ -8,7 +9,6 @@ mod linked;
 mod memory;
 mod numbers;
 mod refused;
-mod shipped;
 
 use std::sync::Arc;
 

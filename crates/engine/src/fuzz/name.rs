@@ -283,7 +283,7 @@ pub fn decimal(x: f64) -> String {
 /// Where a site stands in the author's files, and the text there; none in generated text.
 pub fn place(ready: &Ready, site: Option<Site>) -> Option<Place> {
     let span = author_span(&ready.program, &ready.executable.place(site?))?;
-    let file = &ready.program.lowered.file;
+    let file = &ready.program.file;
     let (origin, there) = file.origin(span);
     if there.is_empty() {
         return None;

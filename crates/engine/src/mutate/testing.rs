@@ -4,7 +4,7 @@ use super::operators::by_name;
 use super::{Mutant, mutants};
 use base::text::SourceFile;
 use program::Program;
-use program::lower::{self, Target};
+use program::lower::Target;
 use syntax::{Shader, Stage};
 
 /// A function that every operator finds something in.
@@ -27,7 +27,7 @@ pub(super) fn geometry(body: &str) -> String {
     format!("layout(points) in;\nlayout(points, max_vertices = 4) out;\nvoid main() {{\n{body}\n}}")
 }
 
-/// The mutants of one operator; each must go through the front end, the lowering and the translator.
+/// The mutants of one operator; each must go through the front end and become a program.
 fn made(operator: &str, text: &str) -> (SourceFile, Vec<Mutant>) {
     let stage = if text.contains("max_vertices") {
         Stage::Geometry
@@ -43,8 +43,7 @@ fn made(operator: &str, text: &str) -> (SourceFile, Vec<Mutant>) {
     let compile = |file: &SourceFile| {
         let parsed = Shader::parse(file, stage);
         assert!(parsed.diagnostics.is_empty(), "{}\n{:?}", file.text(), parsed.diagnostics);
-        let lowered = lower::lower(&parsed.shader, &target).unwrap_or_else(|e| panic!("{}\n{e:?}", file.text()));
-        Program::new(lowered).unwrap_or_else(|e| panic!("{}\n{e}", file.text()));
+        Program::build(&parsed.shader, &target).unwrap_or_else(|e| panic!("{}\n{e}", file.text()));
         parsed.shader
     };
     let file = SourceFile::new("test", format!("#version 150 core\n{text}\n"));

@@ -33,7 +33,7 @@ pub(super) fn written(
     let meant = meant.map(|meant| program.constants.meant(meant));
     for (site, value) in executable.literals() {
         let module = f64::from(value);
-        let span = source_span(program, executable.place(site).span);
+        let span = source_span(executable.place(site).span);
         let written = match program.constants.find(span, value) {
             Some((at, constant)) => {
                 let value = meant.as_ref().map_or_else(|| constant.value(), |meant| meant[at]);
@@ -48,7 +48,7 @@ pub(super) fn written(
     literals
 }
 
-/// A literal that no expression of the author's text explains, by the text that was parsed.
+/// A literal that no expression of the author's text explains, by the text.
 fn alone(program: &Program, executable: &Executable, site: Site, value: f32) -> Literal {
     let exact = f64::from(value);
     match text(program, executable, site).and_then(number) {
@@ -59,9 +59,9 @@ fn alone(program: &Program, executable: &Executable, site: Site, value: f32) -> 
     }
 }
 
-/// The text of a site, as it was parsed.
+/// The text of a site.
 fn text<'p>(program: &'p Program, executable: &Executable, site: Site) -> Option<&'p str> {
-    let whole = &program.lowered.edited.text;
+    let whole = program.file.text();
     let text = whole.get(executable.place(site).span.to_range()?)?;
     Some(declared(whole, text).unwrap_or(text))
 }

@@ -1,8 +1,9 @@
-//! Whether a translation means what the shader means.
+//! Whether a translation means what the shader means, and whether naga's own GLSL reader takes the shader so.
 //!
 //! naga writes the translation; it or our own front end reads it back, and the interpreter runs both modules in
 //! binary64 on the same inputs. Reader and interpreter are on both sides, so an error of theirs can hide one of
-//! the writer's; what remains is a statement about the text that a user gets.
+//! the writer's; what remains is a statement about the text that a user gets. Of [`Language::NagaGlsl`], the author's
+//! own text is read, and nothing is written: what differs is naga's reading of it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use thiserror::Error;
 
 use base::value::{Batch, Record};
 use program::interp::{self, Binary32, Binary64, Executable, FUEL, InterpError, Meaning};
-use program::{Language, Program, ReadBack, TranslateError};
+use program::{Constants, Language, Program, ReadBack, TranslateError};
 
 /// How far two outputs may be apart, relative to the largest component of their variable.
 ///
@@ -39,6 +40,7 @@ struct Source {
     bound: Option<ReadBack>,
     executable: Executable,
     outputs: Arc<Record>,
+    constants: Arc<Constants>,
 }
 
 /// A translation that runs.
@@ -117,7 +119,10 @@ pub enum Difference {
 
 impl fmt::Display for TranslationDeviation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the {} translation deviates from the shader: ", self.language)?;
+        match self.language {
+            Language::NagaGlsl => f.write_str("naga's GLSL reader gives the shader another meaning: ")?,
+            language => write!(f, "the {language} translation deviates from the shader: ")?,
+        }
         match &self.what {
             Difference::Value { component, vertex, shader, translation } => {
                 let of = vertex.map_or_else(String::new, |v| format!(" of vertex {v}"));
@@ -137,9 +142,10 @@ impl fmt::Display for TranslationDeviation {
 }
 
 impl Translations {
-    /// Translates a program to each language in which suites compare it.
+    /// Translates a program to each language in which suites compare it, and has naga read its text where the text can
+    /// be brought into naga's dialect.
     pub fn of(program: &Program) -> Self {
-        Self::to(program, &Language::READABLE)
+        Self::to(program, &[&Language::READABLE[..], &[Language::NagaGlsl]].concat())
     }
 
     /// Translates a program to these languages.
@@ -150,14 +156,19 @@ impl Translations {
 
     /// A program beside anything that was read back for it.
     pub fn new(program: &Program, translations: Vec<(Language, Result<Option<ReadBack>, TranslateError>)>) -> Self {
+        // A text that has no place in naga's dialect says nothing about its reader.
+        let is_read =
+            |(language, read): &(_, Result<Option<_>, _>)| *language != Language::NagaGlsl || !matches!(read, Ok(None));
+        let translations = translations.into_iter().filter(is_read);
         match Source::of(program) {
             Ok(source) => {
-                let sides = translations.into_iter().map(|(language, read)| (language, side(read))).collect();
+                let sides = translations.map(|(language, read)| (language, side(read))).collect();
                 Self { source: Some(source), sides }
             }
             Err(why) => {
                 let why = Unread::Unsupported(why);
-                let sides = translations.into_iter().map(|(language, _)| (language, Err(why.clone()))).collect();
+                let written = translations.map(|(language, _)| language).filter(|of| *of != Language::NagaGlsl);
+                let sides = written.map(|language| (language, Err(why.clone()))).collect();
                 Self { source: None, sides }
             }
         }
@@ -210,7 +221,7 @@ impl Source {
         };
         let executable = executable.map_err(|error| error.locate(program))?;
         let outputs = bound.as_ref().map_or_else(|| program.output_layout().vertex, |bound| bound.record.clone());
-        Ok(Self { bound, executable, outputs })
+        Ok(Self { bound, executable, outputs, constants: program.constants.clone() })
     }
 
     fn beside(
@@ -223,7 +234,7 @@ impl Source {
         let laid = side.back.feed(batch);
         let translation = side.executable.run::<Binary64>(&laid, FUEL)?;
         let mut comparison = Comparison { language, agreed: 0, deviating: Vec::new(), undetermined: 0, first: None };
-        let mut rounded = None;
+        let (mut rounded, mut meant) = (None, None);
         for invocation in 0..source.count() {
             let Some(what) = self.difference(source, &translation, invocation) else {
                 comparison.agreed += 1;
@@ -236,7 +247,17 @@ impl Source {
                 let own = self.executable.run::<Binary32>(own.as_ref().unwrap_or(batch), FUEL)?;
                 rounded = Some((own, side.executable.run::<Binary32>(&laid, FUEL)?));
             }
-            let same = rounded.as_ref().is_some_and(|(own, there)| same_bits(own, there, invocation));
+            let mut same = rounded.as_ref().is_some_and(|(own, there)| same_bits(own, there, invocation));
+            // A front end may fold constants in steps of its own. The numbers that the author means are the same.
+            if language == Language::NagaGlsl && !same {
+                if meant.is_none() {
+                    let own = self.bound.as_ref().map(|bound| bound.feed(batch));
+                    let own = self.meant(&self.executable, own.as_ref().unwrap_or(batch))?;
+                    meant = Some((own, self.meant(&side.executable, &laid)?));
+                }
+                let (own, there) = meant.as_ref().map_or((source, &translation), |(own, there)| (own, there));
+                same = self.difference(own, there, invocation).is_none();
+            }
             match what {
                 _ if same => comparison.agreed += 1,
                 // Beyond the range of a type, languages differ in what they promise.
@@ -248,6 +269,17 @@ impl Source {
             }
         }
         Ok(comparison)
+    }
+
+    /// The outputs where each literal is the number that the author means by it.
+    fn meant(&self, executable: &Executable, batch: &Batch) -> Result<Meaning<f64>, InterpError> {
+        let mut numbers = vec![f64::NAN; executable.site_count()];
+        for (site, value) in executable.literals() {
+            let constant = self.constants.find(None, value).map(|(_, constant)| constant.value());
+            numbers[site.index()] = constant.unwrap_or_else(|| f64::from(value));
+        }
+        let numbers: Arc<[f64]> = numbers.into();
+        executable.run_with(batch, FUEL, || Binary64::with_literals(numbers.clone()))
     }
 
     fn difference(&self, source: &Meaning<f64>, translation: &Meaning<f64>, invocation: usize) -> Option<Difference> {

@@ -157,7 +157,7 @@ impl Front for Glslang {
     fn work(&self, kernel: &Kernel) -> Result<Work, LaneError> {
         let program = &*kernel.program;
         let unsupported = |what: &str| Err(LaneError::Unsupported(what.to_owned()));
-        if !is_the_text(program) {
+        if program.instrumented {
             return unsupported("a program that is not the author's text");
         }
         if !program.textures.is_empty() {
@@ -190,9 +190,8 @@ impl Glslang {
 
     /// The program as glslang translates it.
     fn module(&self, program: &Program, kind: Kind) -> Result<Vec<u32>, LaneError> {
-        let lowered = &program.lowered;
-        let translate = |text: &str| self.translator.translate(kind, text, &lowered.defines);
-        let written = translate(lowered.file.text());
+        let translate = |text: &str| self.translator.translate(kind, text, &program.defines);
+        let written = translate(program.file.text());
         // A geometry stage is lowered to something that is none.
         let rewritten = || program.rewritten().filter(|_| kind == Kind::Vertex);
         let words = match written {
@@ -204,10 +203,4 @@ impl Glslang {
         };
         Ok((self.fault)(&words?))
     }
-}
-
-/// True when what a program gives is what its text gives: a program made for looking into has more.
-fn is_the_text(program: &Program) -> bool {
-    let declared = |name: &str| program.lowered.outputs.iter().any(|output| output.name == name);
-    program.outputs.iter().all(|port| declared(&port.field.name))
 }

@@ -19,7 +19,7 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
     if program.texts.is_empty() {
         return Err(unsupported("a program that is not written in GLSL"));
     }
-    let shader = Shader::parse_with(&program.lowered.file, program.lowered.stage, &program.lowered.defines).shader;
+    let shader = Shader::parse_with(&program.file, program.stage, &program.defines).shader;
     for (name, instead) in [("gl_VertexIndex", "gl_VertexID"), ("gl_InstanceIndex", "gl_InstanceID")] {
         if shader.builtin(name).is_some() {
             return Err(unsupported(format!("`{name}` of Vulkan; OpenGL has `{instead}`")));
@@ -97,9 +97,8 @@ pub(super) fn unsupported(what: impl Into<String>) -> LaneError {
 /// The texts as a driver compiles them: nothing is changed, and macros of the host stand behind `#version`, where a
 /// host puts them.
 fn texts(program: &Program) -> Result<Vec<Text>, LaneError> {
-    let lowered = &program.lowered;
     let one = |file: &base::text::SourceFile| {
-        let shader = Shader::parse_with(file, lowered.stage, &lowered.defines).shader;
+        let shader = Shader::parse_with(file, program.stage, &program.defines).shader;
         let version = shader.version();
         if version.profile == Profile::Compatibility && version.number >= 150 {
             return Err(unsupported("the compatibility profile"));
@@ -111,7 +110,7 @@ fn texts(program: &Program) -> Result<Vec<Text>, LaneError> {
             span.end + rest.find('\n').map_or(rest.len(), |at| at + 1)
         });
         let (head, tail) = (&file.text()[bom..behind], &file.text()[behind..]);
-        let mut defines: Vec<(&str, &str)> = lowered.defines.iter().map(|(n, v)| (n.as_str(), v.as_str())).collect();
+        let mut defines: Vec<(&str, &str)> = program.defines.iter().map(|(n, v)| (n.as_str(), v.as_str())).collect();
         if matches!(program.role, Role::Function { .. }) && shader.function("main").is_some() {
             defines.push(call::OTHER_MAIN);
         }

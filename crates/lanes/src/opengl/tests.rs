@@ -143,7 +143,7 @@ fn a_text_that_the_driver_refuses_is_told_at_the_authors_place() {
     let program = program("p.vert", "#version 150\nin vec4 p;\nvoid main() { gl_Position = p; }\n");
     let mut kernel = program.vertex_kernel(&[4]).unwrap();
     let mut altered = (*kernel.program).clone();
-    altered.lowered.defines = vec![("A".to_owned(), "1".to_owned())];
+    altered.defines = vec![("A".to_owned(), "1".to_owned())];
     altered.texts = vec![SourceFile::new("p.vert", "#version 150\nin vec4 p;\nvoid main() { gl_Position = q; }\n")];
     kernel.program = Arc::new(altered);
     let error = run(&kernel, &batch(&program, 1, &[0.0; 4], &[])).unwrap_err().to_string();

@@ -4,32 +4,18 @@
 use std::sync::Arc;
 
 use crate::{Lane, vulkan};
-use base::text::{EditList, SourceFile, Span};
-use base::value::{Batch, Shape};
+use base::text::SourceFile;
+use base::value::Batch;
 use program::Program;
-use program::lower::{Lowered, Primitives, Role, Variable};
+use program::lower::Target;
 use syntax::Stage;
-use syntax::interface::{InputPrimitive, OutputPrimitive};
 
 fn lane() -> Box<dyn Lane> {
     vulkan::open().expect("these tests need a Vulkan driver; `cargo xtask test` installs lavapipe")
 }
 
-fn var(name: &str, shape: Shape, location: Option<u32>) -> Variable {
-    Variable { name: name.into(), shape, span: Span::at(0), location }
-}
-
-fn lowered(text: &str, stage: Stage, role: Role) -> Lowered {
-    Lowered {
-        file: SourceFile::new("test", text),
-        edited: EditList::new().apply(text).unwrap(),
-        stage,
-        role,
-        inputs: Vec::new(),
-        uniforms: Vec::new(),
-        outputs: Vec::new(),
-        defines: Vec::new(),
-    }
+fn program(text: &str, stage: Stage, target: Target) -> Program {
+    Program::from_source(&SourceFile::new("test", text), stage, |_| Ok(target)).unwrap()
 }
 
 fn batch(program: &Program, per_case: usize, invocations: &[f32], cases: &[f32]) -> Batch {
@@ -45,16 +31,12 @@ fn batch(program: &Program, per_case: usize, invocations: &[f32], cases: &[f32])
 /// A vertex stage with one attribute, one uniform of its own per case, and two outputs.
 fn scaled() -> Program {
     let text = "#version 450 core
-layout(std140, set = 0, binding = 0) uniform A { float s; };
-layout(std140, set = 0, binding = 1) uniform B { vec3 t[2]; };
+layout(std140, binding = 0) uniform A { float s; };
+layout(std140, binding = 1) uniform B { vec3 t[2]; };
 layout(location = 0) in vec4 p;
 layout(location = 0) out vec2 q;
 void main() { q = p.zw; gl_Position = s * p + vec4(t[1], 0.0); }";
-    let mut lowered = lowered(text, Stage::Vertex, Role::Vertex);
-    lowered.inputs = vec![var("p", Shape::VEC4, Some(0))];
-    lowered.uniforms = vec![var("s", Shape::FLOAT, None), var("t", Shape::VEC3.array_of(2), None)];
-    lowered.outputs = vec![var("gl_Position", Shape::VEC4, None), var("q", Shape::VEC2, Some(0))];
-    Program::new(lowered).unwrap()
+    program(text, Stage::Vertex, Target::Stage)
 }
 
 fn floats(words: &[u32]) -> Vec<f32> {
@@ -97,10 +79,7 @@ fn an_output_that_is_not_written_shows() {
 layout(location = 0) in float x;
 layout(location = 0) out float q;
 void main() { if (x > 0.0) { q = x; } gl_Position = vec4(x); }";
-    let mut lowered = lowered(text, Stage::Vertex, Role::Vertex);
-    lowered.inputs = vec![var("x", Shape::FLOAT, Some(0))];
-    lowered.outputs = vec![var("gl_Position", Shape::VEC4, None), var("q", Shape::FLOAT, Some(0))];
-    let program = Program::new(lowered).unwrap();
+    let program = program(text, Stage::Vertex, Target::Stage);
     let lane = lane();
     for kernel in [program.compute_kernel().unwrap(), program.vertex_kernel(&[1]).unwrap()] {
         let actual = lane.prepare(&kernel, 2).unwrap().run(&batch(&program, 1, &[1.0, -1.0], &[])).unwrap();
@@ -112,26 +91,13 @@ void main() { if (x > 0.0) { q = x; } gl_Position = vec4(x); }";
 fn geometry(body: &str, max_vertices: u32) -> Program {
     let text = format!(
         "#version 450 core
-layout(local_size_x = 1) in;
-void EmitVertex() {{}}
-void EndPrimitive() {{}}
-int gl_PrimitiveIDIn;
-struct sc_PerVertex {{ vec4 gl_Position; float gl_PointSize; }};
-sc_PerVertex gl_in[3];
-vec4 gl_Position;
-float n[3];
-float v;
-void main() {{ {body} }}"
+layout(triangles) in;
+layout(line_strip, max_vertices = {max_vertices}) out;
+in float n[];
+out float v;
+void main() {{ vec4 p = gl_in[0].gl_Position; int k = gl_PrimitiveIDIn; {body} }}"
     );
-    let primitives = Primitives { input: InputPrimitive::Triangles, output: OutputPrimitive::LineStrip, max_vertices };
-    let mut lowered = lowered(&text, Stage::Geometry, Role::Geometry(primitives));
-    lowered.inputs = vec![
-        var("gl_Position", Shape::VEC4.array_of(3), None),
-        var("n", Shape::FLOAT.array_of(3), None),
-        var("gl_PrimitiveIDIn", Shape::INT, None),
-    ];
-    lowered.outputs = vec![var("gl_Position", Shape::VEC4, None), var("v", Shape::FLOAT, None)];
-    Program::new(lowered).unwrap()
+    program(&text, Stage::Geometry, Target::Stage)
 }
 
 fn run_geometry(program: &Program) -> crate::Actual {
@@ -179,14 +145,8 @@ fn outputs_are_undefined_after_emit_vertex() {
 #[test]
 fn functions_take_parameters_and_give_results_and_out_parameters() {
     let text = "#version 450 core
-layout(local_size_x = 1) in;
-float f(vec2 a, out vec3 b, inout float c) { b = vec3(a, c); c = c + 1.0; return a.x * a.y; }
-void main() {}";
-    let mut lowered = lowered(text, Stage::Library, Role::Function { name: "f".into() });
-    lowered.inputs = vec![var("a", Shape::VEC2, None), var("c", Shape::FLOAT, None)];
-    lowered.outputs =
-        vec![var("return", Shape::FLOAT, None), var("b", Shape::VEC3, None), var("c", Shape::FLOAT, None)];
-    let program = Program::new(lowered).unwrap();
+float f(vec2 a, out vec3 b, inout float c) { b = vec3(a, c); c = c + 1.0; return a.x * a.y; }";
+    let program = program(text, Stage::Library, Target::Function("f".to_owned()));
     let kernel = program.compute_kernel().unwrap();
     let actual = lane().prepare(&kernel, 1).unwrap().run(&batch(&program, 1, &[3., 5., 7.], &[])).unwrap();
     assert_eq!(floats(actual.vertex(0, 0)), [15., 3., 5., 7., 8.]);

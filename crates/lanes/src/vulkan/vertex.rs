@@ -348,7 +348,7 @@ fn format(scalar: Scalar, components: u8) -> wgpu::VertexFormat {
         (Scalar::I32, 2) => F::Sint32x2,
         (Scalar::I32, 3) => F::Sint32x3,
         (Scalar::I32, _) => F::Sint32x4,
-        // `bool` attributes do not exist in GLSL; lowering refuses them.
+        // `bool` attributes do not exist in GLSL; the front end refuses them.
         (Scalar::U32 | Scalar::Bool, 1) => F::Uint32,
         (Scalar::U32 | Scalar::Bool, 2) => F::Uint32x2,
         (Scalar::U32 | Scalar::Bool, 3) => F::Uint32x3,

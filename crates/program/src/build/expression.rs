@@ -4,7 +4,7 @@ use naga::{BinaryOperator, Expression, Literal as Number, UnaryOperator};
 
 use super::function::{Fun, Val};
 use super::{Expr, Result};
-use crate::lower::UNSUPPORTED;
+use crate::UNSUPPORTED;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::Span;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, Literal, UnaryOp};

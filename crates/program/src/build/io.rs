@@ -6,7 +6,7 @@ use naga::{Binding, FunctionArgument, GlobalVariable, Handle, Interpolation, Sam
 
 use super::types::has_data;
 use super::{Build, Result};
-use crate::lower::UNSUPPORTED;
+use crate::UNSUPPORTED;
 use crate::memory::{LENGTH, Memory};
 use crate::{Port, PortAt};
 use base::diagnostic::{Diagnostic, Severity};

@@ -36,11 +36,12 @@ use std::sync::Arc;
 use naga::proc::Layouter;
 use naga::{BuiltIn, Expression, Function, GlobalVariable, Handle, Module};
 
+use super::front::{INCOMPLETE, UNSUPPORTED};
 use super::memory::Memory;
 use super::{Entry, Port, Program, ProgramError, contain, front};
-use crate::lower::{INCOMPLETE, Lowered, Primitives, Role, Target, UNSUPPORTED, Variable};
+use crate::lower::{Primitives, Role, Target};
 use base::diagnostic::{Diagnostic, Severity};
-use base::text::{Edited, PositionMap, Span};
+use base::text::Span;
 use syntax::ast::ExprId;
 use syntax::interface::{InputPrimitive, OutputPrimitive, Storage};
 use syntax::real::Reals;
@@ -179,28 +180,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
     let (entry, role) = built.map_err(|refused| ProgramError::Source(vec![*refused]))?;
     let Build { module, inputs, uniforms, outputs, built_ins, mut unfed, bound, stage_inputs, memory, differs, .. } =
         build;
-    let text = shader.file().text();
-    let edited = Edited { text: text.to_owned(), map: PositionMap::identity(text.len()) };
-    let variables = |ports: &[Port]| {
-        let variable = |p: &Port| Variable {
-            name: p.field.name.clone(),
-            shape: p.field.shape,
-            span: place_of(shader, &p.field.name),
-            location: None,
-        };
-        ports.iter().map(variable).collect::<Vec<_>>()
-    };
-    let lowered = Lowered {
-        file: shader.file().clone(),
-        edited,
-        stage: shader.stage(),
-        role: role.clone(),
-        inputs: variables(&inputs),
-        uniforms: variables(&uniforms),
-        outputs: variables(&outputs),
-        defines: shader.defines().to_vec(),
-    };
-    let info = front::validate_lowered(&lowered, &module)?;
+    let info = front::validate_text(shader.file(), &module)?;
     if let Entry::Function(function) = entry {
         let read = stage_inputs.into_iter().filter(|(_, handle, _)| !info[function][*handle].is_empty());
         unfed.extend(read.map(|(name, _, span)| (format!("`{name}`, an input of the stage,"), span)));
@@ -228,7 +208,10 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         stage_module: None,
         unfed,
         memory,
-        lowered,
+        file: shader.file().clone(),
+        stage: shader.stage(),
+        defines: shader.defines().to_vec(),
+        instrumented: false,
         texts: Vec::new(),
         constants: Arc::default(),
     };
@@ -243,13 +226,6 @@ fn used(mut bound: Vec<super::Texture>, info: &naga::valid::ModuleInfo, entry: E
     };
     bound.retain(|texture| !info[texture.image].is_empty());
     bound
-}
-
-/// Where a variable of that name is declared.
-fn place_of(shader: &Shader, name: &str) -> Span {
-    let root = name.split(['.', '[']).next().unwrap_or(name);
-    let found = shader.interface().variables().find(|v| v.name == root).map(|v| v.name_span);
-    found.unwrap_or_default()
 }
 
 fn workgroup(shader: &Shader) -> [u32; 3] {

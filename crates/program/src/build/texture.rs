@@ -125,7 +125,9 @@ impl Build<'_> {
         space: AddressSpace,
         ty: Handle<naga::Type>,
     ) -> Handle<GlobalVariable> {
-        let binding = ResourceBinding { group: binding::TEXTURES, binding: self.next_binding };
+        // Kernels fill uniforms themselves; what they hand on to the device has a group of its own.
+        let group = if space == AddressSpace::Uniform { 0 } else { binding::TEXTURES };
+        let binding = ResourceBinding { group, binding: self.next_binding };
         self.next_binding += 1;
         super::super::capture::add_global(&mut self.module, name, space, Some(binding), ty)
     }

@@ -19,8 +19,8 @@ pub(super) struct Emission {
 }
 
 impl Emission {
-    /// Adds the state and replaces the bodies of `EmitVertex` and `EndPrimitive`, which lowering
-    /// has declared empty.
+    /// Adds the state and replaces the bodies of `EmitVertex` and `EndPrimitive`, which the
+    /// program has empty.
     pub(super) fn insert(
         program: &Program,
         module: &mut Module,
@@ -37,7 +37,7 @@ impl Emission {
         for (name, function) in [("EmitVertex", emit), ("EndPrimitive", end)] {
             let found = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(name)).map(|(h, _)| h);
             let Some(handle) = found else {
-                return Err(ProgramError::internal(format!("the lowered text declares no `{name}`")));
+                return Err(ProgramError::internal(format!("the module has no `{name}`")));
             };
             module.functions[handle] = function;
         }

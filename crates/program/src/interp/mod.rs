@@ -83,9 +83,9 @@ impl InterpError {
     /// The message with the place in the author's text, where there is one.
     pub fn locate(&self, program: &Program) -> String {
         match self {
-            Self::Unsupported { span, .. } => match source_span(program, *span) {
-                Some(at) => format!("{}: {self}", program.lowered.file.locate(at.start)),
-                None => format!("{}: {self}", program.lowered.file.name()),
+            Self::Unsupported { span, .. } => match source_span(*span) {
+                Some(at) => format!("{}: {self}", program.file.locate(at.start)),
+                None => format!("{}: {self}", program.file.name()),
             },
             Self::Batch { .. } | Self::Internal(_) => self.to_string(),
         }
@@ -93,19 +93,19 @@ impl InterpError {
 }
 
 /// The author's text that a span of the module stands for.
-pub fn source_span(program: &Program, span: naga::Span) -> Option<base::text::Span> {
+pub fn source_span(span: naga::Span) -> Option<base::text::Span> {
     let range = span.to_range()?;
-    Some(program.lowered.edited.map.span_to_original(base::text::Span::new(range.start, range.end)))
+    Some(base::text::Span::new(range.start, range.end))
 }
 
 /// The author's text of a place: the whole call for a built-in function.
 pub fn author_span(program: &Program, place: &Place) -> Option<base::text::Span> {
-    let Some(expression) = place.expression else { return source_span(program, place.span) };
+    let Some(expression) = place.expression else { return source_span(place.span) };
     let function = match (place.function, program.entry) {
         (Some(function), _) | (None, crate::Entry::Function(function)) => &program.module.functions[function],
         (None, crate::Entry::Point(index)) => &program.module.entry_points.get(index)?.function,
     };
-    crate::probe::expression_span(program, function, expression, place.span)
+    crate::probe::expression_span(function, expression, place.span)
 }
 
 /// Compiles a program.

@@ -1,32 +1,25 @@
 //! Declarations of global variables, rewritten one declarator at a time.
 
 use super::Work;
-use super::lowered::Variable;
 use base::text::{Edit, Span};
 use base::value::Shape;
 use syntax::interface;
 
 impl Work<'_> {
-    /// The shape of a variable, or a diagnostic.
+    /// The shape of a variable; `None` with a refusal for what is no number, vector, matrix or array of them.
     pub(super) fn shape_of(&mut self, variable: &interface::Variable, kind: &str) -> Option<Shape> {
         let shape = variable.ty.shape();
         if shape.is_none() {
-            let message = format!("{kind} `{}` of type `{}` cannot be fed or captured", variable.name, variable.ty);
-            self.unsupported(
-                variable.name_span,
-                message,
-                "only numbers, vectors, matrices and arrays of them are passed word by word",
-            );
+            self.refuse(variable.name_span, format!("{kind} `{}` of type `{}`", variable.name, variable.ty));
         }
         shape
     }
 
-    /// False, with a diagnostic, when the declaration does not stand in the text as such.
+    /// False, with a refusal, when the declaration does not stand in the text as such.
     pub(super) fn is_editable(&mut self, variable: &interface::Variable) -> bool {
         let plain = self.slice(variable.name_span) == variable.name;
         if !plain {
-            let message = format!("`{}` is declared through a macro", variable.name);
-            self.unsupported(variable.name_span, message, "write the declaration out");
+            self.refuse(variable.name_span, format!("`{}` is declared through a macro", variable.name));
         }
         plain
     }
@@ -63,8 +56,4 @@ pub(super) fn by_declaration(variables: &[interface::Variable]) -> Vec<Vec<&inte
         }
     }
     groups
-}
-
-pub(super) fn variable(variable: &interface::Variable, shape: Shape, location: Option<u32>) -> Variable {
-    Variable { name: variable.name.clone(), shape, span: variable.name_span, location }
 }

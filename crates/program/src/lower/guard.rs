@@ -1,5 +1,5 @@
-//! Constructs that naga's GLSL front end accepts and gets wrong. They are refused by name: a module
-//! that means something else than the text is worse than none.
+//! Constructs that naga's GLSL front end is known to accept and get wrong. They do not reach it: every author who uses
+//! them would be told about the same defects of naga again.
 
 use super::Work;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, UnaryOp};
@@ -23,7 +23,7 @@ fn out_arguments(work: &mut Work<'_>) {
             && shader.function_info(*function).params.iter().any(|param| param.direction == Direction::Out)
         {
             let message = "the translator passes `out` parameters by reference";
-            work.unsupported(expr.span, message, "give a variable of its own to each, and a value before the call");
+            work.refuse(expr.span, message);
         }
     }
 }
@@ -36,7 +36,7 @@ fn global_initializers(work: &mut Work<'_>) {
         if !is_constant(shader, value) {
             let message =
                 format!("global `{}` starts with a value that is not constant; the translator drops it", global.name);
-            work.unsupported(shader.expr(value).span, message, "assign it at the start of `main`");
+            work.refuse(shader.expr(value).span, message);
         }
     }
 }
@@ -68,7 +68,7 @@ fn short_circuits(work: &mut Work<'_>) {
             && has_effect(shader, *right, 0)
         {
             let message = format!("the right side of `{}` has an effect; the translator runs it always", op.text());
-            work.unsupported(*op_span, message, "write an `if`");
+            work.refuse(*op_span, message);
         }
     }
 }
@@ -124,11 +124,11 @@ fn constructors(work: &mut Work<'_>) {
             Fit::TooMany { .. } => {
                 let total: usize = constructor.given.iter().flatten().sum();
                 let message = format!("`{ty}` takes {needs} components, and {total} are given");
-                work.unsupported(expr.span, message, "run `shadercheck lint`, which explains and repairs it (T001)");
+                work.refuse(expr.span, message);
             }
             Fit::TooFew { given } => {
                 let message = format!("`{ty}` takes {needs} components, and only {given} are given");
-                work.unsupported(expr.span, message, "give the missing components");
+                work.refuse(expr.span, message);
             }
         }
     }
@@ -136,17 +136,17 @@ fn constructors(work: &mut Work<'_>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::lower::{Target, UNSUPPORTED, lower};
+    use crate::lower::{Places, Target, lower};
     use base::text::SourceFile;
     use syntax::{Shader, Stage};
 
     /// Messages with their columns, for a `main` of one line.
     fn refused(body: &str) -> Vec<(usize, String)> {
         let text = format!("#version 150\nin vec4 v;\nvoid main() {{ {body} }}\n");
-        let shader = Shader::parse(&SourceFile::new("t.vert", text), Stage::Vertex).shader;
-        let found = lower(&shader, &Target::Stage).err().unwrap_or_default();
-        assert!(found.iter().all(|d| d.code == UNSUPPORTED));
-        found.into_iter().map(|d| (d.file.position(d.span.start).column, d.message.to_string())).collect()
+        let file = SourceFile::new("t.vert", text);
+        let shader = Shader::parse(&file, Stage::Vertex).shader;
+        let found = lower(&shader, &Target::Stage, &Places::default()).err().unwrap_or_default();
+        found.into_iter().map(|refused| (file.position(refused.span.start).column, refused.why)).collect()
     }
 
     #[test]

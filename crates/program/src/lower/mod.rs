@@ -1,27 +1,24 @@
-//! From desktop GLSL to the dialect that naga reads, as edits of the author's text.
+//! From desktop GLSL to the dialect that naga's own reader takes (Vulkan GLSL 4.50), as edits of the author's text.
 //!
-//! Only the interface is rewritten: the version line, locations, uniforms into blocks, the variables
-//! of a geometry stage. Bodies stay as written. Every edit keeps the way back, so that whatever is
-//! said about the lowered text can be said about the author's.
+//! That reader is a front end under test: what it makes of the text is compared with the program, which comes from the
+//! syntax tree. Only the interface is rewritten: the version line, locations, uniforms into blocks, the variables of a
+//! geometry stage. Bodies stay as written. Every edit keeps the way back, so that a message of naga's stands at the
+//! author's place.
 
 mod declaration;
 mod geometry;
 mod guard;
 mod limits;
-mod lowered;
+mod role;
 mod stage;
 mod uniforms;
 
-use base::diagnostic::{Code, Diagnostic, Message, Severity};
-use base::text::{EditList, Span};
+use std::collections::HashMap;
+
+use base::text::{Edit, EditList, Edited, Span};
 use syntax::{Shader, Stage};
 
-pub use lowered::{Lowered, Primitives, Role, Variable};
-
-/// A construct that the harness or the translator cannot express.
-pub const UNSUPPORTED: Code = Code("E801");
-/// The shader lacks something that running it needs.
-pub const INCOMPLETE: Code = Code("E802");
+pub use role::{Primitives, Role};
 
 /// What to run of a shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,68 +29,68 @@ pub enum Target {
     Function(String),
 }
 
-/// Lowers a shader whose front end found no error.
+/// Where the interface lies, by the author's names. A stage that is bound by a host has all of it.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// Locations of inputs; `None` where nobody binds them, so that any will do.
+    pub inputs: Option<HashMap<String, u32>>,
+    /// Locations of outputs; `None` as above.
+    pub outputs: Option<HashMap<String, u32>>,
+    /// Group and binding of uniforms outside of blocks and of uniform blocks, these by instance or block name.
+    pub uniforms: HashMap<String, (u32, u32)>,
+}
+
+/// Something that the dialect cannot express, or that naga's reader is known to take in another sense.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// Its place in the author's text.
+    pub span: Span,
+    /// What it is.
+    pub why: String,
+}
+
+/// Rewrites the interface of a shader whose front end found no error.
 ///
 /// # Errors
-/// Diagnostics at the author's places: what is not supported ([`UNSUPPORTED`]) and what is missing
-/// ([`INCOMPLETE`]).
-pub fn lower(shader: &Shader, target: &Target) -> Result<Lowered, Vec<Diagnostic>> {
-    let mut work = Work { shader, edits: EditList::new(), preamble: String::new(), diagnostics: Vec::new() };
+/// What stops it, in the order of the text.
+pub fn lower(shader: &Shader, target: &Target, places: &Places) -> Result<Edited, Vec<Refused>> {
+    let mut work = Work { shader, places, edits: EditList::new(), preamble: String::new(), refused: Vec::new() };
     guard::check(&mut work);
     limits::check(&mut work);
-    let uniforms = uniforms::lower(&mut work);
-    let (role, inputs, outputs) = match (target, shader.stage()) {
-        (Target::Function(name), _) => {
-            if shader.stage() == Stage::Vertex {
-                stage::vertex(&mut work);
-            }
-            stage::function(&mut work, name)
-        }
+    uniforms::lower(&mut work);
+    match (target, shader.stage()) {
+        (Target::Function(_), _) => stage::function(&mut work),
         (Target::Stage, Stage::Vertex) => stage::vertex(&mut work),
         (Target::Stage, Stage::Geometry) => geometry::lower(&mut work),
         (
             Target::Stage,
             Stage::Fragment | Stage::Compute | Stage::TessControl | Stage::TessEvaluation | Stage::Library,
-        ) => {
-            let message = format!("a {} shader cannot be run as a stage", shader.stage().name());
-            work.unsupported(Span::at(0), message, "run one of its functions: `stage = \"function\"` and `entry`");
-            (Role::Vertex, Vec::new(), Vec::new())
-        }
-    };
-    work.version();
-    if !work.diagnostics.is_empty() {
-        work.diagnostics.sort_by_key(|d| d.span.start);
-        return Err(work.diagnostics);
+        ) => work.refuse(Span::at(0), format!("a {} shader as a stage", shader.stage().name())),
     }
-    let edited = work.edits.apply(shader.file().text()).map_err(|conflict| {
+    work.version();
+    if !work.refused.is_empty() {
+        work.refused.sort_by_key(|refused| refused.span.start);
+        return Err(work.refused);
+    }
+    work.edits.apply(shader.file().text()).map_err(|conflict| {
         // Declarations that share a macro invocation end here: their parts have one and the same place.
-        let message = format!("the interface cannot be rewritten in place: {conflict}");
-        vec![Diagnostic::new(UNSUPPORTED, Severity::Error, shader.file(), Span::at(0), message)]
-    })?;
-    let (file, stage, defines) = (shader.file().clone(), shader.stage(), shader.defines().to_vec());
-    Ok(Lowered { file, edited, stage, role, inputs, uniforms, outputs, defines })
+        vec![Refused { span: Span::at(0), why: format!("the interface cannot be rewritten in place: {conflict}") }]
+    })
 }
 
 /// A lowering under way.
 struct Work<'s> {
     shader: &'s Shader,
+    places: &'s Places,
     edits: EditList,
     /// Declarations that go behind the version line.
     preamble: String,
-    diagnostics: Vec<Diagnostic>,
+    refused: Vec<Refused>,
 }
 
 impl Work<'_> {
-    fn unsupported(&mut self, span: Span, message: impl Into<Message>, help: &str) {
-        let diagnostic =
-            Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message).with_help(help);
-        self.diagnostics.push(diagnostic);
-    }
-
-    fn incomplete(&mut self, span: Span, message: impl Into<Message>, help: &str) {
-        let diagnostic =
-            Diagnostic::new(INCOMPLETE, Severity::Error, self.shader.file(), span, message).with_help(help);
-        self.diagnostics.push(diagnostic);
+    fn refuse(&mut self, span: Span, why: impl Into<String>) {
+        self.refused.push(Refused { span, why: why.into() });
     }
 
     fn slice(&self, span: Span) -> &str {
@@ -102,7 +99,6 @@ impl Work<'_> {
 
     /// Writes the version line that naga wants, with the preamble behind it.
     fn version(&mut self) {
-        use base::text::Edit;
         let text = self.shader.file().text();
         let line = format!("#version 450 core\n{}", self.preamble);
         match self.shader.version().span {
@@ -113,12 +109,5 @@ impl Work<'_> {
                 self.edits.push(Edit::replace(Span::new(0, bom), format!("{}\n", line.trim_end())));
             }
         }
-    }
-}
-
-impl Primitives {
-    /// Vertices of one input primitive.
-    pub fn input_vertices(&self) -> u32 {
-        self.input.vertices()
     }
 }

@@ -1,92 +1,81 @@
-//! Uniforms: each declaration outside a block becomes a block of its own, in place, so that
-//! everything it mentions is declared before it and its names stay global.
+//! Uniforms: each variable outside a block becomes a block of its own, in place, so that everything it mentions is
+//! declared before it and its name stays global.
 
 use super::Work;
-use super::declaration::{by_declaration, variable};
-use super::lowered::Variable;
+use super::declaration::by_declaration;
 use base::text::{Edit, Span};
 use base::value::Scalar;
-use syntax::interface::{Block, Storage};
+use syntax::ast::Qualifiers;
+use syntax::interface::{Block, Storage, Variable};
 
-pub(super) fn lower(work: &mut Work<'_>) -> Vec<Variable> {
+pub(super) fn lower(work: &mut Work<'_>) {
     let shader = work.shader;
-    let mut found: Vec<(usize, Vec<Variable>)> = Vec::new();
-    let mut binding = 0;
+    let mut number = 0;
     for group in by_declaration(&shader.interface().uniforms) {
-        let mut variables = Vec::new();
+        let mut heads = Vec::new();
         for &uniform in &group {
-            if !work.is_editable(uniform) {
-                return Vec::new();
-            }
-            if uniform.ty.contains_opaque() {
-                let message =
-                    format!("uniform `{}` of type `{}`: textures and images are not fed", uniform.name, uniform.ty);
-                work.unsupported(uniform.name_span, message, "test a function that takes the fetched value instead");
-                continue;
-            }
-            let Some(shape) = work.shape_of(uniform, "uniform") else { continue };
-            if shape.scalar == Scalar::Bool {
-                let message = format!("uniform `{}` of type `{}`: a block cannot hold it", uniform.name, uniform.ty);
-                work.unsupported(uniform.name_span, message, "use an `int` and compare it with 0");
-                continue;
-            }
+            let Some(head) = head(work, uniform, number) else { return };
             work.drop_initializer(uniform);
-            variables.push(variable(uniform, shape, None));
+            heads.push(if heads.is_empty() { head } else { format!("}}; {head}") });
+            number += 1;
         }
-        // naga reads `T a, b;` in a block no better than outside: each member is written out.
-        // Columns of two components stand 16 bytes apart in std140, which naga cannot express. The
-        // layout of these blocks is ours to choose.
-        let two_rows = variables.iter().any(|v| v.shape.columns > 1 && v.shape.rows == 2);
-        let layout = if two_rows { "std430" } else { "std140" };
-        let block = format!("layout({layout}, set = 0, binding = {binding}) uniform sc_uniforms_{binding} {{ ");
-        binding += 1;
-        work.split(&group, |k| if k == 0 { block.clone() } else { String::new() });
+        // naga reads `T a, b;` in a block no better than outside: each variable is written out.
+        work.split(&group, |k| heads[k].clone());
         work.edits.push(Edit::insert(group[0].declaration_span.end, " };"));
-        found.push((group[0].item, variables));
     }
-    for block in shader.interface().blocks.iter().filter(|b| b.storage == Storage::Uniform) {
-        let head = format!("layout(std140, set = 0, binding = {binding}) ");
-        binding += 1;
-        let variables = members(work, block);
-        replace_layout(work, block, &head);
-        found.push((block.item, variables));
+    for block in &shader.interface().blocks {
+        match block.storage {
+            Storage::Uniform => uniform_block(work, block),
+            Storage::Buffer => work.refuse(block.name.span, format!("storage block `{}`", block.name.name)),
+            _ => {}
+        }
     }
-    for block in shader.interface().blocks.iter().filter(|b| b.storage == Storage::Buffer) {
-        let message = format!("storage block `{}` is not fed", block.name.name);
-        work.unsupported(block.name.span, message, "pass the values as uniforms or attributes");
-    }
-    found.sort_by_key(|(item, _)| *item);
-    found.into_iter().flat_map(|(_, variables)| variables).collect()
 }
 
-fn members(work: &mut Work<'_>, block: &Block) -> Vec<Variable> {
-    let mut variables = Vec::new();
+/// What stands in place of the qualifiers of a uniform.
+fn head(work: &mut Work<'_>, uniform: &Variable, number: u32) -> Option<String> {
+    if !work.is_editable(uniform) {
+        return None;
+    }
+    let shape = work.shape_of(uniform, "uniform")?;
+    if shape.scalar == Scalar::Bool {
+        work.refuse(uniform.name_span, format!("uniform `{}` of type `{}` in a block", uniform.name, uniform.ty));
+    }
+    // Columns of two components stand 16 bytes apart in std140, which naga cannot express. The layout of these blocks
+    // is ours to choose.
+    let layout = if shape.columns > 1 && shape.rows == 2 { "std430" } else { "std140" };
+    let place = place(work, &uniform.name, uniform.name_span)?;
+    Some(format!("layout({layout}, {place}) uniform sc_uniforms_{number} {{ "))
+}
+
+/// Group and binding of a uniform or a block, as layout qualifiers.
+fn place(work: &mut Work<'_>, name: &str, span: Span) -> Option<String> {
+    let Some((group, binding)) = work.places.uniforms.get(name) else {
+        work.refuse(span, format!("`{name}` has no binding"));
+        return None;
+    };
+    Some(format!("set = {group}, binding = {binding}"))
+}
+
+fn uniform_block(work: &mut Work<'_>, block: &Block) {
+    let name = block.instance.as_ref().unwrap_or(&block.name);
     if !block.dims.is_empty() {
-        let message = format!("uniform block `{}` is an array", block.name.name);
-        work.unsupported(block.name.span, message, "declare one block for each element");
-        return variables;
+        work.refuse(block.name.span, format!("uniform block `{}` is an array", block.name.name));
     }
     for member in &block.members {
-        let fed = member.ty.shape().filter(|s| s.scalar != Scalar::Bool);
-        let Some(shape) = fed else {
-            let message = format!("member `{}` of type `{}` cannot be fed", member.name.name, member.ty);
-            work.unsupported(member.name.span, message, "only numbers, vectors, matrices and arrays of them are fed");
-            continue;
-        };
-        let name = match &block.instance {
-            Some(instance) => format!("{}.{}", instance.name, member.name.name),
-            None => member.name.name.clone(),
-        };
-        variables.push(Variable { name, shape, span: member.name.span, location: None });
+        if member.ty.shape().is_none_or(|shape| shape.scalar == Scalar::Bool) {
+            work.refuse(member.name.span, format!("member `{}` of type `{}`", member.name.name, member.ty));
+        }
     }
-    variables
-}
-
-/// Puts `head` in place of the block's own layout qualifiers.
-fn replace_layout(work: &mut Work<'_>, block: &Block, head: &str) {
-    let layouts: Vec<Span> = block.qualifiers.layouts().map(|(_, span)| span).collect();
-    for span in layouts {
-        work.edits.push(Edit::delete(span));
+    // What places members elsewhere than std140 goes with the layout that is replaced.
+    let moves = |q: &Qualifiers| ["offset", "align"].iter().any(|key| q.layout_entry(key).is_some());
+    if moves(&block.qualifiers) || block.members.iter().any(|member| moves(&member.qualifiers)) {
+        work.refuse(block.name.span, format!("uniform block `{}` with offsets", block.name.name));
     }
-    work.edits.push(Edit::insert(block.span.start, head));
+    if let Some(place) = place(work, &name.name, name.span) {
+        for (_, span) in block.qualifiers.layouts() {
+            work.edits.push(Edit::delete(span));
+        }
+        work.edits.push(Edit::insert(block.span.start, format!("layout(std140, {place}) ")));
+    }
 }

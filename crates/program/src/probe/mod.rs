@@ -140,12 +140,12 @@ pub struct Probed {
 impl Probed {
     /// The author's text of a point; empty where nothing of the author's stands for it.
     pub fn text(&self, point: &Point) -> &str {
-        point.span.map_or("", |span| self.program.lowered.file.slice(span))
+        point.span.map_or("", |span| self.program.file.slice(span))
     }
 
     /// File, line and column of a point; the file alone where no place is known.
     pub fn locate(&self, point: &Point) -> String {
-        let file = &self.program.lowered.file;
+        let file = &self.program.file;
         point.span.map_or_else(|| file.name().to_owned(), |span| file.locate(span.start))
     }
 }

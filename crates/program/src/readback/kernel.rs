@@ -1,4 +1,5 @@
-//! A geometry stage or a function, found inside the kernel that was translated.
+//! A geometry stage or a function, found inside the kernel that was translated, or in naga's module of the author's
+//! text.
 
 use naga::valid::ModuleInfo;
 use naga::{AddressSpace, Function, GlobalVariable, Handle, Module, Type, TypeInner};
@@ -21,7 +22,7 @@ pub(super) fn resolve(
 ) -> Result<ReadBack, TranslateError> {
     // Nothing here is the interface of the translation: what is not found by its name is no fault of it.
     let lost = |reason: String| TranslateError::ReadBack { language, reason };
-    let mut back = Search { program, module }.all(language, info).map_err(lost)?;
+    let mut back = Search { program, language, module }.all(info).map_err(lost)?;
     if let Role::Geometry(primitives) = program.role {
         back.max_vertices = Some(primitives.max_vertices);
         for name in EMISSION {
@@ -46,14 +47,16 @@ fn privates(module: &Module) -> impl Iterator<Item = (Handle<GlobalVariable>, Op
 
 struct Search<'p> {
     program: &'p Program,
+    language: Language,
     module: Module,
 }
 
 impl Search<'_> {
-    fn all(self, language: Language, info: ModuleInfo) -> Result<ReadBack, String> {
-        let program = self.program;
+    fn all(self, info: ModuleInfo) -> Result<ReadBack, String> {
+        let (program, language) = (self.program, self.language);
         let wanted = match (&program.role, program.entry) {
             (Role::Function { name }, _) => name.as_str(),
+            (_, Entry::Point(_)) if language == Language::NagaGlsl => "main",
             (_, Entry::Point(_)) => ENTRY_FUNCTION,
             (role, entry) => return Err(format!("{role:?} with {entry:?}")),
         };
@@ -82,7 +85,7 @@ impl Search<'_> {
     }
 
     fn place(&self, entry: &Function, port: &Port) -> Result<Place, String> {
-        let (module, name) = (&self.module, &port.field.name);
+        let (module, program, name) = (&self.module, self.program, &port.field.name);
         let argument = |k: u32| entry.arguments.get(k as usize).map(|argument| argument.ty);
         let (ty, at) = match port.at {
             PortAt::Part { global, ref path } => {
@@ -100,9 +103,18 @@ impl Search<'_> {
                 (Some(base), PortAt::Reference(k))
             }
             PortAt::Result => (entry.result.as_ref().map(|result| result.ty), PortAt::Result),
-            PortAt::Global(global) => {
-                let global = self.global(global, name)?;
-                (Some(module.global_variables[global].ty), PortAt::Global(global))
+            PortAt::Global(own) => {
+                let global = self.global(own, name)?;
+                let ty = module.global_variables[global].ty;
+                // A uniform that stands by itself here, and in a block there.
+                let is_block = |module: &Module, ty| matches!(module.types[ty].inner, TypeInner::Struct { .. });
+                let wrapped =
+                    is_block(module, ty) && !is_block(&program.module, program.module.global_variables[own].ty);
+                if wrapped {
+                    (self.member(ty, 0), PortAt::Member(global, 0))
+                } else {
+                    (Some(ty), PortAt::Global(global))
+                }
             }
             PortAt::Member(global, member) => {
                 let global = self.global(global, name)?;
@@ -146,10 +158,16 @@ impl Search<'_> {
         }
     }
 
-    /// The private variable that stands for a global of the program. Uniform blocks without a name of
-    /// their own are known by the names of their members.
+    /// The variable that stands for a global of the program: one with its binding for a uniform of the
+    /// author's text, else a private variable by its name.
+    /// Uniform blocks without a name of their own are known by the names of their members.
     fn global(&self, own: Handle<GlobalVariable>, of: &str) -> Result<Handle<GlobalVariable>, String> {
         let (module, variable) = (&self.module, &self.program.module.global_variables[own]);
+        if variable.space == AddressSpace::Uniform && self.language == Language::NagaGlsl {
+            let bound = |v: &GlobalVariable| v.space == AddressSpace::Uniform && v.binding == variable.binding;
+            let found = module.global_variables.iter().find(|(_, v)| bound(v)).map(|(handle, _)| handle);
+            return found.ok_or_else(|| format!("nothing there has the binding of `{of}`"));
+        }
         let found = match (&variable.name, &self.program.module.types[variable.ty].inner) {
             (Some(name), _) => nearest(privates(module), name),
             (None, TypeInner::Struct { members, .. }) => {

@@ -23,6 +23,7 @@ use feed::Feed;
 use super::translate::{Language, TranslateError, Translation, read_back};
 use super::{Entry, PortAt, Program, ProgramError, Texture, contain, validate};
 use crate::lower::Role;
+use base::text::{Edited, PositionMap};
 use base::value::{Batch, Field, Record, Scalar, Shape};
 
 /// A value of the interface in the module that was read back.
@@ -68,13 +69,18 @@ pub struct ReadBack {
 }
 
 impl Program {
-    /// Translates the program and reads it back. `None` for a language that naga does not read, or a
-    /// construct of it.
+    /// Translates the program and reads it back; for [`Language::NagaGlsl`], has naga read the author's own text.
+    /// `None` for a language that naga does not read, or a construct of it.
     ///
     /// # Errors
     /// [`TranslateError`]: the language lacks something, naga refuses what it wrote, or what it wrote
     /// has another interface.
     pub fn retranslate(&self, language: Language) -> Result<Option<ReadBack>, TranslateError> {
+        if language == Language::NagaGlsl {
+            // What the dialect lacks is nothing that its reader gets wrong.
+            let Ok(edited) = self.in_dialect() else { return Ok(None) };
+            return self.read_by_naga(&edited)?.map(|module| self.bind(language, module)).transpose();
+        }
         if !Language::READ_BACK.contains(&language) {
             return Ok(None);
         }
@@ -99,18 +105,26 @@ impl Program {
     /// # Errors
     /// [`TranslateError`]: its reader refuses it, or it has another interface.
     pub fn read_back(&self, translation: &Translation, language: Language) -> Result<Option<ReadBack>, TranslateError> {
+        if let (Translation::Text(text), Language::NagaGlsl) = (translation, language) {
+            let edited = Edited { text: text.clone(), map: PositionMap::identity(text.len()) };
+            return self.read_by_naga(&edited)?.map(|module| self.bind(language, module)).transpose();
+        }
         let Some(mut module) = read_back(translation, language, &self.role)? else { return Ok(None) };
         // A reader puts an access to every block into every function. What has no effect is left out.
         contain(|| naga::compact::compact(&mut module, KeepUnused::No))
             .map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?;
-        let read = match self.role {
+        self.bind(language, module).map(Some)
+    }
+
+    /// Finds the interface of this program in another module of it.
+    fn bind(&self, language: Language, module: Module) -> Result<ReadBack, TranslateError> {
+        match self.role {
             Role::Vertex | Role::Fragment | Role::Compute => stage::resolve(self, language, module),
             Role::Geometry(_) | Role::Function { .. } => {
                 let info = validate(&module)?;
                 kernel::resolve(self, language, module, info)
             }
-        };
-        read.map(Some)
+        }
     }
 }
 

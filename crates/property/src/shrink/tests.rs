@@ -52,6 +52,7 @@ fn shrink_all(plan: &Plan, most: usize, fails: &dyn Fn(&Sample) -> bool) -> (Vec
         Ok(samples.iter().map(fails).collect())
     });
     let shrunk = shrunk.unwrap();
+    assert!(!shrunk.is_empty(), "nothing was shrunk");
     for s in &shrunk {
         assert!(fails(&s.sample) && plan.admits(&s.sample) && s.minimal, "{:?}", s.sample);
     }

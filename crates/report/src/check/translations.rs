@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use engine::suite::run::{Outcome, Summary, Translated};
+use program::Language;
 
 /// Lines for people: in one line the languages that agree, then what is left open. Deviations are
 /// findings, and told as such.
@@ -21,9 +22,15 @@ fn lines(suites: &[(&str, &[Translated])]) -> String {
     let mut agreeing: Vec<(Vec<&str>, u64, u64)> = Vec::new();
     let mut open: Vec<Open<'_>> = Vec::new();
     let mut counts: Vec<(&str, u64, u64)> = Vec::new();
+    // Texts that naga's GLSL reader refuses, with the first reason.
+    let mut refused: Vec<(&str, &str)> = Vec::new();
     for (suite, translations) in suites {
         let mut own: Vec<Open<'_>> = Vec::new();
         for translated in *translations {
+            if translated.language == Language::NagaGlsl {
+                refused.extend(translated.unsupported.as_deref().map(|why| (*suite, why)));
+                continue;
+            }
             let language = translated.language.name();
             if let Some(why) = &translated.unsupported {
                 Open::add(&mut own, suite, language, What::NotCompared(why), 0);
@@ -57,6 +64,10 @@ fn lines(suites: &[(&str, &[Translated])]) -> String {
         );
     }
     open.iter().for_each(|open| text.push_str(&open.line()));
+    if let [(_, why), ..] = refused[..] {
+        let names: Vec<&str> = refused.iter().map(|(suite, _)| *suite).collect();
+        let _ = writeln!(text, "note: {}: naga's reading was not compared: {why}", names.join(", "));
+    }
     text
 }
 
@@ -161,6 +172,18 @@ mod tests {
         assert_eq!(lines(&[("a", &all), ("b", &all)]), line);
         // Another language alone is another line.
         assert_eq!(lines(&[("a", &all), ("b", &all[..1])]).lines().count(), 2);
+    }
+
+    #[test]
+    fn what_nagas_reader_refuses_is_one_line_and_what_it_reads_is_none() {
+        use Language::{NagaGlsl, SpirV};
+        let why = Some("naga's GLSL reader refuses the text".to_owned());
+        let refused = [Translated { unsupported: why, ..agrees(NagaGlsl, 0) }];
+        let agree = "note: translations agree with the shader: spirv (5 samples, 1 suite)\n";
+        assert_eq!(
+            lines(&[("a", &refused), ("b", &[agrees(SpirV, 5), agrees(NagaGlsl, 5)]), ("c", &refused)]),
+            format!("{agree}note: a, c: naga's reading was not compared: naga's GLSL reader refuses the text\n")
+        );
     }
 
     #[test]

@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn every_operator_makes_mutants_that_compile() {
-        // `changes` fails on a mutant that the front end, the lowering or the translator refuses.
+        // `changes` fails on a mutant that the front end or the translator refuses.
         for operator in registry() {
             assert!(!changes(operator.name, ALL).is_empty(), "{}", operator.name);
         }

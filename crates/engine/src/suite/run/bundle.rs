@@ -11,7 +11,7 @@ use super::{Prepared, Report};
 use judge::profile::Promises;
 use judge::verdict::{Deviation, Value as Component};
 use lanes::{Actual, Lane, LaneError, Stage};
-use program::{ENTRY_POINT, Language, Source, binding};
+use program::{ENTRY_POINT, Language, Source, Translation, binding};
 use property::{Sample, regressions};
 
 /// A failing case as files.
@@ -85,14 +85,16 @@ fn files(
     sample: &Sample,
     actual: &Actual,
 ) -> Vec<(String, Vec<u8>)> {
-    let lowered = &prepared.program.lowered;
-    let ending = lowered.file.name().rsplit(['/', '\\']).next().and_then(|name| name.rsplit_once('.'));
+    let file = &prepared.program.file;
+    let ending = file.name().rsplit(['/', '\\']).next().and_then(|name| name.rsplit_once('.'));
     let ending = ending.map_or("glsl", |(_, ending)| ending);
     let mut files = vec![
-        (format!("shader.{ending}"), lowered.file.text().as_bytes().to_vec()),
-        (format!("lowered.{ending}"), lowered.edited.text.as_bytes().to_vec()),
+        (format!("shader.{ending}"), file.text().as_bytes().to_vec()),
         ("case.json".to_owned(), format!("{:#}\n", described(report, finding, case, actual)).into_bytes()),
     ];
+    if let Ok(Translation::Text(text)) = prepared.program.translate(Language::NagaGlsl) {
+        files.push((format!("lowered.{ending}"), text.into_bytes()));
+    }
     if let Some(command) = &finding.reproduce {
         files.push(("reproduce.sh".to_owned(), format!("#!/bin/sh\n{command}\n").into_bytes()));
     }

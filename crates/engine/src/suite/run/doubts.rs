@@ -54,7 +54,7 @@ pub(super) fn told(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
     let Doubts { reason, op, site, args, count, first: _ } = doubts;
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
     let span = site.and_then(|site| author_span(program, &executable.place(site)));
-    let file = &program.lowered.file;
+    let file = &program.file;
     Doubtful {
         reason: *reason,
         op: *op,

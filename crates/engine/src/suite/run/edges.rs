@@ -144,7 +144,7 @@ pub(super) fn judge(
 /// Questions in the author's words.
 fn asked(prepared: &Prepared, found: &Edges) -> Vec<Asked> {
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
-    let file = &program.lowered.file;
+    let file = &program.file;
     let mut all: Vec<(Option<base::text::Span>, Question, u16)> = Vec::new();
     for reached in &found.reached {
         let span = author_span(program, &executable.place(reached.site));

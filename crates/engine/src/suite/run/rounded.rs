@@ -60,7 +60,7 @@ fn one(
         shrink::shrink(first, &*prepared.plan.clone(), &mut oracle)?
     };
     let Some(simplest) = shrunk.into_iter().next() else { return Ok(None) };
-    let file = &prepared.program.lowered.file;
+    let file = &prepared.program.file;
     let place = Place::of(file, literal.span);
     let Rounded { name, meant, digits, .. } = literal;
     let case = finding::case(&simplest, None);

@@ -21,14 +21,14 @@ const CORNERS: [[f32; 2]; 3] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]];
 /// inputs that it cannot set.
 pub fn shader_test(prepared: &Prepared, message: &str, deviation: &Deviation, sample: &Sample) -> Option<String> {
     let value = deviation.value()?;
-    let lowered = &prepared.program.lowered;
-    let parsed = Shader::parse_with(&lowered.file, lowered.stage, &lowered.defines);
+    let program = &prepared.program;
+    let parsed = Shader::parse_with(&program.file, program.stage, &program.defines);
     let work = Work { prepared, shader: &parsed.shader, sample, value, deviation };
     // What another text is put in for is not here.
-    if lowered.file.text().contains("#include") {
+    if program.file.text().contains("#include") {
         return None;
     }
-    let (stages, data, draw) = match &prepared.program.role {
+    let (stages, data, draw) = match &program.role {
         Role::Vertex => work.vertex()?,
         Role::Geometry(primitives) => work.geometry(primitives.input_vertices())?,
         Role::Function { name } => work.function(name)?,

@@ -1,4 +1,4 @@
-//! The translations of a suite's shader, on samples of the suite.
+//! The translations of a suite's shader, and what naga's own GLSL reader makes of it, on samples of the suite.
 
 use super::finding::{self, Finding, FindingKind};
 use super::{Prepared, Report, Request};
@@ -14,7 +14,7 @@ const SAMPLES: u64 = 2048;
 /// Deviating samples that are shrunk; the rest is counted.
 const SHRUNK: usize = 4;
 
-/// What one translation of a shader means.
+/// What one translation of a shader, or naga's reading of it, means.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Translated {
     /// The language.
@@ -40,7 +40,10 @@ pub fn check_with(prepared: &Prepared, translations: &Translations, request: &Re
         match why {
             Unread::Unsupported(why) => unsupported(report, [language], why),
             Unread::Interface(reason) => {
-                let message = format!("the {language} translation has another interface than the shader: {reason}");
+                let message = match language {
+                    Language::NagaGlsl => format!("naga's GLSL reader gives the shader another interface: {reason}"),
+                    _ => format!("the {language} translation has another interface than the shader: {reason}"),
+                };
                 add(report, Finding { kind: FindingKind::Translation, message, case: None, count: 0, reproduce: None });
                 unsupported(report, [language], reason);
             }
@@ -135,7 +138,7 @@ fn fail(
         kind: FindingKind::Translation,
         message: deviation.map_or_else(
             // Not to be reached: a shrunk sample deviates.
-            || format!("the {language} translation deviates from the shader"),
+            || format!("{language}: another meaning than the shader's"),
             |deviation| deviation.to_string(),
         ),
         count,

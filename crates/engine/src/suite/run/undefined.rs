@@ -94,5 +94,5 @@ fn message(prepared: &Prepared, found: &Dependence) -> String {
 fn place(prepared: &Prepared, found: &Dependence) -> Option<Place> {
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
     let span = author_span(program, &executable.place(found.of.site))?;
-    Some(Place::of(&program.lowered.file, span))
+    Some(Place::of(&program.file, span))
 }

@@ -41,7 +41,7 @@ pub(super) fn written(
 /// The place of a site in the author's text.
 pub(super) fn place(context: &JudgeContext<'_>, program: &Program, site: Site) -> Option<Place> {
     let span = author_span(program, &context.oracle.executable.place(site))?;
-    Some(Place::of(&program.lowered.file, span))
+    Some(Place::of(&program.file, span))
 }
 
 fn no_value(context: &JudgeContext<'_>, program: &Program, batch: &Batch, value: &Value) -> Option<NoValue> {

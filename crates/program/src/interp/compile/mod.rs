@@ -510,11 +510,7 @@ impl<'m> Compiler<'m> {
 
     fn site(&mut self, frame: &Frame<'m>, expression: Handle<Expression>) -> Site {
         let arena = &frame.function.expressions;
-        // naga's GLSL front end gives calls of built-in functions no place: that of an argument is near.
         let mut span = arena.get_span(expression);
-        if let (false, Expression::Math { arg, .. }) = (span.is_defined(), &arena[expression]) {
-            span = arena.get_span(*arg);
-        }
         if !span.is_defined() {
             span = frame.span;
         }
