@@ -233,7 +233,7 @@ impl<'a> Generator<'a> {
         Document {
             schema: SCHEMA.into(),
             schema_version: SCHEMA_VERSION.into(),
-            tool: Tool { name: env!("CARGO_PKG_NAME").into(), version: env!("CARGO_PKG_VERSION").into() },
+            tool: Tool { name: "shadercheck".into(), version: env!("CARGO_PKG_VERSION").into() },
             suite: self.subject.source(),
             expected: ExpectedSource {
                 by: by.into(),

@@ -18,7 +18,7 @@ pub const RULE: Rule = Rule {
         what: "Reports `gl_Position` and outputs of fragment shaders of which some components are written and others \
                nowhere. Other outputs are left alone, because the next stage may use only what is written.",
         why: "The rest is undefined. A position is divided by its fourth component; blending and the frame buffer \
-              use the alpha of a colour. Where only alpha is missing, this is message as information: a frame buffer \
+              use the alpha of a colour. Where only alpha is missing, this is told as information: a frame buffer \
               without blending does without it.",
         bad: &[Example {
             name: "flat.vert",

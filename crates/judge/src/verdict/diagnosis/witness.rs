@@ -401,7 +401,7 @@ impl fmt::Display for Fault {
             Self::Everyone { groups, alike: true } => write!(
                 f,
                 "no single lane: {groups} groups of executor and front end agree with each other, and not with what the \
-                 shader means; our own meaning or bound is sample, or the shader leans on unspecified behaviour"
+                 shader means; our own meaning or bound is suspect, or the shader leans on unspecified behaviour"
             ),
             Self::Everyone { groups, alike: false } => write!(
                 f,
