@@ -1,7 +1,7 @@
-//! Dependencies that advisories are known of: each is known to `deny.toml` with a reason, or is not there. The database
-//! of advisories is no package, so that what is known of it is written down here.
+//! What is wrong with packages: those that advisories are known of, and those that are locked in several versions, are in
+//! `deny.toml` with a reason. The database of advisories is no package, so that what is known of it is written down here.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{file, project};
 
@@ -46,6 +46,59 @@ fn faults(lock: &str, deny: &str) -> Vec<String> {
         }
     }
     faults
+}
+
+/// What is wrong between the packages that are locked in several versions and those that `deny.toml` skips.
+fn doubles(lock: &str, deny: &str) -> Vec<String> {
+    let table = |text: &str| text.parse::<toml::Table>().expect("TOML");
+    let (lock, deny) = (table(lock), table(deny));
+    let list = |value: Option<&toml::Value>| value.and_then(toml::Value::as_array).cloned().unwrap_or_default();
+    let text = |value: &toml::Value, key: &str| value.get(key).and_then(toml::Value::as_str).unwrap_or("").to_owned();
+    let skipped: BTreeMap<String, String> = list(deny.get("bans").and_then(|bans| bans.get("skip")))
+        .iter()
+        .map(|entry| (text(entry, "crate"), text(entry, "reason")))
+        .collect();
+    let mut locked: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for package in list(lock.get("package")) {
+        locked.entry(text(&package, "name")).or_default().push(text(&package, "version"));
+    }
+    let several = |name: &str| locked.get(name).is_some_and(|versions| versions.len() > 1);
+    let mut faults = Vec::new();
+    for (name, versions) in locked.iter().filter(|(name, _)| several(name)) {
+        let with_reason = |version: &&String| skipped.get(&format!("{name}@{version}")).is_some_and(|r| !r.is_empty());
+        if versions.iter().filter(with_reason).count() + 1 != versions.len() {
+            let versions = versions.join(", ");
+            faults.push(format!("`{name}` is locked in {versions}: deny.toml gives a reason for all but one of them"));
+        }
+    }
+    let known = |entry: &str| {
+        entry.split_once('@').is_some_and(|(name, version)| several(name) && locked[name].iter().any(|v| v == version))
+    };
+    faults.extend(
+        skipped
+            .keys()
+            .filter(|entry| !known(entry))
+            .map(|entry| format!("deny.toml skips `{entry}`, which is no double")),
+    );
+    faults
+}
+
+#[test]
+fn no_package_has_two_versions_without_a_reason() {
+    let files = project();
+    let text = |path: &str| file(&files, path).text.clone();
+    assert_eq!(doubles(&text("Cargo.lock"), &text("deny.toml")), Vec::<String>::new());
+}
+
+#[test]
+fn a_second_version_and_a_reason_for_none_are_reported() {
+    let package = |version: &str| format!("[[package]]\nname = 'syn'\nversion = '{version}'\n");
+    let two = package("1.0.0") + &package("2.0.0");
+    let deny = |entries: &str| format!("[bans]\nskip = [{entries}]\n");
+    assert_eq!(doubles(&two, &deny("")).len(), 1);
+    assert_eq!(doubles(&two, &deny("{ crate = 'syn@1.0.0', reason = '' }")).len(), 1);
+    assert_eq!(doubles(&two, &deny("{ crate = 'syn@1.0.0', reason = 'r' }")), Vec::<String>::new());
+    assert_eq!(doubles(&package("2.0.0"), &deny("{ crate = 'syn@1.0.0', reason = 'r' }")).len(), 1);
 }
 
 #[test]
