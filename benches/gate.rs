@@ -6,6 +6,7 @@
 use std::time::{Duration, Instant};
 
 use base::text::SourceFile;
+use chapter::SUITES;
 use engine::suite::run::{DEFAULT_SEED, Prepared, Request, prepare, run};
 use engine::suite::{self, Suite};
 use judge::profile::Promises;
@@ -152,7 +153,7 @@ fn ms(time: Duration) -> f64 {
 fn quick(lane: &dyn Lane) {
     let promises = Promises::of_lane(lane.description());
     let time = fastest(|| {
-        for shipped in suite::shipped() {
+        for shipped in SUITES {
             let suite = parsed(shipped);
             let shader = SourceFile::new(shipped.shader_name, shipped.shader_text);
             let prepared = prepare(&suite, &shader).unwrap_or_else(|e| panic!("{e}"));
