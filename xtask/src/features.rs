@@ -10,15 +10,16 @@ use crate::cargo::cargo;
 
 /// A line for each dependency whose features differ between `cargo build` and `cargo test`.
 pub fn compiled_twice() -> Result<Vec<String>> {
-    let build = tree(&["--edges", "normal"])?;
-    let test = tree(&["--edges", "normal,dev"])?;
+    let build = tree(&["--package", "shadercheck", "--edges", "normal"])?;
+    // The tests are those of all crates, whose own test dependencies and default features count as well.
+    let test = tree(&["--workspace", "--edges", "normal,dev"])?;
     Ok(differing(&build, &test))
 }
 
-fn tree(edges: &[&str]) -> Result<String> {
-    let listing = ["tree", "--package", "shadercheck", "--locked", "--prefix", "none", "--format", "{p} [{f}]"];
+fn tree(of: &[&str]) -> Result<String> {
+    let listing = ["tree", "--locked", "--prefix", "none", "--format", "{p} [{f}]"];
     // Procedural macros are built for the host, apart from everything else.
-    let output = cargo(listing).args(edges).args(["--edges", "no-proc-macro"]).output()?;
+    let output = cargo(listing).args(of).args(["--edges", "no-proc-macro"]).output()?;
     ensure!(output.status.success(), "cargo tree failed: {}", String::from_utf8_lossy(&output.stderr).trim());
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
