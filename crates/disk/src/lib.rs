@@ -6,5 +6,5 @@ mod problem;
 mod source;
 pub mod table;
 
-pub use problem::{Problem, SuiteError};
+pub use problem::Problem;
 pub use source::{MOST_BYTES, read_source};

@@ -9,9 +9,9 @@ use toml::de::{DeTable, DeValue};
 use base::nearest;
 use base::text::{SourceFile, printable};
 
-use crate::{Problem, SuiteError};
+use crate::Problem;
 
-/// A suite file with what was found wrong in it so far.
+/// A file with what was found wrong in it so far.
 pub struct Reader<'a> {
     file: &'a SourceFile,
     problems: RefCell<Vec<(usize, String)>>,
@@ -34,14 +34,9 @@ impl<'a> Reader<'a> {
         self.file.locate(offset)
     }
 
-    /// `value` when nothing was wrong.
-    pub fn finish<T>(self, value: Option<T>) -> Result<T, SuiteError> {
-        self.finish_or(value, "the suite cannot be read").map_err(|problems| SuiteError { problems })
-    }
-
-    /// The same with the problems as they are; `defect` tells of a part that could not be read and did
+    /// `value` when nothing was wrong; `defect` is the message for a part that could not be read and did
     /// not say why, which is a defect here.
-    pub fn finish_or<T>(self, value: Option<T>, defect: &str) -> Result<T, Vec<Problem>> {
+    pub fn finish<T>(self, value: Option<T>, defect: &str) -> Result<T, Vec<Problem>> {
         let mut problems = self.problems.into_inner();
         match value {
             Some(value) if problems.is_empty() => Ok(value),

@@ -5,8 +5,16 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use base::text::{Shown, TextError};
-use disk::SuiteError;
+use disk::Problem;
 use property::regressions::RegressionError;
+
+/// Everything that is wrong in a suite file, in the order of the file; never empty.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{}", .problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct SuiteError {
+    /// The problems.
+    pub problems: Vec<Problem>,
+}
 
 /// Why a suite, its shader or its regressions cannot be read or written.
 #[derive(Debug, Error)]

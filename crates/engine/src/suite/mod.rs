@@ -25,7 +25,7 @@ use property::generators::{self, Options, Strands};
 use property::law::Law;
 use property::{InputGroup, Own, Plan, PlanError};
 
-pub use error::{LoadError, RunTextureError};
+pub use error::{LoadError, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
     ENDING, Loaded, ledger_path, load, read_ledger, read_regressions, read_shader, regressions_path, save_regressions,

@@ -3,7 +3,6 @@ use std::path::Path;
 
 use super::*;
 use base::value::{Field, Shape};
-use disk::SuiteError;
 
 const GOOD: &str = r#"suite = "skinning"
 title = "Vertex blending by distance from bones"

@@ -34,7 +34,7 @@ pub fn parse(file: &SourceFile) -> Result<Ledger, Vec<Problem>> {
             None
         }
     };
-    reader.finish_or(ledger, "the ledger cannot be read")
+    reader.finish(ledger, "the ledger cannot be read")
 }
 
 fn expected(table: Table<'_>) -> Option<Expected> {

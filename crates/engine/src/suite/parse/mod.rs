@@ -13,8 +13,7 @@ use property::{InputGroup, Own};
 
 use super::expect::hint;
 use super::textures::WORDS;
-use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite};
-use disk::SuiteError;
+use super::{BoundTexture, Contents, Floors, Includes, Stage, Suite, SuiteError};
 use disk::table::{At, Reader, Table};
 
 const KEYS: [&str; 19] = [
@@ -91,7 +90,7 @@ pub fn parse_with(file: &SourceFile, names: &Names) -> Result<Suite, SuiteError>
             None
         }
     };
-    reader.finish(suite)
+    reader.finish(suite, "the suite cannot be read").map_err(|problems| SuiteError { problems })
 }
 
 fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
