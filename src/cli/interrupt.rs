@@ -28,15 +28,6 @@ pub fn listen() -> io::Result<()> {
     Ok(())
 }
 
-/// There is nothing to report early without what runs shaders.
-///
-/// # Errors
-/// When the system takes no handler.
-#[cfg(not(feature = "run"))]
-pub fn listen() -> io::Result<()> {
-    clean_up()
-}
-
 /// Has a signal remove unfinished files before it ends the process.
 ///
 /// # Errors

@@ -131,12 +131,6 @@ impl Command {
     fn ends_early(&self) -> bool {
         matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Mutate(_))
     }
-
-    /// The linter reports at its end alone.
-    #[cfg(all(unix, not(feature = "run")))]
-    fn ends_early(&self) -> bool {
-        false
-    }
 }
 
 /// Runs the command line.
@@ -146,8 +140,13 @@ pub fn run(cli: &Cli) -> ExitStatus {
     let color = stdout.is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let mut out = std::io::BufWriter::new(WhileRead::new(stdout.lock()));
     let mut err = WhileRead::new(&stderr);
+    #[cfg(all(unix, feature = "run"))]
+    let handled = if cli.command.ends_early() { interrupt::listen() } else { interrupt::clean_up() };
+    // The linter reports at its end alone.
+    #[cfg(all(unix, not(feature = "run")))]
+    let handled = interrupt::clean_up();
     #[cfg(unix)]
-    if let Err(error) = if cli.command.ends_early() { interrupt::listen() } else { interrupt::clean_up() } {
+    if let Err(error) = handled {
         let _ = writeln!(err, "note: signals end the program at once: {error}");
     }
     let result = match &cli.command {

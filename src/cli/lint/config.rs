@@ -120,7 +120,7 @@ pub fn parse(file: &SourceFile) -> Result<FileConfig, Problems> {
             None
         }
     };
-    reader.finish_or(config, "the configuration cannot be read").map_err(Problems)
+    reader.finish(config, "the configuration cannot be read").map_err(Problems)
 }
 
 fn whole(root: Table<'_>) -> FileConfig {

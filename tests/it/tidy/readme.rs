@@ -35,11 +35,11 @@ fn unknown_commands(document: &File, program: &str, help: &dyn Fn(&str) -> Optio
 }
 
 /// Options in a page that `help` does not know.
-// A bare `--` is the operator of GLSL.
 fn unknown_options(page: &File, help: &str) -> Vec<Fault> {
     let known = |option: &str| help.split([' ', ',', '=', '\n', '[', ']']).any(|word| word == option);
     let spans = code(page).into_iter().filter(|(_, fenced, text)| !fenced && text.starts_with("--"));
     let options = spans.flat_map(|(line, _, text)| text.split([' ', '=']).map(move |word| (line, word)));
+    // A bare `--` is the operator of GLSL.
     let unknown = options.filter(|(_, word)| word.len() > 2 && word.starts_with("--") && !known(word));
     unknown.map(|(line, word)| page.fault(line, format!("there is no option `{word}`"))).collect()
 }
