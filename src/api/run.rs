@@ -9,7 +9,7 @@ use engine::suite::run::{
 use engine::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
 use judge::profile::Promises;
 use judge::verdict::{Literals, Reference};
-use lanes::{self, Lane};
+use lanes::{Lane, Wanted};
 use program::Program;
 use program::lower::Target;
 use property::regressions;
@@ -80,27 +80,11 @@ fn replay(prepared: &Prepared, text: &str) -> Result<Vec<Sample>, Error> {
 
 /// The lanes that are named; without names every device, and the stand-in where there is none.
 pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
-    let all = lanes::registry();
-    if let Some(name) = names.iter().find(|name| all.iter().all(|c| c.name != **name)) {
-        let known: Vec<&str> = all.iter().map(|c| c.name).collect();
-        return Err(Error::new(format!("there is no lane `{name}`; lanes are {}", known.join(", "))));
+    let opened = Wanted::named(names).open().map_err(|unknown| Error::new(unknown.to_string()))?;
+    if let (Some((name, missing)), false) = (opened.missing.first(), names.is_empty()) {
+        return Err(Error::new(format!("the lane `{name}` cannot be had: {missing}")));
     }
-    let mut lanes = Vec::new();
-    for candidate in all {
-        let named = names.iter().any(|name| name == candidate.name);
-        let wanted = if candidate.stand_in { lanes.is_empty() } else { true };
-        if !named && (!names.is_empty() || !wanted) {
-            continue;
-        }
-        match (candidate.open)() {
-            Ok(lane) => lanes.push(lane),
-            Err(missing) if named => {
-                return Err(Error::new(format!("the lane `{}` cannot be had: {missing}", candidate.name)));
-            }
-            Err(_) => {}
-        }
-    }
-    if lanes.is_empty() { Err(Error::new("no lane can run here")) } else { Ok(lanes) }
+    if opened.lanes.is_empty() { Err(Error::new("no lane can run here")) } else { Ok(opened.lanes) }
 }
 
 /// Runs a suite on every stage of every lane.

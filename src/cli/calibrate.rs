@@ -15,13 +15,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::cli::check::Format;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use base::nearest;
+use base::did_you_mean;
 use base::text::{Shown, SourceFile};
 use disk::fresh;
 use engine::calibrate::{self, Document, Request, Standing, State, confirmed, measurable, probe};
 use engine::shard::Shard;
 use judge::profile::{self, Op};
-use lanes::{self, Lane, Stage};
+use lanes::{Lane, Stage, open_first};
 
 pub use shared::Found;
 
@@ -64,7 +64,7 @@ pub struct CalibrateArgs {
 pub fn run(args: &CalibrateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let shard = args.sharing.shard()?;
     let mut ops = operations(&args.builtin)?;
-    let lane = open(args.lane.as_deref(), err)?;
+    let lane = open(args.lane.as_ref(), err)?;
     if args.builtin.is_empty() {
         let mut left_out = Vec::new();
         for op in std::mem::take(&mut ops) {
@@ -171,10 +171,7 @@ fn operations(names: &[String]) -> anyhow::Result<Vec<Op>> {
     for name in names {
         let Some(op) = all.iter().copied().find(|op| op.name() == name) else {
             let known = || all.iter().map(|op| op.name());
-            let hint = match nearest(name, known()) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("operations are {}", known().collect::<Vec<_>>().join(", ")),
-            };
+            let hint = did_you_mean(name, known(), "operations are");
             anyhow::bail!("there is no operation `{name}` to measure; {hint}");
         };
         if !ops.contains(&op) {
@@ -185,22 +182,12 @@ fn operations(names: &[String]) -> anyhow::Result<Vec<Op>> {
 }
 
 /// Opens the lane of this name, or the first that can be had.
-fn open(name: Option<&str>, err: &mut dyn Write) -> anyhow::Result<Box<dyn Lane>> {
-    let names = || lanes::registry().iter().map(|c| c.name);
-    if let Some(name) = name.filter(|name| names().all(|n| n != *name)) {
-        let hint = nearest(name, names()).map_or_else(
-            || format!("lanes are {}", names().collect::<Vec<_>>().join(", ")),
-            |near| format!("did you mean `{near}`?"),
-        );
-        anyhow::bail!("there is no lane `{name}`; {hint}");
+fn open(name: Option<&String>, err: &mut dyn Write) -> anyhow::Result<Box<dyn Lane>> {
+    let opened = open_first(name)?;
+    for (name, missing) in &opened.missing {
+        writeln!(err, "lane `{name}` cannot be had: {missing}")?;
     }
-    for candidate in lanes::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
-        match (candidate.open)() {
-            Ok(lane) => return Ok(lane),
-            Err(missing) => writeln!(err, "lane `{}` cannot be had: {missing}", candidate.name)?,
-        }
-    }
-    anyhow::bail!("no lane can run here, so nothing was measured")
+    opened.only().map_err(|_| anyhow::anyhow!("no lane can run here, so nothing was measured"))
 }
 
 /// The file with the state of an unfinished run.

@@ -18,7 +18,6 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
-use base::nearest;
 use base::text::{Shown, SourceFile};
 use disk::fresh;
 use engine::suite::run::{
@@ -28,7 +27,7 @@ use engine::suite::run::{
 use engine::suite::{self, save_regressions};
 use judge::profile::Promises;
 use judge::verdict::Literals;
-use lanes::{self, Lane, LaneError, Stage, interrupt};
+use lanes::{Lane, LaneError, Stage, Wanted, interrupt};
 use program::Source;
 use property::Sample;
 use property::regressions::{self, Regression};
@@ -310,40 +309,16 @@ type Lanes = (Vec<Box<dyn Lane>>, Vec<Promises>);
 
 /// Opens the lanes that are asked for, or all. A required one that is missing is an error.
 fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyhow::Result<Lanes> {
-    let names: Vec<&str> = lanes::registry().iter().map(|c| c.name).collect();
-    for asked in args.lane.iter().chain(&args.require_lane) {
-        if !names.contains(&asked.as_str()) {
-            let hint = nearest(asked, names.iter().copied())
-                .map_or_else(|| format!("lanes are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
-            anyhow::bail!("there is no lane `{asked}`; {hint}");
-        }
-    }
     (summary.asked, summary.required) = (args.lane.clone(), args.require_lane.clone());
-    let (mut lanes, mut promises) = (Vec::new(), Vec::new());
-    for candidate in lanes::registry() {
-        let named = |list: &[String]| list.iter().any(|n| n == candidate.name);
-        let required = named(&args.require_lane);
-        let asked = named(&args.lane) || required;
-        // A stand-in runs when it is named, or when there is no device and none was named.
-        let wanted = if candidate.stand_in { args.lane.is_empty() && lanes.is_empty() } else { args.lane.is_empty() };
-        if !asked && !wanted {
-            continue;
-        }
-        match (candidate.open)() {
-            Ok(lane) => {
-                let description = lane.description().clone();
-                let ruled = profile.promises(&description);
-                summary.lanes.push(LaneUsed::new(description, &ruled));
-                promises.push(ruled);
-                lanes.push(lane);
-            }
-            Err(missing) if required => {
-                anyhow::bail!("the required lane `{}` cannot be had: {missing}", candidate.name);
-            }
-            Err(missing) => summary.unavailable.push((candidate.name, missing)),
-        }
+    let opened = Wanted { also: &args.require_lane, ..Wanted::named(&args.lane) }.open()?;
+    if let Some((name, missing)) = opened.missing.iter().find(|(name, _)| args.require_lane.iter().any(|n| n == name)) {
+        anyhow::bail!("the required lane `{name}` cannot be had: {missing}");
     }
-    Ok((lanes, promises))
+    let descriptions = || opened.lanes.iter().map(|lane| lane.description());
+    let promises: Vec<Promises> = descriptions().map(|description| profile.promises(description)).collect();
+    let used = descriptions().zip(&promises).map(|(lane, promises)| LaneUsed::new(lane.clone(), promises));
+    (summary.lanes, summary.unavailable) = (used.collect(), opened.missing);
+    Ok((opened.lanes, promises))
 }
 
 /// What is to be run, as far as it is known before shaders are read.

@@ -15,11 +15,11 @@ use super::includes::{self, Source};
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Severity};
-use base::nearest;
+use base::{did_you_mean, nearest};
 use engine::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
 use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Promises;
-use lanes::{self, Lane, Stage, interrupt};
+use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
 
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
@@ -187,9 +187,7 @@ fn status_of(summary: &Summary, err: &mut dyn Write) -> anyhow::Result<ExitStatu
 pub(super) fn all_known(functions: &[String], known: &[String]) -> anyhow::Result<()> {
     let unknown = functions.iter().find(|name| !known.iter().any(|k| k == *name || base(k) == name.as_str()));
     let Some(name) = unknown else { return Ok(()) };
-    let hint = nearest(name, known.iter().map(String::as_str));
-    let hint =
-        hint.map_or_else(|| format!("there are: {}", known.join(", ")), |near| format!("did you mean `{near}`?"));
+    let hint = did_you_mean(name, known.iter().map(String::as_str), "there are:");
     anyhow::bail!("there is no function `{name}` with a body; {hint}")
 }
 
@@ -331,10 +329,7 @@ impl<'a> Inputs<'a> {
         for stated in &subject.stated {
             let mut about = names().filter(|input| stated.is_about(name, input)).peekable();
             if about.peek().is_none() && !stated.whole_file {
-                let hint = nearest(&stated.input, names()).map_or_else(
-                    || format!("it has: {}", names().collect::<Vec<_>>().join(", ")),
-                    |near| format!("did you mean `{near}`?"),
-                );
+                let hint = did_you_mean(&stated.input, names(), "it has:");
                 anyhow::bail!("{}: `{name}` has no input `{}`; {hint}", stated.at, stated.input);
             }
             if !about.any(|input| all[..given].iter().any(|s| s.is_about(name, input))) {
@@ -355,31 +350,13 @@ impl<'a> Inputs<'a> {
 
 /// Opens the lanes that are asked for, or all.
 fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<dyn Lane>>> {
-    let names: Vec<&str> = lanes::registry().iter().map(|c| c.name).collect();
-    for asked in &args.lane {
-        if !names.contains(&asked.as_str()) {
-            let hint = nearest(asked, names.iter().copied())
-                .map_or_else(|| format!("lanes are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
-            anyhow::bail!("there is no lane `{asked}`; {hint}");
-        }
-    }
+    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
     summary.asked.clone_from(&args.lane);
-    let mut lanes = Vec::new();
-    for candidate in lanes::registry() {
-        if !args.lane.is_empty() && !args.lane.iter().any(|n| n == candidate.name) {
-            continue;
-        }
-        match (candidate.open)() {
-            Ok(lane) => {
-                summary.lanes.push(lane.description().clone());
-                lanes.push(lane);
-            }
-            Err(missing) => summary.unavailable.push((candidate.name, missing)),
-        }
-    }
-    if lanes.is_empty() {
-        let missing: Vec<String> = summary.unavailable.iter().map(|(n, e)| format!("lane `{n}`: {e}")).collect();
+    summary.lanes = opened.lanes.iter().map(|lane| lane.description().clone()).collect();
+    if opened.lanes.is_empty() {
+        let missing: Vec<String> = opened.missing.iter().map(|(n, e)| format!("lane `{n}`: {e}")).collect();
         anyhow::bail!("no lane can be had, so nothing was run: {}", missing.join("; "));
     }
-    Ok(lanes)
+    summary.unavailable = opened.missing;
+    Ok(opened.lanes)
 }

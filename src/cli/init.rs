@@ -13,7 +13,7 @@ use base::text::{Shown, SourceFile};
 use disk::fresh;
 use engine::suite::draft::{self, Subject};
 use engine::suite::{self, Suite};
-use lanes::{self, Lane};
+use lanes::{Lane, StandIn, Wanted};
 use syntax::Stage;
 
 /// Write a first suite for every shader of a folder that can run
@@ -68,8 +68,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     );
     let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
     let mut names: BTreeSet<String> = known.iter().map(|(_, suite)| suite.name.clone()).collect();
-    let devices: Vec<Box<dyn Lane>> =
-        lanes::registry().iter().filter(|c| !c.stand_in).filter_map(|c| (c.open)().ok()).collect();
+    let devices = Wanted { stand_in: StandIn::Never, ..Wanted::named(&[]) }.open()?.lanes;
     let mut written = 0;
     for (path, stage) in &shaders {
         let file = match super::includes::read(path, &[]) {

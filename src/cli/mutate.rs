@@ -14,13 +14,13 @@ use super::check::select::{self, Selected};
 use crate::cli::shard::{ShardArgs, Store, told};
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
-use base::nearest;
+use base::did_you_mean;
 use base::text::{Shown, fingerprint};
 use engine::mutate::operators::{by_name, registry};
 use engine::mutate::{MutateError, Operator, Request, run as run_suite};
 use engine::shard::Shard;
 use engine::suite::run::{DEFAULT_SEED, RunError, signal_name};
-use lanes::{self, Lane, Stage, interrupt};
+use lanes::{Stage, interrupt, open_first};
 use report::diagnostics;
 use report::mutate::{Summary, json, text};
 
@@ -91,7 +91,10 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         "--shader needs exactly one suite, and {} are chosen",
         selected.len()
     );
-    let lane = open(args.lane.as_deref())?;
+    let lane = open_first(args.lane.as_ref())?.only().map_err(|missing| {
+        let missing = missing.iter().map(|(name, why)| format!("lane `{name}` cannot be had: {why}"));
+        anyhow::anyhow!("{}", missing.collect::<Vec<_>>().join("; "))
+    })?;
     let description = lane.description().clone();
     let mut summary = Summary {
         seed: args.seed,
@@ -222,31 +225,10 @@ fn operators(names: &[String]) -> anyhow::Result<Vec<&'static Operator>> {
     }
     let all = || registry().iter().map(|o| o.name);
     let find = |name: &String| {
-        by_name(name).with_context(|| {
-            let hint = nearest(name, all()).map_or_else(
-                || format!("operators are {}", all().collect::<Vec<_>>().join(", ")),
-                |near| format!("did you mean `{near}`?"),
-            );
-            format!("there is no operator `{name}`; {hint}")
-        })
+        by_name(name)
+            .with_context(|| format!("there is no operator `{name}`; {}", did_you_mean(name, all(), "operators are")))
     };
     names.iter().map(find).collect()
-}
-
-/// The lane with this name, or the first one that can be had.
-fn open(name: Option<&str>) -> anyhow::Result<Box<dyn Lane>> {
-    let mut missing = Vec::new();
-    for candidate in lanes::registry().iter().filter(|c| name.is_none_or(|n| n == c.name)) {
-        match (candidate.open)() {
-            Ok(lane) => return Ok(lane),
-            Err(why) => missing.push(format!("lane `{}` cannot be had: {why}", candidate.name)),
-        }
-    }
-    if let (Some(name), true) = (name, missing.is_empty()) {
-        let names: Vec<&str> = lanes::registry().iter().map(|c| c.name).collect();
-        anyhow::bail!("there is no lane `{name}`; lanes are {}", names.join(", "));
-    }
-    anyhow::bail!("{}", missing.join("; "))
 }
 
 /// The suites that the arguments name. A shader stands for the suite files beside it that name it.

@@ -5,4 +5,4 @@ mod nearest;
 pub mod text;
 pub mod value;
 
-pub use nearest::nearest;
+pub use nearest::{did_you_mean, nearest};

@@ -14,9 +14,22 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
+/// What to say after an unknown name: the candidate that was probably meant, or else all of them after `all`, such as
+/// `lanes are`.
+pub fn did_you_mean<'a, I>(name: &str, candidates: I, all: &str) -> String
+where
+    I: IntoIterator<Item = &'a str>,
+{
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    match nearest(name, candidates.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None => format!("{all} {}", candidates.join(", ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::nearest;
+    use super::{did_you_mean, nearest};
 
     #[test]
     fn slips_are_recognised_and_other_words_are_not() {
@@ -25,5 +38,12 @@ mod tests {
         assert_eq!(nearest("Floor", names), Some("floors"));
         assert_eq!(nearest("generator", names), None);
         assert_eq!(nearest("", names), None);
+    }
+
+    #[test]
+    fn without_a_similar_name_all_are_listed() {
+        let said = |name| did_you_mean(name, ["cosine", "tangent"], "there are:");
+        assert_eq!(said("cosin"), "did you mean `cosine`?");
+        assert_eq!(said("x"), "there are: cosine, tangent");
     }
 }

@@ -3,6 +3,7 @@
 
 pub mod embedded;
 pub mod native;
+mod open;
 pub mod opengl;
 pub mod remote;
 pub mod vulkan;
@@ -11,6 +12,7 @@ pub mod worker;
 
 use std::sync::OnceLock;
 
+pub use open::{Opened, StandIn, UnknownLane, Wanted, open_first};
 pub use program::lane::{
     Actual, Api, Description, Lane, LaneError, LaneName, Marks, PATIENCE, Runner, Stage, Unavailable, interned,
     interrupt, known,

@@ -81,14 +81,14 @@ impl Joined for Found {
         out: &mut dyn Write,
         err: &mut dyn Write,
     ) -> anyhow::Result<ExitStatus> {
-        let parameter = |name: &str| identity.parameters.get(name).map(String::as_str);
+        let parameter = |name: &str| identity.parameters.get(name);
         let lane = open(parameter(LANE), err)?;
         let (here, measured) = (&lane.description().driver, &self.0.request().driver);
         anyhow::ensure!(
             here == measured,
             "the shards measured {measured}, and this machine has {here}; merge where the device is"
         );
-        let output = PathBuf::from(parameter(OUTPUT).unwrap_or("measured.profile.toml"));
+        let output = PathBuf::from(parameter(OUTPUT).map_or("measured.profile.toml", String::as_str));
         conclude(&self.0, &output, lane.as_ref(), json, out)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::Context;
 
-use base::nearest;
+use base::did_you_mean;
 use base::text::SourceFile;
 use judge::profile::{self, Profile, Promises};
 use lanes::Description;
@@ -60,10 +60,7 @@ pub fn named(argument: &str) -> anyhow::Result<Option<Arc<Profile>>> {
     let path = Path::new(argument);
     if !path.exists() && !argument.ends_with(".toml") {
         let names = || profile::names().chain([NONE]);
-        let hint = nearest(argument, names()).map_or_else(
-            || format!("profiles are {}", names().collect::<Vec<_>>().join(", ")),
-            |near| format!("did you mean `{near}`?"),
-        );
+        let hint = did_you_mean(argument, names(), "profiles are");
         anyhow::bail!("there is no profile and no file `{argument}`; {hint}");
     }
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the profile `{argument}`"))?;

@@ -1,6 +1,6 @@
 //! What a suite expects of its shader, and the variants of a shader that it runs.
 
-use base::nearest;
+use base::did_you_mean;
 use base::text::SourceFile;
 
 /// What gives the expected outputs.
@@ -109,9 +109,6 @@ pub fn combinations(defines: &[Define]) -> Vec<(Vec<String>, Defines)> {
 }
 
 /// A hint at the name that was meant.
-pub(super) fn hint<'n>(given: &str, all: impl Iterator<Item = &'n str> + Clone) -> String {
-    match nearest(given, all.clone()) {
-        Some(meant) => format!("did you mean `{meant}`?"),
-        None => format!("known: {}", all.collect::<Vec<_>>().join(", ")),
-    }
+pub(super) fn hint<'n>(given: &str, all: impl Iterator<Item = &'n str>) -> String {
+    did_you_mean(given, all, "known:")
 }

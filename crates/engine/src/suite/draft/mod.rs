@@ -112,11 +112,7 @@ pub fn draft(
         text.push_str(floors);
         text
     };
-    let lane = lanes::registry()
-        .iter()
-        .find(|candidate| candidate.name == "embedded")
-        .ok_or("there is no embedded lane")
-        .and_then(|candidate| (candidate.open)().map_err(|_| "the embedded lane cannot be opened"))?;
+    let lane = lanes::embedded::open().map_err(|_| "the embedded lane cannot be opened")?;
     let all: Vec<String> = candidates.iter().map(|(_, law)| law.clone()).collect();
     let report = tried(&ready(&assemble(&all, ""), file)?, &*lane)?;
     let broken: Vec<&str> = report

@@ -7,7 +7,7 @@ use toml::de::DeTable;
 use super::version::{self, Versions};
 use super::{Expected, Kind, Ledger};
 use crate::suite::run::Expectation;
-use base::nearest;
+use base::did_you_mean;
 use base::text::SourceFile;
 use disk::Problem;
 use disk::table::{At, Reader, Table};
@@ -97,10 +97,7 @@ fn known<T: Copy>(
     let found = all.iter().copied().find(|&one| name(one) == given.value);
     if found.is_none() {
         let names = || all.iter().map(|&one| name(one));
-        let hint = nearest(&given.value, names()).map_or_else(
-            || format!("known: {}", names().collect::<Vec<_>>().join(", ")),
-            |near| format!("did you mean `{near}`?"),
-        );
+        let hint = did_you_mean(&given.value, names(), "known:");
         table.reader.problem(given.offset, format!("unknown {what} `{}`; {hint}", given.value));
     }
     found
