@@ -80,7 +80,7 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
     let replay: Vec<Sample> = own.map(|regression| regression.to_sample(invocation, case)).collect::<Result<_, _>>()?;
     let lanes = run::lanes(&[]).map_err(Failed::from)?;
     let ledger = ledger_of(path)?;
-    let mut entries = run::on_lanes(&prepared, &lanes, |lane| Request {
+    let mut entries = run::on_lanes(prepared, &lanes, |_, lane| Request {
         samples: None,
         seed: DEFAULT_SEED,
         quick: false,

@@ -1,15 +1,18 @@
 //! From a builder to what came of it.
 
+use std::convert::Infallible;
+
 use base::diagnostic::Lang;
 use base::text::SourceFile;
+use engine::session::{Job, Observer, Session};
 use engine::suite::draft::guess;
 use engine::suite::run::{
-    Entry, Outcome as Run, Peer, Prepared, Request, RunError, Status, Summary, cross_check, prepare, prepare_with, run,
+    Entry, Outcome as Run, Part, Peer, Prepared, Request, RunError, Status, Summary, prepare, prepare_with, settle,
 };
 use engine::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
 use judge::profile::Promises;
 use judge::verdict::{Literals, Reference};
-use lanes::{Lane, Wanted};
+use lanes::{Lane, LaneError, Wanted};
 use program::Program;
 use program::lower::Target;
 use property::regressions;
@@ -36,7 +39,7 @@ pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
         None => Vec::new(),
     };
     let lanes = lanes(&shader.lanes)?;
-    let mut entries = on_lanes(&prepared, &lanes, |lane| Request {
+    let mut entries = on_lanes(prepared, &lanes, |_, lane| Request {
         samples: Some(shader.samples),
         seed: shader.seed,
         quick: false,
@@ -89,31 +92,48 @@ pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
 
 /// Runs a suite on every stage of every lane.
 pub(super) fn on_lanes(
-    prepared: &Prepared,
+    prepared: Prepared,
     lanes: &[Box<dyn Lane>],
-    request: impl Fn(&dyn Lane) -> Request,
+    request: impl Fn(&Prepared, &dyn Lane) -> Request,
 ) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    let promises: Vec<Promises> = lanes.iter().map(|lane| request(lane.as_ref()).promises).collect();
-    for lane in lanes {
-        let request = request(lane.as_ref());
-        for stage in prepared.stages(lane.as_ref()) {
-            let outcome = match run(prepared, lane.as_ref(), stage, &request, &mut |_| {}) {
-                Ok(report) => Run::Ran(Box::new(report)),
-                Err(error) => Run::LaneFailed(error.to_string()),
-            };
-            let (suite, shader) = (prepared.suite.name.clone(), prepared.shader.clone());
-            entries.push(Entry { suite, shader, on: Some((lane.description().name, stage)), outcome });
-        }
+    let promises: Vec<Promises> = lanes.iter().map(|lane| Promises::of_lane(lane.description())).collect();
+    let peers = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
+    let mut collected = Collected { prepared: Some(prepared), request, entries: Vec::new() };
+    let Ok(()) = Session::new(peers).run(1, &mut collected);
+    collected.entries
+}
+
+/// The results of one suite.
+struct Collected<R> {
+    prepared: Option<Prepared>,
+    request: R,
+    entries: Vec<Entry>,
+}
+
+impl<R: Fn(&Prepared, &dyn Lane) -> Request> Observer for Collected<R> {
+    type Error = Infallible;
+
+    fn prepare(&mut self, _: usize) -> Result<Option<Prepared>, Infallible> {
+        Ok(self.prepared.take())
     }
-    let peers: Vec<Peer<'_>> =
-        lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
-    let ran = entries.iter_mut().filter_map(|entry: &mut Entry| match &mut entry.outcome {
-        Run::Ran(report) => Some(&mut **report),
-        Run::Refused(_) | Run::LaneFailed(_) | Run::KnownFailure { .. } => None,
-    });
-    cross_check(prepared, &peers, &mut ran.collect::<Vec<_>>());
-    entries
+
+    fn request(&mut self, _: usize, prepared: &Prepared, peer: Peer<'_>) -> Result<Request, Infallible> {
+        Ok((self.request)(prepared, peer.lane))
+    }
+
+    fn end(&mut self, job: &Job<'_>, result: Result<&Part, LaneError>) -> Result<(), Infallible> {
+        let outcome = match result {
+            Ok(part) => Run::Ran(Box::new(part.clone().report())),
+            Err(error) => Run::LaneFailed(error.to_string()),
+        };
+        self.entries.push(job.entry(outcome));
+        Ok(())
+    }
+
+    fn suite(&mut self, _: usize, _: &Prepared, parts: Vec<Part>) -> Result<(), Infallible> {
+        settle(&mut self.entries, parts);
+        Ok(())
+    }
 }
 
 /// The case of a command line, as a builder takes it.

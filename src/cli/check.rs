@@ -8,6 +8,7 @@ mod progress;
 mod screen;
 pub(super) mod select;
 mod shared;
+mod watched;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,19 +21,14 @@ use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::text::{Shown, SourceFile};
 use disk::fresh;
-use engine::suite::run::{
-    DEFAULT_SEED, Entry, LaneUsed, Outcome, Peer, Prepared, Report, Request, Status, Summary, bundles,
-    check_translations, cross_check, max_samples, prepare, run as run_suite, run_from, stage_of,
-};
-use engine::suite::{self, save_regressions};
+use engine::session::Session;
+use engine::suite::run::{DEFAULT_SEED, LaneUsed, Peer, Prepared, Request, Status, Summary};
 use judge::profile::Promises;
 use judge::verdict::Literals;
-use lanes::{Lane, LaneError, Stage, Wanted, interrupt};
+use lanes::{Lane, Stage, Wanted, interrupt};
 use program::Source;
-use property::Sample;
 use property::regressions::{self, Regression};
 
-use bundle::write_bundle;
 use ledger::Ledgers;
 use page::Pages;
 use profile::Choice;
@@ -40,6 +36,7 @@ use progress::{Progress, Task};
 use screen::Screen;
 use select::Selected;
 pub use shared::Found;
+use watched::Watched;
 
 /// Arguments of `shadercheck check`.
 #[derive(Args, Clone, Debug, Default)]
@@ -142,11 +139,11 @@ fn sources(text: &str) -> Result<Sources, String> {
 }
 
 impl StageArg {
-    fn admits(self, stage: Stage) -> bool {
+    fn stage(self) -> Stage {
         match self {
-            Self::Compute => stage == Stage::Compute,
-            Self::Vertex => stage == Stage::Vertex,
-            Self::Geometry => stage == Stage::Geometry,
+            Self::Compute => Stage::Compute,
+            Self::Vertex => Stage::Vertex,
+            Self::Geometry => Stage::Geometry,
         }
     }
 }
@@ -219,27 +216,29 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
         anyhow::bail!("no lane can run here, so nothing was checked");
     }
-    if let Some(shard) = shard {
-        return shared::run(args, shard, &selected, &ledgers, &lanes, &promises, summary, out, err);
+    let peers = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
+    let sources = args.sources.as_ref().map(|Sources(sources)| &sources[..]);
+    let stage = args.stage.map(StageArg::stage);
+    let session = Session { peers, stage, sources, shard, translations: true };
+    if shard.is_some() {
+        return shared::run(args, &session, &selected, &ledgers, summary, out, err);
     }
-    let tasks = tasks(args, &selected, &lanes);
-    let mut progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
-    let mut pages = Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?;
-    let mut screen = Screen::new(args, &selected, &lanes, color);
-    let all = Peers { lanes: &lanes, promises: &promises, ledgers: &ledgers };
-    let mut unfit: Vec<&str> = Vec::new();
-    for (number, suite) in selected.iter().enumerate() {
-        let before = summary.entries.len();
-        one_suite(args, (number, suite), &all, &mut summary, (&mut progress, &mut pages), &screen, (out, err))?;
-        progress.suspend(|| screen.suite(&suite.suite.name, &summary.entries[before..], out))?;
-        pages.next(summary.entries.len());
-        if interrupt::asked() {
-            break;
-        }
-        if summary.entries.len() == before {
-            unfit.push(suite.suite.name.as_str());
-        }
-    }
+    let mut watched = Watched {
+        args,
+        selected: &selected,
+        ledgers: &ledgers,
+        summary,
+        progress: Progress::new(args.is_text() && !args.plain, selected.len(), tasks(args, &session, &selected)),
+        pages: Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?,
+        screen: Screen::new(args, &selected, &lanes, color),
+        entries: 0,
+        unfit: Vec::new(),
+        failing: Vec::new(),
+        out,
+        err,
+    };
+    session.run(selected.len(), &mut watched)?;
+    let Watched { mut summary, mut progress, mut pages, screen, unfit, out, err, .. } = watched;
     progress.finish();
     without_stage(args.stage, &unfit, err)?;
     summary.interrupted = interrupt::signal();
@@ -321,130 +320,17 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
     Ok((opened.lanes, promises))
 }
 
-/// What is to be run, as far as it is known before shaders are read.
-fn tasks(args: &CheckArgs, selected: &[Selected], lanes: &[Box<dyn Lane>]) -> Vec<Task> {
+/// What is to be run.
+fn tasks(args: &CheckArgs, session: &Session<'_>, selected: &[Selected]) -> Vec<Task> {
     let mut tasks = Vec::new();
     for (suite, selected) in selected.iter().enumerate() {
         let samples = args.samples.unwrap_or(selected.suite.samples / if args.quick { 8 } else { 1 }).max(1);
-        for lane in lanes {
-            let lane = lane.description();
-            let applies = |stage: Stage| match stage {
-                Stage::Compute => true,
-                Stage::Vertex => selected.suite.stage == suite::Stage::Vertex,
-                Stage::Geometry => selected.suite.stage == suite::Stage::Geometry,
-            };
-            for &stage in lane.stages.iter().filter(|&&stage| applies(stage)) {
-                if args.stage.is_none_or(|asked| asked.admits(stage)) {
-                    tasks.push(Task { suite, on: (lane.name, stage), samples });
-                }
-            }
+        for peer in &session.peers {
+            let ways = session.ways(&selected.suite, peer.lane);
+            tasks.extend(ways.into_iter().map(|(stage, _)| Task { suite, on: (peer.name(), stage), samples }));
         }
     }
     tasks
-}
-
-/// The lanes of a run, what each is held against, and what is expected to fail.
-struct Peers<'a> {
-    lanes: &'a [Box<dyn Lane>],
-    promises: &'a [Promises],
-    ledgers: &'a Ledgers,
-}
-
-fn one_suite(
-    args: &CheckArgs,
-    (number, selected): (usize, &Selected),
-    Peers { lanes, promises, ledgers }: &Peers<'_>,
-    summary: &mut Summary,
-    (progress, pages): (&mut Progress, &mut Pages),
-    screen: &Screen,
-    (out, err): (&mut dyn Write, &mut dyn Write),
-) -> anyhow::Result<()> {
-    let shader = shader_of(args, selected)?;
-    let suite = &selected.suite;
-    let before = summary.entries.len();
-    let mut add = |mut entry: Entry, progress: &Progress| -> anyhow::Result<()> {
-        ledgers.apply(number, &mut entry, &summary.lanes);
-        progress.suspend(|| screen.entry(&entry, out))?;
-        summary.entries.push(entry);
-        Ok(())
-    };
-    let entry = |on, outcome| Entry { suite: suite.name.clone(), shader: shader.name().to_owned(), on, outcome };
-    let prepared = prepare(suite, &shader);
-    pages.suite(&suite.name, &suite.title, &shader, prepared.as_ref().ok());
-    let prepared = match prepared {
-        Ok(prepared) => prepared,
-        Err(error) => return add(entry(None, Outcome::Refused(error)), progress),
-    };
-    let mut failing: Vec<Sample> = Vec::new();
-    // Translations have no lane: the first that gives a report bears what is found out about them.
-    let mut untold = true;
-    let mut entries = before;
-    for (lane, promises) in lanes.iter().zip(*promises) {
-        let request = request(args, selected, &prepared, promises.clone())?;
-        let name = lane.description().name;
-        for (stage, source) in ways(args, lane.as_ref(), &prepared) {
-            if interrupt::asked() {
-                break;
-            }
-            let most = source.map_or(u64::MAX, |source| max_samples(&prepared, source));
-            progress.start((number, &suite.name), name, stage, request.samples_of(suite).min(most));
-            let mut at = |done| progress.at(done);
-            let result = match source {
-                None => run_suite(&prepared, lane.as_ref(), stage, &request, &mut at),
-                Some(source) => run_from(&prepared, lane.as_ref(), source, &request, &mut at),
-            };
-            let outcome = match result {
-                // A device that is given up because the run ends has not failed.
-                Err(_) if interrupt::asked() => break,
-                Ok(report) if interrupt::asked() => Outcome::Ran(Box::new(report)),
-                Ok(mut report) => {
-                    if std::mem::take(&mut untold) {
-                        check_translations(&prepared, &request, &mut report);
-                    }
-                    if let Some(folder) = &args.report_dir {
-                        for bundle in bundles(&prepared, lane.as_ref(), stage, &request.promises, &report)? {
-                            pages.attempt(write_bundle(folder, &bundle));
-                        }
-                    }
-                    pages.look(&prepared, lane.as_ref(), stage, &request, &report);
-                    failing.extend(report.failing.iter().cloned());
-                    Outcome::Ran(Box::new(report))
-                }
-                Err(error) => {
-                    let way = source.map_or_else(String::new, |source| format!("{}: ", source.phrase()));
-                    let again = match &error {
-                        LaneError::Lost { inputs, .. } if !inputs.is_empty() => format!(
-                            "\n  reproduce  shadercheck check {} --lane {name} --stage {stage} --case '{inputs}'",
-                            request.arguments
-                        ),
-                        _ => String::new(),
-                    };
-                    Outcome::LaneFailed(format!("{way}{error}{again}"))
-                }
-            };
-            add(entry(Some((name, stage)), outcome), progress)?;
-            entries += 1;
-            pages.next(entries);
-        }
-    }
-    let peers: Vec<Peer<'_>> =
-        lanes.iter().zip(*promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
-    let ran = summary.entries[before..].iter_mut().filter_map(|entry| match &mut entry.outcome {
-        Outcome::Ran(report) => Some(&mut **report),
-        Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
-    });
-    if !interrupt::asked() {
-        cross_check(&prepared, &peers, &mut ran.collect::<Vec<&mut Report>>());
-    }
-    // Another shader's failures are no regressions of the suite's own.
-    if let (Some(path), None, false) = (&selected.regressions, &args.shader, failing.is_empty() || args.case.is_some())
-    {
-        // What was found is told in any case: a folder that takes no file is no reason to lose it.
-        if let Err(error) = save_regressions(path, &suite.name, &failing) {
-            progress.suspend(|| writeln!(err, "warning: failing cases are not saved: {error}"))?;
-        }
-    }
-    Ok(())
 }
 
 /// The shader that is run under a suite.
@@ -453,12 +339,6 @@ fn shader_of(args: &CheckArgs, selected: &Selected) -> anyhow::Result<SourceFile
         Some(path) => super::translate::read(path),
         None => Ok(selected.shader.clone()),
     }
-}
-
-/// The stages of a lane on which a suite runs.
-fn stages(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<Stage> {
-    let asked = |stage: &Stage| args.stage.is_none_or(|s| s.admits(*stage));
-    prepared.stages(lane).into_iter().filter(asked).collect()
 }
 
 /// Writes the run in every format for programs, each file in one step.
@@ -471,19 +351,6 @@ fn write_reports(folder: &Path, summary: &Summary) -> anyhow::Result<()> {
         fresh::write(&path, text.as_bytes()).with_context(context)?;
     }
     Ok(())
-}
-
-/// The ways in which a suite runs on a lane: stages, or sources of inputs where these are asked for.
-fn ways(args: &CheckArgs, lane: &dyn Lane, prepared: &Prepared) -> Vec<(Stage, Option<Source>)> {
-    let admitted = |stage: Stage| args.stage.is_none_or(|s| s.admits(stage));
-    match &args.sources {
-        // Sources are ways into a compute stage; a lane without one takes its inputs in one way.
-        Some(_) if !lane.description().stages.contains(&Stage::Compute) => Vec::new(),
-        Some(Sources(sources)) => {
-            sources.iter().map(|&s| (stage_of(s), Some(s))).filter(|(stage, _)| admitted(*stage)).collect()
-        }
-        None => stages(args, lane, prepared).into_iter().map(|stage| (stage, None)).collect(),
-    }
 }
 
 fn request(args: &CheckArgs, selected: &Selected, prepared: &Prepared, promises: Promises) -> anyhow::Result<Request> {

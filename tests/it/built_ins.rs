@@ -48,7 +48,7 @@ fn lanes() -> Vec<Box<dyn Lane>> {
 fn reports(prepared: &Prepared, lane: &dyn Lane) -> Vec<Report> {
     let request = request(prepared, Some(SAMPLES), Promises::of_lane(lane.description()));
     let one = |stage| run(prepared, lane, stage, &request, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"));
-    prepared.stages(lane).into_iter().map(one).collect()
+    prepared.suite.stages(lane).into_iter().map(one).collect()
 }
 
 /// Deviations and what is told as chance.

@@ -2,12 +2,12 @@
 //! a translator, the memory, chance, or nobody.
 
 use engine::suite::Suite;
-use engine::suite::run::{FindingKind, Peer, Prepared, Report, cross_check, run};
+use engine::suite::run::{FindingKind, Part, Peer, Prepared, Report, cross_check};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::Fault;
-use lanes::{Api, Lane as _, Stage, embedded};
+use lanes::{Api, Lane as _, embedded};
 
-use crate::support::{Dispatch, Planted, changed, prepared, request};
+use crate::support::{Dispatch, Planted, changed, part, prepared, request};
 
 type Plant = fn(&mut Dispatch<'_>);
 
@@ -40,12 +40,14 @@ fn reports(prepared: &Prepared, devices: &[Planted]) -> Vec<Option<Report>> {
     let promises: Vec<Promises> = devices.iter().map(|lane| Promises::of_lane(lane.description())).collect();
     let one = |lane: &Planted| {
         let request = request(prepared, Some(512), Promises::of_lane(lane.description()));
-        run(prepared, lane, Stage::Compute, &request, &mut |_| {}).ok()
+        part(prepared, lane, &request).ok()
     };
-    let mut reports: Vec<Option<Report>> = devices.iter().map(one).collect();
+    let ran: Vec<Option<Part>> = devices.iter().map(one).collect();
     let peers: Vec<Peer<'_>> = devices.iter().zip(&promises).map(|(lane, promises)| Peer { lane, promises }).collect();
-    cross_check(prepared, &peers, &mut reports.iter_mut().flatten().collect::<Vec<_>>());
-    reports
+    let mut parts: Vec<Part> = ran.iter().flatten().cloned().collect();
+    cross_check(prepared, &peers, &mut parts);
+    let mut parts = parts.into_iter();
+    ran.iter().map(|ran| ran.as_ref().and_then(|_| parts.next()).map(Part::report)).collect()
 }
 
 /// Who was blamed on a lane, each once: the kind of fault with its part, or the kind of finding.

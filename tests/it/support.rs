@@ -2,11 +2,13 @@
 //! device and what is accepted from it.
 
 use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::rc::Rc;
 
 use base::text::SourceFile;
 use base::value::Batch;
-use engine::suite::run::{DEFAULT_SEED, Prepared, Report, Request, prepare, run};
+use engine::shard::Shard;
+use engine::suite::run::{DEFAULT_SEED, Part, Prepared, Report, Request, Share, prepare, run, run_part};
 use engine::suite::{Suite, find, parse};
 use judge::profile::Promises;
 use lanes::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage};
@@ -45,6 +47,13 @@ pub fn request(prepared: &Prepared, samples: Option<u64>, promises: Promises) ->
         promises,
         arguments: prepared.suite.name.clone(),
     }
+}
+
+/// A run in the compute stage as a whole, to be joined with those of other lanes.
+pub fn part(prepared: &Prepared, lane: &dyn Lane, request: &Request) -> Result<Part, LaneError> {
+    let mut save = |_: &_| ControlFlow::Continue(());
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: false };
+    Ok(run_part(prepared, lane, (Stage::Compute, None), request, share, &mut |_| {})?.unwrap())
 }
 
 /// A short run in the compute stage.

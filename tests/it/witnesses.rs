@@ -1,12 +1,9 @@
 //! Faults of an executor and of a front end, seen through several lanes: whose fault it is follows from groups.
 
-use engine::shard::Shard;
-use engine::suite::run::{
-    FindingKind, Peer, Prepared, Report, Request, Share, cross_check, cross_check_parts, run, run_part,
-};
+use engine::suite::run::{FindingKind, Part, Peer, Prepared, Report, Request, cross_check};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{CrossCheck, Fault, Stand};
-use lanes::{Api, Lane, Stage, embedded};
+use lanes::{Api, Lane, embedded};
 
 use crate::support::{self, Planted, prepared};
 
@@ -32,18 +29,17 @@ fn cross_checks(suite: &str, plans: &[Plan]) -> Vec<Option<CrossCheck>> {
     let prepared = prepared(suite);
     let lanes = lanes(&prepared, plans);
     let promises: Vec<Promises> = lanes.iter().map(|lane| Promises::of_lane(lane.description())).collect();
-    let mut reports: Vec<Report> = lanes
-        .iter()
-        .map(|lane| run(&prepared, lane, Stage::Compute, &request(&prepared, lane), &mut |_| {}).unwrap())
-        .collect();
+    let ran = |lane: &Planted| support::part(&prepared, lane, &request(&prepared, lane)).unwrap();
+    let mut parts: Vec<Part> = lanes.iter().map(ran).collect();
     let peers: Vec<Peer<'_>> = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane, promises }).collect();
-    cross_check(&prepared, &peers, &mut reports.iter_mut().collect::<Vec<_>>());
-    let cross_check = |report: &Report| {
+    cross_check(&prepared, &peers, &mut parts);
+    let cross_check = |part: Part| {
+        let report = part.report();
         let found = report.findings.iter().find(|finding| finding.kind == FindingKind::Deviation)?;
         let cross_check = found.case.as_ref().unwrap().diagnosis.cross_check.clone();
         Some(cross_check.unwrap_or_else(|| panic!("nobody was heard: {found:?}")))
     };
-    reports.iter().map(cross_check).collect()
+    parts.into_iter().map(cross_check).collect()
 }
 
 /// The same fault on every lane that deviates.
@@ -124,22 +120,18 @@ fn a_lane_whose_api_promises_nothing_still_bears_witness() {
 }
 
 #[test]
-fn parts_of_a_run_are_heard_as_the_run_is() {
+fn what_other_lanes_say_is_written_down_with_a_part() {
     let prepared = prepared("morph");
     let lanes = lanes(&prepared, &[("a", "X", "naga", STRICT, 0.01), ("b", "Y", "naga", STRICT, 0.0)]);
     let promises: Vec<Promises> = lanes.iter().map(|lane| Promises::of_lane(lane.description())).collect();
     let peers: Vec<Peer<'_>> = lanes.iter().zip(&promises).map(|(lane, promises)| Peer { lane, promises }).collect();
     let request = request(&prepared, &lanes[0]);
-    let mut save = |_: &_| std::ops::ControlFlow::Continue(());
-    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: false };
-    let part = run_part(&prepared, &lanes[0], Stage::Compute, &request, share, &mut |_| {}).unwrap().unwrap();
-    let mut parts = [part];
-    cross_check_parts(&prepared, &peers, &mut parts);
+    let mut parts = [support::part(&prepared, &lanes[0], &request).unwrap()];
+    cross_check(&prepared, &peers, &mut parts);
     // What is handed over is read back.
     let text = serde_json::to_string(&parts).unwrap();
-    let [part]: [engine::suite::run::Part; 1] = serde_json::from_str(&text).unwrap();
-    let mut whole = run(&prepared, &lanes[0], Stage::Compute, &request, &mut |_| {}).unwrap();
-    cross_check(&prepared, &peers, &mut [&mut whole]);
+    let [part]: [Part; 1] = serde_json::from_str(&text).unwrap();
+    let [whole] = parts.map(Part::report);
     let collected = |report: &Report| -> Vec<Option<CrossCheck>> {
         report.findings.iter().filter_map(|f| Some(f.case.as_ref()?.diagnosis.cross_check.clone())).collect()
     };

@@ -6,5 +6,6 @@ pub mod calibrate;
 pub mod catalogue;
 pub mod fuzz;
 pub mod mutate;
+pub mod session;
 pub mod shard;
 pub mod suite;

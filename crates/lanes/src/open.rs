@@ -106,7 +106,13 @@ mod tests {
     use crate::embedded;
 
     fn candidate(name: &'static str, there: bool, stand_in: bool) -> Candidate {
-        let open = move || if there { embedded::open() } else { Err(Unavailable { why: "it is away".to_owned(), remedy: "bring it".to_owned() }) };
+        let open = move || {
+            if there {
+                embedded::open()
+            } else {
+                Err(Unavailable { why: "it is away".to_owned(), remedy: "bring it".to_owned() })
+            }
+        };
         Candidate { name, about: "", open: Box::new(open), stand_in }
     }
 

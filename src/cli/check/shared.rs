@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::ops::ControlFlow;
 
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -10,17 +9,17 @@ use serde::{Deserialize, Serialize};
 use super::ledger::{Ledgers, Written};
 use super::progress::Progress;
 use super::select::Selected;
-use super::{CheckArgs, request, shader_of, stages};
+use super::{CheckArgs, request, shader_of};
 use crate::cli::merge::Joined;
 use crate::cli::shard::{Absent, Store, told};
 use crate::cli::status::ExitStatus;
 use base::text::fingerprint;
+use engine::session::{Earlier, Job, Observer, Session};
 use engine::shard::{Identity, Shard};
 use engine::suite::run::{
-    Entry, LaneUsed, Outcome, Part, Peer, Sampled, Share, Summary, cross_check_parts, prepare, run_part, signal_name,
+    Entry, LaneUsed, Outcome, Part, Peer, Prepared, Request, Sampled, Summary, prepare, signal_name,
 };
-use judge::profile::Promises;
-use lanes::{Lane, interrupt};
+use lanes::{LaneError, interrupt};
 
 /// What some shards found.
 #[derive(Debug, Serialize, Deserialize)]
@@ -89,85 +88,38 @@ fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[Lane
 /// # Errors
 /// When a suite cannot run at all, a lane fails, or a file cannot be written. The shard can then be run again, and
 /// goes on from its last checkpoint.
-#[expect(clippy::too_many_arguments, reason = "all that the command has set up")]
 pub fn run(
     args: &CheckArgs,
-    shard: Shard,
+    session: &Session<'_>,
     selected: &[Selected],
     ledgers: &Ledgers,
-    lanes: &[Box<dyn Lane>],
-    promises: &[Promises],
     summary: Summary,
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> anyhow::Result<ExitStatus> {
+    let shard = session.shard.unwrap_or(Shard::WHOLE);
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes)?)?;
     if store.finished::<Found>(err)?.is_some() {
         return told(&store, "was done before", args.is_json(), out);
     }
-    let mut state: State = store.checkpoint(err)?.unwrap_or_default();
+    let state: State = store.checkpoint(err)?.unwrap_or_default();
     if state.under_way.is_some() || !state.done.is_empty() {
         writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
     }
-    let mut tasks = super::tasks(args, selected, lanes);
+    let mut tasks = super::tasks(args, session, selected);
     tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
-    let mut progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
-    let mut place = 0;
-    let mut of: Vec<usize> = Vec::new();
-    for (number, one) in selected.iter().enumerate() {
-        let name = &one.suite.name;
-        let prepared = prepare(&one.suite, &shader_of(args, one)?)
-            .with_context(|| format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more"))?;
-        let mut untold = true;
-        let first = place;
-        for (lane, promises) in lanes.iter().zip(promises) {
-            let request = request(args, one, &prepared, promises.clone())?;
-            for stage in stages(args, lane.as_ref(), &prepared) {
-                let told = std::mem::take(&mut untold);
-                place += 1;
-                of.push(number);
-                if place <= state.done.len() {
-                    continue;
-                }
-                let samples = request.samples_of(&one.suite) / shard.count();
-                progress.start((number, name), lane.description().name, stage, samples);
-                let resume = state.under_way.take().filter(|(at, _)| *at == place).map(|(_, sampled)| sampled);
-                let mut failed = None;
-                let mut save = |sampled: &Sampled| {
-                    let state = StateRef { done: &state.done, under_way: Some((place, sampled)) };
-                    match store.save(&state) {
-                        Ok(()) if interrupt::asked() => ControlFlow::Break(()),
-                        Ok(()) => ControlFlow::Continue(()),
-                        Err(error) => {
-                            failed = Some(error);
-                            ControlFlow::Break(())
-                        }
-                    }
-                };
-                let share = Share { shard, resume, save: &mut save, partial: false };
-                let part = run_part(&prepared, lane.as_ref(), stage, &request, share, &mut |n| progress.at(n));
-                if let (Err(_) | Ok(None), Some(signal), None) = (&part, interrupt::signal(), &failed) {
-                    return stopped(shard, signal, err);
-                }
-                let part = part.with_context(|| format!("suite `{name}` on {}/{stage}", lane.description().name))?;
-                let Some(mut part) = part else {
-                    return Err(failed.unwrap_or_else(|| anyhow::anyhow!("stopped")));
-                };
-                if told && shard.is_first() {
-                    part.check_translations(&prepared, &request);
-                }
-                state.done.push(part);
-                store.save(&StateRef { done: &state.done, under_way: None })?;
-                if let Some(signal) = interrupt::signal() {
-                    return stopped(shard, signal, err);
-                }
-            }
-        }
-        let peers: Vec<Peer<'_>> =
-            lanes.iter().zip(promises).map(|(lane, promises)| Peer { lane: lane.as_ref(), promises }).collect();
-        cross_check_parts(&prepared, &peers, &mut state.done[first..place]);
-    }
+    let progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
+    let mut stored = Stored { args, selected, store: &store, state, progress, of: Vec::new() };
+    let ran = session.run(selected.len(), &mut stored);
+    let Stored { state, mut progress, of, .. } = stored;
     progress.finish();
+    // A shard that a signal ends has its checkpoint.
+    if let (Some(signal), true) = (interrupt::signal(), ran.is_ok()) {
+        let name = signal_name(signal);
+        writeln!(err, "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again")?;
+        return Ok(ExitStatus::Interrupted(signal));
+    }
+    ran?;
     let unavailable = Absent::new(summary.unavailable);
     let ledgers = ledgers.written(&of);
     let Summary { lanes, asked, required, .. } = summary;
@@ -176,11 +128,67 @@ pub fn run(
     told(&store, "is done", args.is_json(), out)
 }
 
-/// A shard that a signal ends has its checkpoint.
-fn stopped(shard: Shard, signal: u8, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let name = signal_name(signal);
-    writeln!(err, "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again")?;
-    Ok(ExitStatus::Interrupted(signal))
+/// A shard as it goes: every batch and every result is written down.
+struct Stored<'a> {
+    args: &'a CheckArgs,
+    selected: &'a [Selected],
+    store: &'a Store,
+    state: State,
+    progress: Progress,
+    /// For each job that began, the suite that it is of.
+    of: Vec<usize>,
+}
+
+impl Observer for Stored<'_> {
+    type Error = anyhow::Error;
+
+    fn prepare(&mut self, suite: usize) -> anyhow::Result<Option<Prepared>> {
+        let one = &self.selected[suite];
+        let prepared = prepare(&one.suite, &shader_of(self.args, one)?);
+        let name = &one.suite.name;
+        let why = || format!("suite `{name}` cannot run; `shadercheck check` without --shard tells more");
+        Ok(Some(prepared.with_context(why)?))
+    }
+
+    fn request(&mut self, suite: usize, prepared: &Prepared, peer: Peer<'_>) -> anyhow::Result<Request> {
+        request(self.args, &self.selected[suite], prepared, peer.promises.clone())
+    }
+
+    fn begin(&mut self, job: &Job<'_>) -> Earlier {
+        self.of.push(job.suite);
+        let place = self.of.len();
+        if let Some(part) = self.state.done.get(place - 1) {
+            return Earlier::Done(part.clone());
+        }
+        self.progress.start((job.suite, &job.prepared.suite.name), job.peer.name(), job.way.0, job.samples);
+        match self.state.under_way.take().filter(|(at, _)| *at == place) {
+            Some((_, sampled)) => Earlier::Begun(sampled),
+            None => Earlier::Nothing,
+        }
+    }
+
+    fn progress(&mut self, done: u64) {
+        self.progress.at(done);
+    }
+
+    fn checkpoint(&mut self, sampled: &Sampled) -> anyhow::Result<()> {
+        self.store.save(&StateRef { done: &self.state.done, under_way: Some((self.of.len(), sampled)) })
+    }
+
+    fn end(&mut self, job: &Job<'_>, result: Result<&Part, LaneError>) -> anyhow::Result<()> {
+        let part = result
+            .with_context(|| format!("suite `{}` on {}/{}", job.prepared.suite.name, job.peer.name(), job.way.0))?;
+        self.state.done.push(part.clone());
+        self.store.save(&StateRef { done: &self.state.done, under_way: None })
+    }
+
+    fn suite(&mut self, _: usize, _: &Prepared, parts: Vec<Part>) -> anyhow::Result<()> {
+        // They now hold what other lanes say of a deviation.
+        let first = self.state.done.len() - parts.len();
+        self.state.done.truncate(first);
+        self.state.done.extend(parts);
+        Ok(())
+    }
 }
 
 impl Joined for Found {

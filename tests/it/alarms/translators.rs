@@ -129,7 +129,7 @@ fn every_shipped_stage_passes_through_glslang() {
     for shipped in shipped() {
         let prepared = prepared(shipped.name);
         for stage in [Stage::Vertex, Stage::Geometry] {
-            if prepared.stages(lane.as_ref()).contains(&stage) {
+            if prepared.suite.stages(lane.as_ref()).contains(&stage) {
                 passes(&report(&prepared, lane.as_ref(), stage, 512));
                 stages += 1;
             }

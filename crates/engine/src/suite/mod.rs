@@ -20,6 +20,7 @@ use std::sync::Arc;
 use base::text::SourceFile;
 use base::value::{Field, Record};
 use judge::verdict::Literals;
+use lanes::{Lane, Stage as LaneStage};
 use program::Program;
 use property::generators::{self, Options, Strands};
 use property::law::Law;
@@ -146,6 +147,19 @@ pub struct Suite {
 }
 
 impl Suite {
+    /// The stages of a lane in which the suite runs. A function has no stage: it runs as compute, or in the vertex stage
+    /// of a lane that offers that instead.
+    pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
+        let runs = |stage: &LaneStage| match stage {
+            LaneStage::Compute => true,
+            LaneStage::Vertex => {
+                self.stage == Stage::Vertex || (self.stage == Stage::Function && lane.calls_functions())
+            }
+            LaneStage::Geometry => self.stage == Stage::Geometry,
+        };
+        lane.description().stages.iter().copied().filter(runs).collect()
+    }
+
     /// The suite once for each of its functions and each combination of its macros, under a name that tells
     /// them apart.
     pub fn variants(&self) -> Vec<Self> {

@@ -47,14 +47,14 @@ pub use prepare::{Prepared, RunError, prepare, prepare_with};
 pub use relate::Probes;
 pub use repeat::Repeated;
 pub use sampling::Sampled;
-pub use sources::{Apart, most as max_samples, run_from};
+pub use sources::{Apart, most as max_samples};
 pub use summary::{
-    Against, Entry, Expectation, Known, LaneUsed, Outcome, Standing, Status, Summary, Totals, signal_name,
+    Against, Entry, Expectation, Known, LaneUsed, Outcome, Standing, Status, Summary, Totals, settle, signal_name,
 };
 pub use translation::{Translated, check as check_translations, check_with as check_translations_with};
 pub use trial::Trial;
 pub use trial::stage_of;
-pub use witness::{Peer, cross_check, cross_check_parts};
+pub use witness::{Peer, cross_check};
 
 /// Seed of a run that names none: the same inputs on every machine.
 pub const DEFAULT_SEED: u64 = 0x5eed;
@@ -160,10 +160,13 @@ impl Report {
 
 impl Report {
     /// A report of nothing.
-    pub(super) fn empty(prepared: &Prepared, lane: &'static str, stage: Stage) -> Self {
-        part::Part::new(prepared, lane, stage, 0).report()
+    pub(super) fn empty(prepared: &Prepared, lane: &'static str, way: Way) -> Self {
+        part::Part::new(prepared, lane, way, 0).report()
     }
 }
+
+/// A stage of a lane, and where inputs come from when the run is asked for a source.
+pub type Way = (Stage, Option<Source>);
 
 /// Which part of a run is done, from where, and who is told how far it is.
 pub struct Share<'a> {
@@ -188,22 +191,35 @@ pub fn run(
     request: &Request,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
-    usual(prepared, lane, (stage, None), request, progress)
+    whole(prepared, lane, (stage, None), request, progress)
 }
 
-/// The usual run of a stage, under the name of a source.
-fn usual(
+/// Runs a prepared suite on a lane with inputs from a source. `progress` is told the number of samples
+/// done. Inputs in storage, and the attributes of a vertex stage, are those of [`run`].
+///
+/// # Errors
+/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
+pub fn run_from(
     prepared: &Prepared,
     lane: &dyn Lane,
-    (stage, source): (Stage, Option<Source>),
+    source: Source,
+    request: &Request,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Report, LaneError> {
+    whole(prepared, lane, (stage_of(source), Some(source)), request, progress)
+}
+
+fn whole(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    way: Way,
     request: &Request,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
     let mut save = |_: &Sampled| ControlFlow::Continue(());
     let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
-    let part = part_of(prepared, lane, (stage, source), request, share, progress)?;
-    let report = part.map_or_else(|| Report::empty(prepared, lane.description().name, stage), Part::report);
-    Ok(Report { source, ..report })
+    let part = run_part(prepared, lane, way, request, share, progress)?;
+    Ok(part.map_or_else(|| Report::empty(prepared, lane.description().name, way), Part::report))
 }
 
 /// Runs one part of the samples of a suite. The first part also does what is done once for a run: samples that
@@ -214,18 +230,22 @@ fn usual(
 pub fn run_part(
     prepared: &Prepared,
     lane: &dyn Lane,
-    stage: Stage,
+    way: Way,
     request: &Request,
     share: Share<'_>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Option<Part>, LaneError> {
-    part_of(prepared, lane, (stage, None), request, share, progress)
+    match way.1 {
+        Some(source) => sources::part(prepared, lane, source, request, share, progress),
+        None => usual(prepared, lane, way, request, share, progress),
+    }
 }
 
-fn part_of(
+/// The usual run of a stage, also under the name of a source.
+fn usual(
     prepared: &Prepared,
     lane: &dyn Lane,
-    (stage, source): (Stage, Option<Source>),
+    (stage, source): Way,
     request: &Request,
     share: Share<'_>,
     progress: &mut dyn FnMut(u64),
@@ -234,7 +254,7 @@ fn part_of(
     let once = share.shard.is_first();
     let makes_samples = prepared.plan.makes_samples();
     let wanted = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
-    let unsupported = || Part::new(prepared, name, stage, if once { wanted } else { 0 });
+    let unsupported = || Part::new(prepared, name, (stage, source), if once { wanted } else { 0 });
     let Some(kernel) = prepared.kernel(stage) else { return Ok(Some(unsupported())) };
     if kernel.output.is_empty() {
         return Ok(Some(unsupported().because(NO_OUTPUT.to_owned())));
@@ -258,7 +278,7 @@ fn on_kernel(
     let name = lane.description().name;
     let makes_samples = prepared.plan.makes_samples();
     let mut trial = trial::Trial::new(prepared, lane, kernel, &request.promises)?.in_stage(stage);
-    let mut report = Report { source, ..Report::empty(prepared, name, stage) };
+    let mut report = Report::empty(prepared, name, (stage, source));
     let mut counted = Counted::default();
     let given = request.replay.len() as u64;
     if once {
@@ -307,7 +327,7 @@ fn on_kernel(
         makes_samples,
         replay_only: request.replay_only,
     };
-    Ok(Some(Part::new(prepared, name, stage, 0).of(report, counted, (shown, rounded), Some(terms))))
+    Ok(Some(Part::new(prepared, name, (stage, source), 0).of(report, counted, (shown, rounded), Some(terms))))
 }
 
 /// What a run found until it was interrupted. Failing samples are reported as they are, and what a whole run has to
@@ -318,7 +338,7 @@ fn interrupted(
     (mut report, counted): (Report, Counted),
     request: &Request,
 ) -> Part {
-    let part = Part::new(trial.prepared, report.lane, report.stage, 0);
+    let part = Part::new(trial.prepared, report.lane, (report.stage, report.source), 0);
     let request = Request { replay_only: true, ..request.clone() };
     let shown = finding::deviations(trial, lane, &counted.failing, &request, &report).unwrap_or_else(|_| {
         let deviated = counted.verdicts.deviated;

@@ -4,9 +4,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::finding::{self, Finding};
-use super::{Coverage, Doubtful, Prepared, Reach, Repeated, Report, Request, Translated, doubts, repeat, survey};
+use super::{
+    Apart, Coverage, Doubtful, Prepared, Reach, Repeated, Report, Request, Translated, Way, doubts, repeat, survey,
+};
 use judge::verdict::{BatchVerdict, Reason, Survey};
 use lanes::{Actual, LaneName, Stage};
+use program::Source;
 use property::{Plan, Sample};
 
 /// Failing samples that are shrunk; the rest is counted.
@@ -24,6 +27,12 @@ pub struct Part {
     pub lane: LaneName,
     /// Stage of the lane.
     pub stage: Stage,
+    /// Where inputs came from, when the run was asked for a source; such a run has no shards.
+    #[serde(skip)]
+    pub source: Option<Source>,
+    /// How the outputs differ in bits from those of inputs in storage, for another source.
+    #[serde(skip)]
+    pub(super) apart: Option<Apart>,
     counted: Counted,
     unsupported: u64,
     #[serde(default)]
@@ -205,12 +214,14 @@ impl Counted {
 
 impl Part {
     /// A part that has found nothing yet.
-    pub(super) fn new(prepared: &Prepared, lane: LaneName, stage: Stage, unsupported: u64) -> Self {
+    pub(super) fn new(prepared: &Prepared, lane: LaneName, (stage, source): Way, unsupported: u64) -> Self {
         Self {
             suite: prepared.suite.name.clone(),
             shader: prepared.shader.clone(),
             lane,
             stage,
+            source,
+            apart: None,
             counted: Counted::default(),
             unsupported,
             unsupported_because: None,
@@ -229,6 +240,11 @@ impl Part {
             textures: prepared.program.textures.iter().map(ToString::to_string).collect(),
             failing: Vec::new(),
         }
+    }
+
+    /// Whether any sample was looked at.
+    pub(super) fn has_seen(&self) -> bool {
+        self.counted.verdicts.seen() > 0
     }
 
     /// Says why samples are not supported.
@@ -263,7 +279,7 @@ impl Part {
 
     /// Compares the shader's translations as well, which is done once for a suite.
     pub fn check_translations(&mut self, prepared: &Prepared, request: &Request) {
-        let mut report = Report::empty(prepared, self.lane, self.stage);
+        let mut report = Report::empty(prepared, self.lane, (self.stage, self.source));
         super::check_translations(prepared, request, &mut report);
         self.add_once(report);
     }
@@ -341,8 +357,8 @@ impl Part {
             shader: self.shader,
             lane: self.lane,
             stage: self.stage,
-            source: None,
-            apart: None,
+            source: self.source,
+            apart: self.apart,
             verdicts,
             unsupported: self.unsupported,
             unsupported_because: self.unsupported_because,

@@ -10,7 +10,7 @@ use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use disk::Problem;
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
-use lanes::{Lane, Stage as LaneStage};
+use lanes::Stage as LaneStage;
 use program::lower::Target;
 use program::{Kernel, Program, ProgramError};
 use property::law::LawError;
@@ -126,15 +126,6 @@ impl Prepared {
             LaneStage::Vertex => self.vertex.as_ref(),
             LaneStage::Geometry => self.geometry.as_ref(),
         }
-    }
-
-    /// The stages of a lane in which this runs. A function has no stage: it runs as compute, or in the vertex stage of
-    /// a lane that offers that instead.
-    pub fn stages(&self, lane: &dyn Lane) -> Vec<LaneStage> {
-        let all = &lane.description().stages;
-        let spare = self.suite.stage == Stage::Function && !lane.calls_functions();
-        let runs = |stage: &LaneStage| self.kernel(*stage).is_some() && !(spare && *stage == LaneStage::Vertex);
-        all.iter().copied().filter(runs).collect()
     }
 }
 

@@ -1,13 +1,9 @@
 //! The same property with inputs from another source: compilers fold constants, and load uniforms,
 //! storage and attributes each in a way of its own.
 
-use std::ops::ControlFlow;
-
 use super::part::{Part, Terms};
-use super::sampling::Sampled;
 use super::trial::{Trial, stage_of, weight};
 use super::{Prepared, Report, Request, Share, finding, relate, sampling, undefined};
-use crate::shard::Shard;
 use base::value::{Batch, Scalar, ulp_distance};
 use lanes::{Actual, Lane, LaneError};
 use program::Source;
@@ -42,30 +38,27 @@ pub struct Apart {
     pub component: String,
 }
 
-/// Runs a prepared suite on a lane with inputs from a source. `progress` is told the number of samples
-/// done. Inputs in storage, and the attributes of a vertex stage, are those of [`run`](super::run).
-///
-/// # Errors
-/// [`LaneError`] when the lane fails as such: it gives no verdict on anything then.
-pub fn run_from(
+/// Runs a part of a suite with inputs from a source, as [`run_part`](super::run_part) does.
+pub(super) fn part(
     prepared: &Prepared,
     lane: &dyn Lane,
     source: Source,
     request: &Request,
+    share: Share<'_>,
     progress: &mut dyn FnMut(u64),
-) -> Result<Report, LaneError> {
-    let stage = stage_of(source);
-    let mut report = match source {
-        Source::Storage => return super::usual(prepared, lane, (stage, Some(source)), request, progress),
-        Source::Attributes if prepared.vertex.is_some() => {
-            super::usual(prepared, lane, (stage, Some(source)), request, progress)?
+) -> Result<Option<Part>, LaneError> {
+    let way = (stage_of(source), Some(source));
+    let mut part = match source {
+        Source::Storage => return super::usual(prepared, lane, way, request, share, progress),
+        Source::Attributes if prepared.vertex.is_some() => super::usual(prepared, lane, way, request, share, progress)?,
+        Source::Attributes | Source::Uniforms | Source::Constants => {
+            other(prepared, lane, source, request, share, progress)?
         }
-        Source::Attributes | Source::Uniforms | Source::Constants => other(prepared, lane, source, request, progress)?,
     };
-    if report.verdicts.seen() > 0 {
-        report.apart = apart(prepared, lane, source, request)?;
+    if let Some(part) = part.as_mut().filter(|part| part.has_seen()) {
+        part.apart = apart(prepared, lane, source, request)?;
     }
-    Ok(report)
+    Ok(part)
 }
 
 /// Most samples of a source beside those of the usual run.
@@ -83,24 +76,21 @@ fn other(
     lane: &dyn Lane,
     source: Source,
     request: &Request,
+    mut share: Share<'_>,
     progress: &mut dyn FnMut(u64),
-) -> Result<Report, LaneError> {
-    let (name, stage) = (lane.description().name, stage_of(source));
-    let mut report = Report { source: Some(source), ..Report::empty(prepared, name, stage) };
+) -> Result<Option<Part>, LaneError> {
+    let (name, way) = (lane.description().name, (stage_of(source), Some(source)));
+    let mut report = Report::empty(prepared, name, way);
     let makes_samples = prepared.plan.makes_samples();
     let all = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let wanted = all.min(most(prepared, source));
     if prepared.compute.output.is_empty() {
-        return Ok(Report { unsupported: wanted, unsupported_because: Some(super::NO_OUTPUT.to_owned()), ..report });
+        return Ok(Some(Part::new(prepared, name, way, wanted).because(super::NO_OUTPUT.to_owned())));
     }
     let mut trial = match Trial::from_source(prepared, lane, source, &request.promises, wanted as usize) {
         Ok(trial) => trial,
         Err(LaneError::Unsupported(why)) => {
-            return Ok(Report {
-                unsupported: wanted,
-                unsupported_because: Some(base::text::printable(&why)),
-                ..report
-            });
+            return Ok(Some(Part::new(prepared, name, way, wanted).because(base::text::printable(&why))));
         }
         Err(error) => return Err(error),
     };
@@ -111,11 +101,10 @@ fn other(
         let rows = &prepared.rows[..prepared.rows.len().min(wanted as usize)];
         counted.join(sampling::replay(&mut trial, rows, given)?);
         if makes_samples {
-            let mut save = |_: &Sampled| ControlFlow::Continue(());
-            let mut share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: true };
             let before = given + rows.len() as u64;
             let sampled = sampling::sample(&mut trial, request, (wanted, before), &mut share, progress)?;
-            sampled.into_iter().for_each(|sampled| counted.join(sampled));
+            let Some(sampled) = sampled else { return Ok(None) };
+            counted.join(sampled);
         }
     }
     // How tight the bounds are is told of the usual run.
@@ -128,8 +117,7 @@ fn other(
     ];
     // A handful of samples need not keep the shares of a whole run; but something has to be judged.
     let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
-    let report = Part::new(prepared, name, stage, 0).of(report, counted, (shown, Vec::new()), Some(terms)).report();
-    Ok(Report { source: Some(source), ..report })
+    Ok(Some(Part::new(prepared, name, way, 0).of(report, counted, (shown, Vec::new()), Some(terms))))
 }
 
 /// Compares the outputs with those of the same inputs in storage.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Finding, Report, RunError};
+use super::{Finding, Part, Report, RunError};
 use judge::profile::Promises;
 use lanes::{Description, Stage, Unavailable};
 
@@ -156,6 +156,15 @@ impl Report {
             (n, None) => format!("{n} samples not supported on this lane"),
         }
     }
+}
+
+/// Puts the results of the jobs that ran into their entries, after the lanes were asked about each other's deviations.
+pub fn settle(entries: &mut [Entry], parts: Vec<Part>) {
+    let ran = entries.iter_mut().filter_map(|entry| match &mut entry.outcome {
+        Outcome::Ran(report) => Some(report),
+        Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
+    });
+    ran.zip(parts).for_each(|(report, part)| **report = part.report());
 }
 
 /// What came of a suite.

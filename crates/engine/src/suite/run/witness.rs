@@ -3,7 +3,7 @@
 use super::bundle::sample;
 use super::finding::{Case, Finding};
 use super::trial::{Among, Trial};
-use super::{DEFAULT_SEED, Part, Prepared, Report, position, relate};
+use super::{DEFAULT_SEED, Part, Prepared, position, relate};
 use judge::profile::Promises;
 use judge::verdict::diagnosis::{CrossCheck, Position, Stand, Witness, stand};
 use judge::verdict::{Blame, Deviation, Verdict, judge_at};
@@ -21,6 +21,13 @@ pub struct Peer<'a> {
     pub lane: &'a dyn Lane,
     /// What its results are held against.
     pub promises: &'a Promises,
+}
+
+impl Peer<'_> {
+    /// Name of the lane.
+    pub fn name(&self) -> LaneName {
+        self.lane.description().name
+    }
 }
 
 /// A finding with a sample, and where it was found.
@@ -50,20 +57,11 @@ fn accused<'f>(
     cases.map(move |case| Accused { lane, stage, source, case })
 }
 
-/// Hears every lane of a run on the samples on which one deviates, after all of them ran a suite. What follows for
+/// Asks every lane of a run for the samples on which one deviates, after all of them ran a suite. What follows for
 /// whose fault it is stands in the diagnosis of each finding.
-pub fn cross_check(prepared: &Prepared, peers: &[Peer<'_>], reports: &mut [&mut Report]) {
-    let found = reports.iter_mut().flat_map(|report| {
-        let on = (report.lane, report.stage, report.source);
-        accused(report.findings.iter_mut(), on)
-    });
-    all(prepared, peers, found.collect());
-}
-
-/// The same for parts of a run.
-pub fn cross_check_parts(prepared: &Prepared, peers: &[Peer<'_>], parts: &mut [Part]) {
+pub fn cross_check(prepared: &Prepared, peers: &[Peer<'_>], parts: &mut [Part]) {
     let found = parts.iter_mut().flat_map(|part| {
-        let on = (part.lane, part.stage, None);
+        let on = (part.lane, part.stage, part.source);
         accused(part.shown_mut(), on)
     });
     all(prepared, peers, found.collect());
@@ -83,7 +81,7 @@ fn all(prepared: &Prepared, peers: &[Peer<'_>], accused: Vec<Accused<'_>>) {
     }
 }
 
-/// Hears all lanes on samples with inputs from one source.
+/// Asks all lanes for samples with inputs from one source.
 fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut accused: Vec<Accused<'_>>) {
     let samples: Vec<Sample> = accused.iter().map(|accused| sample(prepared, accused.case)).collect();
     let mut collected: Vec<Vec<Witness>> = vec![Vec::new(); accused.len()];
@@ -133,7 +131,7 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
 fn stages(prepared: &Prepared, peer: Peer<'_>, source: Option<Source>) -> Vec<Stage> {
     match source {
         Some(source) => vec![super::stage_of(source)],
-        None => prepared.stages(peer.lane),
+        None => prepared.suite.stages(peer.lane),
     }
 }
 
