@@ -11,16 +11,16 @@ use clap::Args;
 use super::bar::Bar;
 use super::check::Format;
 use super::check::select::{self, Selected};
-use crate::cli::shard::{ShardArgs, Store, told};
+use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::Lang;
 use base::did_you_mean;
-use base::text::{Shown, fingerprint};
+use base::text::{Shown, SourceFile};
 use engine::mutate::operators::{by_name, registry};
-use engine::mutate::{MutateError, Operator, Request, run as run_suite};
+use engine::mutate::{MutateError, Operator, Request, SuiteResult, run as run_suite};
 use engine::shard::Shard;
 use engine::suite::run::{DEFAULT_SEED, RunError, signal_name};
-use lanes::{Stage, interrupt, open_first};
+use lanes::{Lane, Stage, interrupt, open_first};
 use report::diagnostics;
 use report::mutate::{Summary, json, text};
 
@@ -102,68 +102,65 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         ..Summary::default()
     };
     let request = Request { samples: args.samples, seed: args.seed, operators, shard: shard.unwrap_or(Shard::WHOLE) };
-    let mut store = None;
-    let mut found = Found::new(summary.lane.clone());
+    let work = Work { args, selected: &selected, lane: lane.as_ref(), request };
     if let Some(shard) = shard {
-        let mut texts = Vec::new();
-        for Selected { suite, shader, argument, .. } in &selected {
-            let other = args.shader.as_deref().map(super::translate::read).transpose()?;
-            let text = format!("{}\n{suite:?}", other.as_ref().unwrap_or(shader).text());
-            texts.push((format!("{} ({argument})", suite.name), fingerprint(&text)));
-        }
-        let folder = Store::new(&args.sharing.shard_dir, shard, shared::identity(args, shard, &summary.lane, &texts))?;
-        if folder.finished::<Found>(err)?.is_some() {
-            return told(&folder, "was done before", args.format == Format::Json, out);
-        }
-        if let Some(state) = folder.checkpoint(err)? {
-            writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
-            found = state;
-        }
-        store = Some(folder);
+        return shared::run(&work, shard, &summary.lane, out, err);
     }
     let mut progress = Bar::new(args.format == Format::Text);
-    for Selected { suite, shader, .. } in selected.iter().skip(found.done()) {
-        let other = args.shader.as_deref().map(super::translate::read).transpose()?;
-        progress.start(&suite.name, description.name, Stage::Compute, 0);
-        let mut told = 0;
-        let result = run_suite(suite, other.as_ref().unwrap_or(shader), lane.as_ref(), &request, &mut |done, all| {
-            if told != all {
-                told = all;
-                progress.start(&suite.name, description.name, Stage::Compute, all as u64);
-            }
-            progress.at(done as u64);
-        });
-        let stopped = interrupt::signal();
-        match (result, &store) {
-            // Mutants that a signal left out are missing from a part; a whole run tells what it has.
-            (_, Some(_)) | (Err(_), None) if stopped.is_some() => {}
-            (Ok(result), None) => summary.suites.push(result),
-            (Ok(result), Some(_)) => found.add(request.shard, result),
-            (Err(error), Some(_)) => found.fail(suite.name.clone(), error.to_string()),
-            (Err(error), None) => {
+    for one in &selected {
+        match work.suite(one, &mut progress)? {
+            Err(_) if interrupt::asked() => {}
+            Ok(result) => summary.suites.push(result),
+            Err(error) => {
                 progress.suspend(|| {
                     diagnostics_of(&error).try_for_each(|text| err.write_all(text.as_bytes()))?;
                     writeln!(err, "error: {error}")
                 })?;
-                summary.failed.push((suite.name.clone(), error.to_string()));
+                summary.failed.push((one.suite.name.clone(), error.to_string()));
             }
         }
-        if stopped.is_some() {
+        if interrupt::asked() {
             break;
-        }
-        if let Some(store) = &store {
-            store.save(&found)?;
         }
     }
     progress.finish();
-    if let Some(signal) = interrupt::signal() {
-        return interrupted(&summary, signal, (args.format, store.is_some()), (out, err));
+    match interrupt::signal() {
+        Some(signal) => interrupted(&summary, signal, args.format, (out, err)),
+        None => conclude(&summary, args.floor, args.format == Format::Json, out),
     }
-    if let Some(store) = &store {
-        store.finish(&found)?;
-        return told(store, "is done", args.format == Format::Json, out);
+}
+
+/// What is to be done: the mutants of suites on a lane.
+struct Work<'a> {
+    args: &'a MutateArgs,
+    selected: &'a [Selected],
+    lane: &'a dyn Lane,
+    request: Request,
+}
+
+impl Work<'_> {
+    /// The shader that is mutated under a suite.
+    fn shader(&self, selected: &Selected) -> anyhow::Result<SourceFile> {
+        match &self.args.shader {
+            Some(path) => super::translate::read(path),
+            None => Ok(selected.shader.clone()),
+        }
     }
-    conclude(&summary, args.floor, args.format == Format::Json, out)
+
+    /// Runs the mutants of a suite.
+    fn suite(&self, selected: &Selected, progress: &mut Bar) -> anyhow::Result<Result<SuiteResult, MutateError>> {
+        let (suite, shader) = (&selected.suite, self.shader(selected)?);
+        let name = self.lane.description().name;
+        progress.start(&suite.name, name, Stage::Compute, 0);
+        let mut told = 0;
+        Ok(run_suite(suite, &shader, self.lane, &self.request, &mut |done, all| {
+            if told != all {
+                told = all;
+                progress.start(&suite.name, name, Stage::Compute, all as u64);
+            }
+            progress.at(done as u64);
+        }))
+    }
 }
 
 /// What is wrong with a shader that does not compile, as `lint` tells it.
@@ -175,21 +172,21 @@ fn diagnostics_of(error: &MutateError) -> impl Iterator<Item = String> {
     found.iter().map(|diagnostic| diagnostics::text(diagnostic, Lang::En, false))
 }
 
-/// Prints what was found until a signal came; a part of a run goes on from its checkpoint.
+/// Prints what was found until a signal came.
 fn interrupted(
     summary: &Summary,
     signal: u8,
-    (format, part): (Format, bool),
+    format: Format,
     (out, err): (&mut dyn Write, &mut dyn Write),
 ) -> anyhow::Result<ExitStatus> {
-    let rest = if part { "the shard goes on when it is run again" } else { "these are the mutants until then" };
-    if !part && format == Format::Json {
+    if format == Format::Json {
         out.write_all(json(summary).as_bytes())?;
-    } else if !part && !summary.suites.is_empty() {
+    } else if !summary.suites.is_empty() {
         out.write_all(text(summary).as_bytes())?;
     }
     out.flush()?;
-    writeln!(err, "error: the run was interrupted by {}; {rest}", signal_name(signal))?;
+    let name = signal_name(signal);
+    writeln!(err, "error: the run was interrupted by {name}; these are the mutants until then")?;
     Ok(ExitStatus::Interrupted(signal))
 }
 

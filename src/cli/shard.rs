@@ -13,7 +13,8 @@ use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh;
 use engine::shard::{self, Identity, Sealed, Shard, Sort};
-use lanes::{self, Unavailable};
+use engine::suite::run::signal_name;
+use lanes::{self, Unavailable, interrupt};
 
 /// Arguments of every command that can be shared out.
 #[derive(Args, Clone, Debug, Default)]
@@ -93,13 +94,8 @@ impl Store {
         Ok(store)
     }
 
-    /// The shard.
-    pub fn shard(&self) -> Shard {
-        self.shard
-    }
-
     /// The file with what the shard found.
-    pub fn result_path(&self) -> PathBuf {
+    fn result_path(&self) -> PathBuf {
         self.folder.join(format!("{}.json", self.shard.stem()))
     }
 
@@ -112,7 +108,7 @@ impl Store {
     ///
     /// # Errors
     /// When the file is there and is of another run, or cannot be read.
-    pub fn finished<T: DeserializeOwned>(&self, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
+    fn finished<T: DeserializeOwned>(&self, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
         self.read(&self.result_path(), Sort::Result, err)
     }
 
@@ -121,8 +117,62 @@ impl Store {
     ///
     /// # Errors
     /// When the file is there and is of another run, or cannot be read.
-    pub fn checkpoint<T: DeserializeOwned>(&self, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
+    fn checkpoint<T: DeserializeOwned>(&self, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
         self.read(&self.checkpoint_path(), Sort::Checkpoint, err)
+    }
+
+    /// Does the work of the shard, unless its result is there. `work` is given how far the shard got when it was run
+    /// before, and gives the result, or nothing when a signal ended it: [`save`](Self::save) has then been told how far
+    /// it got. The status is [`ExitStatus::Clean`] when the result is written, whatever was found: that is for the merge
+    /// to tell.
+    ///
+    /// # Errors
+    /// When a file cannot be read or written, or the work fails. The shard can then be run again, and goes on from its
+    /// last checkpoint.
+    pub fn run<S: DeserializeOwned, T: Serialize + DeserializeOwned>(
+        &self,
+        json: bool,
+        (out, err): (&mut dyn Write, &mut dyn Write),
+        work: impl FnOnce(Option<S>) -> anyhow::Result<Option<T>>,
+    ) -> anyhow::Result<ExitStatus> {
+        if self.finished::<T>(err)?.is_some() {
+            return self.told("was done before", json, out);
+        }
+        let shard = self.shard;
+        let earlier = self.checkpoint(err)?;
+        if earlier.is_some() {
+            writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
+        }
+        match (work(earlier)?, interrupt::signal()) {
+            (Some(found), _) => {
+                self.finish(&found)?;
+                self.told("is done", json, out)
+            }
+            (None, signal) => {
+                let signal = signal.context("the shard ended before its time")?;
+                let name = signal_name(signal);
+                writeln!(
+                    err,
+                    "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again"
+                )?;
+                Ok(ExitStatus::Interrupted(signal))
+            }
+        }
+    }
+
+    /// Says that the shard has its result, on `out`.
+    fn told(&self, how: &str, json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+        let (shard, path) = (self.shard, self.result_path());
+        if json {
+            let value = serde_json::json!({
+                "shard": shard.index(), "shards": shard.count(), "result": path.display().to_string(),
+            });
+            writeln!(out, "{value:#}")?;
+        } else {
+            writeln!(out, "shard {shard} {how}: {}", path.shown())?;
+        }
+        out.flush()?;
+        Ok(ExitStatus::Clean)
     }
 
     fn read<T: DeserializeOwned>(&self, path: &Path, sort: Sort, err: &mut dyn Write) -> anyhow::Result<Option<T>> {
@@ -161,7 +211,7 @@ impl Store {
     ///
     /// # Errors
     /// When the file cannot be written; nothing is then under its name.
-    pub fn finish<T: Serialize>(&self, found: &T) -> anyhow::Result<()> {
+    fn finish<T: Serialize>(&self, found: &T) -> anyhow::Result<()> {
         self.write(&self.result_path(), Sort::Result, found)?;
         let checkpoint = self.checkpoint_path();
         if checkpoint.exists() {
@@ -175,21 +225,6 @@ impl Store {
         let text = shard::seal(&sealed).context("what was found cannot be written down")?;
         fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))
     }
-}
-
-/// Says that a shard has its result, on `out`.
-pub(super) fn told(store: &Store, how: &str, json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let (shard, path) = (store.shard(), store.result_path());
-    if json {
-        let value = serde_json::json!({
-            "shard": shard.index(), "shards": shard.count(), "result": path.display().to_string(),
-        });
-        writeln!(out, "{value:#}")?;
-    } else {
-        writeln!(out, "shard {shard} {how}: {}", path.shown())?;
-    }
-    out.flush()?;
-    Ok(ExitStatus::Clean)
 }
 
 #[cfg(test)]

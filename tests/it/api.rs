@@ -139,7 +139,7 @@ fn what_cannot_be_checked_is_an_error_and_says_why() {
             "the strategy gives 2 numbers, and 1 are needed",
         ),
         (area().input("b", 1.0).expect("out", |_| vec![]), "gives `out`, and the shader has `float return`"),
-        (area().input("b", 1.0).lane("gpu"), "there is no lane `gpu`; lanes are vulkan, "),
+        (area().input("b", 1.0).lane("gpu"), "there is no lane `gpu`; did you mean `webgpu`?"),
         (area().input("b", 1.0).case("a=1"), "`1` is not a 32-bit word"),
         (Shader::from_text("a.glsl", TEXT), "choose a function with `function`"),
         (function("gone"), "gone"),

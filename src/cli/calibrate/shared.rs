@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{CalibrateArgs, bar, conclude, open, request};
 use crate::cli::check::Format;
 use crate::cli::merge::Joined;
-use crate::cli::shard::{Store, told};
+use crate::cli::shard::Store;
 use crate::cli::status::ExitStatus;
 use engine::calibrate::{self, State};
 use engine::shard::{Identity, Shard};
@@ -46,25 +46,23 @@ pub fn run(
         .with("--samples", args.samples)
         .with(OUTPUT, output.display());
     let store = Store::new(&args.sharing.shard_dir, shard, identity)?;
-    if store.finished::<State>(err)?.is_some() {
-        return told(&store, "was done before", args.format == Format::Json, out);
-    }
-    let request = request(args, ops, lane, shard);
-    let mut state = State::new(request.clone());
-    if let Some(saved) = store.checkpoint::<State>(err)? {
-        writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
-        state = saved.resume(&request)?;
-    }
-    let bar = bar(args.format == Format::Text, request.total());
-    bar.set_position(state.done());
-    calibrate::run(lane, &mut state, &mut |state, op| {
-        bar.set_message(op.name());
+    let json = args.format == Format::Json;
+    store.run(json, (out, err), |saved: Option<State>| {
+        let request = request(args, ops, lane, shard);
+        let mut state = match saved {
+            Some(saved) => saved.resume(&request)?,
+            None => State::new(request.clone()),
+        };
+        let bar = bar(!json, request.total());
         bar.set_position(state.done());
-        store.save(state).map_err(|error| std::io::Error::other(format!("{error:#}")))
-    })?;
-    bar.finish_and_clear();
-    store.finish(&state)?;
-    told(&store, "is done", args.format == Format::Json, out)
+        calibrate::run(lane, &mut state, &mut |state, op| {
+            bar.set_message(op.name());
+            bar.set_position(state.done());
+            store.save(state).map_err(|error| std::io::Error::other(format!("{error:#}")))
+        })?;
+        bar.finish_and_clear();
+        Ok(Some(state))
+    })
 }
 
 impl Joined for Found {

@@ -11,14 +11,12 @@ use super::progress::Progress;
 use super::select::Selected;
 use super::{CheckArgs, request, shader_of};
 use crate::cli::merge::Joined;
-use crate::cli::shard::{Absent, Store, told};
+use crate::cli::shard::{Absent, Store};
 use crate::cli::status::ExitStatus;
 use base::text::fingerprint;
 use engine::session::{Earlier, Job, Observer, Session};
 use engine::shard::{Identity, Shard};
-use engine::suite::run::{
-    Entry, LaneUsed, Outcome, Part, Peer, Prepared, Request, Sampled, Summary, prepare, signal_name,
-};
+use engine::suite::run::{Entry, LaneUsed, Outcome, Part, Peer, Prepared, Request, Sampled, Summary, prepare};
 use lanes::{LaneError, interrupt};
 
 /// What some shards found.
@@ -82,12 +80,10 @@ fn identity(args: &CheckArgs, shard: Shard, selected: &[Selected], lanes: &[Lane
     Ok(identity)
 }
 
-/// Runs one shard. The status is [`ExitStatus::Clean`] when its result is written, whatever was found: that is
-/// for the merge to tell.
+/// Runs one shard.
 ///
 /// # Errors
-/// When a suite cannot run at all, a lane fails, or a file cannot be written. The shard can then be run again, and
-/// goes on from its last checkpoint.
+/// When a suite cannot run at all, a lane fails, or a file cannot be written.
 pub fn run(
     args: &CheckArgs,
     session: &Session<'_>,
@@ -99,33 +95,27 @@ pub fn run(
 ) -> anyhow::Result<ExitStatus> {
     let shard = session.shard.unwrap_or(Shard::WHOLE);
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, selected, &summary.lanes)?)?;
-    if store.finished::<Found>(err)?.is_some() {
-        return told(&store, "was done before", args.is_json(), out);
-    }
-    let state: State = store.checkpoint(err)?.unwrap_or_default();
-    if state.under_way.is_some() || !state.done.is_empty() {
-        writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
-    }
-    let mut tasks = super::tasks(args, session, selected);
-    tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
-    let progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
-    let mut stored = Stored { args, selected, store: &store, state, progress, of: Vec::new() };
-    let ran = session.run(selected.len(), &mut stored);
-    let Stored { state, mut progress, of, .. } = stored;
-    progress.finish();
-    // A shard that a signal ends has its checkpoint.
-    if let (Some(signal), true) = (interrupt::signal(), ran.is_ok()) {
-        let name = signal_name(signal);
-        writeln!(err, "error: interrupted by {name}; shard {shard} goes on from its checkpoint when it is run again")?;
-        return Ok(ExitStatus::Interrupted(signal));
-    }
-    ran?;
-    let unavailable = Absent::new(summary.unavailable);
-    let ledgers = ledgers.written(&of);
-    let Summary { lanes, asked, required, .. } = summary;
-    let (asked, required) = (asked.into_iter().collect(), required.into_iter().collect());
-    store.finish(&Found { lanes, unavailable, asked, required, parts: state.done, ledgers })?;
-    told(&store, "is done", args.is_json(), out)
+    store.run(args.is_json(), (out, err), |state: Option<State>| {
+        let mut tasks = super::tasks(args, session, selected);
+        tasks.iter_mut().for_each(|task| task.samples = (task.samples / shard.count()).max(1));
+        let progress = Progress::new(args.is_text() && !args.plain, selected.len(), tasks);
+        let state = state.unwrap_or_default();
+        let mut stored = Stored { args, selected, store: &store, state, progress, of: Vec::new() };
+        session.run(selected.len(), &mut stored)?;
+        stored.progress.finish();
+        if interrupt::asked() {
+            return Ok(None);
+        }
+        let Summary { lanes, asked, required, unavailable, .. } = summary;
+        Ok(Some(Found {
+            lanes,
+            unavailable: Absent::new(unavailable),
+            asked: asked.into_iter().collect(),
+            required: required.into_iter().collect(),
+            parts: stored.state.done,
+            ledgers: ledgers.written(&stored.of),
+        }))
+    })
 }
 
 /// A shard as it goes: every batch and every result is written down.

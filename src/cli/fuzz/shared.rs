@@ -9,12 +9,11 @@ use super::{FuzzArgs, Inputs, Source, one_function, status_of};
 use crate::cli::bar::Bar;
 use crate::cli::check::Format;
 use crate::cli::merge::Joined;
-use crate::cli::shard::{Absent, Store, told};
+use crate::cli::shard::{Absent, Store};
 use crate::cli::status::ExitStatus;
 use base::text::fingerprint;
 use engine::fuzz::{FunctionReport, Subject};
 use engine::shard::{Identity, Shard};
-use engine::suite::run::signal_name;
 use judge::profile::Promises;
 use lanes::{Description, Lane, interrupt};
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
@@ -72,53 +71,37 @@ pub fn run(
     err: &mut dyn Write,
 ) -> anyhow::Result<ExitStatus> {
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, files, &summary.lanes))?;
-    if store.finished::<Found>(err)?.is_some() {
-        return told(&store, "was done before", args.format == Format::Json, out);
-    }
-    let unavailable = Absent::new(summary.unavailable);
-    let fresh = || Found {
-        lanes: summary.lanes,
-        unavailable,
-        asked: summary.asked.into_iter().collect(),
-        files: files.iter().map(|(s, _)| Shared { file: s.name.clone(), functions: Vec::new() }).collect(),
-    };
-    let mut found = match store.checkpoint(err)? {
-        Some(found) => {
-            writeln!(err, "note: shard {shard} goes on from its checkpoint")?;
-            found
-        }
-        None => fresh(),
-    };
-    let mut progress = Bar::new(args.format == Format::Text);
-    let mut number = 0;
-    for (at, (source, subjects)) in files.iter().enumerate() {
-        for subject in subjects {
-            // Also where another shard runs the function: a domain that is wrong is told by all.
-            let domain = inputs.domain(subject)?;
-            let mine = number % shard.count() == shard.index();
-            if mine && found.files[at].functions.iter().all(|(done, _)| *done != number) {
-                let function = one_function(args, source, subject, &domain, lanes, &mut progress)?;
-                // What a signal cut short is run again.
-                if let Some(signal) = interrupt::signal() {
-                    return stopped(shard, signal, err);
+    let json = args.format == Format::Json;
+    store.run(json, (out, err), |saved: Option<Found>| {
+        let mut found = saved.unwrap_or_else(|| Found {
+            lanes: summary.lanes,
+            unavailable: Absent::new(summary.unavailable),
+            asked: summary.asked.into_iter().collect(),
+            files: files.iter().map(|(s, _)| Shared { file: s.name.clone(), functions: Vec::new() }).collect(),
+        });
+        let mut progress = Bar::new(!json);
+        let mut number = 0;
+        for (at, (source, subjects)) in files.iter().enumerate() {
+            for subject in subjects {
+                // Also where another shard runs the function: a domain that is wrong is told by all.
+                let domain = inputs.domain(subject)?;
+                let mine = number % shard.count() == shard.index();
+                if mine && found.files[at].functions.iter().all(|(done, _)| *done != number) {
+                    let function = one_function(args, source, subject, &domain, lanes, &mut progress)?;
+                    // What a signal cut short is run again.
+                    if interrupt::asked() {
+                        return Ok(None);
+                    }
+                    found.files[at].functions.push((number, function));
+                    store.save(&found)?;
                 }
-                found.files[at].functions.push((number, function));
-                store.save(&found)?;
+                number += 1;
             }
-            number += 1;
         }
-    }
-    inputs.all_used()?;
-    progress.finish();
-    store.finish(&found)?;
-    told(&store, "is done", args.format == Format::Json, out)
-}
-
-/// A shard that a signal ends has saved the functions that are done.
-fn stopped(shard: Shard, signal: u8, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let name = signal_name(signal);
-    writeln!(err, "error: interrupted by {name}; shard {shard} goes on when it is run again")?;
-    Ok(ExitStatus::Interrupted(signal))
+        inputs.all_used()?;
+        progress.finish();
+        Ok(Some(found))
+    })
 }
 
 impl Joined for Found {

@@ -4,15 +4,20 @@ use std::io::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::{MutateArgs, conclude};
+use super::{MutateArgs, Work, conclude};
+use crate::cli::bar::Bar;
+use crate::cli::check::Format;
 use crate::cli::merge::Joined;
+use crate::cli::shard::Store;
 use crate::cli::status::ExitStatus;
+use base::text::fingerprint;
 use engine::mutate::{SuiteResult, Tested};
 use engine::shard::{Identity, Shard};
+use lanes::interrupt;
 use report::mutate::Summary;
 
 /// The name of the parameter with the lowest score that is no finding.
-pub(super) const FLOOR: &str = "--floor";
+const FLOOR: &str = "--floor";
 
 /// What some shards found.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -31,26 +36,52 @@ enum Shared {
 }
 
 impl Found {
-    pub(super) fn new(lane: String) -> Self {
-        Self { lane, suites: Vec::new() }
-    }
-
-    /// Suites that are done.
-    pub(super) fn done(&self) -> usize {
-        self.suites.len()
-    }
-
     /// Adds the mutants of a shard.
-    pub(super) fn add(&mut self, shard: Shard, result: SuiteResult) {
+    fn add(&mut self, shard: Shard, result: SuiteResult) {
         let SuiteResult { suite, shader, samples, tested } = result;
         let numbers = (0_u64..).map(|k| k * shard.count() + shard.index());
         self.suites.push(Shared::Tested { suite, shader, samples, tested: numbers.zip(tested).collect() });
     }
+}
 
-    /// Adds a suite without a score.
-    pub(super) fn fail(&mut self, suite: String, why: String) {
-        self.suites.push(Shared::Failed { suite, why });
+/// Runs one shard: some of the mutants of every suite.
+///
+/// # Errors
+/// When a file cannot be read or written.
+pub(super) fn run(
+    work: &Work<'_>,
+    shard: Shard,
+    lane: &str,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> anyhow::Result<ExitStatus> {
+    let mut texts = Vec::new();
+    for one in work.selected {
+        let text = format!("{}\n{:?}", work.shader(one)?.text(), one.suite);
+        texts.push((format!("{} ({})", one.suite.name, one.argument), fingerprint(&text)));
     }
+    let store = Store::new(&work.args.sharing.shard_dir, shard, identity(work.args, shard, lane, &texts))?;
+    let json = work.args.format == Format::Json;
+    store.run(json, (out, err), |saved: Option<Found>| {
+        let mut found = saved.unwrap_or_else(|| Found { lane: lane.to_owned(), suites: Vec::new() });
+        let mut progress = Bar::new(!json);
+        for one in work.selected.iter().skip(found.suites.len()) {
+            let result = work.suite(one, &mut progress)?;
+            // Mutants that a signal left out are missing from a part.
+            if interrupt::asked() {
+                return Ok(None);
+            }
+            match result {
+                Ok(result) => found.add(shard, result),
+                Err(error) => {
+                    found.suites.push(Shared::Failed { suite: one.suite.name.clone(), why: error.to_string() })
+                }
+            }
+            store.save(&found)?;
+        }
+        progress.finish();
+        Ok(Some(found))
+    })
 }
 
 impl Joined for Found {
@@ -106,7 +137,7 @@ impl Joined for Found {
 }
 
 /// Everything that the result of a run depends on.
-pub(super) fn identity(args: &MutateArgs, shard: Shard, lane: &str, texts: &[(String, u64)]) -> Identity {
+fn identity(args: &MutateArgs, shard: Shard, lane: &str, texts: &[(String, u64)]) -> Identity {
     let mut identity = Identity::new("mutate", args.seed, shard.count())
         .with("--samples", args.samples)
         .with("--operator", args.operator.join(","))
