@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use base::text::{Shown, SourceFile};
-use engine::suite::ledger::{self, Ledger};
+use engine::suite::expectations::{self, Expectations};
 use engine::suite::run::{DEFAULT_SEED, Outcome as Run, Request, prepare};
 use engine::suite::{self, Suite};
 use judge::profile::Promises;
@@ -79,7 +79,7 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
     let own = saved.iter().filter(|regression| regression.suite == suite.name);
     let replay: Vec<Sample> = own.map(|regression| regression.to_sample(invocation, case)).collect::<Result<_, _>>()?;
     let lanes = run::lanes(&[]).map_err(Failed::from)?;
-    let ledger = ledger_of(path)?;
+    let expectations = expectations_of(path)?;
     let mut entries = run::on_lanes(prepared, &lanes, |_, lane| Request {
         samples: None,
         seed: DEFAULT_SEED,
@@ -106,8 +106,8 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
     for entry in &mut entries {
         let lane =
             lanes.iter().map(|lane| lane.description()).find(|lane| entry.on.is_some_and(|on| on.0 == lane.name));
-        if let (Some(ledger), Some(lane)) = (&ledger, lane) {
-            ledger.apply(entry, lane);
+        if let (Some(expectations), Some(lane)) = (&expectations, lane) {
+            expectations.apply(entry, lane);
         }
     }
     let outcome = run::outcome(entries);
@@ -115,9 +115,9 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
 }
 
 /// What is expected to fail of a suite.
-fn ledger_of(suite: &Path) -> Result<Option<Ledger>, Failed> {
-    let Some(path) = suite::ledger_path(suite) else { return Ok(None) };
-    let read = ledger::parse(&suite::read_ledger(&path)?);
+fn expectations_of(suite: &Path) -> Result<Option<Expectations>, Failed> {
+    let Some(path) = suite::expectations_path(suite) else { return Ok(None) };
+    let read = expectations::parse(&suite::read_expectations(&path)?);
     let told = |problems: Vec<disk::Problem>| {
         Failed::from(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
     };

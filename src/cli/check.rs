@@ -1,7 +1,7 @@
 //! `shadercheck check`: suites on lanes.
 
 mod bundle;
-mod ledger;
+mod expectations;
 mod page;
 pub(super) mod profile;
 mod progress;
@@ -29,7 +29,7 @@ use lanes::{Lane, Stage, Wanted, interrupt};
 use program::Source;
 use property::regressions::{self, Regression};
 
-use ledger::Ledgers;
+use expectations::RunExpectations;
 use page::Pages;
 use profile::Choice;
 use progress::{Progress, Task};
@@ -204,7 +204,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
         }
     }
     let profile = Choice::new(args.profile.as_deref())?;
-    let ledgers = Ledgers::new(args, &selected)?;
+    let expectations = RunExpectations::new(args, &selected)?;
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
     let (lanes, promises) = open_lanes(args, &profile, &mut summary)?;
     if lanes.is_empty() {
@@ -221,12 +221,12 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let stage = args.stage.map(StageArg::stage);
     let session = Session { peers, stage, sources, shard, translations: true };
     if shard.is_some() {
-        return shared::run(args, &session, &selected, &ledgers, summary, out, err);
+        return shared::run(args, &session, &selected, &expectations, summary, out, err);
     }
     let mut watched = Watched {
         args,
         selected: &selected,
-        ledgers: &ledgers,
+        expectations: &expectations,
         summary,
         progress: Progress::new(args.is_text() && !args.plain, selected.len(), tasks(args, &session, &selected)),
         pages: Pages::new(args.report_dir.as_deref(), args.mutations.as_deref())?,
@@ -242,7 +242,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     progress.finish();
     without_stage(args.stage, &unfit, err)?;
     summary.interrupted = interrupt::signal();
-    summary.stale = ledgers.stale();
+    summary.stale = expectations.stale();
     if let Some(folder) = &args.report_dir {
         pages.attempt(write_reports(folder, &summary));
         let written = pages.write(folder, &summary, &promises);

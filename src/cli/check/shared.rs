@@ -6,7 +6,7 @@ use std::io::Write;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
-use super::ledger::{Ledgers, Written};
+use super::expectations::{RunExpectations, Written};
 use super::progress::Progress;
 use super::select::Selected;
 use super::{CheckArgs, request, shader_of};
@@ -32,7 +32,8 @@ pub struct Found {
     required: BTreeSet<String>,
     parts: Vec<Part>,
     /// What is expected to fail; applied when everything is joined.
-    ledgers: Written,
+    #[serde(alias = "ledgers")]
+    expectations: Written,
 }
 
 /// How far a shard is.
@@ -88,7 +89,7 @@ pub fn run(
     args: &CheckArgs,
     session: &Session<'_>,
     selected: &[Selected],
-    ledgers: &Ledgers,
+    expectations: &RunExpectations,
     summary: Summary,
     out: &mut dyn Write,
     err: &mut dyn Write,
@@ -113,7 +114,7 @@ pub fn run(
             asked: asked.into_iter().collect(),
             required: required.into_iter().collect(),
             parts: stored.state.done,
-            ledgers: ledgers.written(&stored.of),
+            expectations: expectations.written(&stored.of),
         }))
     })
 }
@@ -184,7 +185,7 @@ impl Observer for Stored<'_> {
 impl Joined for Found {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
-        anyhow::ensure!(self.ledgers == other.ledgers, "the shards expect different failures");
+        anyhow::ensure!(self.expectations == other.expectations, "the shards expect different failures");
         self.unavailable.join(other.unavailable);
         self.asked.extend(other.asked);
         self.required.extend(other.required);
@@ -207,18 +208,18 @@ impl Joined for Found {
         let [asked, required] = [asked, required].map(|names| names.into_iter().collect());
         let mut summary = Summary { seed, lanes, asked, required, ..Summary::default() };
         summary.unavailable = self.unavailable.known();
-        let ledgers = self.ledgers.read()?;
+        let expectations = self.expectations.read()?;
         for (number, part) in self.parts.into_iter().enumerate() {
             let report = part.report();
             let (suite, shader, on) = (report.suite.clone(), report.shader.clone(), (report.lane, report.stage));
             let mut entry = Entry { suite, shader, on: Some(on), outcome: Outcome::Ran(Box::new(report)) };
-            ledgers.apply(number, &mut entry, &summary.lanes);
+            expectations.apply(number, &mut entry, &summary.lanes);
             if !json {
                 out.write_all(report::check::line(&entry, color).as_bytes())?;
             }
             summary.entries.push(entry);
         }
-        summary.stale = ledgers.stale();
+        summary.stale = expectations.stale();
         super::print(&summary, json, color, out)?;
         super::concluded(&summary, err)
     }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::bundle::write_bundle;
-use super::ledger::Ledgers;
+use super::expectations::RunExpectations;
 use super::page::Pages;
 use super::progress::Progress;
 use super::screen::Screen;
@@ -19,7 +19,7 @@ use property::Sample;
 pub struct Watched<'a> {
     pub args: &'a CheckArgs,
     pub selected: &'a [Selected],
-    pub ledgers: &'a Ledgers,
+    pub expectations: &'a RunExpectations,
     pub summary: Summary,
     pub progress: Progress,
     pub pages: Pages,
@@ -37,7 +37,7 @@ pub struct Watched<'a> {
 impl Watched<'_> {
     /// Adds a result, and prints it.
     fn add(&mut self, suite: usize, mut entry: Entry) -> anyhow::Result<()> {
-        self.ledgers.apply(suite, &mut entry, &self.summary.lanes);
+        self.expectations.apply(suite, &mut entry, &self.summary.lanes);
         self.progress.suspend(|| self.screen.entry(&entry, self.out))?;
         self.summary.entries.push(entry);
         self.pages.next(self.summary.entries.len());
@@ -131,7 +131,7 @@ impl Observer for Watched<'_> {
         let entries = &mut self.summary.entries[self.entries..];
         // What other lanes say of a deviation was not known when its line was printed.
         settle(entries, parts);
-        entries.iter_mut().for_each(|entry| self.ledgers.apply(suite, entry, &self.summary.lanes));
+        entries.iter_mut().for_each(|entry| self.expectations.apply(suite, entry, &self.summary.lanes));
         let failing = std::mem::take(&mut self.failing);
         // Another shader's failures are no regressions of the suite's own.
         let saves = !failing.is_empty() && self.args.case.is_none() && self.args.shader.is_none();

@@ -103,8 +103,8 @@ fn results_of_mutation_testing_are_shown() {
     assert!(ran.expect(2).err.contains("holds no results of `shadercheck mutate"));
 }
 
-/// The function that is twice as much as it should be, and a ledger with these lines.
-fn with_ledger(ledger: &str) -> (Ran, String) {
+/// The function that is twice as much as it should be, and expectations with these lines.
+fn with_expectations(expectations: &str) -> (Ran, String) {
     let folder = project();
     fs::remove_file(folder.path().join("turned.suite.toml")).unwrap();
     fs::write(folder.path().join("right.glsl"), "float half_of(float x) { return x * 0.5; }\n").unwrap();
@@ -112,15 +112,15 @@ fn with_ledger(ledger: &str) -> (Ran, String) {
     let suite = fs::read_to_string(folder.path().join("half.suite.toml")).unwrap();
     let suite = suite.replace("samples = 256", "samples = 256\nreference = \"right.glsl\"");
     fs::write(folder.path().join("half.suite.toml"), suite).unwrap();
-    fs::write(folder.path().join("expectations.toml"), ledger).unwrap();
+    fs::write(folder.path().join("expectations.toml"), expectations).unwrap();
     run(folder.path(), "")
 }
 
 #[test]
 fn failures_that_are_expected_are_shown_with_their_reason() {
-    let ledger = "[[expected]]\nlane = \"embedded\"\nsuite = \"half\"\nkind = \"deviation\"\n\
+    let expectations = "[[expected]]\nlane = \"embedded\"\nsuite = \"half\"\nkind = \"deviation\"\n\
                   reason = \"half is <b>not</b> ready\"\nlink = \"LINK\"\n";
-    let (ran, page) = with_ledger(&ledger.replace("LINK", "https://example.org/1?a=1&b=2"));
+    let (ran, page) = with_expectations(&expectations.replace("LINK", "https://example.org/1?a=1&b=2"));
     ran.expect(0);
     for part in [
         "All 2 suites pass",
@@ -135,10 +135,10 @@ fn failures_that_are_expected_are_shown_with_their_reason() {
     }
     assert!(!page.contains("What is wrong"), "what is expected is not told as wrong");
     // What is no address is text.
-    let (_, page) = with_ledger(&ledger.replace("LINK", "javascript:alert(1)"));
+    let (_, page) = with_expectations(&expectations.replace("LINK", "javascript:alert(1)"));
     assert!(page.contains(", javascript:alert(1))") && !page.contains("href=\"javascript"));
-    // Without the ledger it is wrong, and the cell tells whose fault it is.
-    let (ran, page) = with_ledger("");
+    // Without the expectations it is wrong, and the cell tells whose fault it is.
+    let (ran, page) = with_expectations("");
     ran.expect(1);
     assert!(page.contains("What is wrong") && !page.contains("known failure</"), "{page}");
     assert!(page.contains("<span class=\"rest\">fault: the shader</span>"));

@@ -10,7 +10,7 @@ use property::regressions::{self, Regression};
 
 use super::elsewhere;
 use super::error::LoadError;
-use super::ledger::FILE;
+use super::expectations::FILE;
 use super::{Contents, Expect, Includes, Suite, parse};
 use disk::{fresh, read_source};
 
@@ -143,9 +143,9 @@ fn attach_pictures(suite: &mut Suite, folder: &Path) -> Result<(), LoadError> {
     Ok(())
 }
 
-/// The ledger of a suite file: the nearest `expectations.toml` in its folder or above, up to the root of the
+/// The expectations of a suite file: the nearest `expectations.toml` in its folder or above, up to the root of the
 /// repository. Without a repository, up to the working folder where the suite lies below it, or in its own folder.
-pub fn ledger_path(suite: &Path) -> Option<PathBuf> {
+pub fn expectations_path(suite: &Path) -> Option<PathBuf> {
     let folder = suite.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let whole = folder.canonicalize().ok()?;
     let root = whole.ancestors().find(|folder| folder.join(".git").exists()).map(Path::to_owned);
@@ -161,11 +161,11 @@ pub fn ledger_path(suite: &Path) -> Option<PathBuf> {
     Some(short.unwrap_or(found))
 }
 
-/// Reads the text of a ledger.
+/// Reads the text of expectations.
 ///
 /// # Errors
 /// A file that cannot be read, or is no text.
-pub fn read_ledger(path: &Path) -> Result<SourceFile, LoadError> {
+pub fn read_expectations(path: &Path) -> Result<SourceFile, LoadError> {
     read(path)
 }
 

@@ -5,10 +5,10 @@ pub mod draft;
 mod elsewhere;
 mod error;
 mod expect;
+pub mod expectations;
 mod files;
 mod includes;
 mod keys;
-pub mod ledger;
 mod parse;
 mod record;
 pub mod run;
@@ -29,8 +29,8 @@ use property::{InputGroup, Own, Plan, PlanError};
 pub use error::{LoadError, RunTextureError, SuiteError};
 pub use expect::{Define, Defines, Expect, RecordedFile, ReferenceFile, combinations};
 pub use files::{
-    ENDING, Loaded, ledger_path, load, read_ledger, read_regressions, read_shader, regressions_path, save_regressions,
-    search,
+    ENDING, Loaded, expectations_path, load, read_expectations, read_regressions, read_shader, regressions_path,
+    save_regressions, search,
 };
 pub use includes::Includes;
 pub use keys::{page, schema};

@@ -24,7 +24,7 @@ pub(super) fn who(finding: &Finding, lane: &str) -> String {
         (FindingKind::Range, _) => "Range".to_owned(),
         (FindingKind::RoundedLiteral, _) => "A rounded constant".to_owned(),
         (FindingKind::Flaky, _) => format!("The lane {lane}, which is flaky"),
-        (FindingKind::UnexpectedPass, _) => "A ledger".to_owned(),
+        (FindingKind::UnexpectedPass, _) => "An expectation".to_owned(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Failures that a ledger expects: what failed, why that is known, and where more is told.
+//! Failures that are expected: what failed, why that is known, and where more is told.
 
 use std::fmt::Write;
 

@@ -52,7 +52,7 @@ pub(super) fn matrix(text: &mut String, page: &Page<'_>) {
          <span><i style=\"background:var(--good)\"></i>agree</span>\
          <span><i style=\"background:var(--open)\"></i>undetermined: the sample decides nothing</span>\
          <span><i style=\"background:var(--bad)\"></i>deviate</span>\
-         <span><b>≈</b> fails as a ledger expects</span>\
+         <span><b>≈</b> fails as a expectations expects</span>\
          <span><b>∼</b> weak: more than half undetermined</span><span><b>–</b> not run</span></p>\n",
     );
 }

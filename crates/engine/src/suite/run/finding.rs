@@ -34,7 +34,7 @@ pub enum FindingKind {
     Floor,
     /// Something that was asked for tested nothing.
     Vacuous,
-    /// A ledger expects a failure that did not come.
+    /// An expected failure did not come.
     UnexpectedPass,
     /// The lane is worse than its device was measured to be, and keeps what is promised: a warning.
     Quality,
@@ -75,7 +75,7 @@ impl FindingKind {
             Self::Coverage => "Parts of what should be drawn are not.",
             Self::Floor => "Too few samples were judged, or too many left undetermined.",
             Self::Vacuous => "Something that was asked for tested nothing.",
-            Self::UnexpectedPass => "The ledger expects a failure that did not come.",
+            Self::UnexpectedPass => "An expected failure did not come.",
             Self::Quality => "The lane is worse than its device was measured to be, and keeps what is promised.",
             Self::VacuousBound => "The bounds are so wide that they test little.",
             Self::Range => "Real numbers are fine and binary32 is not.",

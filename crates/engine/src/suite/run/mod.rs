@@ -133,7 +133,7 @@ pub struct Report {
     pub survey: Option<Survey>,
     /// What is wrong, worst first; warnings last.
     pub findings: Vec<Finding>,
-    /// Findings that a ledger expects: they do not make the run fail.
+    /// Findings that are expected: they do not make the run fail.
     pub known: Vec<Known>,
     /// Failing samples as shrunk, to be saved.
     pub failing: Vec<Sample>,

@@ -25,7 +25,7 @@ pub struct Summary {
     pub interrupted: Option<u8>,
     /// Suites in order, once for each lane and stage.
     pub entries: Vec<Entry>,
-    /// Entries of ledgers that are about nothing that ran, although their lane and driver did, one line each.
+    /// Expectations that are about nothing that ran, although their lane and driver did, one line each.
     pub stale: Vec<String>,
 }
 
@@ -92,7 +92,7 @@ pub enum Standing {
     Passed,
     /// The same, and more than half of the samples are undetermined.
     Weak,
-    /// It fails as a ledger expects.
+    /// It fails as expected.
     Known,
     /// Something is wrong.
     Failed,
@@ -176,7 +176,7 @@ pub enum Outcome {
     Refused(RunError),
     /// The lane failed.
     LaneFailed(String),
-    /// The lane failed, as a ledger expects.
+    /// The lane failed, as expected.
     KnownFailure {
         /// How it failed.
         message: String,
@@ -185,7 +185,7 @@ pub enum Outcome {
     },
 }
 
-/// What a ledger says of a failure that it expects.
+/// Why a failure is expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Expectation {
     /// `file:line:column` of the entry.
@@ -204,7 +204,7 @@ impl fmt::Display for Expectation {
     }
 }
 
-/// A finding that a ledger expects.
+/// A finding that is expected.
 #[derive(Clone, Debug)]
 pub struct Known {
     /// The finding.
@@ -241,7 +241,7 @@ pub enum Status {
 }
 
 impl Summary {
-    /// Failures that ledgers expect: the entry, what failed in a word and in a line, and what expects it.
+    /// Failures that are expected: the entry, what failed in a word and in a line, and what expects it.
     pub fn known(&self) -> Vec<(&Entry, &'static str, &str, &Expectation)> {
         let mut all = Vec::new();
         for entry in &self.entries {

@@ -1,7 +1,7 @@
-//! Ledgers: failures that are expected, as data beside the suites.
+//! Expectations: failures that are expected, as data beside the suites.
 //!
 //! A failure that an entry expects does not make a run fail; one that an entry expects and that does not come does.
-//! A ledger has no say in what is judged: it is applied to the result of a suite on a stage of a lane, once.
+//! Expectations have no say in what is judged: they are applied to the result of a suite on a stage of a lane, once.
 
 mod apply;
 mod glob;
@@ -20,9 +20,9 @@ use version::Versions;
 /// Name of the file.
 pub const FILE: &str = "expectations.toml";
 
-/// A ledger as its file states it.
+/// Expectations as their file states them.
 #[derive(Clone, Debug, Default)]
-pub struct Ledger {
+pub struct Expectations {
     entries: Vec<Expected>,
 }
 
@@ -61,7 +61,7 @@ enum Kind {
 
 impl Kind {
     fn all() -> impl Iterator<Item = Self> {
-        // A warning does not make a run fail, and an unexpected pass comes from the ledger itself.
+        // A warning does not make a run fail, and an unexpected pass comes from the expectations themselves.
         let fails = |kind: &FindingKind| !kind.is_warning() && *kind != FindingKind::UnexpectedPass;
         FindingKind::ALL.into_iter().filter(fails).map(Self::Finding).chain([Self::Lane])
     }
@@ -96,7 +96,7 @@ impl Expected {
     }
 }
 
-impl Ledger {
+impl Expectations {
     /// Number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()

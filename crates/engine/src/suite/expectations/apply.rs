@@ -1,11 +1,11 @@
-//! What a ledger makes of a result.
+//! What expectations make of a result.
 
-use super::{Expected, Kind, Ledger, glob};
+use super::{Expectations, Expected, Kind, glob};
 use crate::suite::run::{Entry, Finding, FindingKind, Known, Outcome, Report};
 use lanes::Description;
 
-impl Ledger {
-    /// Applies the ledger to the result of a suite on a stage of a lane: findings that are expected become known
+impl Expectations {
+    /// Applies the expectations to the result of a suite on a stage of a lane: findings that are expected become known
     /// ones, and a failure that is expected and did not come becomes a finding.
     pub fn apply(&self, entry: &mut Entry, lane: &Description) {
         let Some((_, stage)) = entry.on else { return };
@@ -56,7 +56,7 @@ fn ran(about: &[&Expected], report: &mut Report) {
         left.push(Finding {
             kind: FindingKind::UnexpectedPass,
             message: format!(
-                "the ledger expects a failure that did not come: {} because {}; remove or narrow the entry, or \
+                "an expected failure did not come: {} because {}; remove or narrow the entry, or \
                  say `always = false`",
                 expected.kind.name(),
                 expected.expectation

@@ -19,10 +19,10 @@ fn entry(rest: &str) -> String {
 
 const DEVIATION: &str = "kind = \"deviation\"\nlink = \"https://example.org/1\"";
 
-/// A folder with a suite over a shader, and a ledger.
-fn project(shader: &str, ledger: &str) -> tempfile::TempDir {
+/// A folder with a suite over a shader, and expectations.
+fn project(shader: &str, expectations: &str) -> tempfile::TempDir {
     let suite = suite(&["x"], "reference = \"r.glsl\"");
-    folder(&[("f.glsl", shader), ("r.glsl", RIGHT), ("own.suite.toml", &suite), ("expectations.toml", ledger)])
+    folder(&[("f.glsl", shader), ("r.glsl", RIGHT), ("own.suite.toml", &suite), ("expectations.toml", expectations)])
 }
 
 fn check(folder: &Path, more: &str) -> Ran {
@@ -58,7 +58,7 @@ fn a_failure_that_is_expected_is_told_and_does_not_fail() {
 fn a_failure_that_does_not_come_fails() {
     let folder = project(RIGHT, &entry(DEVIATION));
     let ran = check(folder.path(), "").expect(1);
-    let told = "own on embedded/compute: the ledger expects a failure that did not come: deviation because f is not ready \
+    let told = "own on embedded/compute: an expected failure did not come: deviation because f is not ready \
         (./expectations.toml:2:1";
     assert!(ran.out.starts_with("FAIL  own ") && ran.out.contains(told), "{}", ran.out);
     let json = check(folder.path(), "--format json").expect(1).json();
@@ -142,7 +142,7 @@ fn a_ledger_is_named_or_left_out() {
     check(folder.path(), "--expectations mine.toml").expect(0);
     check(folder.path(), "--expectations none").expect(1);
     let ran = check(folder.path(), "--expectations gone.toml").expect(2);
-    assert!(ran.err.contains("cannot read the ledger `gone.toml`"), "{}", ran.err);
+    assert!(ran.err.contains("cannot read the expectations `gone.toml`"), "{}", ran.err);
     // A single case is shown in full.
     fs::write(folder.path().join("expectations.toml"), entry(DEVIATION)).unwrap();
     check(folder.path(), "").expect(0);
@@ -160,7 +160,7 @@ fn what_is_wrong_in_a_ledger_is_told_at_its_place() {
 }
 
 #[test]
-fn a_ledger_is_applied_to_the_joined_result_once() {
+fn expectations_are_applied_to_the_joined_result_once() {
     for (shader, status) in [(WRONG, 0), (RIGHT, 1)] {
         let folder = project(shader, &entry(DEVIATION));
         let run = |args: &str| -> Ran { command(folder.path(), args).output().unwrap().into() };

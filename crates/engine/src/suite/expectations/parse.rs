@@ -1,11 +1,11 @@
-//! Reading a ledger.
+//! Reading expectations.
 
 use std::cell::Cell;
 
 use toml::de::DeTable;
 
 use super::version::{self, Versions};
-use super::{Expected, Kind, Ledger};
+use super::{Expectations, Expected, Kind};
 use crate::suite::run::Expectation;
 use base::did_you_mean;
 use base::text::SourceFile;
@@ -16,17 +16,17 @@ use lanes::Stage;
 const KEYS: [&str; 10] =
     ["lane", "driver", "versions", "suite", "stage", "kind", "message", "reason", "link", "always"];
 
-/// Reads a ledger.
+/// Reads expectations.
 ///
 /// # Errors
 /// Everything that is wrong, each with `file:line:column`, in the order of the file.
-pub fn parse(file: &SourceFile) -> Result<Ledger, Vec<Problem>> {
+pub fn parse(file: &SourceFile) -> Result<Expectations, Vec<Problem>> {
     let reader = Reader::new(file);
-    let ledger = match DeTable::parse(file.text()) {
+    let expectations = match DeTable::parse(file.text()) {
         Ok(document) => {
             let root = Table::root(&reader, document.get_ref()).only(&["expected"]);
             let entries = root.tables("expected", "[[expected]]").into_iter().map(expected).collect::<Option<_>>();
-            entries.map(|entries| Ledger { entries })
+            entries.map(|entries| Expectations { entries })
         }
         Err(error) => {
             let message = error.message().trim_end().replace('\n', "; ");
@@ -34,7 +34,7 @@ pub fn parse(file: &SourceFile) -> Result<Ledger, Vec<Problem>> {
             None
         }
     };
-    reader.finish(ledger, "the ledger cannot be read")
+    reader.finish(expectations, "the expectations cannot be read")
 }
 
 fn expected(table: Table<'_>) -> Option<Expected> {
@@ -112,15 +112,15 @@ mod tests {
         kind = \"deviation\"\nmessage = \"*gl_Position*\"\nreason = \"a reason\"\nlink = \"https://example.org\"\n\
         always = false\n";
 
-    fn read(text: &str) -> Result<Ledger, Vec<String>> {
+    fn read(text: &str) -> Result<Expectations, Vec<String>> {
         let told = |problems: Vec<Problem>| problems.iter().map(Problem::to_string).collect();
         parse(&SourceFile::new("e.toml", text)).map_err(told)
     }
 
     #[test]
     fn every_key_is_read() {
-        let ledger = read(GOOD).unwrap();
-        let [entry] = &ledger.entries[..] else { panic!("{ledger:?}") };
+        let expectations = read(GOOD).unwrap();
+        let [entry] = &expectations.entries[..] else { panic!("{expectations:?}") };
         assert_eq!((entry.stage, entry.kind.name(), entry.always), (Some(Stage::Vertex), "deviation", false));
         assert_eq!(entry.expectation.to_string(), "a reason (e.toml:1:1, https://example.org)");
         assert!(read("").unwrap().is_empty() && read(&GOOD.repeat(2)).unwrap().len() == 2);
