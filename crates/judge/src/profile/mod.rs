@@ -1,7 +1,7 @@
 //! Profiles: how far the result of each operation may lie from its exact value, as data.
 //!
 //! A profile is the table of a specification, or of a device that was measured. It is read from a
-//! TOML file; those of the specifications are in `fixtures/profiles` and part of the program.
+//! TOML file; those of the specifications are in `crates/judge/profiles` and part of the program.
 
 mod accept;
 mod device;

@@ -7,13 +7,13 @@ use base::text::SourceFile;
 
 /// Name and text of each promise; one that extends another comes behind it.
 const PROMISES: [(&str, &str); 6] = [
-    ("vulkan-1.4", include_str!("../../../../fixtures/profiles/vulkan-1.4.toml")),
-    ("vulkan-cts", include_str!("../../../../fixtures/profiles/vulkan-cts.toml")),
-    ("wgsl", include_str!("../../../../fixtures/profiles/wgsl.toml")),
-    ("glsl-4.60", include_str!("../../../../fixtures/profiles/glsl-4.60.toml")),
-    ("binary32", include_str!("../../../../fixtures/profiles/binary32.toml")),
+    ("vulkan-1.4", include_str!("../../profiles/vulkan-1.4.toml")),
+    ("vulkan-cts", include_str!("../../profiles/vulkan-cts.toml")),
+    ("wgsl", include_str!("../../profiles/wgsl.toml")),
+    ("glsl-4.60", include_str!("../../profiles/glsl-4.60.toml")),
+    ("binary32", include_str!("../../profiles/binary32.toml")),
     // No promise, and no lane is judged by it: the default of reference data.
-    ("vulkan-practice", include_str!("../../../../fixtures/profiles/vulkan-practice.toml")),
+    ("vulkan-practice", include_str!("../../profiles/vulkan-practice.toml")),
 ];
 
 static PROMISED: LazyLock<Vec<Profile>> = LazyLock::new(|| {
@@ -38,7 +38,7 @@ static MEASURED: [MeasuredDevice; 3] = [
         name: "llvmpipe-22.3.6",
         driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)",
         profile: LazyLock::new(|| {
-            let text = include_str!("../../../../fixtures/profiles/llvmpipe-22.3.6.toml");
+            let text = include_str!("../../profiles/llvmpipe-22.3.6.toml");
             Arc::new(read("llvmpipe-22.3.6", text, &PROMISED))
         }),
     },
@@ -46,7 +46,7 @@ static MEASURED: [MeasuredDevice; 3] = [
         name: "softpipe-22.3.6",
         driver: "softpipe, OpenGL 3.3 (Core Profile) Mesa 22.3.6",
         profile: LazyLock::new(|| {
-            let text = include_str!("../../../../fixtures/profiles/softpipe-22.3.6.toml");
+            let text = include_str!("../../profiles/softpipe-22.3.6.toml");
             Arc::new(read("softpipe-22.3.6", text, &PROMISED))
         }),
     },
@@ -54,7 +54,7 @@ static MEASURED: [MeasuredDevice; 3] = [
         name: "swiftshader-subzero-5.0",
         driver: "SwiftShader Device (Subzero), SwiftShader driver",
         profile: LazyLock::new(|| {
-            let text = include_str!("../../../../fixtures/profiles/swiftshader-subzero-5.0.toml");
+            let text = include_str!("../../profiles/swiftshader-subzero-5.0.toml");
             Arc::new(read("swiftshader-subzero-5.0", text, &PROMISED))
         }),
     },

@@ -258,14 +258,14 @@ fn unknown_keys_are_refused_with_a_suggestion() {
 
 #[test]
 fn an_operation_without_an_entry_is_refused() {
-    let text = include_str!("../../../../fixtures/profiles/wgsl.toml");
+    let text = include_str!("../../profiles/wgsl.toml");
     let without: String = text.lines().filter(|l| !l.starts_with("tanh")).map(|l| format!("{l}\n")).collect();
     let error = read(&without).unwrap_err();
     assert_eq!(error.0, ["p.toml:1:1: operation `tanh` has no entry; write `none` for no promise"]);
 }
 
 fn llvmpipe() -> &'static str {
-    include_str!("../../../../fixtures/profiles/llvmpipe-22.3.6.toml")
+    include_str!("../../profiles/llvmpipe-22.3.6.toml")
 }
 
 #[test]
