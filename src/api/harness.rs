@@ -72,7 +72,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
 
 /// Runs one suite, saved cases first. `variant` tells it from the others of its file.
 fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result<(), Failed> {
-    let prepared = prepare(suite, shader).map_err(|error| Failed::from(run::told(&error)))?;
+    let prepared = prepare(suite, shader).map_err(|error| Failed::from(run::error_of(&error)))?;
     let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
     let regressions = suite::regressions_path(path);
     let saved = suite::read_regressions(&regressions)?;

@@ -33,7 +33,7 @@ pub(super) fn check(shader: &Shader) -> Result<Outcome, Error> {
             Ok((given.map_err(|source| unfit(&suite, source))?, Vec::new()))
         })
     };
-    let prepared = prepared.map_err(|error| told(&error))?;
+    let prepared = prepared.map_err(|error| error_of(&error))?;
     let replay = match &shader.case {
         Some(text) => replay(&prepared, text)?,
         None => Vec::new(),
@@ -63,7 +63,7 @@ fn unfit(suite: &Suite, source: judge::verdict::ReferenceError) -> RunError {
 }
 
 /// An error with its diagnostics.
-pub(super) fn told(error: &RunError) -> Error {
+pub(super) fn error_of(error: &RunError) -> Error {
     match error {
         RunError::Shader { diagnostics, .. } => {
             let all: Vec<String> = diagnostics.iter().map(|d| report::diagnostics::text(d, Lang::En, false)).collect();

@@ -23,7 +23,7 @@ use engine::shard::Shard;
 use judge::profile::{self, Op};
 use lanes::{Lane, Stage, open_first};
 
-pub use shared::Found;
+pub use shared::ShardResult;
 
 /// Arguments of `shadercheck calibrate`.
 #[derive(Args, Clone, Debug)]

@@ -26,7 +26,7 @@ use engine::suite::run::{DEFAULT_SEED, LaneUsed, Peer, Prepared, Request, Status
 use judge::profile::Promises;
 use judge::verdict::Literals;
 use lanes::{Lane, Stage, Wanted, interrupt};
-use program::Source;
+use program::InputSource;
 use property::regressions::{self, Regression};
 
 use expectations::RunExpectations;
@@ -35,7 +35,7 @@ use profile::Choice;
 use progress::{Progress, Task};
 use screen::Screen;
 use select::Selected;
-pub use shared::Found;
+pub use shared::ShardResult;
 use watched::Watched;
 
 /// Arguments of `shadercheck check`.
@@ -117,14 +117,14 @@ pub enum StageArg {
 
 /// Sources of inputs, storage first: what other sources give is compared with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sources(pub Vec<Source>);
+pub struct Sources(pub Vec<InputSource>);
 
 /// Reads a list of sources.
 fn sources(text: &str) -> Result<Sources, String> {
     let mut all = Vec::new();
     for name in text.split(',').map(str::trim) {
-        let Some(source) = Source::ALL.into_iter().find(|s| s.name() == name) else {
-            let names: Vec<&str> = Source::ALL.into_iter().map(Source::name).collect();
+        let Some(source) = InputSource::ALL.into_iter().find(|s| s.name() == name) else {
+            let names: Vec<&str> = InputSource::ALL.into_iter().map(InputSource::name).collect();
             return Err(format!(
                 "there is no source `{name}`; sources are {}, and suites stand before `--sources`",
                 names.join(", ")
@@ -134,7 +134,7 @@ fn sources(text: &str) -> Result<Sources, String> {
             all.push(source);
         }
     }
-    all.sort_by_key(|s| *s != Source::Storage);
+    all.sort_by_key(|s| *s != InputSource::Storage);
     Ok(Sources(all))
 }
 

@@ -11,7 +11,7 @@ use clap::Args;
 use super::bar::Bar;
 use super::check::Format;
 use super::check::shell_word;
-use super::includes::{self, Source};
+use super::includes::{self, IncludedText};
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Severity};
@@ -23,7 +23,7 @@ use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
 
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
-pub use shared::Found;
+pub use shared::ShardResult;
 
 /// Samples of a function, when none are asked for.
 const SAMPLES: u64 = 1 << 16;
@@ -206,7 +206,7 @@ struct Printed<'a> {
 
 fn one_file(
     args: &FuzzArgs,
-    source: &Source,
+    source: &IncludedText,
     lanes: &[(&dyn Lane, Promises)],
     inputs: &mut Inputs<'_>,
     known: &mut Vec<String>,
@@ -246,7 +246,7 @@ pub(super) fn stated(options: &[String]) -> anyhow::Result<Vec<Stated>> {
 /// What is wrong with a file, or else the functions of it that are to be run.
 pub(super) fn subjects(
     functions: &[String],
-    source: &Source,
+    source: &IncludedText,
     known: &mut Vec<String>,
 ) -> anyhow::Result<(Vec<Diagnostic>, Vec<Subject>)> {
     let parsed = source.parsed();
@@ -267,7 +267,7 @@ pub(super) fn subjects(
 
 fn one_function(
     args: &FuzzArgs,
-    source: &Source,
+    source: &IncludedText,
     subject: &Subject,
     domain: &Domain,
     lanes: &[(&dyn Lane, Promises)],
@@ -285,7 +285,7 @@ fn one_function(
 }
 
 /// The command line up to the function.
-fn command(args: &FuzzArgs, source: &Source) -> String {
+fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     let mut words = format!("shadercheck fuzz {}", shell_word(&source.name));
     for folder in &args.include {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));

@@ -8,7 +8,7 @@ use engine::suite::Includes;
 use syntax::{Parsed, Shader, Stage};
 
 /// A file that is run.
-pub struct Source {
+pub struct IncludedText {
     /// Its name, as it was given.
     pub name: String,
     /// Its path.
@@ -26,11 +26,11 @@ pub struct Source {
 ///
 /// # Errors
 /// When the file, or one that it includes and that is there, cannot be read.
-pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<Source> {
+pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
     let file = crate::cli::translate::read(path)?;
     let mut includes = Includes::new(folders.to_vec(), "`-I FOLDER`");
     let whole = includes.resolve(&file)?;
-    Ok(Source {
+    Ok(IncludedText {
         name: file.name().to_owned(),
         path: path.to_owned(),
         stage: Stage::from_path(file.name()).unwrap_or(Stage::Library),
@@ -39,7 +39,7 @@ pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<Source> {
     })
 }
 
-impl Source {
+impl IncludedText {
     /// The shader. A library that names no version is written for whatever the shaders that it is put
     /// into say: the newest version is taken, unless only the oldest has what it uses.
     pub fn parsed(&self) -> Parsed {

@@ -84,7 +84,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
         }
         for subject in subjects {
             if known.iter().any(|(shader, suite)| shader == path && runs(suite, &subject)) {
-                writeln!(err, "left out: {} has a suite already", told(path, &subject))?;
+                writeln!(err, "left out: {} has a suite already", label(path, &subject))?;
                 continue;
             }
             written += u64::from(one(args, path, *stage, (&file, &subject, &devices), &mut names, out, err)?);
@@ -110,7 +110,7 @@ fn runs(suite: &Suite, subject: &Subject) -> bool {
     suite.entry == subject.entry || subject.entry.as_ref().is_some_and(|entry| suite.entries.contains(entry))
 }
 
-fn told(path: &Path, subject: &Subject) -> String {
+fn label(path: &Path, subject: &Subject) -> String {
     match &subject.entry {
         Some(entry) => format!("`{entry}` of {}", path.shown()),
         None => path.shown().to_string(),
@@ -145,13 +145,13 @@ fn one(
     }
     let target = path.with_file_name(format!("{name}.suite.toml"));
     if target.exists() {
-        writeln!(err, "left out: {}: `{}` is there already", told(path, subject), target.shown())?;
+        writeln!(err, "left out: {}: `{}` is there already", label(path, subject), target.shown())?;
         return Ok(false);
     }
     let draft = match draft::draft(file, stage, subject, &name, &shader, devices) {
         Ok(draft) => draft,
         Err(why) => {
-            writeln!(err, "left out: {}: {why}", told(path, subject))?;
+            writeln!(err, "left out: {}: {why}", label(path, subject))?;
             return Ok(false);
         }
     };

@@ -22,7 +22,7 @@ pub struct LanesArgs {
 const WIDTH: usize = 100;
 
 /// A lane of the registry.
-struct Found {
+struct LaneState {
     name: &'static str,
     about: &'static str,
     what: Result<(Description, Promises), Unavailable>,
@@ -37,13 +37,13 @@ pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> 
     let one = |candidate: &lanes::Candidate| {
         let opened = (candidate.open)();
         let what = opened.map(|lane| (lane.description().clone(), Promises::of_lane(lane.description())));
-        Found { name: candidate.name, about: candidate.about, what }
+        LaneState { name: candidate.name, about: candidate.about, what }
     };
-    let all: Vec<Found> = lanes::registry().iter().map(one).collect();
+    let all: Vec<LaneState> = lanes::registry().iter().map(one).collect();
     match args.format {
         Format::Text => {
             out.write_all(table(&all).as_bytes())?;
-            let executor = |found: &Found| found.what.as_ref().ok().map(|(lane, _)| lane.executor.clone());
+            let executor = |found: &LaneState| found.what.as_ref().ok().map(|(lane, _)| lane.executor.clone());
             if !all.iter().filter_map(executor).any(|executor| executor == lanes::vulkan::SWIFTSHADER) {
                 out.write_all(wrapped(lanes::vulkan::MORE, "help:", 6).as_bytes())?;
             }
@@ -56,9 +56,9 @@ pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> 
 const HEAD: [&str; 5] = ["lane", "stages", "driver", "version", "executor x front end"];
 
 /// Lanes as a table: a line for what each is, one for what it is held against, or why it cannot be had.
-fn table(all: &[Found]) -> String {
+fn table(all: &[LaneState]) -> String {
     let stages = |lane: &Description| lane.stages.iter().map(|s| s.name()).collect::<Vec<_>>().join(" ");
-    let row = |found: &Found| -> Option<[String; 5]> {
+    let row = |found: &LaneState| -> Option<[String; 5]> {
         let (lane, _) = found.what.as_ref().ok()?;
         let (driver, version) = driver(&lane.driver);
         let group = format!("{} x {}", lane.executor, lane.front_end);
@@ -158,7 +158,7 @@ fn driver(text: &str) -> (String, String) {
     (name.to_owned(), version)
 }
 
-fn value(found: &Found) -> Value {
+fn value(found: &LaneState) -> Value {
     match &found.what {
         Ok((lane, promises)) => {
             let stages: Vec<&str> = lane.stages.iter().map(|stage| stage.name()).collect();
@@ -192,12 +192,12 @@ mod tests {
     use super::*;
     use lanes::{Api, Stage};
 
-    fn found(name: &'static str, driver: &str, stages: Vec<Stage>) -> Found {
+    fn found(name: &'static str, driver: &str, stages: Vec<Stage>) -> LaneState {
         let (executor, front_end) = ("gallivm".to_owned(), "glslang".to_owned());
         let description =
             Description { name, driver: driver.to_owned(), executor, front_end, api: Api::Vulkan, stages };
         let promises = Promises::of_lane(&description);
-        Found { name, about: "a lane", what: Ok((description, promises)) }
+        LaneState { name, about: "a lane", what: Ok((description, promises)) }
     }
 
     const LLVMPIPE: &str = "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe, Mesa 22.3.6 (LLVM 15.0.6)";
@@ -214,7 +214,7 @@ mod tests {
                 &"a very long name of a device ".repeat(5),
                 vec![Stage::Compute, Stage::Vertex, Stage::Geometry],
             ),
-            Found { name: "opengl", about: "any OpenGL driver", what: Err(missing) },
+            LaneState { name: "opengl", about: "any OpenGL driver", what: Err(missing) },
         ];
         let text = table(&all);
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");

@@ -119,15 +119,15 @@ pub fn run(args: &MergeArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let covers = covered(&all)?;
     let missing: Vec<u64> = (0..identity.shards).filter(|index| !covers.contains_key(index)).collect();
     if !missing.is_empty() && args.out.is_none() {
-        anyhow::bail!("{}", told(&missing, &identity, &paths));
+        anyhow::bail!("{}", missing_parts(&missing, &identity, &paths));
     }
     let covers: Vec<u64> = covers.into_keys().collect();
     let merge = Merge { args, identity, covers, missing, paths: &paths, color };
     match merge.identity.command.as_str() {
-        "check" => merge.of::<check::Found>(all, out, err),
-        "fuzz" => merge.of::<fuzz::Found>(all, out, err),
-        "mutate" => merge.of::<mutate::Found>(all, out, err),
-        "calibrate" => merge.of::<calibrate::Found>(all, out, err),
+        "check" => merge.of::<check::ShardResult>(all, out, err),
+        "fuzz" => merge.of::<fuzz::ShardResult>(all, out, err),
+        "mutate" => merge.of::<mutate::ShardResult>(all, out, err),
+        "calibrate" => merge.of::<calibrate::ShardResult>(all, out, err),
         other => anyhow::bail!("the results are of the command `{other}`, which this version cannot merge"),
     }
 }
@@ -159,7 +159,7 @@ impl Merge<'_> {
             fresh::write(path, text.as_bytes()).with_context(|| format!("cannot write `{}`", path.shown()))?;
         }
         if !self.missing.is_empty() {
-            writeln!(err, "note: {}", told(&self.missing, &self.identity, self.paths))?;
+            writeln!(err, "note: {}", missing_parts(&self.missing, &self.identity, self.paths))?;
             return Ok(ExitStatus::Clean);
         }
         let status = joined.print(&self.identity, self.args.format == Format::Json, self.color, out, err)?;
@@ -208,7 +208,7 @@ fn covered(all: &[Read]) -> anyhow::Result<BTreeMap<u64, &Path>> {
 /// Shards that are named before the rest is counted.
 const NAMED: usize = 10;
 
-fn told(missing: &[u64], identity: &Identity, paths: &[PathBuf]) -> String {
+fn missing_parts(missing: &[u64], identity: &Identity, paths: &[PathBuf]) -> String {
     let count = identity.shards;
     let begun = |&index: &u64| {
         let stem = Shard::new(index, count).map(Shard::stem).unwrap_or_default();

@@ -24,7 +24,7 @@ use lanes::{Lane, Stage, interrupt, open_first};
 use report::diagnostics;
 use report::mutate::{Summary, json, text};
 
-pub use shared::Found;
+pub use shared::ShardResult;
 
 /// Samples of a mutant that nothing kills, when none are asked for.
 const SAMPLES: u64 = 1 << 16;

@@ -6,7 +6,9 @@ use std::fs;
 use base::text::SourceFile;
 use base::value::Batch;
 use engine::adversary::{Adversary, Fault, Strategy};
-use engine::fuzz::{Domain, Finding, FunctionReport, Kind, Request, Severity, Subject, option, run, subjects};
+use engine::fuzz::{
+    Domain, Finding, FunctionReport, FuzzFindingKind, Request, Severity, Subject, option, run, subjects,
+};
 use judge::profile::{Op, Promises, by_name};
 use judge::verdict::diagnosis::Origin;
 use lanes::{Actual, Api, Description, Lane, LaneError, Runner, embedded};
@@ -52,7 +54,7 @@ fn only(text: &str, domain: &str) -> FunctionReport {
     report
 }
 
-fn kinds(report: &FunctionReport, severity: Severity) -> Vec<Kind> {
+fn kinds(report: &FunctionReport, severity: Severity) -> Vec<FuzzFindingKind> {
     report.of(severity).map(|f| f.kind).collect()
 }
 
@@ -63,13 +65,13 @@ fn values(finding: &Finding) -> Vec<String> {
 #[test]
 fn a_division_that_has_no_value_is_found_at_its_smallest() {
     let report = only("float part(float a, float b) { return a / (a + b); }", "");
-    let none = report.findings.iter().find(|f| f.kind == Kind::NoValue).unwrap();
+    let none = report.findings.iter().find(|f| f.kind == FuzzFindingKind::NoValue).unwrap();
     assert_eq!(none.severity, Severity::Finding);
     assert_eq!(none.message, "`return` has no value: 0.0 / 0.0 has none");
     let place = none.place.as_ref().unwrap();
     assert_eq!((&*place.at, &*place.text, &place.expansion), ("a.glsl:2:39", "a / (a + b)", &None));
     assert_eq!(values(none), ["float a = 0.0", "float b = 0.0"]);
-    let infinite = report.findings.iter().find(|f| f.kind == Kind::Infinite).unwrap();
+    let infinite = report.findings.iter().find(|f| f.kind == FuzzFindingKind::Infinite).unwrap();
     assert_eq!(values(infinite), ["float a = -1.0", "float b = 1.0"]);
     // Inputs that never come are left out.
     assert!(!only("float part(float a, float b) { return a / (a + b); }", "a=(0,1];b=(0,1]").fails());
@@ -80,8 +82,8 @@ fn weights_that_all_vanish_are_an_underflow() {
     let text = "float first(vec2 d) { vec2 w = exp(-d * d); return w.x / (w.x + w.y); }";
     let report = only(text, "d=[-20,20]");
     let found: Vec<&Finding> = report.of(Severity::Finding).collect();
-    assert!(found.iter().any(|f| f.kind == Kind::Underflow), "{:?}", report.findings);
-    assert!(found.iter().all(|f| f.kind == Kind::Underflow), "{:?}", report.findings);
+    assert!(found.iter().any(|f| f.kind == FuzzFindingKind::Underflow), "{:?}", report.findings);
+    assert!(found.iter().all(|f| f.kind == FuzzFindingKind::Underflow), "{:?}", report.findings);
     assert_eq!(found[0].place.as_ref().unwrap().text, "exp(-d * d)");
     assert!(!only(text, "d=[-4,4]").fails());
 }
@@ -91,16 +93,16 @@ fn an_overflow_that_only_huge_inputs_bring_about_is_a_note() {
     let text = "float far(float a) { return sqrt(a * a); }";
     let report = only(text, "");
     assert!(!report.fails(), "{:?}", report.findings);
-    assert!(kinds(&report, Severity::Note).contains(&Kind::Overflow), "{:?}", report.findings);
+    assert!(kinds(&report, Severity::Note).contains(&FuzzFindingKind::Overflow), "{:?}", report.findings);
     let report = only(text, "a=[1e20,1e21]");
-    assert_eq!(kinds(&report, Severity::Finding), [Kind::Overflow]);
+    assert_eq!(kinds(&report, Severity::Finding), [FuzzFindingKind::Overflow]);
     assert_eq!(report.findings[0].place.as_ref().unwrap().text, "a * a");
 }
 
 #[test]
 fn catastrophic_cancellation_is_named_with_its_condition() {
     let report = only("float versine(float x) { return 1.0 - cos(x); }", "x=[0.0001,1]");
-    assert_eq!(kinds(&report, Severity::Warning), [Kind::IllConditioned]);
+    assert_eq!(kinds(&report, Severity::Warning), [FuzzFindingKind::IllConditioned]);
     let found = &report.findings[0];
     assert_eq!(found.place.as_ref().unwrap().text, "1.0 - cos(x)");
     assert!(found.condition.unwrap() > 1e3, "{:?}", found.condition);
@@ -133,7 +135,8 @@ fn what_overflows_on_the_way_is_not_held_against_a_lane() {
                 ["", "a=[1e18,1e20];b=[-1e20,1e20];n=[1,2];l=[-1e-20,1e-20]", "v=[-1e20,1e20];k=[-1e-19,1e30]"]
             {
                 let report = on(&subject, domain, lane, vulkan());
-                let wrong: Vec<&Finding> = report.findings.iter().filter(|f| f.kind == Kind::LaneDeviation).collect();
+                let wrong: Vec<&Finding> =
+                    report.findings.iter().filter(|f| f.kind == FuzzFindingKind::LaneDeviation).collect();
                 assert!(wrong.is_empty(), "{} {domain}: {:?}", subject.label, wrong[0]);
             }
         }
@@ -167,7 +170,7 @@ fn a_lane_with_a_wrong_sine_is_blamed() {
     assert!(!report.fails(), "{:?}", report.findings);
     let faulty = device.with_fault(Fault { op: Op::Sin, factor: 2.0 });
     let report = on(subject, "x=[-3,3]", &faulty, rulings());
-    let found = report.findings.iter().find(|f| f.kind == Kind::LaneDeviation).unwrap();
+    let found = report.findings.iter().find(|f| f.kind == FuzzFindingKind::LaneDeviation).unwrap();
     assert_eq!(found.lane, Some("adversary"));
     let Some(Origin::BuiltIn { op, .. }) = found.diagnosis.as_ref().unwrap().origin else { panic!("{found:?}") };
     assert_eq!(op, Op::Sin);
@@ -209,7 +212,7 @@ fn equal_inputs_with_different_outputs_are_found() {
     let subject = &functions("a.glsl", "float twice(float x) { return 2.0 * x; }")[0];
     let rulings = || Promises::of_api(Api::Binary32);
     let report = on(subject, "", &Mixed(embedded::open().unwrap()), rulings());
-    assert!(kinds(&report, Severity::Finding).contains(&Kind::NotDeterministic), "{:?}", report.findings);
+    assert!(kinds(&report, Severity::Finding).contains(&FuzzFindingKind::NotDeterministic), "{:?}", report.findings);
     let report = on(subject, "", &*embedded::open().unwrap(), rulings());
     assert!(!report.fails(), "{:?}", report.findings);
 }
@@ -272,9 +275,9 @@ fn stages_run_by_their_interface() {
 fn loops_without_end_are_told_and_hold_nothing_up() {
     let text = "float steps(float x) { float s = 0.0; for (float t = 0.0; t < 1.0; t += x) { s += 1.0; } return s; }";
     let report = only(text, "");
-    let found = report.findings.iter().find(|f| f.kind == Kind::Endless).unwrap();
+    let found = report.findings.iter().find(|f| f.kind == FuzzFindingKind::Endless).unwrap();
     assert_eq!(found.severity, Severity::Note);
-    assert!(kinds(&only(text, "x=[0,1]"), Severity::Finding).contains(&Kind::Endless));
+    assert!(kinds(&only(text, "x=[0,1]"), Severity::Finding).contains(&FuzzFindingKind::Endless));
     assert!(!only(text, "x=[0.1,1]").fails());
 }
 

@@ -11,7 +11,7 @@ use engine::suite::run::{FindingKind, Prepared, Report, bundles, run_from};
 use judge::verdict::Blame;
 use lanes::{Lane, vulkan};
 use program::lower::Target;
-use program::{Form, Kernel, Program, Source};
+use program::{Form, InputSource, Kernel, Program};
 
 use crate::binary::{Ran, command, run};
 use crate::support::{Planted, prepared, request};
@@ -20,30 +20,30 @@ fn device() -> Box<dyn Lane> {
     vulkan::open().expect("these tests need a Vulkan driver; `cargo xtask test` installs lavapipe")
 }
 
-fn source_of(form: &Form) -> Source {
+fn source_of(form: &Form) -> InputSource {
     match form {
-        Form::Compute | Form::Geometry => Source::Storage,
-        Form::Uniforms => Source::Uniforms,
-        Form::Constants => Source::Constants,
-        Form::Vertex { .. } => Source::Attributes,
+        Form::Compute | Form::Geometry => InputSource::Storage,
+        Form::Uniforms => InputSource::Uniforms,
+        Form::Constants => InputSource::Constants,
+        Form::Vertex { .. } => InputSource::Attributes,
     }
 }
 
 /// A lane that is wrong in kernels of one source, and in the shader itself alone.
-fn planted(prepared: &Prepared, source: Option<Source>) -> Planted {
+fn planted(prepared: &Prepared, source: Option<InputSource>) -> Planted {
     let lane = Planted::new(device(), prepared);
     let takes: fn(&Kernel) -> bool = match source {
         None => return lane,
-        Some(Source::Storage) => |kernel| source_of(&kernel.form) == Source::Storage,
-        Some(Source::Uniforms) => |kernel| source_of(&kernel.form) == Source::Uniforms,
-        Some(Source::Constants) => |kernel| source_of(&kernel.form) == Source::Constants,
-        Some(Source::Attributes) => |kernel| source_of(&kernel.form) == Source::Attributes,
+        Some(InputSource::Storage) => |kernel| source_of(&kernel.form) == InputSource::Storage,
+        Some(InputSource::Uniforms) => |kernel| source_of(&kernel.form) == InputSource::Uniforms,
+        Some(InputSource::Constants) => |kernel| source_of(&kernel.form) == InputSource::Constants,
+        Some(InputSource::Attributes) => |kernel| source_of(&kernel.form) == InputSource::Attributes,
     };
     lane.only(takes).with(|dispatch| dispatch.each(|_, _| true, |x| x + 0.01))
 }
 
 /// Runs a shipped suite from some sources on a lane that is wrong for one of them.
-fn reports(suite: &str, sources: &[Source], wrong: Option<Source>) -> Vec<Report> {
+fn reports(suite: &str, sources: &[InputSource], wrong: Option<InputSource>) -> Vec<Report> {
     let prepared = prepared(suite);
     let lane = planted(&prepared, wrong);
     let request = request(&prepared, Some(128), Promises::of_lane(lane.description()));
@@ -61,12 +61,12 @@ fn reports(suite: &str, sources: &[Source], wrong: Option<Source>) -> Vec<Report
 fn a_device_without_a_fault_passes_from_every_source() {
     // A vertex stage, a geometry stage and a function.
     for suite in ["sphere", "hair", "hermite"] {
-        for report in reports(suite, &Source::ALL, None) {
+        for report in reports(suite, &InputSource::ALL, None) {
             let source = report.source.unwrap();
             assert!(report.errors().is_empty(), "{suite} {source:?}: {:?}", report.findings);
-            let least = if source == Source::Constants { 8 } else { 100 };
+            let least = if source == InputSource::Constants { 8 } else { 100 };
             assert!(report.judged() >= least && report.unsupported == 0, "{suite} {source:?}: {}", report.judged());
-            assert_eq!(report.apart.is_some(), source != Source::Storage);
+            assert_eq!(report.apart.is_some(), source != InputSource::Storage);
             assert!(report.apart.is_none_or(|apart| apart.samples >= 8));
         }
     }
@@ -75,14 +75,14 @@ fn a_device_without_a_fault_passes_from_every_source() {
 #[test]
 fn a_fault_of_one_source_is_blamed_on_the_lane_and_on_that_source() {
     for (suite, wrong) in [
-        ("hermite", Source::Uniforms),
-        ("hermite", Source::Constants),
-        ("hermite", Source::Attributes),
-        ("morph", Source::Uniforms),
-        ("morph", Source::Attributes),
-        ("hair", Source::Uniforms),
+        ("hermite", InputSource::Uniforms),
+        ("hermite", InputSource::Constants),
+        ("hermite", InputSource::Attributes),
+        ("morph", InputSource::Uniforms),
+        ("morph", InputSource::Attributes),
+        ("hair", InputSource::Uniforms),
     ] {
-        for report in reports(suite, &[Source::Storage, wrong], Some(wrong)) {
+        for report in reports(suite, &[InputSource::Storage, wrong], Some(wrong)) {
             let source = report.source.unwrap();
             if source != wrong {
                 assert!(report.errors().is_empty(), "{suite} {wrong:?} {source:?}: {:?}", report.findings);
@@ -127,7 +127,7 @@ fn every_source_hands_over_exactly_these_bits() {
         batch.invocations.extend([word, 1, 2, 0xffff_fff0 + k, k % 2, 5, word, 0x3f00_0000, 7]);
     }
     let lane = device();
-    for source in Source::ALL {
+    for source in InputSource::ALL {
         let kernel = program.kernel_from(source, &batch).unwrap();
         let actual = lane.prepare(&kernel, words.len()).unwrap().run(&batch).unwrap();
         for (k, word) in words.into_iter().enumerate() {

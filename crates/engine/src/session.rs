@@ -10,7 +10,7 @@ use crate::suite::run::{
     Entry, Outcome, Part, Peer, Prepared, Request, Sampled, Share, Way, cross_check, max_samples, run_part, stage_of,
 };
 use lanes::{Lane, LaneError, Stage, interrupt};
-use program::Source;
+use program::InputSource;
 
 /// What is run of every suite.
 #[derive(Clone)]
@@ -20,7 +20,7 @@ pub struct Session<'a> {
     /// Only this stage of each lane.
     pub stage: Option<Stage>,
     /// Inputs from these sources in turn, in place of the usual run of each stage.
-    pub sources: Option<&'a [Source]>,
+    pub sources: Option<&'a [InputSource]>,
     /// Which part of the samples, handed over as a whole. `None` for a whole run, of which what was judged until it is
     /// interrupted is of use.
     pub shard: Option<Shard>,

@@ -4,7 +4,7 @@
 //! it stands in where there is none, and it tells a shader that is wrong from a driver that is.
 
 use base::value::Batch;
-use program::interp::{self, Binary32, Executable, Kind, Meaning};
+use program::interp::{self, Binary32, Executable, HazardKind, Meaning};
 use program::{Form, Kernel, OutputLayout};
 
 use super::{Actual, Api, Description, Lane, LaneError, Marks, Runner, Stage, Unavailable};
@@ -80,7 +80,7 @@ impl Runner for EmbeddedRunner {
 /// [`LaneError::Endless`] when an invocation ran out of fuel, which is [`interp::FUEL`].
 pub fn accepted(layout: &OutputLayout, meaning: &Meaning<u32>) -> Result<Actual, LaneError> {
     let count = meaning.count();
-    let endless = (0..count).find(|&i| meaning.flags(i).has(Kind::Fuel));
+    let endless = (0..count).find(|&i| meaning.flags(i).has(HazardKind::Fuel));
     if let Some(invocation) = endless {
         return Err(LaneError::Endless { invocation, count, rounds: interp::FUEL });
     }

@@ -39,7 +39,7 @@ use syntax::{Shader, Stage};
 pub use crate::lower::{Primitives, Role};
 pub use build::DISCARD;
 pub use capture::{
-    Attribute, ENTRY_POINT, Form, Kernel, OutputLayout, Source, UniformBlock, UniformSlot, WORKGROUP, binding,
+    Attribute, ENTRY_POINT, Form, InputSource, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding,
     uniform_blocks,
 };
 pub use constants::{Constant, Constants, WrittenLiteral};

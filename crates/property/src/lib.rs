@@ -16,7 +16,7 @@ mod strategy;
 mod stream;
 
 pub use own::Own;
-pub use picture::{Axis, Kind, Picture};
+pub use picture::{Axis, Picture, PictureKind};
 pub use plan::{InputGroup, Plan, PlanError};
 pub use relation::{Claim, Observed, Relation};
 pub use sample::Sample;

@@ -12,7 +12,7 @@ use super::sample::{decode, encode};
 
 /// What the places of a picture are.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum PictureKind {
     /// Two numbers of an invocation.
     Square([Axis; 2]),
     /// One number of an invocation; every row has another sample of the rest.
@@ -40,7 +40,7 @@ pub struct Axis {
 pub struct Picture {
     plan: Arc<Plan>,
     /// What its places are.
-    pub kind: Kind,
+    pub kind: PictureKind,
 }
 
 impl Picture {
@@ -49,17 +49,17 @@ impl Picture {
         let has = |role: Role| plan.invocation.iter().find(|planned| planned.generator.role() == role);
         let strands = has(Role::Strand).and_then(|planned| planned.group.options().strands);
         let kind = match (strands, has(Role::Shape)) {
-            (Some(strands), _) => Kind::Strands(strands),
-            (None, Some(_)) => Kind::Shape,
+            (Some(strands), _) => PictureKind::Strands(strands),
+            (None, Some(_)) => PictureKind::Shape,
             (None, None) => {
                 let mut axes: Vec<Axis> = Vec::new();
                 for planned in plan.invocation.iter().filter(|p| p.generator.role() == Role::Axis) {
                     axes.extend(axes_of(plan, planned, 0..planned.group.words()));
                 }
                 match (axes.len(), axes.first().cloned(), axes.last().cloned()) {
-                    (1, Some(only), _) => Kind::Rows(only),
-                    (2.., Some(first), Some(last)) => Kind::Square([first, last]),
-                    _ => Kind::Square(coordinates(plan)?),
+                    (1, Some(only), _) => PictureKind::Rows(only),
+                    (2.., Some(first), Some(last)) => PictureKind::Square([first, last]),
+                    _ => PictureKind::Square(coordinates(plan)?),
                 }
             }
         };
@@ -93,12 +93,12 @@ impl Picture {
         };
         let mut view = *view;
         match &self.kind {
-            Kind::Square([first, last]) => {
+            PictureKind::Square([first, last]) => {
                 set(&mut sample, first, view.at[0]);
                 set(&mut sample, last, view.at[1]);
             }
-            Kind::Rows(axis) => set(&mut sample, axis, view.at[0]),
-            Kind::Shape => {
+            PictureKind::Rows(axis) => set(&mut sample, axis, view.at[0]),
+            PictureKind::Shape => {
                 for planned in &self.plan.invocation {
                     match planned.generator.role() {
                         Role::Axis => {
@@ -115,7 +115,7 @@ impl Picture {
                     }
                 }
             }
-            Kind::Strands(_) => {
+            PictureKind::Strands(_) => {
                 for planned in self.plan.invocation.iter().filter(|p| p.generator.role() == Role::Strand) {
                     arrange(planned, &view, &mut sample.invocation);
                 }
@@ -200,7 +200,7 @@ mod tests {
     fn two_numbers_span_a_square_and_one_is_a_row() {
         let square = Picture::of(&plan(&[("st", Shape::VEC2, "interval")], &[("mc", Shape::MAT4, "projection")]));
         let square = square.unwrap();
-        let Kind::Square([s, t]) = &square.kind else { panic!("{:?}", square.kind) };
+        let PictureKind::Square([s, t]) = &square.kind else { panic!("{:?}", square.kind) };
         assert_eq!((s.name.as_str(), t.name.as_str(), s.range), ("st.x", "st.y", [0.0, 2.0]));
         let sample = square.sample(&square.plan.sample(1, 0, 0), &view([0.25, 1.0], 0.0));
         assert_eq!(sample.get("st"), [0.5, 2.0]);
@@ -208,9 +208,9 @@ mod tests {
         assert!(!square.moves());
         let row = Picture::of(&plan(&[("q", Shape::VEC4.array_of(4), "nodes"), ("s", Shape::FLOAT, "interval")], &[]))
             .unwrap();
-        assert!(matches!(&row.kind, Kind::Rows(axis) if axis.name == "s"));
+        assert!(matches!(&row.kind, PictureKind::Rows(axis) if axis.name == "s"));
         let place = Picture::of(&plan(&[("q", Shape::VEC3.array_of(2), "nodes")], &[])).unwrap();
-        assert!(matches!(&place.kind, Kind::Square([x, y]) if x.name == "q[1].x" && y.name == "q[1].y"));
+        assert!(matches!(&place.kind, PictureKind::Square([x, y]) if x.name == "q[1].x" && y.name == "q[1].y"));
         assert!(Picture::of(&plan(&[("w", Shape::VEC2, "simplex")], &[])).is_none());
     }
 
@@ -221,7 +221,7 @@ mod tests {
             &[("t", Shape::FLOAT, "interval"), ("mc", Shape::MAT4, "affine")],
         );
         let picture = Picture::of(&plan).unwrap();
-        assert!(picture.kind == Kind::Shape && picture.moves());
+        assert!(picture.kind == PictureKind::Shape && picture.moves());
         let still = plan.sample(1, 0, 0);
         let sample = picture.sample(&still, &view([0.5, 0.25], 0.5));
         assert_ne!(sample.get("p0"), sample.get("p1"));

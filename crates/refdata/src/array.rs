@@ -30,7 +30,7 @@ pub enum Per {
 
 /// Type of one word, as NumPy spells it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kind {
+pub enum WordType {
     /// binary32.
     #[serde(rename = "<f4")]
     F4,
@@ -48,7 +48,7 @@ pub enum Kind {
     U2,
 }
 
-impl Kind {
+impl WordType {
     /// Bytes of a word.
     pub fn bytes(self) -> usize {
         match self {
@@ -84,7 +84,7 @@ pub struct Array {
     #[serde(rename = "type")]
     pub ty: String,
     /// Type of a word.
-    pub dtype: Kind,
+    pub dtype: WordType,
     /// One for a sample or one for a case.
     pub per: Per,
     /// Shape of what there is for one sample or case; matrices are columns of rows.

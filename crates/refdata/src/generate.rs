@@ -78,7 +78,7 @@ pub struct Generator<'a> {
     samples: u64,
     per_case: usize,
     block_cases: u64,
-    pub(super) source: Source,
+    pub(super) source: ExpectedFrom,
     arrays: Vec<Array>,
     pub(super) outputs: Outputs,
     /// Words of a sample and of a case that are real numbers.
@@ -88,7 +88,7 @@ pub struct Generator<'a> {
 }
 
 /// What gives expected values.
-pub(super) enum Source {
+pub(super) enum ExpectedFrom {
     Formula(ByFormula),
     /// Another shader, or a record.
     Reference,
@@ -154,15 +154,15 @@ impl<'a> Generator<'a> {
                 let quick = Quick::of(exact, routes.iter().map(|route| route.from_case));
                 let runs = runs(&routes);
                 let by = ByFormula { exact, quick, routes, runs };
-                (Source::Formula(by), formula.outputs.iter().map(|p| p.name).collect())
+                (ExpectedFrom::Formula(by), formula.outputs.iter().map(|p| p.name).collect())
             }
             _ if emits => return Err(Unfit::Emits(name())),
             _ => match subject.expect() {
                 Expect::Reference(_) | Expect::Recorded(_) => {
-                    (Source::Reference, subject.reference().judged().iter().map(|f| f.name.as_str()).collect())
+                    (ExpectedFrom::Reference, subject.reference().judged().iter().map(|f| f.name.as_str()).collect())
                 }
                 Expect::Formula(_) | Expect::Nothing => {
-                    (Source::Meaning, record.fields().iter().map(|f| f.name.as_str()).collect())
+                    (ExpectedFrom::Meaning, record.fields().iter().map(|f| f.name.as_str()).collect())
                 }
             },
         };
@@ -173,7 +173,7 @@ impl<'a> Generator<'a> {
             fields.push((record.fields()[index].clone(), at..words.len()));
         }
         let vertices = match (&source, formula.map(|f| &f.rule)) {
-            (Source::Formula(by), Some(Rule::Emission(_))) => by.exact.outputs() / words.len().max(1),
+            (ExpectedFrom::Formula(by), Some(Rule::Emission(_))) => by.exact.outputs() / words.len().max(1),
             _ => 1,
         };
         let scalars = (0..record.words()).map(|word| record.scalar_of(word)).collect();
@@ -228,7 +228,7 @@ impl<'a> Generator<'a> {
     /// The provenance of a file with these blocks, without its digest.
     pub fn document(&self, blocks: &Range<u64>) -> Document {
         let formula = self.subject.reference().formula();
-        let formula = formula.filter(|_| matches!(self.source, Source::Formula(_)));
+        let formula = formula.filter(|_| matches!(self.source, ExpectedFrom::Formula(_)));
         let (by, accuracy) = self.accuracy();
         Document {
             schema: SCHEMA.into(),
@@ -269,26 +269,26 @@ impl<'a> Generator<'a> {
             None => "nothing here says by how much that moves a value",
         };
         match (&self.source, self.subject.expect()) {
-            (Source::Formula(_), _) => (
+            (ExpectedFrom::Formula(_), _) => (
                 "formula",
                 "real numbers, rounded once: within 1 ULP of binary64, or within 2^-90 of the largest term where terms \
                  cancel to less than 2^-37 of it"
                     .to_owned(),
             ),
-            (Source::Reference, Expect::Recorded(recorded)) => {
+            (ExpectedFrom::Reference, Expect::Recorded(recorded)) => {
                 let RecordedFile { file, relative_error, absolute_error, .. } = recorded;
                 let counted = if self.profile.is_some() { ", which is part of the bound" } else { "" };
                 let within = format!("within {relative_error:e} of the largest component and {absolute_error:e}");
                 ("recorded", format!("as recorded in {file}: {within}, and the digits that are written{counted}"))
             }
-            (Source::Reference, expect) => {
+            (ExpectedFrom::Reference, expect) => {
                 let file = match expect {
                     Expect::Reference(reference) => reference.file.as_str(),
                     Expect::Formula(_) | Expect::Recorded(_) | Expect::Nothing => "",
                 };
                 ("reference", format!("what the shader {file} means {rounded}{counted}"))
             }
-            (Source::Meaning, _) => ("meaning", format!("what the shader itself means {rounded}{counted}")),
+            (ExpectedFrom::Meaning, _) => ("meaning", format!("what the shader itself means {rounded}{counted}")),
         }
     }
 

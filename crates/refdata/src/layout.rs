@@ -1,6 +1,6 @@
 //! How the arrays of a data set follow from the interface of a shader, and what its document says of inputs.
 
-use super::array::{Array, Kind, Per, Role};
+use super::array::{Array, Per, Role, WordType};
 use super::document::Domain;
 use super::generate::Outputs;
 use base::value::{Record, Scalar, Shape};
@@ -58,8 +58,8 @@ pub(super) fn arrays(sides: [&Record; 2], outputs: &Outputs, emits: bool, bounde
                 variable: field.name.clone(),
                 ty: shape.to_string(),
                 dtype: match role {
-                    Role::Expected => Kind::F8,
-                    Role::Bound => Kind::F4,
+                    Role::Expected => WordType::F8,
+                    Role::Bound => WordType::F4,
                     Role::Input | Role::Nearest | Role::Flags => kind(shape.scalar),
                 },
                 per: Per::Sample,
@@ -76,7 +76,7 @@ pub(super) fn arrays(sides: [&Record; 2], outputs: &Outputs, emits: bool, bounde
         role: Role::Flags,
         variable: String::new(),
         ty: String::new(),
-        dtype: Kind::U2,
+        dtype: WordType::U2,
         per: Per::Sample,
         shape: Vec::new(),
         components: vec![String::new()],
@@ -84,11 +84,11 @@ pub(super) fn arrays(sides: [&Record; 2], outputs: &Outputs, emits: bool, bounde
     arrays
 }
 
-fn kind(scalar: Scalar) -> Kind {
+fn kind(scalar: Scalar) -> WordType {
     match scalar {
-        Scalar::F32 => Kind::F4,
-        Scalar::I32 => Kind::I4,
-        Scalar::U32 | Scalar::Bool => Kind::U4,
+        Scalar::F32 => WordType::F4,
+        Scalar::I32 => WordType::I4,
+        Scalar::U32 | Scalar::Bool => WordType::U4,
     }
 }
 

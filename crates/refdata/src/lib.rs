@@ -34,7 +34,7 @@ pub mod verify;
 mod worker;
 pub mod write;
 
-pub use array::{Array, Kind, Per, Role};
+pub use array::{Array, Per, Role, WordType};
 pub use bytes::Bytes;
 pub use digest::{Digest, run_key};
 pub use document::{Document, SCHEMA, SCHEMA_VERSION, schema};

@@ -3,7 +3,7 @@
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::sync::{Arc, Mutex};
 
-use super::read::{Blocks, Chain, Dataset, ReadError, Sequence, Shared, Source};
+use super::read::{Blocks, Chain, Dataset, InputFormat, ReadError, Sequence, Shared};
 use super::write::{Format, Spill, Store};
 use super::*;
 use ::number::twofold::Real;
@@ -83,12 +83,12 @@ pub(super) fn file(suite: &str, profile: Option<&str>, format: Format, samples: 
     memory.take()
 }
 
-pub(super) fn source(format: Format) -> Option<Source> {
+pub(super) fn source(format: Format) -> Option<InputFormat> {
     match format {
-        Format::Json => Some(Source::Json),
-        Format::Npz => Some(Source::Npz),
-        Format::Parquet => Some(Source::Parquet),
-        Format::Csv => Some(Source::Csv),
+        Format::Json => Some(InputFormat::Json),
+        Format::Npz => Some(InputFormat::Npz),
+        Format::Parquet => Some(InputFormat::Parquet),
+        Format::Csv => Some(InputFormat::Csv),
         Format::C => None,
     }
 }
@@ -118,7 +118,7 @@ fn inputs_of(dataset: &Dataset, formula: &str, sample: usize) -> Inputs {
         for b in bytes[row * array.stride()..][..array.stride()].chunks_exact(4) {
             let bits = u32::from_le_bytes(b.try_into().unwrap());
             words.push(match array.dtype {
-                Kind::F4 => f64::from(f32::from_bits(bits)),
+                WordType::F4 => f64::from(f32::from_bits(bits)),
                 _ => f64::from(bits.cast_signed()),
             });
         }
@@ -350,7 +350,7 @@ fn parts_together_are_the_whole_and_faults_of_theirs_are_told() {
         memory.take()
     };
     let open = |bytes: &[u8]| Shared::new(Box::new(Cursor::new(bytes.to_vec()))).unwrap();
-    let blocks = |bytes: &[u8]| Blocks::open(Source::Npz, &open(bytes));
+    let blocks = |bytes: &[u8]| Blocks::open(InputFormat::Npz, &open(bytes));
     let joined = |parts: &[&[u8]]| -> Result<Vec<u8>, ReadError> {
         let name = |(k, bytes): (usize, &&[u8])| (format!("p{k}"), blocks(bytes).unwrap().document().clone());
         let documents: Vec<_> = parts.iter().enumerate().map(name).collect();

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::columns::{Columns, flags_of, grow, turn};
 use super::flags::{Flag, Flags, any_special};
-use super::generate::{ByFormula, Generator, Source};
+use super::generate::{ByFormula, ExpectedFrom, Generator};
 use super::inputs::Inputs;
 use super::number::upward;
 use base::value::{Batch, Scalar};
@@ -63,9 +63,10 @@ impl<'g, 'a> Worker<'g, 'a> {
                 .in_order
                 .as_ref()
                 .map(|profile| (Limiter::new(oracle, profile, Stage::Compute), Limits::default())),
-            meant: matches!(generator.source, Source::Meaning)
+            meant: matches!(generator.source, ExpectedFrom::Meaning)
                 .then(|| (Meant::new(oracle), bounded.then(|| Roundoff::new(oracle)))),
-            wanted: matches!(generator.source, Source::Reference).then(|| Wanted::new(generator.subject.reference())),
+            wanted: matches!(generator.source, ExpectedFrom::Reference)
+                .then(|| Wanted::new(generator.subject.reference())),
             values: Vec::new(),
             slack: Vec::new(),
             columns: Columns::new(generator.outputs.words_of_sample()),
@@ -77,12 +78,12 @@ impl<'g, 'a> Worker<'g, 'a> {
     pub fn fill(&mut self, batch: &Batch, first: usize, mut part: Part<'_>) {
         self.inputs(batch, first, part.flags);
         match &self.generator.source {
-            Source::Formula(by) => self.formula(by, batch, first, &mut part),
-            Source::Reference => {
+            ExpectedFrom::Formula(by) => self.formula(by, batch, first, &mut part),
+            ExpectedFrom::Reference => {
                 self.reference(batch, first, &mut part);
                 self.outputs(part.expected, part.flags);
             }
-            Source::Meaning => {
+            ExpectedFrom::Meaning => {
                 self.meaning(batch, first, &mut part);
                 self.outputs(part.expected, part.flags);
             }
@@ -238,7 +239,7 @@ impl<'g, 'a> Worker<'g, 'a> {
     fn bounds(&mut self, batch: &Batch, first: usize, part: &mut Part<'_>) {
         let outputs = &self.generator.outputs;
         let Some(limiter) = &mut self.limiter else { return };
-        let by_formula = matches!(self.generator.source, Source::Formula(_));
+        let by_formula = matches!(self.generator.source, ExpectedFrom::Formula(_));
         let mut apart_rows = 0;
         limiter.look(batch, first, &mut self.limits);
         if let Some(in_order) = &mut self.in_order {

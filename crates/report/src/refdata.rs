@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::json;
 
 use base::value::F32Bits;
-use refdata::Kind;
+use refdata::WordType;
 use refdata::verify::{Report, Worst};
 
 /// The report for people.
@@ -73,11 +73,11 @@ fn case(text: &mut String, Worst { element, flags, inputs }: &Worst) {
     }
 }
 
-fn number(word: u32, kind: Kind) -> String {
+fn number(word: u32, kind: WordType) -> String {
     match kind {
-        Kind::F4 => F32Bits(word).to_string(),
-        Kind::I4 => word.cast_signed().to_string(),
-        Kind::F8 | Kind::U4 | Kind::U2 => word.to_string(),
+        WordType::F4 => F32Bits(word).to_string(),
+        WordType::I4 => word.cast_signed().to_string(),
+        WordType::F8 | WordType::U4 | WordType::U2 => word.to_string(),
     }
 }
 

@@ -18,7 +18,7 @@ use lanes::Lane;
 /// What some shards measured.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Found(State);
+pub struct ShardResult(State);
 
 const LANE: &str = "--lane";
 const OUTPUT: &str = "--output";
@@ -65,7 +65,7 @@ pub fn run(
     })
 }
 
-impl Joined for Found {
+impl Joined for ShardResult {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         Ok(self.0.join(other.0)?)
     }

@@ -21,7 +21,7 @@ use lanes::{LaneError, interrupt};
 
 /// What some shards found.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Found {
+pub struct ShardResult {
     lanes: Vec<LaneUsed>,
     /// Lanes that were wanted and could not be had, on some machine.
     unavailable: Absent,
@@ -108,7 +108,7 @@ pub fn run(
             return Ok(None);
         }
         let Summary { lanes, asked, required, unavailable, .. } = summary;
-        Ok(Some(Found {
+        Ok(Some(ShardResult {
             lanes,
             unavailable: Absent::new(unavailable),
             asked: asked.into_iter().collect(),
@@ -182,7 +182,7 @@ impl Observer for Stored<'_> {
     }
 }
 
-impl Joined for Found {
+impl Joined for ShardResult {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
         anyhow::ensure!(self.expectations == other.expectations, "the shards expect different failures");

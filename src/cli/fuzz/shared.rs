@@ -5,7 +5,7 @@ use std::io::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::{FuzzArgs, Inputs, Source, one_function, status_of};
+use super::{FuzzArgs, IncludedText, Inputs, one_function, status_of};
 use crate::cli::bar::Bar;
 use crate::cli::check::Format;
 use crate::cli::merge::Joined;
@@ -20,7 +20,7 @@ use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
 /// What some shards found.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub struct Found {
+pub struct ShardResult {
     lanes: Vec<Description>,
     unavailable: Absent,
     #[serde(default)]
@@ -39,7 +39,7 @@ struct Shared {
 const NOTES: &str = "--notes";
 
 /// Everything that the result of a run depends on.
-fn identity(args: &FuzzArgs, shard: Shard, files: &[(&Source, Vec<Subject>)], lanes: &[Description]) -> Identity {
+fn identity(args: &FuzzArgs, shard: Shard, files: &[(&IncludedText, Vec<Subject>)], lanes: &[Description]) -> Identity {
     let mut identity = Identity::new("fuzz", args.seed, shard.count())
         .with("--samples", args.samples)
         .with(NOTES, args.notes)
@@ -63,7 +63,7 @@ fn identity(args: &FuzzArgs, shard: Shard, files: &[(&Source, Vec<Subject>)], la
 pub fn run(
     args: &FuzzArgs,
     shard: Shard,
-    files: &[(&Source, Vec<Subject>)],
+    files: &[(&IncludedText, Vec<Subject>)],
     lanes: &[(&dyn Lane, Promises)],
     inputs: &mut Inputs<'_>,
     summary: Summary,
@@ -72,8 +72,8 @@ pub fn run(
 ) -> anyhow::Result<ExitStatus> {
     let store = Store::new(&args.sharing.shard_dir, shard, identity(args, shard, files, &summary.lanes))?;
     let json = args.format == Format::Json;
-    store.run(json, (out, err), |saved: Option<Found>| {
-        let mut found = saved.unwrap_or_else(|| Found {
+    store.run(json, (out, err), |saved: Option<ShardResult>| {
+        let mut found = saved.unwrap_or_else(|| ShardResult {
             lanes: summary.lanes,
             unavailable: Absent::new(summary.unavailable),
             asked: summary.asked.into_iter().collect(),
@@ -104,7 +104,7 @@ pub fn run(
     })
 }
 
-impl Joined for Found {
+impl Joined for ShardResult {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lanes == other.lanes, "the shards ran on different lanes");
         self.unavailable.join(other.unavailable);

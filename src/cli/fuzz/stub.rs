@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use super::Source;
+use super::IncludedText;
 use base::text::Shown;
 use base::value::{Scalar, Shape};
 use disk::fresh;
@@ -21,7 +21,7 @@ const RANGE: (f64, f64) = (-2.0, 2.0);
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(sources: &[Source], summary: &Summary, err: &mut dyn Write) -> anyhow::Result<()> {
+pub fn write(sources: &[IncludedText], summary: &Summary, err: &mut dyn Write) -> anyhow::Result<()> {
     for (source, report) in sources.iter().zip(&summary.files) {
         for function in report.functions.iter().filter(|f| f.not_run.is_none()) {
             let name = &function.function;
@@ -52,7 +52,7 @@ fn beside(path: &Path, function: &str) -> PathBuf {
     path.with_file_name(format!("{stem}.{function}.suite.toml"))
 }
 
-fn suite(source: &Source, function: &FunctionReport) -> Result<String, String> {
+fn suite(source: &IncludedText, function: &FunctionReport) -> Result<String, String> {
     let name = &function.function;
     if name.contains('(') {
         return Err("the file has several functions of this name".to_owned());

@@ -87,12 +87,12 @@ pub struct Loaded {
     /// C and C++ files of a folder that are no text.
     pub skipped: Vec<InputError>,
     /// Where each reported text came from, by its name.
-    sources: BTreeMap<String, Source>,
+    sources: BTreeMap<String, Candidate>,
     /// Names of all texts by their real paths.
     names: BTreeMap<PathBuf, String>,
 }
 
-struct Source {
+struct Candidate {
     path: PathBuf,
     form: Form,
     exact: bool,
@@ -181,7 +181,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
         let is_host = language_of(&name(&path)) == Some(Language::Host);
         match text {
             Ok(Decoded { file, form, exact }) => {
-                loaded.sources.insert(file.name().to_owned(), Source { path, form, exact });
+                loaded.sources.insert(file.name().to_owned(), Candidate { path, form, exact });
                 loaded.inputs.push(Input::new(file));
             }
             Err(InputError::Empty(_)) if !named => {}

@@ -21,7 +21,7 @@ const FLOOR: &str = "--floor";
 
 /// What some shards found.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub struct Found {
+pub struct ShardResult {
     lane: String,
     suites: Vec<Shared>,
 }
@@ -35,7 +35,7 @@ enum Shared {
     Failed { suite: String, why: String },
 }
 
-impl Found {
+impl ShardResult {
     /// Adds the mutants of a shard.
     fn add(&mut self, shard: Shard, result: SuiteResult) {
         let SuiteResult { suite, shader, samples, tested } = result;
@@ -62,8 +62,8 @@ pub(super) fn run(
     }
     let store = Store::new(&work.args.sharing.shard_dir, shard, identity(work.args, shard, lane, &texts))?;
     let json = work.args.format == Format::Json;
-    store.run(json, (out, err), |saved: Option<Found>| {
-        let mut found = saved.unwrap_or_else(|| Found { lane: lane.to_owned(), suites: Vec::new() });
+    store.run(json, (out, err), |saved: Option<ShardResult>| {
+        let mut found = saved.unwrap_or_else(|| ShardResult { lane: lane.to_owned(), suites: Vec::new() });
         let mut progress = Bar::new(!json);
         for one in work.selected.iter().skip(found.suites.len()) {
             let result = work.suite(one, &mut progress)?;
@@ -84,7 +84,7 @@ pub(super) fn run(
     })
 }
 
-impl Joined for Found {
+impl Joined for ShardResult {
     fn join(&mut self, other: Self) -> anyhow::Result<()> {
         anyhow::ensure!(self.lane == other.lane, "the shards ran on different lanes");
         anyhow::ensure!(self.suites.len() == other.suites.len(), "the shards ran different suites");

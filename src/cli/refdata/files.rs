@@ -7,12 +7,12 @@ use anyhow::Context;
 
 use base::text::Shown;
 use refdata::Document;
-use refdata::read::{Blocks, Chain, ReadError, Sequence, Shared, Source};
+use refdata::read::{Blocks, Chain, InputFormat, ReadError, Sequence, Shared};
 
 /// The format of a file by its ending.
-pub fn source(path: &Path) -> anyhow::Result<Source> {
+pub fn source(path: &Path) -> anyhow::Result<InputFormat> {
     let name = path.shown();
-    Source::of_name(&name)
+    InputFormat::of_name(&name)
         .with_context(|| format!("the ending of `{name}` tells no format; there are npz, parquet, csv, json and raw"))
 }
 
@@ -37,7 +37,8 @@ pub fn parts(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
         let path = entry.with_context(failed)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // What is being written has a name that begins with a point.
-        let is_part = !name.starts_with('.') && Source::of_name(&name).is_some_and(|source| source != Source::Raw);
+        let is_part =
+            !name.starts_with('.') && InputFormat::of_name(&name).is_some_and(|source| source != InputFormat::Raw);
         if is_part && path.is_file() {
             paths.push(path);
         }

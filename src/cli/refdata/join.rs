@@ -14,7 +14,7 @@ use crate::cli::merge::MergeArgs;
 use crate::cli::status::ExitStatus;
 use base::text::Shown as _;
 use disk::fresh;
-use refdata::read::{Sequence, Source};
+use refdata::read::{InputFormat, Sequence};
 use refdata::write::Format;
 use refdata::{CopyError, Document, copy};
 
@@ -52,11 +52,11 @@ pub fn parts(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
 /// True for a file of reference data; in a folder, only for one that is called as a part is.
 fn is_part(path: &Path, named: bool) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    match Source::of_name(&name) {
-        Some(Source::Npz | Source::Parquet | Source::Csv) => !named || name.starts_with("shard-"),
+    match InputFormat::of_name(&name) {
+        Some(InputFormat::Npz | InputFormat::Parquet | InputFormat::Csv) => !named || name.starts_with("shard-"),
         // The results of other commands are JSON too.
-        Some(Source::Json) => (!named || name.starts_with("shard-")) && begins_with(path, b"{\"provenance\""),
-        Some(Source::Raw) | None => false,
+        Some(InputFormat::Json) => (!named || name.starts_with("shard-")) && begins_with(path, b"{\"provenance\""),
+        Some(InputFormat::Raw) | None => false,
     }
 }
 

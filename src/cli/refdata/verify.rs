@@ -11,7 +11,7 @@ use crate::cli::check::Format;
 use crate::cli::status::ExitStatus;
 use base::text::Shown;
 use disk::fresh::Fresh;
-use refdata::read::{self, Dataset, Sequence, Source, Wanted};
+use refdata::read::{self, Dataset, InputFormat, Sequence, Wanted};
 use refdata::verify::{self, Element, Report, Rule, StreamError};
 
 /// Arguments of `shadercheck refdata verify`.
@@ -87,11 +87,11 @@ pub enum ByteOrderArg {
 /// When a file cannot be read or does not fit the other, or output fails.
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let format = match args.actual_format {
-        Some(SourceArg::Npz) => Source::Npz,
-        Some(SourceArg::Parquet) => Source::Parquet,
-        Some(SourceArg::Csv) => Source::Csv,
-        Some(SourceArg::Json) => Source::Json,
-        Some(SourceArg::Raw) => Source::Raw,
+        Some(SourceArg::Npz) => InputFormat::Npz,
+        Some(SourceArg::Parquet) => InputFormat::Parquet,
+        Some(SourceArg::Csv) => InputFormat::Csv,
+        Some(SourceArg::Json) => InputFormat::Json,
+        Some(SourceArg::Raw) => InputFormat::Raw,
         None => files::source(&args.actual)?,
     };
     let order = match args.byte_order {

@@ -3,7 +3,7 @@
 use judge::profile::Op;
 use program::ProgramError;
 use program::interp::{self, Binary64};
-use program::probe::{MAX_WORDS, Source, TraceError, What};
+use program::probe::{MAX_WORDS, OperandSource, TraceError, What};
 
 use super::{batch, driver, embedded_lane, function, read, run, trace};
 
@@ -67,8 +67,8 @@ fn points_know_their_place_their_operands_and_their_operations() {
     assert_ne!(probed.points[half].function, probed.points[sine].function);
     let [ref operation] = probed.points[sine].operations[..] else { panic!() };
     assert_eq!((operation.name, operation.result), ("sin", Some(0)));
-    assert_eq!(operation.operands, [Source::Point { point: difference, component: 0 }]);
-    assert_eq!(probed.points[half].operands, [vec![Source::Leaf(0)], vec![Source::Literal(0.5)]]);
+    assert_eq!(operation.operands, [OperandSource::Point { point: difference, component: 0 }]);
+    assert_eq!(probed.points[half].operands, [vec![OperandSource::Leaf(0)], vec![OperandSource::Literal(0.5)]]);
     assert_eq!(probed.points[at("s > 100.0")].what, What::Comparison);
 }
 

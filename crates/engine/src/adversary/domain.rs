@@ -5,8 +5,8 @@ use std::sync::Arc;
 use base::value::Scalar;
 use judge::profile::Op;
 use program::interp::{
-    Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, LANES, Mask, Site, Source, ToWords,
-    Unary, Words,
+    Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, LANES, Mask, Site, ToWords, Unary,
+    WordSource, Words,
 };
 use property::mix;
 
@@ -192,7 +192,7 @@ impl Domain for Adversary {
         self.strict.constant(site, value, &mut out.values);
     }
 
-    fn input(&mut self, source: Source, words: &Words, out: &mut Column) {
+    fn input(&mut self, source: WordSource, words: &Words, out: &mut Column) {
         out.rounded();
         self.strict.input(source, words, &mut out.values);
         for (invocation, &word) in self.invocations.iter_mut().zip(words) {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Kind {
+pub enum FuzzFindingKind {
     /// A lane gives something else than the function means.
     LaneDeviation,
     /// A lane gives different outputs for the same inputs.
@@ -51,7 +51,7 @@ pub enum Kind {
     TooLarge,
 }
 
-impl Kind {
+impl FuzzFindingKind {
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -167,7 +167,7 @@ pub struct InputValue {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finding {
     /// What it is.
-    pub kind: Kind,
+    pub kind: FuzzFindingKind,
     /// How bad it is.
     pub severity: Severity,
     /// One sentence without a full stop.

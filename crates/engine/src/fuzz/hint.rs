@@ -135,19 +135,19 @@ fn end_of(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
-    fn told(text: &str) -> Vec<String> {
+    fn hints(text: &str) -> Vec<String> {
         let read = comment(text, "").unwrap().unwrap();
         read.iter().map(|s| format!("{} {}", s.input, s.law)).collect()
     }
 
     #[test]
     fn comments_state_domains() {
-        assert_eq!(told("// shadercheck: x in [0,1], normalised n"), ["x in [0, 1]", "n normalised"]);
+        assert_eq!(hints("// shadercheck: x in [0,1], normalised n"), ["x in [0, 1]", "n normalised"]);
         assert_eq!(
-            told("/* shadercheck: s.a in (0, inf); v nonzero */"),
+            hints("/* shadercheck: s.a in (0, inf); v nonzero */"),
             ["s.a in (0, inf]", "v nonzero"].map(|s| s.replace("inf]", "inf)"))
         );
-        assert_eq!(told("// shadercheck: t >= -1, u < 2"), ["t in [-1, inf]", "u in [-inf, 2)"]);
+        assert_eq!(hints("// shadercheck: t >= -1, u < 2"), ["t in [-1, inf]", "u in [-inf, 2)"]);
     }
 
     #[test]

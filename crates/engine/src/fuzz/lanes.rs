@@ -1,7 +1,7 @@
 //! A function on one lane: verdicts on its outputs, blame, and whether equal inputs give equal outputs.
 
 use super::domain::{Domain, Shrinking};
-use super::finding::{Finding, Kind, LaneReport, Severity};
+use super::finding::{Finding, FuzzFindingKind, LaneReport, Severity};
 use super::shrinking::inputs;
 use super::subject::Ready;
 use base::value::{Batch, Scalar};
@@ -151,7 +151,10 @@ impl<'a> OnLane<'a> {
                 count: self.unstable_count,
                 inputs: inputs(sample),
                 reproduce: Some(reproduce(sample)),
-                ..blank(Kind::NotDeterministic, "the same inputs give different outputs in one dispatch".to_owned())
+                ..blank(
+                    FuzzFindingKind::NotDeterministic,
+                    "the same inputs give different outputs in one dispatch".to_owned(),
+                )
             });
         }
         if !self.failing.is_empty() {
@@ -159,7 +162,10 @@ impl<'a> OnLane<'a> {
                 Ok(found) => findings.extend(found),
                 Err(_) if interrupt::asked() => {
                     let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
-                    findings.push(Finding { count: self.verdicts.deviated, ..blank(Kind::LaneDeviation, message) });
+                    findings.push(Finding {
+                        count: self.verdicts.deviated,
+                        ..blank(FuzzFindingKind::LaneDeviation, message)
+                    });
                 }
                 Err(error) => {
                     self.failed.get_or_insert(error.to_string());
@@ -167,7 +173,7 @@ impl<'a> OnLane<'a> {
             }
         }
         if let Some(error) = &self.failed {
-            findings.push(blank(Kind::LaneFailed, error.clone()));
+            findings.push(blank(FuzzFindingKind::LaneFailed, error.clone()));
         }
         let not_run = self.runner.err();
         (LaneReport { lane: name, verdicts: self.verdicts, not_run }, findings)
@@ -178,7 +184,7 @@ impl<'a> OnLane<'a> {
         &mut self,
         domain: &Domain,
         reproduce: &dyn Fn(&Sample) -> String,
-        blank: &dyn Fn(Kind, String) -> Finding,
+        blank: &dyn Fn(FuzzFindingKind, String) -> Finding,
     ) -> Result<Vec<Finding>, LaneError> {
         let context = self.context();
         let Ok(runner) = &mut self.runner else { return Ok(Vec::new()) };
@@ -202,7 +208,7 @@ impl<'a> OnLane<'a> {
             let actual = runner.run(&batch)?;
             let Some(Verdict::Deviate(deviation)) = judge_each(&context, &batch, &actual).pop() else {
                 // Message once, as a lane that gives different outputs for the same inputs is.
-                if let Some(told) = findings.iter_mut().find(|told| told.kind == Kind::NotDeterministic) {
+                if let Some(told) = findings.iter_mut().find(|told| told.kind == FuzzFindingKind::NotDeterministic) {
                     told.count += 1;
                     continue;
                 }
@@ -214,7 +220,7 @@ impl<'a> OnLane<'a> {
                     count: 1,
                     inputs: inputs(&sample),
                     reproduce: Some(reproduce(&sample)),
-                    ..blank(Kind::NotDeterministic, message)
+                    ..blank(FuzzFindingKind::NotDeterministic, message)
                 });
                 continue;
             };
@@ -246,7 +252,7 @@ impl<'a> OnLane<'a> {
                 found: deviation.value().map(|v| v.actual),
                 diagnosis: Some(diagnosis),
                 reproduce: Some(reproduce(&sample)),
-                ..blank(Kind::LaneDeviation, deviation.to_string())
+                ..blank(FuzzFindingKind::LaneDeviation, deviation.to_string())
             });
             told.push((output, sample));
         }

@@ -22,7 +22,7 @@ mod subject;
 mod wrapper;
 
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Stated};
-pub use finding::{Finding, FunctionReport, InputValue, Kind, LaneReport, Severity};
+pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneReport, Severity};
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use run::{Request, run, stream_key};

@@ -12,13 +12,13 @@ use judge::verdict::diagnosis::Place;
 use lanes::{Api, Stage};
 use program::interp::{Binary32, Binary64, Dependence, LANES, Machine, OutputColumn, Site, author_span};
 
-use super::finding::Kind;
+use super::finding::FuzzFindingKind;
 
 /// What is known about the trouble of one sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
     /// What it is.
-    pub kind: Kind,
+    pub kind: FuzzFindingKind,
     /// The operation.
     pub op: Option<Op>,
     /// Where it stands.
@@ -40,11 +40,11 @@ pub struct Named {
 }
 
 /// Samples with one name are one finding.
-pub type Key = (Kind, Option<Op>, Option<Site>);
+pub type Key = (FuzzFindingKind, Option<Op>, Option<Site>);
 
 impl Named {
     /// Trouble of a kind of which nothing else is known.
-    fn blank(kind: Kind, place: (usize, usize)) -> Self {
+    fn blank(kind: FuzzFindingKind, place: (usize, usize)) -> Self {
         Self {
             kind,
             op: None,
@@ -108,7 +108,7 @@ fn one(
     look: &Look,
 ) -> Option<Named> {
     let trouble = look.trouble?;
-    let mut named = Named::blank(Kind::Endless, look.place);
+    let mut named = Named::blank(FuzzFindingKind::Endless, look.place);
     let plain = |kind| Some(Named { kind, ..named.clone() });
     if let Some(kind) = trouble.of_integers() {
         wide.take_findings();
@@ -125,9 +125,9 @@ fn one(
         return Some(named);
     }
     match trouble {
-        Trouble::Endless => return plain(Kind::Endless),
-        Trouble::TooManyVertices => return plain(Kind::TooManyVertices),
-        Trouble::NotWritten => return plain(Kind::NotWritten),
+        Trouble::Endless => return plain(FuzzFindingKind::Endless),
+        Trouble::TooManyVertices => return plain(FuzzFindingKind::TooManyVertices),
+        Trouble::NotWritten => return plain(FuzzFindingKind::NotWritten),
         _ => {}
     }
     let (vertex, word) = look.place;
@@ -152,13 +152,13 @@ fn one(
     }
     let value = named.value;
     named.kind = match trouble {
-        _ if vanished(named.op, &named.args, value) => Kind::Underflow,
+        _ if vanished(named.op, &named.args, value) => FuzzFindingKind::Underflow,
         Trouble::NoValue | Trouble::Infinite if value.is_infinite() && !is_pole(named.op, &named.args) => {
-            Kind::TooLarge
+            FuzzFindingKind::TooLarge
         }
         Trouble::NoValue | Trouble::Infinite | Trouble::TooLarge => of_results(trouble),
-        _ if value.abs() > f64::from(f32::MAX) => Kind::Overflow,
-        _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => Kind::Underflow,
+        _ if value.abs() > f64::from(f32::MAX) => FuzzFindingKind::Overflow,
+        _ if value != 0.0 && value.abs() < f64::from(f32::MIN_POSITIVE) => FuzzFindingKind::Underflow,
         _ if forked => return None,
         _ => of_results(trouble),
     };
@@ -200,26 +200,26 @@ pub fn undefined(because: &Dependence) -> Named {
 }
 
 /// What an undefined value is called.
-fn of_undefined(trouble: Trouble) -> Kind {
+fn of_undefined(trouble: Trouble) -> FuzzFindingKind {
     match trouble {
-        Trouble::Index => Kind::Index,
-        Trouble::DivisionByZero => Kind::DivisionByZero,
-        Trouble::Shift => Kind::Shift,
-        Trouble::Conversion => Kind::Conversion,
-        Trouble::Unset => Kind::Unset,
-        Trouble::Undefined => Kind::Undefined,
-        _ => Kind::IntegerOverflow,
+        Trouble::Index => FuzzFindingKind::Index,
+        Trouble::DivisionByZero => FuzzFindingKind::DivisionByZero,
+        Trouble::Shift => FuzzFindingKind::Shift,
+        Trouble::Conversion => FuzzFindingKind::Conversion,
+        Trouble::Unset => FuzzFindingKind::Unset,
+        Trouble::Undefined => FuzzFindingKind::Undefined,
+        _ => FuzzFindingKind::IntegerOverflow,
     }
 }
 
 /// What trouble is by its result alone.
-fn of_results(trouble: Trouble) -> Kind {
+fn of_results(trouble: Trouble) -> FuzzFindingKind {
     match trouble {
-        Trouble::NoValue => Kind::NoValue,
-        Trouble::Infinite => Kind::Infinite,
-        Trouble::TooLarge => Kind::TooLarge,
-        Trouble::Lost => Kind::Lost,
-        _ => Kind::IllConditioned,
+        Trouble::NoValue => FuzzFindingKind::NoValue,
+        Trouble::Infinite => FuzzFindingKind::Infinite,
+        Trouble::TooLarge => FuzzFindingKind::TooLarge,
+        Trouble::Lost => FuzzFindingKind::Lost,
+        _ => FuzzFindingKind::IllConditioned,
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::domain::{Domain, InputDomain, Law};
-use super::finding::{Finding, FunctionReport, Kind, Severity};
+use super::finding::{Finding, FunctionReport, FuzzFindingKind, Severity};
 use super::generate;
 use super::lanes::OnLane;
 use super::name::{Key, Named, applied, decimal, name, place, undefined};
@@ -313,7 +313,7 @@ fn tell(
         };
         let Some(named) = named else { continue };
         let mut finding = finding(ready, severity, &named, &sample, (group.count, group.counting), reproduce);
-        if named.kind == Kind::IllConditioned && request.case.is_none() {
+        if named.kind == FuzzFindingKind::IllConditioned && request.case.is_none() {
             finding.worst = Some((group.worst.0, inputs(&group.worst.1)));
         }
         report.findings.push(finding);
@@ -338,13 +338,13 @@ fn finding(
     };
     let real = matches!(
         named.kind,
-        Kind::NoValue
-            | Kind::Infinite
-            | Kind::Overflow
-            | Kind::Underflow
-            | Kind::Lost
-            | Kind::IllConditioned
-            | Kind::TooLarge
+        FuzzFindingKind::NoValue
+            | FuzzFindingKind::Infinite
+            | FuzzFindingKind::Overflow
+            | FuzzFindingKind::Underflow
+            | FuzzFindingKind::Lost
+            | FuzzFindingKind::IllConditioned
+            | FuzzFindingKind::TooLarge
     );
     Finding {
         kind: named.kind,
@@ -358,7 +358,8 @@ fn finding(
         output: real.then_some(output),
         meaning: real.then_some(named.meaning),
         found: real.then_some(named.strict.to_bits()),
-        condition: (named.kind == Kind::IllConditioned && named.condition.is_finite()).then_some(named.condition),
+        condition: (named.kind == FuzzFindingKind::IllConditioned && named.condition.is_finite())
+            .then_some(named.condition),
         worst: None,
         diagnosis: None,
         reproduce: Some(reproduce(sample)),
@@ -374,22 +375,22 @@ fn message(named: &Named, shown: &str) -> String {
     let result = if known { format!("the result is {}, ", decimal(named.meaning)) } else { String::new() };
     let strict = if named.strict.is_nan() { "nan".to_owned() } else { format!("{:?}", named.strict) };
     match named.kind {
-        Kind::NoValue if named.value.is_infinite() => format!("`{shown} has no value{}", by("is infinite")),
-        Kind::NoValue => format!("`{shown} has no value{}", by("has none")),
-        Kind::Infinite => format!("`{shown} is infinite{}", by("is")),
-        Kind::Overflow => format!(
+        FuzzFindingKind::NoValue if named.value.is_infinite() => format!("`{shown} has no value{}", by("is infinite")),
+        FuzzFindingKind::NoValue => format!("`{shown} has no value{}", by("has none")),
+        FuzzFindingKind::Infinite => format!("`{shown} is infinite{}", by("is")),
+        FuzzFindingKind::Overflow => format!(
             "overflow on the way to `{shown}{}; {result}binary32 gives {strict}",
             by("is too large for binary32")
         ),
-        Kind::Underflow => format!(
+        FuzzFindingKind::Underflow => format!(
             "underflow on the way to `{shown}{}; {result}binary32 gives {strict}",
             by("is too small for binary32")
         ),
-        Kind::Lost => format!(
+        FuzzFindingKind::Lost => format!(
             "rounding leaves `{shown} without a value{}; binary32 gives {strict}",
             by("has no right digit left")
         ),
-        Kind::IllConditioned => {
+        FuzzFindingKind::IllConditioned => {
             let lost = (f64::from(named.strict) - named.meaning).abs() / named.meaning.abs();
             let bits = (24.0 + lost.max(LIMIT * LIMIT).log2()).clamp(0.0, 24.0);
             let many = if named.condition == 0.0 {
@@ -406,19 +407,23 @@ fn message(named: &Named, shown: &str) -> String {
                 decimal(named.meaning)
             )
         }
-        Kind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
-        Kind::NotWritten => format!("`{shown} is not written"),
-        Kind::TooManyVertices => "more vertices are emitted than `max_vertices`; those past it are lost".to_owned(),
-        Kind::Endless => format!("a loop goes on after {ROUNDS} rounds"),
-        Kind::Unset | Kind::Undefined => {
+        FuzzFindingKind::TooLarge => format!("`{shown} is too large for binary32{}", by("is")),
+        FuzzFindingKind::NotWritten => format!("`{shown} is not written"),
+        FuzzFindingKind::TooManyVertices => {
+            "more vertices are emitted than `max_vertices`; those past it are lost".to_owned()
+        }
+        FuzzFindingKind::Endless => format!("a loop goes on after {ROUNDS} rounds"),
+        FuzzFindingKind::Unset | FuzzFindingKind::Undefined => {
             format!("the value is undefined: {}", named.why.as_deref().unwrap_or("the operation leaves its range"))
         }
-        Kind::Index => "an index lies outside of its array".to_owned(),
-        Kind::DivisionByZero => "an integer is divided by zero".to_owned(),
-        Kind::Shift => "a shift by 32 bits or more".to_owned(),
-        Kind::Conversion => "a number does not fit the integer that it is converted to".to_owned(),
-        Kind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
-        Kind::LaneDeviation | Kind::NotDeterministic | Kind::LaneFailed => named.kind.name().to_owned(),
+        FuzzFindingKind::Index => "an index lies outside of its array".to_owned(),
+        FuzzFindingKind::DivisionByZero => "an integer is divided by zero".to_owned(),
+        FuzzFindingKind::Shift => "a shift by 32 bits or more".to_owned(),
+        FuzzFindingKind::Conversion => "a number does not fit the integer that it is converted to".to_owned(),
+        FuzzFindingKind::IntegerOverflow => "a signed integer does not fit 32 bits".to_owned(),
+        FuzzFindingKind::LaneDeviation | FuzzFindingKind::NotDeterministic | FuzzFindingKind::LaneFailed => {
+            named.kind.name().to_owned()
+        }
     }
 }
 

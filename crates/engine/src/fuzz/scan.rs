@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use base::value::{Batch, Record};
-use program::interp::{Binary32, Binary64, Executable, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use program::interp::{Binary32, Binary64, Executable, HazardKind, LANES, Machine, Number, OutputColumn, POISON};
 
 /// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
 pub const LIMIT: f64 = 1.0 / 1024.0;
@@ -52,29 +52,32 @@ pub enum Trouble {
 
 impl Trouble {
     /// The trouble that an undefined value is.
-    pub fn of(kind: Kind) -> Self {
+    pub fn of(kind: HazardKind) -> Self {
         match kind {
-            Kind::Index => Self::Index,
-            Kind::DivisionByZero => Self::DivisionByZero,
-            Kind::Shift => Self::Shift,
-            Kind::Conversion => Self::Conversion,
-            Kind::Overflow => Self::IntegerOverflow,
+            HazardKind::Index => Self::Index,
+            HazardKind::DivisionByZero => Self::DivisionByZero,
+            HazardKind::Shift => Self::Shift,
+            HazardKind::Conversion => Self::Conversion,
+            HazardKind::Overflow => Self::IntegerOverflow,
             // These follow from the text, whatever the inputs.
-            Kind::Unset | Kind::NoReturn | Kind::Overlap => Self::Unset,
-            Kind::Quotient | Kind::Remainder | Kind::BitField | Kind::Argument | Kind::Fuel | Kind::Killed => {
-                Self::Undefined
-            }
+            HazardKind::Unset | HazardKind::NoReturn | HazardKind::Overlap => Self::Unset,
+            HazardKind::Quotient
+            | HazardKind::Remainder
+            | HazardKind::BitField
+            | HazardKind::Argument
+            | HazardKind::Fuel
+            | HazardKind::Killed => Self::Undefined,
         }
     }
 
     /// What the interpreter calls it, for what concerns integers.
-    pub fn of_integers(self) -> Option<Kind> {
+    pub fn of_integers(self) -> Option<HazardKind> {
         Some(match self {
-            Self::Index => Kind::Index,
-            Self::DivisionByZero => Kind::DivisionByZero,
-            Self::Shift => Kind::Shift,
-            Self::Conversion => Kind::Conversion,
-            Self::IntegerOverflow => Kind::Overflow,
+            Self::Index => HazardKind::Index,
+            Self::DivisionByZero => HazardKind::DivisionByZero,
+            Self::Shift => HazardKind::Shift,
+            Self::Conversion => HazardKind::Conversion,
+            Self::IntegerOverflow => HazardKind::Overflow,
             Self::Endless
             | Self::NoValue
             | Self::Infinite
@@ -146,13 +149,13 @@ fn chunk_of(
     let mut looks = vec![Look::default(); lanes];
     for (lane, look) in looks.iter_mut().enumerate() {
         let (wide, narrow) = (meaning.flags()[lane], strict.flags()[lane]);
-        if wide.has(Kind::Fuel) || narrow.has(Kind::Fuel) {
+        if wide.has(HazardKind::Fuel) || narrow.has(HazardKind::Fuel) {
             look.note(Trouble::Endless, (0, 0));
             continue;
         }
         // Whether it matters is found out at the end.
         look.undefined = wide.is_undefined();
-        if wide.has(Kind::Overflow) {
+        if wide.has(HazardKind::Overflow) {
             look.note(Trouble::IntegerOverflow, (0, 0));
         }
         if meaning.is_emitting() && meaning.emitted()[lane] as usize > meaning.room() {

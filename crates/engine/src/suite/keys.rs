@@ -286,7 +286,7 @@ pub fn page() -> String {
         let _ = write!(text, "\n{title}\n{}\n\n", wrapped(section.about, 2));
         for Key { name, form, required, about } in section.keys {
             let needed = if *required { ", required" } else { "" };
-            let _ = writeln!(text, "  {name}: {}{needed}\n{}", told(*form), wrapped(about, 6));
+            let _ = writeln!(text, "  {name}: {}{needed}\n{}", named(*form), wrapped(about, 6));
         }
     }
     text.push_str("\nKinds of laws\n");
@@ -300,7 +300,7 @@ pub fn page() -> String {
     text
 }
 
-fn told(form: Form) -> String {
+fn named(form: Form) -> String {
     match form {
         Form::Text => "text".to_owned(),
         Form::Texts => "list of texts".to_owned(),

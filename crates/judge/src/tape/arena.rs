@@ -12,7 +12,7 @@ pub(super) type Id = u32;
 /// How a node comes from others. A partial is the derivative at the exact arguments, with the
 /// distance to the derivative anywhere between these and what a device may have instead.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Kind {
+pub(super) enum NodeKind {
     /// An input, a constant, or a value that was never written.
     Leaf,
     /// The sum with signs ±1 (0 leaves an argument out).
@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Select { mask: u32, a: Id, b: Id },
 }
 
-impl Kind {
+impl NodeKind {
     /// True for sums, products and selections, which rearrangement may regroup.
     pub(super) fn is_polynomial(self) -> bool {
         match self {
@@ -40,7 +40,7 @@ impl Kind {
 /// What is known of a node in all lanes together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meta {
-    pub kind: Kind,
+    pub kind: NodeKind,
     /// The operation as profiles call it; `None` for leaves and selections.
     pub op: Option<Op>,
     pub site: Option<Site>,

@@ -1,6 +1,6 @@
 //! Outputs that fade out: small because an exponential or a power is, whose natural scale is its value 1 at its start.
 
-use super::arena::{Id, Kind};
+use super::arena::{Id, NodeKind};
 use super::{Column, Tape};
 use crate::profile::Op;
 
@@ -29,14 +29,14 @@ impl Tape<'_> {
             return value(id).abs() <= FADED;
         }
         match meta.kind {
-            Kind::Leaf => false,
+            NodeKind::Leaf => false,
             // A term that is 0 leaves the others.
-            Kind::Sum { a, b, signs } => {
+            NodeKind::Sum { a, b, signs } => {
                 let terms = [(a, signs.0), (b, signs.1)].map(|(id, sign)| (id, sign != 0.0 && value(id) != 0.0));
                 let mut terms = terms.into_iter().filter(|(_, counts)| *counts).peekable();
                 terms.peek().is_some() && terms.all(|(id, _)| self.fades(id, lane, left))
             }
-            Kind::Product { a, b } => {
+            NodeKind::Product { a, b } => {
                 // Without the factor that fades, the rest is of an ordinary size.
                 let factor = |one: Id, other: Id, left: &mut usize| {
                     value(other).abs() >= FADED && self.fades(one, lane, left)
@@ -44,17 +44,17 @@ impl Tape<'_> {
                 };
                 factor(a, b, left) || factor(b, a, left)
             }
-            Kind::Select { mask, a, b } => {
+            NodeKind::Select { mask, a, b } => {
                 let taken = if self.arena.masks[mask as usize].has(lane) { a } else { b };
                 self.fades(taken, lane, left)
             }
-            Kind::Two { a, b, .. } => match meta.op {
+            NodeKind::Two { a, b, .. } => match meta.op {
                 Some(Op::Div) => self.fades(a, lane, left),
                 Some(Op::Min | Op::Max) => self.fades(if value(id) == value(a) { a } else { b }, lane, left),
                 _ => false,
             },
             // The same value once more.
-            Kind::One { a, .. } => value(a) == value(id) && self.fades(a, lane, left),
+            NodeKind::One { a, .. } => value(a) == value(id) && self.fades(a, lane, left),
         }
     }
 }

@@ -31,10 +31,10 @@ mod why;
 use crate::profile::{Op, grid};
 use base::value::Scalar;
 use program::interp::{
-    Binary, Class, Comparison, Domain, FromWords, LANES, Mask, Number, Site, Source, ToWords, Unary, Words,
+    Binary, Class, Comparison, Domain, FromWords, LANES, Mask, Number, Site, ToWords, Unary, WordSource, Words,
 };
 
-use arena::{Arena, Id, Kind, Lanes, Meta};
+use arena::{Arena, Id, Lanes, Meta, NodeKind};
 pub use decay::FADED;
 pub use model::Model;
 pub use sweep::Bounds;
@@ -123,7 +123,7 @@ impl<'p> Tape<'p> {
     }
 
     fn leaf(&mut self, value: impl FnOnce(&mut Lanes)) -> Id {
-        let meta = Meta { kind: Kind::Leaf, op: None, site: None, exact: true, tiny: false, not_negative: false };
+        let meta = Meta { kind: NodeKind::Leaf, op: None, site: None, exact: true, tiny: false, not_negative: false };
         let id = self.arena.push(meta);
         let at = id as usize;
         value(self.arena.value.get_mut(at));
@@ -187,7 +187,7 @@ impl Domain for Tape<'_> {
         out.0 = id;
     }
 
-    fn input(&mut self, _: Source, words: &Words, out: &mut Column) {
+    fn input(&mut self, _: WordSource, words: &Words, out: &mut Column) {
         out.0 = self.leaf(|value| {
             for (v, &word) in value.iter_mut().zip(words) {
                 *v = f64::from(f32::from_bits(word));
@@ -268,7 +268,7 @@ impl Domain for Tape<'_> {
         let reach = |lane: usize| kernels::reach(x[lane], e[lane], flushes) + relative * x[lane].abs() + absolute;
         // In real numbers the bits of an input are those that were given, the sign of a zero among them. The sign of a
         // computed zero is promised by nobody.
-        let given = matches!(self.model, Model::Binary64) && matches!(self.arena.nodes[a].kind, Kind::Leaf);
+        let given = matches!(self.model, Model::Binary64) && matches!(self.arena.nodes[a].kind, NodeKind::Leaf);
         let end = |lane: usize, sign: f64| if given { x[lane] } else { x[lane] + sign * reach(lane) };
         let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| end(lane, sign)) };
         program::interp::to_words(op, &ends(-1.0), &mut low);

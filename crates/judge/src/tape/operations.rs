@@ -1,7 +1,7 @@
 //! Operations as nodes: values, radii, local errors and derivatives.
 
 use super::Tape;
-use super::arena::{Id, Kind, Lanes, Meta};
+use super::arena::{Id, Lanes, Meta, NodeKind};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
@@ -203,7 +203,7 @@ impl Tape<'_> {
         self.arena.partials.get_mut(2 * partial as usize).fill(1.0);
         self.arena.partials.get_mut(2 * partial as usize + 1).fill(0.0);
         let Meta { tiny, not_negative, .. } = self.arena.nodes[a as usize];
-        let kind = Kind::One { a, partial };
+        let kind = NodeKind::One { a, partial };
         let id = self.arena.push(Meta { kind, op, site, exact: false, tiny, not_negative });
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
@@ -266,7 +266,7 @@ impl Tape<'_> {
         let (left, right) = (nodes[a as usize], nodes[b as usize]);
         let single = signs.1 == 0.0;
         let not_negative = signs == (1.0, 1.0) && left.not_negative && right.not_negative;
-        let kind = Kind::Sum { a, b, signs };
+        let kind = NodeKind::Sum { a, b, signs };
         let id = self.arena.push(Meta { kind, op: Some(op), site, exact: single, tiny: false, not_negative });
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
@@ -313,7 +313,7 @@ impl Tape<'_> {
         let nodes = &self.arena.nodes;
         let tiny = [nodes[a as usize].tiny, nodes[b as usize].tiny];
         let not_negative = a == b || (nodes[a as usize].not_negative && nodes[b as usize].not_negative);
-        let kind = Kind::Product { a, b };
+        let kind = NodeKind::Product { a, b };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
         let id = self.arena.push(meta);
         let at = id as usize;
@@ -348,7 +348,7 @@ impl Tape<'_> {
         let (left, right) = (nodes[a as usize], nodes[b as usize]);
         let number = self.arena.mask(*mask);
         let id = self.arena.push(Meta {
-            kind: Kind::Select { mask: number, a, b },
+            kind: NodeKind::Select { mask: number, a, b },
             op: None,
             site: None,
             exact: true,
@@ -371,7 +371,7 @@ impl Tape<'_> {
         let partial = self.arena.partial();
         let not_negative = self.arena.nodes[a as usize].not_negative;
         let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
-        let kind = Kind::One { a, partial };
+        let kind = NodeKind::One { a, partial };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative: keeps };
         let id = self.arena.push(meta);
         let at = id as usize;
@@ -416,7 +416,7 @@ impl Tape<'_> {
             Op::Max => left.not_negative || right.not_negative,
             _ => false,
         };
-        let kind = Kind::Two { a, b, partials };
+        let kind = NodeKind::Two { a, b, partials };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
         let id = self.arena.push(meta);
         let at = id as usize;
@@ -481,11 +481,11 @@ impl Tape<'_> {
                         let other = other as usize;
                         self.arena.value.get(other)[lane].abs() + self.arena.radius.get(other)[lane]
                     }
-                    (None, Kind::One { partial, .. }) => {
+                    (None, NodeKind::One { partial, .. }) => {
                         let (slope, bend) = self.arena.partial_at(partial);
                         slope[lane].abs() + bend[lane]
                     }
-                    (None, Kind::Two { partials, .. }) => {
+                    (None, NodeKind::Two { partials, .. }) => {
                         let (slope, bend) = self.arena.partial_at(partials[k]);
                         slope[lane].abs() + bend[lane]
                     }
@@ -535,9 +535,9 @@ impl Tape<'_> {
     fn lose(&mut self, id: Id) {
         let at = id as usize;
         let args = match self.arena.nodes[at].kind {
-            Kind::One { a, .. } => [a, a],
-            Kind::Two { a, b, .. } | Kind::Product { a, b } => [a, b],
-            Kind::Leaf | Kind::Sum { .. } | Kind::Select { .. } => return,
+            NodeKind::One { a, .. } => [a, a],
+            NodeKind::Two { a, b, .. } | NodeKind::Product { a, b } => [a, b],
+            NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Select { .. } => return,
         };
         let local = self.arena.local.get_mut(at);
         for arg in args {

@@ -1,7 +1,7 @@
 //! Sums and products that a device may regroup: what any order of their terms may round to.
 
 use super::Tape;
-use super::arena::{Id, Kind};
+use super::arena::{Id, NodeKind};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use program::interp::{LANES, Mask};
 
@@ -24,14 +24,14 @@ impl Tape<'_> {
         let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
         let kind = self.arena.nodes[at].kind;
         match kind {
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
                 let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
                 for lane in 0..LANES {
                     size[lane] = v[lane].abs() + e[lane];
                 }
                 height.fill(0.0);
             }
-            Kind::Sum { a, b, signs } => {
+            NodeKind::Sum { a, b, signs } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
                 for lane in 0..LANES {
@@ -44,7 +44,7 @@ impl Tape<'_> {
                     }
                 }
             }
-            Kind::Product { a, b } => {
+            NodeKind::Product { a, b } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
                 for lane in 0..LANES {
@@ -53,7 +53,7 @@ impl Tape<'_> {
                     height[lane] = ha[lane] + ta[lane] - 1.0 + hb[lane] + tb[lane] - 1.0 + 1.0;
                 }
             }
-            Kind::Select { mask, a, b } => {
+            NodeKind::Select { mask, a, b } => {
                 let mask = self.arena.masks[mask as usize];
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 *size = *earlier[b as usize];
@@ -97,12 +97,12 @@ impl Tape<'_> {
     /// In which lanes a sum or product inside of this one leaves the range of binary32: it is too large,
     /// or some factors of a product give one that a device may flush to zero. What a regrouped whole errs
     /// by does not say that.
-    fn lost_inside(&self, kind: Kind) -> [bool; LANES] {
+    fn lost_inside(&self, kind: NodeKind) -> [bool; LANES] {
         let parts = match kind {
-            Kind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
-            Kind::Product { a, b } => [a, b],
-            Kind::Select { mask, a, b } => return self.lost_of_chosen(&self.arena.masks[mask as usize], a, b),
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => return [false; LANES],
+            NodeKind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
+            NodeKind::Product { a, b } => [a, b],
+            NodeKind::Select { mask, a, b } => return self.lost_of_chosen(&self.arena.masks[mask as usize], a, b),
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => return [false; LANES],
         };
         let mut lost = [false; LANES];
         for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
@@ -111,7 +111,7 @@ impl Tape<'_> {
                 lost[lane] |= local[lane] == f64::INFINITY;
             }
         }
-        if let Kind::Product { a, b } = kind {
+        if let NodeKind::Product { a, b } = kind {
             let [a, b] = [a, b].map(|x| (self.arena.value.get(x as usize), self.arena.least.get(x as usize)));
             for lane in 0..LANES {
                 let ((x, lx), (y, ly)) = ((a.0[lane].abs(), a.1[lane]), (b.0[lane].abs(), b.1[lane]));
@@ -133,7 +133,7 @@ impl Tape<'_> {
 
     /// The largest value on any way to a sum or product, where small factors may be taken out and come
     /// last; and the smallest product of some factors of a product, infinite where it is 0.
-    fn extremes(&mut self, at: usize, kind: Kind) {
+    fn extremes(&mut self, at: usize, kind: NodeKind) {
         self.arena.peak.more();
         self.arena.least.more();
         let size = *self.arena.size.get(at);
@@ -144,14 +144,14 @@ impl Tape<'_> {
             least[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
         }
         match kind {
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => *peak = size,
-            Kind::Select { mask, a, b } => {
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => *peak = size,
+            NodeKind::Select { mask, a, b } => {
                 let mask = self.arena.masks[mask as usize];
                 (*peak, *least) = (*before[b as usize], *earlier[b as usize]);
                 mask.merge(&before[a as usize], peak);
                 mask.merge(&earlier[a as usize], least);
             }
-            Kind::Sum { a, b, signs } => {
+            NodeKind::Sum { a, b, signs } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
                 for lane in 0..LANES {
                     peak[lane] = if signs.1 == 0.0 { pa[lane] } else { pa[lane] + pb[lane] };
@@ -160,7 +160,7 @@ impl Tape<'_> {
                     *least = *earlier[a as usize];
                 }
             }
-            Kind::Product { a, b } => {
+            NodeKind::Product { a, b } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
                 let (la, lb) = (&earlier[a as usize], &earlier[b as usize]);
                 for lane in 0..LANES {
@@ -175,26 +175,26 @@ impl Tape<'_> {
 
     /// The smallest product of some factors of some term, infinite where there is none but 0: distributed over a sum, a
     /// factor meets each of its terms.
-    fn smallest_part(&mut self, at: usize, kind: Kind) {
+    fn smallest_part(&mut self, at: usize, kind: NodeKind) {
         self.arena.part.more();
         let value = self.arena.value.get(at);
         let (before, part) = self.arena.part.split(at);
         match kind {
-            Kind::Leaf | Kind::One { .. } | Kind::Two { .. } => {
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
                 for lane in 0..LANES {
                     part[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
                 }
             }
-            Kind::Select { mask, a, b } => {
+            NodeKind::Select { mask, a, b } => {
                 *part = *before[b as usize];
                 self.arena.masks[mask as usize].merge(&before[a as usize], part);
             }
-            Kind::Sum { a, b, signs } => {
+            NodeKind::Sum { a, b, signs } => {
                 let other = if signs.1 == 0.0 { a } else { b };
                 let (a, b) = (&before[a as usize], &before[other as usize]);
                 (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]));
             }
-            Kind::Product { a, b } => {
+            NodeKind::Product { a, b } => {
                 let (a, b) = (&before[a as usize], &before[b as usize]);
                 (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]).min(a[lane] * b[lane]));
             }

@@ -1,6 +1,6 @@
 //! The reverse sweep: how much each node's error is worth at an output.
 
-use super::arena::{Arena, Id, Kind, Lanes};
+use super::arena::{Arena, Id, Lanes, NodeKind};
 use super::{Column, Tape};
 
 use program::interp::LANES;
@@ -186,9 +186,9 @@ fn pass((Adjoint(am, ar), new): (&mut Adjoint, bool), Adjoint(m, r): &Adjoint, s
 /// The arguments of a function with their partials.
 fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Lanes, &Lanes))> {
     let both = match arena.nodes[id as usize].kind {
-        Kind::One { a, partial } => [Some((a, partial)), None],
-        Kind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
-        Kind::Leaf | Kind::Sum { .. } | Kind::Product { .. } | Kind::Select { .. } => [None, None],
+        NodeKind::One { a, partial } => [Some((a, partial)), None],
+        NodeKind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
+        NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Product { .. } | NodeKind::Select { .. } => [None, None],
     };
     both.into_iter().flatten().map(|(to, partial)| (to, arena.partial_at(partial)))
 }
@@ -214,8 +214,8 @@ fn regrouped(
 fn propagate(arena: &Arena, sweep: &mut Scratch, id: Id, adjoint: &Adjoint) {
     let Adjoint(m, r) = adjoint;
     match arena.nodes[id as usize].kind {
-        Kind::Leaf => {}
-        Kind::Sum { a, b, signs } => {
+        NodeKind::Leaf => {}
+        NodeKind::Sum { a, b, signs } => {
             for (to, sign) in [(a, signs.0), (b, signs.1)] {
                 if sign != 0.0 {
                     let (Adjoint(am, ar), new) = sweep.of(to);
@@ -235,18 +235,18 @@ fn propagate(arena: &Arena, sweep: &mut Scratch, id: Id, adjoint: &Adjoint) {
                 }
             }
         }
-        Kind::Product { a, b } => {
+        NodeKind::Product { a, b } => {
             for (to, other) in [(a, b), (b, a)] {
                 let other = other as usize;
                 pass(sweep.of(to), adjoint, arena.value.get(other), arena.radius.get(other));
             }
         }
-        Kind::One { .. } | Kind::Two { .. } => {
+        NodeKind::One { .. } | NodeKind::Two { .. } => {
             for (to, (slope, bend)) in partials(arena, id) {
                 pass(sweep.of(to), adjoint, slope, bend);
             }
         }
-        Kind::Select { mask, a, b } => {
+        NodeKind::Select { mask, a, b } => {
             let mask = arena.masks[mask as usize];
             for (to, wanted) in [(a, true), (b, false)] {
                 let (Adjoint(am, ar), new) = sweep.of(to);

@@ -1,6 +1,6 @@
 //! Answers about single lanes, for reports: what a bound is made of, and why there is none.
 
-use super::arena::{Id, Kind};
+use super::arena::{Id, NodeKind};
 use super::functions::{image1, image2};
 use super::{Column, Model, Tape};
 use crate::profile::grid::MAX_FINITE;
@@ -132,7 +132,7 @@ impl Tape<'_> {
     /// The operation behind a column in a lane, selections left out.
     fn operation(&self, column: Column, lane: usize) -> Id {
         let mut id = self.id(&column);
-        while let Kind::Select { .. } = self.arena.nodes[id as usize].kind {
+        while let NodeKind::Select { .. } = self.arena.nodes[id as usize].kind {
             let Some(before) = self.arguments(id, lane).next() else { break };
             id = before;
         }
@@ -156,21 +156,23 @@ impl Tape<'_> {
         let value = |id: Id| self.arena.value.get(id as usize)[lane];
         let slope = |partial: u32| self.arena.partial_at(partial).0[lane];
         let moved = match self.arena.nodes[id as usize].kind {
-            Kind::Leaf | Kind::Select { .. } => f64::NAN,
-            Kind::Sum { a, b, signs } => (signs.0 * value(a)).abs() + (signs.1 * value(b)).abs(),
-            Kind::Product { .. } => 2.0 * value(id).abs(),
-            Kind::One { a, partial } => (slope(partial) * value(a)).abs(),
-            Kind::Two { a, b, partials: [p, q] } => (slope(p) * value(a)).abs() + (slope(q) * value(b)).abs(),
+            NodeKind::Leaf | NodeKind::Select { .. } => f64::NAN,
+            NodeKind::Sum { a, b, signs } => (signs.0 * value(a)).abs() + (signs.1 * value(b)).abs(),
+            NodeKind::Product { .. } => 2.0 * value(id).abs(),
+            NodeKind::One { a, partial } => (slope(partial) * value(a)).abs(),
+            NodeKind::Two { a, b, partials: [p, q] } => (slope(p) * value(a)).abs() + (slope(q) * value(b)).abs(),
         };
         moved / value(id).abs()
     }
 
     fn arguments(&self, id: Id, lane: usize) -> impl Iterator<Item = Id> + use<> {
         let both = match self.arena.nodes[id as usize].kind {
-            Kind::Leaf => [None, None],
-            Kind::Sum { a, signs: (_, 0.0), .. } | Kind::One { a, .. } => [Some(a), None],
-            Kind::Sum { a, b, .. } | Kind::Product { a, b } | Kind::Two { a, b, .. } => [Some(a), Some(b)],
-            Kind::Select { mask, a, b } => [Some(if self.arena.masks[mask as usize].has(lane) { a } else { b }), None],
+            NodeKind::Leaf => [None, None],
+            NodeKind::Sum { a, signs: (_, 0.0), .. } | NodeKind::One { a, .. } => [Some(a), None],
+            NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Two { a, b, .. } => [Some(a), Some(b)],
+            NodeKind::Select { mask, a, b } => {
+                [Some(if self.arena.masks[mask as usize].has(lane) { a } else { b }), None]
+            }
         };
         both.into_iter().flatten()
     }
@@ -185,11 +187,11 @@ impl Tape<'_> {
         let meta = self.arena.nodes[id as usize];
         let at = |a: Id| (self.arena.value.get(a as usize)[lane], self.arena.radius.get(a as usize)[lane]);
         let moves = match (meta.kind, meta.op) {
-            (Kind::One { a, .. }, Some(op)) => {
+            (NodeKind::One { a, .. }, Some(op)) => {
                 let (x, e) = at(a);
                 image1(op, x, e, self.arena.nodes[a as usize].not_negative).moves
             }
-            (Kind::Two { a, b, .. }, Some(op)) => image2(op, at(a), at(b)).moves,
+            (NodeKind::Two { a, b, .. }, Some(op)) => image2(op, at(a), at(b)).moves,
             _ => return false,
         };
         moves.is_finite()

@@ -15,7 +15,7 @@ use super::undefined::{self, Looker};
 use crate::profile::Op;
 use crate::profile::grid::MIN_NORMAL;
 use base::value::{Batch, Scalar, ulp_at};
-use program::interp::{Binary64, Kind, LANES, Machine, Mask, Number, OutputColumn, Site};
+use program::interp::{Binary64, HazardKind, LANES, Machine, Mask, Number, OutputColumn, Site};
 use program::lane::Actual;
 
 /// An invocation that deviates.
@@ -530,7 +530,7 @@ fn fits(
     expected: &Expected,
     lane: usize,
 ) -> bool {
-    !machine.flags()[lane].has(Kind::Fuel)
+    !machine.flags()[lane].has(HazardKind::Fuel)
         && same_shape(machine, reference, expected, lane)
         && means(columns, reference, expected, lane)
 }

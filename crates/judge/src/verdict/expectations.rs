@@ -11,7 +11,7 @@ use super::oracle::JudgeContext;
 use super::second_pass::SecondPass;
 use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{Kind, LANES, OutputColumn};
+use program::interp::{HazardKind, LANES, OutputColumn};
 
 /// How far one shader's meaning is from another's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -87,7 +87,7 @@ pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &Ou
                 for lane in 0..lanes {
                     let shape = old.emitted()[lane] != new.emitted()[lane]
                         || (0..old.room()).any(|v| old.is_emitting() && old.strip(v)[lane] != new.strip(v)[lane]);
-                    if shape || old.flags()[lane].has(Kind::Fuel) != new.flags()[lane].has(Kind::Fuel) {
+                    if shape || old.flags()[lane].has(HazardKind::Fuel) != new.flags()[lane].has(HazardKind::Fuel) {
                         moved[lane] = true;
                         movement.bounds = f64::INFINITY;
                         movement.component = Some("the number of vertices".to_owned());

@@ -13,7 +13,7 @@ use crate::profile::grid::MIN_NORMAL;
 use crate::tape::{FADED, Model, Tape};
 use base::value::{Batch, Scalar, ulp_at};
 use program::OutputLayout;
-use program::interp::{Binary64, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use program::interp::{Binary64, HazardKind, LANES, Machine, Number, OutputColumn, POISON};
 use program::lane::Actual;
 
 /// An error of this part of the values' size is no test any more, even if it is allowed.
@@ -206,7 +206,7 @@ impl<'a> SecondPass<'a> {
         }
         let machine = self.ends.get_or_insert_with(|| oracle.ideal_or_meaning());
         let lanes = machine.run_some(batch, invocations);
-        machine.flags()[..lanes].iter().map(|flags| flags.has(Kind::Fuel)).collect()
+        machine.flags()[..lanes].iter().map(|flags| flags.has(HazardKind::Fuel)).collect()
     }
 
     /// The same for invocations that end.
@@ -515,7 +515,7 @@ fn open_words(
         .collect()
 }
 
-type Found = (usize, Result<(Option<f64>, f64), Doubt>);
+type Reevaluated = (usize, Result<(Option<f64>, f64), Doubt>);
 
 /// What one word should be, for each lane.
 struct Aim<'t> {
@@ -534,7 +534,7 @@ fn word_of_shader(
     output: &Output,
     open: &[usize],
     &Aim { target, slack, scales }: &Aim<'_>,
-) -> Vec<Found> {
+) -> Vec<Reevaluated> {
     let column = match machine.output(vertex, word) {
         OutputColumn::Real(&column) => column,
         OutputColumn::Word(words) => {
@@ -566,7 +566,7 @@ fn word_of_shader(
         return Vec::new();
     }
     let bounds = tape.bounds(column, &mut |_| false);
-    let judge = |(lane, error): (usize, f64)| -> Option<Found> {
+    let judge = |(lane, error): (usize, f64)| -> Option<Reevaluated> {
         let wanted = target(lane)?;
         let bound = TWO_WAYS * bounds.bound[lane] + NEAR * scales[lane] + slack(lane);
         if values[lane].is_poison() {

@@ -5,7 +5,7 @@ use super::judge::{Blame, Deviation, What};
 use super::oracle::JudgeContext;
 use super::reference::Expected;
 use crate::tape::Tape;
-use program::interp::{Domain, Kind, Machine};
+use program::interp::{Domain, HazardKind, Machine};
 use program::lane::Actual;
 
 /// Compares what the shader emits with what the formula does.
@@ -16,7 +16,7 @@ pub(super) fn shape_of_shader(
     lane: usize,
 ) -> Option<Deviation> {
     let blame = Blame::Shader;
-    if machine.flags()[lane].has(Kind::Fuel) {
+    if machine.flags()[lane].has(HazardKind::Fuel) {
         return Some(Deviation { blame, what: What::Endless });
     }
     if same_shape(machine, context.reference, expected, lane) {

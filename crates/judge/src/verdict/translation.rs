@@ -30,12 +30,12 @@ pub struct CompareError(#[from] InterpError);
 /// A program beside its translations, ready to run.
 pub struct Translations {
     /// `None` when the interpreter does not know a construct in it; then nothing is compared.
-    source: Option<Source>,
+    source: Option<Original>,
     sides: Vec<(Language, Result<Side, Unread>)>,
 }
 
 /// The shader itself.
-struct Source {
+struct Original {
     /// How a stage is bound; a geometry stage and a function take the batch as it is.
     bound: Option<ReadBack>,
     executable: Executable,
@@ -160,7 +160,7 @@ impl Translations {
         let is_read =
             |(language, read): &(_, Result<Option<_>, _>)| *language != Language::NagaGlsl || !matches!(read, Ok(None));
         let translations = translations.into_iter().filter(is_read);
-        match Source::of(program) {
+        match Original::of(program) {
             Ok(source) => {
                 let sides = translations.map(|(language, read)| (language, side(read))).collect();
                 Self { source: Some(source), sides }
@@ -211,7 +211,7 @@ impl Translations {
     }
 }
 
-impl Source {
+impl Original {
     /// The shader, ready to run.
     fn of(program: &Program) -> Result<Self, String> {
         let bound = program.bound(Language::SpirV).map_err(|error| error.to_string())?;

@@ -17,7 +17,7 @@ pub(super) struct Looker<'a> {
 }
 
 /// What an invocation depends on, by its index in the batch.
-pub(super) type Found = HashMap<usize, Dependence>;
+pub(super) type Dependences = HashMap<usize, Dependence>;
 
 impl<'a> Looker<'a> {
     pub(super) fn new(oracle: &'a Oracle) -> Self {
@@ -25,9 +25,9 @@ impl<'a> Looker<'a> {
     }
 
     /// Which of some invocations depend on an undefined value. `any` tries NaN and infinity in its place as well.
-    pub(super) fn look(&mut self, batch: &Batch, invocations: &[usize], any: bool) -> Found {
+    pub(super) fn look(&mut self, batch: &Batch, invocations: &[usize], any: bool) -> Dependences {
         let oracle = self.oracle;
-        let mut all = Found::new();
+        let mut all = Dependences::new();
         for some in invocations.chunks(LANES) {
             let machine = self.machine.get_or_insert_with(|| oracle.ideal_or_meaning());
             let found = machine.dependences(batch, some, any);
@@ -37,9 +37,9 @@ impl<'a> Looker<'a> {
     }
 
     /// What is undefined in some invocations, whether or not an output depends on it.
-    pub(super) fn on_the_way(&mut self, batch: &Batch, invocations: &[usize]) -> Found {
+    pub(super) fn on_the_way(&mut self, batch: &Batch, invocations: &[usize]) -> Dependences {
         let oracle = self.oracle;
-        let mut all = Found::new();
+        let mut all = Dependences::new();
         for some in invocations.chunks(LANES) {
             let machine = self.machine.get_or_insert_with(|| oracle.ideal_or_meaning());
             let found = machine.undefined_on_the_way(batch, some, &|_| true);
@@ -51,7 +51,7 @@ impl<'a> Looker<'a> {
 
 /// Verdicts on samples that depend on undefined values, which have no say about the lane. Where nothing is expected
 /// the author knows that there is no value.
-pub(super) fn verdicts(context: &JudgeContext<'_>, batch: &Batch, found: &Found) -> Vec<(usize, Verdict)> {
+pub(super) fn verdicts(context: &JudgeContext<'_>, batch: &Batch, found: &Dependences) -> Vec<(usize, Verdict)> {
     let mut invocations: Vec<usize> = found.keys().copied().collect();
     invocations.sort_unstable();
     let (mut evaluator, mut expected) = (Evaluator::new(context.reference), Expected::default());

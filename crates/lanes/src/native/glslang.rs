@@ -32,12 +32,12 @@ const AFTER_A_HANG: Duration = Duration::from_secs(2);
 
 /// Stage of a text, as the program calls it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
+pub(super) enum TextStage {
     Vertex,
     Geometry,
 }
 
-type Key = (Kind, String, Vec<(String, String)>);
+type Key = (TextStage, String, Vec<(String, String)>);
 type Translated = Result<Rc<[u32]>, LaneError>;
 
 /// Translates, and remembers what it translated.
@@ -69,7 +69,7 @@ impl Translator {
     /// # Errors
     /// [`LaneError::Unsupported`] with the words of a translator that refuses the text, and [`LaneError::Translator`]
     /// for one that neither refuses nor translates it.
-    pub fn translate(&self, kind: Kind, text: &str, defines: &[(String, String)]) -> Translated {
+    pub fn translate(&self, kind: TextStage, text: &str, defines: &[(String, String)]) -> Translated {
         let key = (kind, text.to_owned(), defines.to_vec());
         if let Some(known) = self.known.borrow().get(&key) {
             return known.clone();
@@ -85,10 +85,10 @@ impl Translator {
 }
 
 /// The program with its arguments for a text.
-fn command(program: &str, kind: Kind, defines: &[(String, String)]) -> Command {
+fn command(program: &str, kind: TextStage, defines: &[(String, String)]) -> Command {
     let stage = match kind {
-        Kind::Vertex => "vert",
-        Kind::Geometry => "geom",
+        TextStage::Vertex => "vert",
+        TextStage::Geometry => "geom",
     };
     let mut command = Command::new(program);
     command.args(OPTIONS).args(["-S", stage, "-o", "/dev/stdout"]);
@@ -178,7 +178,7 @@ mod tests {
     fn a_module_that_is_cut_off_is_none() {
         let translator = Translator::find().expect("these tests need glslangValidator");
         let text = "#version 450\nfloat f(float x) { return x * x; }\nvoid main() { gl_Position = vec4(f(2.0)); }\n";
-        let whole = translator.translate(Kind::Vertex, text, &[]).unwrap();
+        let whole = translator.translate(TextStage::Vertex, text, &[]).unwrap();
         for length in 0..whole.len() {
             assert_eq!(spirv::module_in(bytemuck::cast_slice(&whole[..length])), None, "{length} words");
         }

@@ -237,9 +237,9 @@ pub(super) fn outputs(
 }
 
 /// A variable, for a member of a block its number and offset, and its type.
-type Found = (Variable, Option<(u32, u32)>, u32);
+type Placed = (Variable, Option<(u32, u32)>, u32);
 
-fn output(reflection: &Reflection, name: &str) -> Option<Found> {
+fn output(reflection: &Reflection, name: &str) -> Option<Placed> {
     let built_in = BUILT_INS.iter().find(|(known, _)| *known == name).map(|(_, number)| *number);
     let member_name = name.rsplit('.').next().unwrap_or(name);
     for variable in reflection.of_storage(storage::OUTPUT) {

@@ -26,7 +26,7 @@ use base::text::printable;
 use base::value::Record;
 use program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role};
 
-use glslang::{Kind, Translator};
+use glslang::{TextStage, Translator};
 use gpu::Gpu;
 
 /// Name of the lane.
@@ -166,12 +166,12 @@ impl Front for Glslang {
         let (stage, module) = match (&kernel.form, &program.role) {
             (Form::Vertex { attributes, drawn, .. }, Role::Vertex) => {
                 let (attributes, drawn) = (attributes.clone(), drawn.clone());
-                (Kinds::Vertex { attributes, drawn }, self.module(program, Kind::Vertex)?)
+                (Kinds::Vertex { attributes, drawn }, self.module(program, TextStage::Vertex)?)
             }
             (Form::Geometry, Role::Geometry(primitives)) => {
-                let module = self.module(program, Kind::Geometry)?;
+                let module = self.module(program, TextStage::Geometry)?;
                 let text = geometry::front(&module, &kernel.invocation, *primitives)?;
-                let front = self.translator.translate(Kind::Vertex, &text, &[])?.as_ref().into();
+                let front = self.translator.translate(TextStage::Vertex, &text, &[])?.as_ref().into();
                 (Kinds::Geometry { primitives: *primitives, front }, module)
             }
             (Form::Vertex { .. }, _) => return unsupported("a program that is no vertex stage, as one"),
@@ -189,11 +189,11 @@ impl Glslang {
     }
 
     /// The program as glslang translates it.
-    fn module(&self, program: &Program, kind: Kind) -> Result<Vec<u32>, LaneError> {
+    fn module(&self, program: &Program, kind: TextStage) -> Result<Vec<u32>, LaneError> {
         let translate = |text: &str| self.translator.translate(kind, text, &program.defines);
         let written = translate(program.file.text());
         // A geometry stage is lowered to something that is none.
-        let rewritten = || program.rewritten().filter(|_| kind == Kind::Vertex);
+        let rewritten = || program.rewritten().filter(|_| kind == TextStage::Vertex);
         let words = match written {
             Err(LaneError::Unsupported(_)) => match rewritten() {
                 Some(text) => translate(&text).or(written),

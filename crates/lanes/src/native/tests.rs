@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use super::capture::{self, Capture, Feed};
-use super::glslang::{Kind, Translator};
+use super::glslang::{TextStage, Translator};
 use super::spirv::Reflection;
 use super::{interface, open};
 use crate::{Actual, Lane, LaneError};
@@ -127,11 +127,11 @@ fn an_output_that_is_not_written_shows() {
 fn what_glslang_refuses_is_told_in_its_words() {
     let translator = Translator::find().expect(NEEDED);
     let text = "#version 150\nvoid main() {\n  gl_Position = nothing;\n}\n";
-    let Err(error) = translator.translate(Kind::Vertex, text, &[]) else { panic!("it is taken") };
+    let Err(error) = translator.translate(TextStage::Vertex, text, &[]) else { panic!("it is taken") };
     let told = "glslang, line 3: 'nothing' : undeclared identifier";
     assert!(matches!(&error, LaneError::Unsupported(what) if what.starts_with(told)), "{error}");
     let old = "#version 120\nvoid main() { gl_Position = vec4(0.0); }\n";
-    assert!(matches!(translator.translate(Kind::Vertex, old, &[]), Err(LaneError::Unsupported(_))));
+    assert!(matches!(translator.translate(TextStage::Vertex, old, &[]), Err(LaneError::Unsupported(_))));
 }
 
 const STRIPS: &str = "#version 150 core
@@ -211,12 +211,13 @@ fn what_is_added_keeps_modules_valid() {
         return;
     }
     let strips = STRIPS.replace("OUTPUT", "triangle_strip");
-    for (kind, name, text) in [(Kind::Vertex, "t.vert", SCALED), (Kind::Geometry, "t.geom", strips.as_str())] {
+    for (kind, name, text) in [(TextStage::Vertex, "t.vert", SCALED), (TextStage::Geometry, "t.geom", strips.as_str())]
+    {
         let words = translator.translate(kind, text, &[]).unwrap();
         let reflection = Reflection::of(&words);
         let outputs = interface::outputs(&reflection, &program(name, text).output_layout().vertex).unwrap();
         let outputs = outputs.into_iter().map(|(captured, _)| captured).collect();
-        let mark = (kind == Kind::Geometry).then(|| interface::free_location(&reflection));
+        let mark = (kind == TextStage::Geometry).then(|| interface::free_location(&reflection));
         for (points, feed) in [(false, Feed::Uniform), (true, Feed::Uniform), (false, Feed::Storage)] {
             let outputs = Vec::clone(&outputs);
             let capture = Capture { outputs, words: 6, sentinel: 0x7fc0_1234, mark, points, feed };

@@ -7,7 +7,7 @@ use program::{Attribute, Count, Form, Kernel, Program};
 use syntax::interface::{Interface, Storage};
 use syntax::{Profile, Shader};
 
-use super::job::{self, Bound, Job, Kind, Named, Text};
+use super::job::{self, Bound, CaptureKind, Job, Named, Text};
 use super::{call, pass};
 
 /// The job of a kernel.
@@ -31,19 +31,19 @@ pub fn job(kernel: &Kernel) -> Result<Job, LaneError> {
     let (stage, pass, attributes, fed) = match (&kernel.form, &program.role) {
         (Form::Vertex { attributes, .. }, Role::Vertex) => {
             let (attributes, fed) = plain(attributes, &kernel.invocation)?;
-            (Kind::Vertex, None, attributes, vec![fed])
+            (CaptureKind::Vertex, None, attributes, vec![fed])
         }
         (Form::Compute, Role::Vertex) => {
             let drawn = program.drawn().len();
             let (attributes, fed) = plain(&whole(&kernel.invocation, drawn)?, &kernel.invocation)?;
-            (Kind::Vertex, None, attributes, vec![fed])
+            (CaptureKind::Vertex, None, attributes, vec![fed])
         }
         // The vectors of its inputs are the same words in the same order, whatever the record calls them.
         (Form::Compute | Form::Vertex { .. }, Role::Function { name }) => {
             let call = call::call(&shader, name, &program.invocation_record(), &kernel.output.vertex)?;
             texts.push(call.text);
             outputs = Some(call.outputs);
-            (Kind::Vertex, None, call.attributes, vec![call.fed])
+            (CaptureKind::Vertex, None, call.attributes, vec![call.fed])
         }
         (Form::Geometry | Form::Compute, Role::Geometry(primitives)) => {
             if program.module.global_variables.iter().any(|(_, v)| v.name.as_deref() == Some("gl_PrimitiveIDIn")) {

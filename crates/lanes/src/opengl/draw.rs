@@ -4,7 +4,7 @@
 
 use glow::HasContext;
 
-use super::job::{Captured, Inputs, Kind};
+use super::job::{CaptureKind, Captured, Inputs};
 use super::prepare::{Ready, captured_as, mode};
 use crate::LaneError;
 
@@ -100,10 +100,10 @@ impl Ready {
 
     unsafe fn draw(&mut self, inputs: &Inputs<'_>, begins: &mut dyn FnMut(usize)) -> Result<Drawn, LaneError> {
         let (draws, draw_as, capture_as) = match self.job.stage {
-            Kind::Vertex => (1, glow::POINTS, glow::POINTS),
-            Kind::Geometry { input, output, .. } => (inputs.count, mode(input), captured_as(output)),
+            CaptureKind::Vertex => (1, glow::POINTS, glow::POINTS),
+            CaptureKind::Geometry { input, output, .. } => (inputs.count, mode(input), captured_as(output)),
         };
-        let geometry = matches!(self.job.stage, Kind::Geometry { .. });
+        let geometry = matches!(self.job.stage, CaptureKind::Geometry { .. });
         // SAFETY: the context is current, and the vertices drawn are those that `upload` made.
         unsafe {
             // One query for each draw of a geometry stage, and one for what the stage made of all of them.
@@ -176,8 +176,8 @@ impl Ready {
                 generated: result(generated) as usize,
                 written: written.iter().map(|&q| result(q)).collect(),
                 vertices: match self.job.stage {
-                    Kind::Vertex => 1,
-                    Kind::Geometry { output, .. } => output.vertices(),
+                    CaptureKind::Vertex => 1,
+                    CaptureKind::Geometry { output, .. } => output.vertices(),
                 },
                 geometry,
             })

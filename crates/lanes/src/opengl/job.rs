@@ -12,7 +12,7 @@ pub struct Job {
     /// Texts of the stage, each compiled by itself and linked.
     pub texts: Vec<Text>,
     /// The stage that they make.
-    pub stage: Kind,
+    pub stage: CaptureKind,
     /// A vertex stage in front of a geometry stage, which hands its attributes on.
     pub pass: Option<String>,
     /// Attributes of the vertex stage.
@@ -52,7 +52,7 @@ pub struct Text {
 
 /// Which stage is captured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kind {
+pub enum CaptureKind {
     /// Points through a vertex stage.
     Vertex,
     /// Primitives through a geometry stage.
@@ -160,8 +160,10 @@ impl Job {
     /// Most words that one invocation can give.
     pub fn most_words(&self) -> usize {
         let vertices = match self.stage {
-            Kind::Vertex => 1,
-            Kind::Geometry { output, max_vertices, .. } => output.most(max_vertices as usize) * output.vertices(),
+            CaptureKind::Vertex => 1,
+            CaptureKind::Geometry { output, max_vertices, .. } => {
+                output.most(max_vertices as usize) * output.vertices()
+            }
         };
         self.width() * vertices
     }

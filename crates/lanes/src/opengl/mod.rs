@@ -30,7 +30,7 @@ use program::lower::Role;
 use program::{Count, Drawn, Kernel, OutputLayout};
 
 use ask::unsupported;
-use job::{Captured, Inputs, Job, Kind};
+use job::{CaptureKind, Captured, Inputs, Job};
 use prepare::{Ready, Refusal};
 
 pub use open::candidates;
@@ -92,10 +92,10 @@ impl Lane for OpenGl {
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {
         let job = ask::job(kernel)?;
         // A driver may leave a loop that has no end, and go on with what it has.
-        let interpreted = self.guarded || kernel.has_loops() || matches!(job.stage, Kind::Geometry { .. });
+        let interpreted = self.guarded || kernel.has_loops() || matches!(job.stage, CaptureKind::Geometry { .. });
         let compile = || interp::compile(&kernel.program).map_err(|error| unsupported(error.locate(&kernel.program)));
         let meaning = interpreted.then(compile).transpose()?;
-        let session = self.backend.prepare(&job, capacity.max(1)).map_err(|refusal| told(refusal, kernel, &job))?;
+        let session = self.backend.prepare(&job, capacity.max(1)).map_err(|refusal| refused(refusal, kernel, &job))?;
         let (layout, drawn) = (kernel.output.clone(), kernel.program.drawn());
         Ok(Box::new(GlRunner { session, job, layout, drawn, meaning, guarded: self.guarded }))
     }
@@ -173,8 +173,8 @@ impl Runner for GlRunner {
             ends(meaning.as_ref(), count)?;
         }
         let words = match self.job.stage {
-            Kind::Vertex => record::points(&self.layout, &captured, count, marks)?,
-            Kind::Geometry { output, .. } => {
+            CaptureKind::Vertex => record::points(&self.layout, &captured, count, marks)?,
+            CaptureKind::Geometry { output, .. } => {
                 record::strips(&self.layout, (output, &captured), count, meaning.as_ref(), marks)?
             }
         };
@@ -191,7 +191,7 @@ fn ends(meaning: Option<&Meaning<u32>>, count: usize) -> Result<(), LaneError> {
 }
 
 /// What a refusal is to the user: the driver's words, at places of the author's text.
-fn told(refusal: Refusal, kernel: &Kernel, job: &Job) -> LaneError {
+fn refused(refusal: Refusal, kernel: &Kernel, job: &Job) -> LaneError {
     let alone = matches!(kernel.program.role, Role::Function { .. });
     let (text, log) = match refusal {
         // The text is for another stage, perhaps.

@@ -10,7 +10,7 @@ use syntax::ast::{AuxiliaryQualifier, Interpolation, QualifierKind, Qualifiers};
 use syntax::interface::{Block, InputPrimitive, OutputPrimitive, Storage};
 
 use super::ask::unsupported;
-use super::job::{Attribute, Input, Kind, Output};
+use super::job::{Attribute, CaptureKind, Input, Output};
 
 /// A vertex stage that is not the author's, and what it is fed with.
 pub struct Pass {
@@ -20,8 +20,8 @@ pub struct Pass {
     pub fed: Vec<Vec<u32>>,
 }
 
-pub fn kind(primitives: Primitives) -> Kind {
-    Kind::Geometry {
+pub fn kind(primitives: Primitives) -> CaptureKind {
+    CaptureKind::Geometry {
         input: match primitives.input {
             InputPrimitive::Points => Input::Points,
             InputPrimitive::Lines => Input::Lines,

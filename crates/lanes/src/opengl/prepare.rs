@@ -8,7 +8,7 @@ use glow::HasContext;
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
-use super::job::{Input, Job, Kind, Output};
+use super::job::{CaptureKind, Input, Job, Output};
 use super::textures::Textures;
 use super::uniforms::Uniforms;
 use super::{types, unsupported};
@@ -92,7 +92,7 @@ impl Ready {
             ready.uniforms = Uniforms::new(context, program, job, &ready.textures)?;
             let bytes = 4 * job.most_words().max(job.vertices() * job.fed.first().map_or(0, Vec::len)).max(1);
             let mut most = (BYTES / bytes).min(BYTES / ready.uniforms.case_bytes().max(1));
-            if matches!(job.stage, Kind::Geometry { .. }) || job.reads_numbers() {
+            if matches!(job.stage, CaptureKind::Geometry { .. }) || job.reads_numbers() {
                 most = most.min(DRAWS);
             }
             ready.capacity = capacity.min(most).max(1);
@@ -212,8 +212,8 @@ fn limits(context: &Context, job: &Job) -> Result<(), LaneError> {
 /// Compiles and links. The context must be current.
 unsafe fn compiled(gl: &glow::Context, job: &Job) -> Result<glow::Program, Refusal> {
     let stage = match job.stage {
-        Kind::Vertex => glow::VERTEX_SHADER,
-        Kind::Geometry { .. } => glow::GEOMETRY_SHADER,
+        CaptureKind::Vertex => glow::VERTEX_SHADER,
+        CaptureKind::Geometry { .. } => glow::GEOMETRY_SHADER,
     };
     let api = |error: String| Refusal::Lane(LaneError::Api(error));
     // SAFETY: the caller has made the context current; shaders live until the program is deleted.

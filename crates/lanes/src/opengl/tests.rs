@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::context::Context;
-use super::job::{Inputs, Job, Kind, Output};
+use super::job::{CaptureKind, Inputs, Job, Output};
 use super::{Here, OpenGl, Session, ask};
 use crate::{Actual, Api, Description, Lane, LaneError};
 use base::text::SourceFile;
@@ -278,7 +278,7 @@ fn captured(job: &Job, inputs: &Inputs<'_>) -> Result<super::Captured, LaneError
 fn drawn_one_by_one_gives_the_same() {
     let program = geometry("line_strip", 3, FAN);
     let job = ask::job(&program.geometry_kernel().unwrap()).unwrap();
-    assert!(matches!(job.stage, Kind::Geometry { output: Output::Lines, max_vertices: 3, .. }));
+    assert!(matches!(job.stage, CaptureKind::Geometry { output: Output::Lines, max_vertices: 3, .. }));
     let words: Vec<u32> = (0..2 * job.invocation_words as u32).collect();
     let cases = [1.0_f32.to_bits(), 2.0_f32.to_bits()];
     let inputs = |one_by_one| Inputs {

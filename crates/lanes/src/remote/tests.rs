@@ -6,7 +6,7 @@ use crate::vulkan::Naga;
 use base::text::SourceFile;
 use base::value::Batch;
 use program::lower::Target;
-use program::{Kernel, Program, Source};
+use program::{InputSource, Kernel, Program};
 use syntax::Stage;
 
 fn program(name: &str, text: &str, target: &Target) -> Program {
@@ -57,7 +57,9 @@ fn every_form_of_a_kernel_reads_back_as_it_was() {
         cases: vec![9; program.case_record().words()],
     };
     let mut kernels = vec![program.compute_kernel().unwrap(), program.vertex_kernel(&[4, 2]).unwrap()];
-    kernels.extend([Source::Uniforms, Source::Constants].map(|source| program.kernel_from(source, &batch).unwrap()));
+    kernels.extend(
+        [InputSource::Uniforms, InputSource::Constants].map(|source| program.kernel_from(source, &batch).unwrap()),
+    );
     kernels.push(program.compute_kernel().unwrap().with_fuel(77).unwrap());
     for kernel in kernels {
         let (_, job, back) = both_ways(&kernel);

@@ -126,7 +126,7 @@ pub struct Kernel {
 /// Where a shader's inputs come from. Each way is another path through a compiler: constants are folded,
 /// uniforms are the same for all invocations, attributes go through the vertex fetch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Source {
+pub enum InputSource {
     /// Literals in the module.
     Constants,
     /// A uniform buffer, anew for each invocation.
@@ -137,7 +137,7 @@ pub enum Source {
     Attributes,
 }
 
-impl Source {
+impl InputSource {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Constants, Self::Uniforms, Self::Storage, Self::Attributes];
 
@@ -201,12 +201,12 @@ impl Program {
     ///
     /// # Errors
     /// [`ProgramError::Unsupported`] when an input or output cannot be captured.
-    pub fn kernel_from(&self, source: Source, batch: &Batch) -> Result<Kernel, ProgramError> {
+    pub fn kernel_from(&self, source: InputSource, batch: &Batch) -> Result<Kernel, ProgramError> {
         let feed = match source {
-            Source::Constants => feed::Feed::Constants(batch),
-            Source::Uniforms => feed::Feed::Uniforms,
-            Source::Storage => feed::Feed::Storage,
-            Source::Attributes => feed::Feed::Attributes,
+            InputSource::Constants => feed::Feed::Constants(batch),
+            InputSource::Uniforms => feed::Feed::Uniforms,
+            InputSource::Storage => feed::Feed::Storage,
+            InputSource::Attributes => feed::Feed::Attributes,
         };
         compute::kernel(self, feed)
     }

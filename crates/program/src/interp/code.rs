@@ -7,8 +7,8 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use super::domain::{Binary, Class, Comparison, FromWords, Site, Source, ToWords, Unary};
-use super::meaning::Kind;
+use super::domain::{Binary, Class, Comparison, FromWords, Site, ToWords, Unary, WordSource};
+use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use base::value::Scalar;
 
@@ -306,7 +306,7 @@ pub(super) enum Inst {
     /// Notes the lanes in which a variable that is read has no value.
     Read {
         from: Slot,
-        kind: Kind,
+        kind: HazardKind,
         site: Site,
     },
     /// A word of a texel, 0 in lanes that are not inside.
@@ -507,7 +507,7 @@ pub struct Place {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fill {
     pub to: Slot,
-    pub source: Source,
+    pub source: WordSource,
 }
 
 /// A constant in a register.

@@ -264,7 +264,7 @@ pub enum FromWords {
 
 /// Where an input comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Source {
+pub enum WordSource {
     /// A word of the record of the invocation.
     Invocation(u32),
     /// A word of the record of the case.
@@ -286,7 +286,7 @@ pub trait Domain {
     /// defining formula, such as the 3 in `smoothstep`.
     fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Self::Column);
     /// An input: the bits of binary32 numbers.
-    fn input(&mut self, source: Source, words: &Words, out: &mut Self::Column);
+    fn input(&mut self, source: WordSource, words: &Words, out: &mut Self::Column);
     /// An operation on one number. Results matter in the lanes of `active` alone.
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Self::Column, out: &mut Self::Column);
     /// An operation on two numbers. Results matter in the lanes of `active` alone.

@@ -4,7 +4,7 @@ use super::code::{Choice, Slot, Stray};
 use super::domain::{Domain, Site};
 use super::lanes::Mask;
 use super::machine::Machine;
-use super::meaning::Kind;
+use super::meaning::HazardKind;
 use super::undefined::{Operand, Undefined};
 
 /// Lanes that have one index.
@@ -26,7 +26,7 @@ impl<D: Domain> Machine<'_, D> {
             let Some(site) = unset else { continue };
             for (value, mask) in &groups {
                 if let Some(&assigned) = self.assigned[one.file() as usize].get(&of[*value]) {
-                    let found = Undefined { kind: Kind::Unset, site, what: None };
+                    let found = Undefined { kind: HazardKind::Unset, site, what: None };
                     self.undefined(found, mask.minus(assigned), None, [Operand::None; 2]);
                 }
             }
@@ -54,14 +54,14 @@ impl<D: Domain> Machine<'_, D> {
         }
         for stray in strays {
             let mask = self.outside(stray);
-            choices.iter().for_each(|choice| self.substitute(Kind::Index, stray.site, mask, choice.one));
+            choices.iter().for_each(|choice| self.substitute(HazardKind::Index, stray.site, mask, choice.one));
         }
     }
 
     /// While undefined values are replaced: a store outside of its array goes nowhere, or to another element.
     fn lead_astray(&self, groups: &mut Vec<Group>, choices: &[Choice], strays: &[Stray]) {
         let elements = choices.first().map_or(0, |choice| choice.of.len());
-        for stray in strays.iter().filter(|stray| self.replaces(Kind::Index, stray.site)) {
+        for stray in strays.iter().filter(|stray| self.replaces(HazardKind::Index, stray.site)) {
             let mask = self.outside(stray);
             let before = groups.clone();
             groups.iter_mut().for_each(|(_, lanes)| *lanes = lanes.minus(mask));

@@ -2,7 +2,7 @@
 
 use super::code::{Field, Reg, Word1, Word2};
 use super::lanes::{LANES, Mask, Words};
-use super::meaning::Kind;
+use super::meaning::HazardKind;
 use super::undefined::Operand;
 
 #[inline]
@@ -93,9 +93,9 @@ pub(super) fn word2(op: Word2, a: &Words, b: &Words) -> Words {
 }
 
 /// Lanes in which an operation on one word leaves its range.
-pub(super) fn doubts1(op: Word1, a: &Words) -> Option<(Kind, Mask)> {
+pub(super) fn doubts1(op: Word1, a: &Words) -> Option<(HazardKind, Mask)> {
     match op {
-        Word1::Negate | Word1::Abs => Some((Kind::Overflow, Mask::where_(|k| a[k].cast_signed() == i32::MIN))),
+        Word1::Negate | Word1::Abs => Some((HazardKind::Overflow, Mask::where_(|k| a[k].cast_signed() == i32::MIN))),
         Word1::Not
         | Word1::LogicalNot
         | Word1::Sign
@@ -110,29 +110,29 @@ pub(super) fn doubts1(op: Word1, a: &Words) -> Option<(Kind, Mask)> {
 }
 
 /// Lanes in which an operation leaves its range. Unsigned sums and products wrap on purpose.
-pub(super) fn doubts2(op: Word2, a: &Words, b: &Words) -> [Option<(Kind, Mask)>; 2] {
+pub(super) fn doubts2(op: Word2, a: &Words, b: &Words) -> [Option<(HazardKind, Mask)>; 2] {
     let overflow = |f: fn(i32, i32) -> Option<i32>| {
         let mask = Mask::where_(|k| f(a[k].cast_signed(), b[k].cast_signed()).is_none());
-        [Some((Kind::Overflow, mask)), None]
+        [Some((HazardKind::Overflow, mask)), None]
     };
-    let zero = || Some((Kind::DivisionByZero, Mask::where_(|k| b[k] == 0)));
+    let zero = || Some((HazardKind::DivisionByZero, Mask::where_(|k| b[k] == 0)));
     match op {
         Word2::AddSigned => overflow(i32::checked_add),
         Word2::SubtractSigned => overflow(i32::checked_sub),
         Word2::MultiplySigned => overflow(i32::checked_mul),
         Word2::DivideSigned => {
             let mask = Mask::where_(|k| a[k].cast_signed() == i32::MIN && b[k].cast_signed() == -1);
-            [zero(), Some((Kind::Quotient, mask))]
+            [zero(), Some((HazardKind::Quotient, mask))]
         }
         Word2::RemainderSigned => {
             let mask = Mask::where_(|k| a[k].cast_signed() < 0 || b[k].cast_signed() < 0);
-            [zero(), Some((Kind::Remainder, mask))]
+            [zero(), Some((HazardKind::Remainder, mask))]
         }
         Word2::DivideUnsigned | Word2::RemainderUnsigned => [zero(), None],
         Word2::ShiftLeft | Word2::ShiftRightSigned | Word2::ShiftRightUnsigned => {
-            [Some((Kind::Shift, Mask::where_(|k| b[k] >= 32))), None]
+            [Some((HazardKind::Shift, Mask::where_(|k| b[k] >= 32))), None]
         }
-        Word2::Index => [Some((Kind::Index, Mask::where_(|k| a[k] >= b[k]))), None],
+        Word2::Index => [Some((HazardKind::Index, Mask::where_(|k| a[k] >= b[k]))), None],
         Word2::AddUnsigned
         | Word2::SubtractUnsigned
         | Word2::MultiplyUnsigned

@@ -5,10 +5,10 @@ use std::mem::take;
 
 use super::POISON;
 use super::code::{Constant, Executable, File, Guarded, Inst, Slot, Word2};
-use super::domain::{Domain, Site, Source};
+use super::domain::{Domain, Site, WordSource};
 use super::integer;
 use super::lanes::{LANES, Mask, Words};
-use super::meaning::{Finding, Flags, Kind};
+use super::meaning::{Finding, Flags, HazardKind};
 use super::undefined::{Operand, Probe, Undefined};
 use base::value::{Batch, Scalar};
 
@@ -146,12 +146,12 @@ impl<'e, D: Domain> Machine<'e, D> {
         let mut column = [0; LANES];
         for fill in &self.executable.fills {
             match fill.source {
-                Source::Invocation(word) => {
+                WordSource::Invocation(word) => {
                     for (lane, value) in column.iter_mut().enumerate() {
                         *value = batch.invocations[self.invocations[lane] * words + word as usize];
                     }
                 }
-                Source::Case(word) => {
+                WordSource::Case(word) => {
                     for (lane, value) in column.iter_mut().enumerate() {
                         let case = self.invocations[lane] / batch.per_case;
                         *value = batch.cases[case * case_words + word as usize];
@@ -174,7 +174,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    pub(super) fn report(&mut self, kind: Kind, site: Site, mask: Mask) {
+    pub(super) fn report(&mut self, kind: HazardKind, site: Site, mask: Mask) {
         let mask = mask.and(self.active).and(Mask::first(self.lanes));
         if mask.is_empty() {
             return;
@@ -184,7 +184,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
         let count = mask.count() as u64;
         // Discarding is an event of the lane and not of a place.
-        if kind == Kind::Killed {
+        if kind == HazardKind::Killed {
             return;
         }
         match self.findings.iter_mut().find(|finding| finding.kind == kind && finding.site == site) {
@@ -240,7 +240,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 let (from, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
                 let outside = self.domain.words_of(*site, *op, &self.active, from, out);
                 let to = Slot { scalar: Scalar::I32, reg: *to };
-                let found = Undefined { kind: Kind::Conversion, site: *site, what: None };
+                let found = Undefined { kind: HazardKind::Conversion, site: *site, what: None };
                 self.undefined(found, outside, Some(to), [Operand::Real(*a), Operand::None]);
             }
             Inst::FromWords { op, to, a, site } => {
@@ -274,7 +274,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.words[*to as usize] = integer::field(*op, words);
                 if let Some(site) = *site {
                     let (offset, count) = integer::bits_of(*op);
-                    let found = Undefined { kind: Kind::BitField, site, what: None };
+                    let found = Undefined { kind: HazardKind::BitField, site, what: None };
                     let to = Slot { scalar: Scalar::I32, reg: *to };
                     self.undefined(found, outside, Some(to), [args[offset], args[count]].map(Operand::Signed));
                 }
@@ -284,7 +284,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.copy(to, *from);
                 let [x, y] = args.map(|reg| &self.reals[reg as usize]);
                 let outside = self.domain.outside(*what, &self.active, x, y);
-                let found = Undefined { kind: Kind::Argument, site: *site, what: Some(*what) };
+                let found = Undefined { kind: HazardKind::Argument, site: *site, what: Some(*what) };
                 self.undefined(found, outside, Some(to), args.map(Operand::Real));
             }
             Inst::GuardWords { signed, to, from, args, site } => {
@@ -292,7 +292,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 let [low, high] = args.map(|reg| &self.words[reg as usize]);
                 let number = |word: u32| if *signed { i64::from(word.cast_signed()) } else { i64::from(word) };
                 let outside = Mask::where_(|lane| number(low[lane]) > number(high[lane]));
-                let found = Undefined { kind: Kind::Argument, site: *site, what: Some(Guarded::Clamp) };
+                let found = Undefined { kind: HazardKind::Argument, site: *site, what: Some(Guarded::Clamp) };
                 let operand = if *signed { Operand::Signed } else { Operand::Unsigned };
                 self.undefined(found, outside, Some(*to), args.map(operand));
             }
@@ -300,7 +300,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.copy(*to, *zero);
                 if let Some(assigned) = self.assigned[to.file() as usize].get_mut(&to.reg) {
                     *assigned = Mask::NONE;
-                    self.substitute(Kind::Unset, *site, Mask::ALL, *to);
+                    self.substitute(HazardKind::Unset, *site, Mask::ALL, *to);
                 }
             }
             Inst::Read { from, kind, site } => self.read(*from, *kind, *site),
@@ -316,7 +316,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 let word = |lane: usize| table.get(4 * index[lane] as usize + usize::from(*channel)).copied();
                 let found = |lane: usize| if inside.has(lane) { word(lane).unwrap_or(0) } else { 0 };
                 self.words[*to as usize] = std::array::from_fn(found);
-                let of = Undefined { kind: Kind::Index, site: *site, what: None };
+                let of = Undefined { kind: HazardKind::Index, site: *site, what: None };
                 self.undefined(of, outside, Some(Slot { scalar: Scalar::I32, reg: *to }), [Operand::None; 2]);
             }
             Inst::Select { to, condition, accept, reject } => {
@@ -366,7 +366,7 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::Return => self.active = Mask::NONE,
             Inst::Kill => {
-                self.report(Kind::Killed, Site(0), Mask::ALL);
+                self.report(HazardKind::Killed, Site(0), Mask::ALL);
                 self.stopped = self.stopped.or(self.active);
                 self.active = Mask::NONE;
             }
@@ -458,7 +458,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         while !self.active.is_empty() {
             let dry = Mask::where_(|lane| self.fuel[lane] == 0).and(self.active);
             if !dry.is_empty() {
-                self.report(Kind::Fuel, site, dry);
+                self.report(HazardKind::Fuel, site, dry);
                 self.stopped = self.stopped.or(dry);
                 self.active = self.active.minus(dry);
             }

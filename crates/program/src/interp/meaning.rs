@@ -4,7 +4,7 @@ use super::domain::Site;
 
 /// Something that a lane came upon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
+pub enum HazardKind {
     /// An index outside of its array, vector or matrix; the last element was taken.
     Index,
     /// An integer divided by zero: `x / 0` is `x`, `x % 0` is 0.
@@ -35,7 +35,7 @@ pub enum Kind {
     Killed,
 }
 
-impl Kind {
+impl HazardKind {
     /// All of them.
     pub const ALL: [Self; 14] = [
         Self::Index,
@@ -80,7 +80,7 @@ pub struct Flags(u16);
 
 impl Flags {
     /// True when it came upon this.
-    pub fn has(self, kind: Kind) -> bool {
+    pub fn has(self, kind: HazardKind) -> bool {
         self.0 & Self::bit(kind) != 0
     }
 
@@ -88,8 +88,8 @@ impl Flags {
     pub fn is_undefined(self) -> bool {
         const UNDEFINED: u16 = {
             let (mut bits, mut k) = (0, 0);
-            while k < Kind::ALL.len() {
-                bits |= if Kind::ALL[k].is_undefined() { Flags::bit(Kind::ALL[k]) } else { 0 };
+            while k < HazardKind::ALL.len() {
+                bits |= if HazardKind::ALL[k].is_undefined() { Flags::bit(HazardKind::ALL[k]) } else { 0 };
                 k += 1;
             }
             bits
@@ -102,11 +102,11 @@ impl Flags {
         self.0 == 0
     }
 
-    pub(super) fn set(&mut self, kind: Kind) {
+    pub(super) fn set(&mut self, kind: HazardKind) {
         self.0 |= Self::bit(kind);
     }
 
-    const fn bit(kind: Kind) -> u16 {
+    const fn bit(kind: HazardKind) -> u16 {
         1 << kind as u16
     }
 }
@@ -115,7 +115,7 @@ impl Flags {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// What they came upon.
-    pub kind: Kind,
+    pub kind: HazardKind,
     /// Where; see [`Executable::place`](super::Executable::place).
     pub site: Site,
     /// The first invocation.
@@ -198,7 +198,7 @@ impl<W: Copy> Meaning<W> {
 
     /// The first invocation that ran out of rounds, which goes on without end.
     pub fn endless(&self) -> Option<usize> {
-        self.flags.iter().position(|flags| flags.has(Kind::Fuel))
+        self.flags.iter().position(|flags| flags.has(HazardKind::Fuel))
     }
 
     /// Where invocations left the range of a type, by place.

@@ -35,10 +35,10 @@ use base::value::{Batch, Scalar};
 
 pub use code::{Executable, Guarded, Place};
 pub use compile::{Binding, Subject};
-pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
+pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
 pub use lanes::{LANES, Mask, Words};
 pub use machine::{Machine, OutputColumn};
-pub use meaning::{Finding, Flags, Kind, Meaning};
+pub use meaning::{Finding, Flags, HazardKind, Meaning};
 pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
 pub use rearrange::Laws;
 pub use undefined::{Dependence, Undefined};
@@ -238,8 +238,8 @@ impl Executable {
         let (mut invocation, mut case) = (0, 0);
         for fill in &self.fills {
             match fill.source {
-                Source::Invocation(word) => invocation = invocation.max(word as usize + 1),
-                Source::Case(word) => case = case.max(word as usize + 1),
+                WordSource::Invocation(word) => invocation = invocation.max(word as usize + 1),
+                WordSource::Case(word) => case = case.max(word as usize + 1),
             }
         }
         for (of, found, expected) in

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::code::Guarded;
-use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, Source, ToWords, Unary};
+use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
 use super::half;
 use super::lanes::{LANES, Mask, Words};
 use base::value::Scalar;
@@ -327,7 +327,7 @@ impl<T: Number> Domain for Plain<T> {
         out.values_mut().fill(T::nearest(literal.copied().unwrap_or(f64::from(value))));
     }
 
-    fn input(&mut self, _: Source, words: &Words, out: &mut Column<T>) {
+    fn input(&mut self, _: WordSource, words: &Words, out: &mut Column<T>) {
         for (out, &word) in out.values_mut().iter_mut().zip(words) {
             *out = T::nearest(f64::from(f32::from_bits(word)));
         }

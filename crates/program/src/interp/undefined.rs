@@ -10,7 +10,7 @@ use super::code::{Guarded, Reg, Slot};
 use super::domain::{Domain, Site};
 use super::lanes::{LANES, Mask};
 use super::machine::{Machine, OutputColumn};
-use super::meaning::Kind;
+use super::meaning::HazardKind;
 use super::plain::Binary64;
 use base::value::{Batch, Scalar};
 
@@ -18,7 +18,7 @@ use base::value::{Batch, Scalar};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Undefined {
     /// Why.
-    pub kind: Kind,
+    pub kind: HazardKind,
     /// Where.
     pub site: Site,
     /// The function, for [`Kind::Argument`].
@@ -49,7 +49,7 @@ pub(super) struct Probe {
     /// Which of the other values; 0 for those that the machine takes by itself.
     pub round: usize,
     /// The operation whose value is replaced; all of them without one.
-    only: Option<(Kind, Site)>,
+    only: Option<(HazardKind, Site)>,
     events: Vec<Event>,
 }
 
@@ -87,7 +87,7 @@ impl<D: Domain> Machine<'_, D> {
     }
 
     /// Notes lanes in which a variable is read that has no value.
-    pub(super) fn read(&mut self, from: Slot, kind: Kind, site: Site) {
+    pub(super) fn read(&mut self, from: Slot, kind: HazardKind, site: Site) {
         let assigned = self.assigned[from.file() as usize].get(&from.reg).copied().unwrap_or(Mask::ALL);
         self.undefined(Undefined { kind, site, what: None }, Mask::ALL.minus(assigned), None, [Operand::None; 2]);
     }
@@ -96,7 +96,7 @@ impl<D: Domain> Machine<'_, D> {
     pub(super) fn overlap(&mut self, of: Slot, equal: Option<[Reg; 2]>, site: Site) {
         let word = |reg: Reg, lane: usize| self.words[reg as usize][lane];
         let lanes = equal.map_or(Mask::ALL, |[a, b]| Mask::where_(|lane| word(a, lane) == word(b, lane)));
-        self.undefined(Undefined { kind: Kind::Overlap, site, what: None }, lanes, Some(of), [Operand::None; 2]);
+        self.undefined(Undefined { kind: HazardKind::Overlap, site, what: None }, lanes, Some(of), [Operand::None; 2]);
     }
 
     fn note(&mut self, of: Undefined, lanes: Mask, args: [Operand; 2]) {
@@ -116,17 +116,17 @@ impl<D: Domain> Machine<'_, D> {
     }
 
     /// True while the value of this operation is replaced.
-    pub(super) fn replaces(&self, kind: Kind, site: Site) -> bool {
+    pub(super) fn replaces(&self, kind: HazardKind, site: Site) -> bool {
         self.probe.as_ref().is_some_and(|probe| {
             // A variable begins at its declaration, and is noted where it is read.
-            let variable = |kind| matches!(kind, Kind::Unset | Kind::NoReturn);
-            let same = |only: (Kind, Site)| only == (kind, site) || (variable(kind) && variable(only.0));
+            let variable = |kind| matches!(kind, HazardKind::Unset | HazardKind::NoReturn);
+            let same = |only: (HazardKind, Site)| only == (kind, site) || (variable(kind) && variable(only.0));
             probe.round > 0 && probe.only.is_none_or(same)
         })
     }
 
     /// Replaces an undefined value in some lanes.
-    pub(super) fn substitute(&mut self, kind: Kind, site: Site, lanes: Mask, to: Slot) {
+    pub(super) fn substitute(&mut self, kind: HazardKind, site: Site, lanes: Mask, to: Slot) {
         if lanes.is_empty() || !self.replaces(kind, site) {
             return;
         }
@@ -190,7 +190,7 @@ impl Machine<'_, Binary64> {
             found[lane] = events.iter().find(|event| event.lanes.has(lane)).map(of);
         }
         // A store outside of its array may write to anything, also to what outputs of others are made of.
-        if events.iter().any(|event| event.of.kind == Kind::Index) {
+        if events.iter().any(|event| event.of.kind == HazardKind::Index) {
             let stores = self.executable.stray_stores();
             for event in events.iter().filter(|event| event.of.strays(&stores)) {
                 event.lanes.lanes().for_each(|lane| found[lane] = found[lane].take().or_else(|| Some(of(event))));
@@ -226,7 +226,7 @@ impl Machine<'_, Binary64> {
         invocations: &[usize],
         (before, rounds): (&Outcome, usize),
         mut rest: Mask,
-        only: Option<(Kind, Site)>,
+        only: Option<(HazardKind, Site)>,
     ) -> Mask {
         let mut changed = Mask::NONE;
         for round in 1..=rounds {
@@ -247,7 +247,7 @@ impl Machine<'_, Binary64> {
     fn outcome(&self, lanes: usize) -> Outcome {
         let flags = |lane: usize| {
             let flags = self.flags()[lane];
-            u64::from(flags.has(Kind::Fuel)) | u64::from(flags.has(Kind::Killed)) << 1
+            u64::from(flags.has(HazardKind::Fuel)) | u64::from(flags.has(HazardKind::Killed)) << 1
         };
         let shape = |lane: usize| [flags(lane), u64::from(self.emitted()[lane]), u64::from(self.ended()[lane])];
         let mut all: Outcome = (0..lanes).map(|lane| shape(lane).to_vec()).collect();
@@ -276,7 +276,7 @@ impl Machine<'_, Binary64> {
 impl Undefined {
     /// True for one of these stores, outside of its array.
     pub fn strays(&self, stores: &HashSet<Site>) -> bool {
-        self.kind == Kind::Index && stores.contains(&self.site)
+        self.kind == HazardKind::Index && stores.contains(&self.site)
     }
 
     /// Why the value is undefined, with the arguments; a clause without a full stop.
@@ -284,22 +284,22 @@ impl Undefined {
         let arg = |k: usize| args.get(k).copied().unwrap_or(f64::NAN);
         let (a, b) = (arg(0), arg(1));
         match self.kind {
-            Kind::Index if args.is_empty() => "the place is outside of the texture".to_owned(),
-            Kind::Index => format!("index {a} is outside of 0 to {}", b - 1.0),
-            Kind::DivisionByZero => format!("{a} is divided by zero"),
-            Kind::Quotient => format!("{a} / {b} does not fit 32 bits"),
-            Kind::Remainder => format!("`%` has a negative operand: {a} % {b}"),
-            Kind::Shift => format!("a shift by {b} bits, where 0 to 31 are defined"),
-            Kind::Conversion if a.is_nan() => "nan is converted to an integer".to_owned(),
-            Kind::Conversion => format!("{a:?} is converted to an integer type that does not hold it"),
-            Kind::BitField => format!("a bit field at offset {a} with {b} bits reaches outside of 32 bits"),
-            Kind::Argument => self.what.map_or_else(String::new, |what| outside(what, a, b)),
-            Kind::Unset => "it is read before it has a value".to_owned(),
-            Kind::NoReturn => "the function ends without `return`".to_owned(),
-            Kind::Overlap => {
+            HazardKind::Index if args.is_empty() => "the place is outside of the texture".to_owned(),
+            HazardKind::Index => format!("index {a} is outside of 0 to {}", b - 1.0),
+            HazardKind::DivisionByZero => format!("{a} is divided by zero"),
+            HazardKind::Quotient => format!("{a} / {b} does not fit 32 bits"),
+            HazardKind::Remainder => format!("`%` has a negative operand: {a} % {b}"),
+            HazardKind::Shift => format!("a shift by {b} bits, where 0 to 31 are defined"),
+            HazardKind::Conversion if a.is_nan() => "nan is converted to an integer".to_owned(),
+            HazardKind::Conversion => format!("{a:?} is converted to an integer type that does not hold it"),
+            HazardKind::BitField => format!("a bit field at offset {a} with {b} bits reaches outside of 32 bits"),
+            HazardKind::Argument => self.what.map_or_else(String::new, |what| outside(what, a, b)),
+            HazardKind::Unset => "it is read before it has a value".to_owned(),
+            HazardKind::NoReturn => "the function ends without `return`".to_owned(),
+            HazardKind::Overlap => {
                 "two `out` arguments are one variable, and the order in which they are copied back is open".to_owned()
             }
-            Kind::Overflow | Kind::Fuel | Kind::Killed => "the operation leaves its range".to_owned(),
+            HazardKind::Overflow | HazardKind::Fuel | HazardKind::Killed => "the operation leaves its range".to_owned(),
         }
     }
 }

@@ -49,7 +49,7 @@ pub enum What {
 
 /// One number that an operation takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Source {
+pub enum OperandSource {
     /// A component of the last value of another point.
     Point {
         /// Index of the point.
@@ -86,7 +86,7 @@ pub struct Operation {
     /// as `refract`, where it is not split.
     pub name: &'static str,
     /// What it takes, in order.
-    pub operands: Vec<Source>,
+    pub operands: Vec<OperandSource>,
     /// The component of the point's value that is its result; `None` for an intermediate value that
     /// is not seen, and for a function that is not split.
     pub result: Option<u32>,
@@ -106,7 +106,7 @@ pub struct Point {
     /// Number of values of a step.
     pub components: u32,
     /// Where the operands come from: for each operand, its components.
-    pub operands: Vec<Vec<Source>>,
+    pub operands: Vec<Vec<OperandSource>>,
     /// Numbers from outside, with their values in each step.
     pub leaves: Vec<Leaf>,
     /// The scalar operations that it stands for, in the order of the formula by which the

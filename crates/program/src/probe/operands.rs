@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use naga::valid::FunctionInfo;
 use naga::{Arena, Expression, Function, Handle, Literal, Module, ScalarKind, TypeInner};
 
-use super::Source;
+use super::OperandSource;
 
 /// Where a number comes from, before leaves are numbered.
 #[derive(Clone, Copy, Debug)]
 enum Origin {
-    Known(Source),
+    Known(OperandSource),
     Leaf(Handle<Expression>, u32),
 }
 
@@ -56,12 +56,12 @@ impl Scope<'_> {
     }
 
     /// Where the components of a value come from. New leaves are added to `leaves`.
-    pub(super) fn sources(&self, handle: Handle<Expression>, leaves: &mut Leaves) -> Vec<Source> {
+    pub(super) fn sources(&self, handle: Handle<Expression>, leaves: &mut Leaves) -> Vec<OperandSource> {
         let number = |origin| match origin {
             Origin::Known(source) => source,
             Origin::Leaf(handle, component) => {
                 let leaf = (handle, component);
-                Source::Leaf(leaves.iter().position(|&l| l == leaf).unwrap_or_else(|| {
+                OperandSource::Leaf(leaves.iter().position(|&l| l == leaf).unwrap_or_else(|| {
                     leaves.push(leaf);
                     leaves.len() - 1
                 }))
@@ -74,21 +74,21 @@ impl Scope<'_> {
         let Some((columns, rows, float)) = size(self.inner(handle)) else { return Vec::new() };
         let count = columns * rows;
         if !float {
-            return vec![Origin::Known(Source::Untraced); count as usize];
+            return vec![Origin::Known(OperandSource::Untraced); count as usize];
         }
         if let Some(&point) = self.points.get(&handle) {
-            return (0..count).map(|component| Origin::Known(Source::Point { point, component })).collect();
+            return (0..count).map(|component| Origin::Known(OperandSource::Point { point, component })).collect();
         }
         match self.function.expressions[handle] {
-            Expression::Literal(Literal::F32(value)) => vec![Origin::Known(Source::Literal(value))],
+            Expression::Literal(Literal::F32(value)) => vec![Origin::Known(OperandSource::Literal(value))],
             Expression::Constant(constant) => {
                 let init = self.module.constants[constant].init;
                 match constants(self.module, init).filter(|all| all.len() == count as usize) {
-                    Some(all) => all.into_iter().map(|value| Origin::Known(Source::Literal(value))).collect(),
+                    Some(all) => all.into_iter().map(|value| Origin::Known(OperandSource::Literal(value))).collect(),
                     None => leaf(handle, count),
                 }
             }
-            Expression::ZeroValue(_) => vec![Origin::Known(Source::Literal(0.0)); count as usize],
+            Expression::ZeroValue(_) => vec![Origin::Known(OperandSource::Literal(0.0)); count as usize],
             Expression::Compose { ref components, .. } => components.iter().flat_map(|&c| self.origins(c)).collect(),
             Expression::Splat { value, .. } => {
                 self.origins(value).first().map_or_else(Vec::new, |&origin| vec![origin; count as usize])

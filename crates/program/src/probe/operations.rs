@@ -3,20 +3,20 @@
 use naga::{BinaryOperator, Expression, Handle, MathFunction, TypeInner, UnaryOperator};
 
 use super::operands::{Leaves, Scope};
-use super::{Operation, Source};
+use super::{OperandSource, Operation};
 
 /// Operations in order.
 #[derive(Default)]
 struct List(Vec<Operation>);
 
 impl List {
-    fn push(&mut self, name: &'static str, operands: &[Source]) -> Source {
+    fn push(&mut self, name: &'static str, operands: &[OperandSource]) -> OperandSource {
         self.0.push(Operation { name, operands: operands.to_vec(), result: None });
-        Source::Operation(self.0.len() - 1)
+        OperandSource::Operation(self.0.len() - 1)
     }
 
     /// The sum of products, from the first to the last.
-    fn dot(&mut self, pairs: impl IntoIterator<Item = (Source, Source)>) -> Option<Source> {
+    fn dot(&mut self, pairs: impl IntoIterator<Item = (OperandSource, OperandSource)>) -> Option<OperandSource> {
         let mut sum = None;
         for (a, b) in pairs {
             let term = self.push("mul", &[a, b]);
@@ -28,7 +28,7 @@ impl List {
         sum
     }
 
-    fn length(&mut self, x: &[Source]) -> Option<Source> {
+    fn length(&mut self, x: &[OperandSource]) -> Option<OperandSource> {
         let square = self.dot(x.iter().map(|&x| (x, x)))?;
         Some(self.push("sqrt", &[square]))
     }
@@ -39,9 +39,9 @@ pub(super) fn operations(
     scope: &Scope<'_>,
     handle: Handle<Expression>,
     leaves: &mut Leaves,
-) -> (Vec<Vec<Source>>, Vec<Operation>) {
+) -> (Vec<Vec<OperandSource>>, Vec<Operation>) {
     let expression = &scope.function.expressions[handle];
-    let operands: Vec<Vec<Source>> =
+    let operands: Vec<Vec<OperandSource>> =
         operands(scope, expression).into_iter().map(|operand| scope.sources(operand, leaves)).collect();
     let mut list = List::default();
     let results = match *expression {
@@ -55,7 +55,7 @@ pub(super) fn operations(
         _ => None,
     };
     for (component, result) in (0..).zip(results.into_iter().flatten()) {
-        if let Source::Operation(k) = result {
+        if let OperandSource::Operation(k) = result {
             list.0[k].result = Some(component);
         }
     }
@@ -74,13 +74,13 @@ fn operands(scope: &Scope<'_>, expression: &Expression) -> Vec<Handle<Expression
 }
 
 /// The same operation for each component; a scalar stands for a vector of it.
-fn each(list: &mut List, name: &'static str, operands: &[Vec<Source>]) -> Option<Vec<Source>> {
+fn each(list: &mut List, name: &'static str, operands: &[Vec<OperandSource>]) -> Option<Vec<OperandSource>> {
     let count = operands.iter().map(Vec::len).max()?;
-    let at = |k: usize| operands.iter().map(|o| component(o, k)).collect::<Option<Vec<Source>>>();
+    let at = |k: usize| operands.iter().map(|o| component(o, k)).collect::<Option<Vec<OperandSource>>>();
     (0..count).map(|k| Some(list.push(name, &at(k)?))).collect()
 }
 
-fn component(operand: &[Source], k: usize) -> Option<Source> {
+fn component(operand: &[OperandSource], k: usize) -> Option<OperandSource> {
     if operand.len() == 1 { operand.first().copied() } else { operand.get(k).copied() }
 }
 
@@ -89,8 +89,8 @@ fn binary(
     list: &mut List,
     op: BinaryOperator,
     (left, right): (Handle<Expression>, Handle<Expression>),
-    operands: &[Vec<Source>],
-) -> Option<Vec<Source>> {
+    operands: &[Vec<OperandSource>],
+) -> Option<Vec<OperandSource>> {
     let name = match op {
         BinaryOperator::Add => "add",
         BinaryOperator::Subtract => "sub",
@@ -167,7 +167,7 @@ fn componentwise(fun: MathFunction) -> Option<&'static str> {
 }
 
 /// Functions that a formula defines. Those that are not split become one operation on all operands.
-fn formula(list: &mut List, fun: MathFunction, operands: &[Vec<Source>]) -> Option<Vec<Source>> {
+fn formula(list: &mut List, fun: MathFunction, operands: &[Vec<OperandSource>]) -> Option<Vec<OperandSource>> {
     let name = match (fun, operands) {
         (MathFunction::Dot, [a, b]) => return Some(vec![list.dot(a.iter().copied().zip(b.iter().copied()))?]),
         (MathFunction::Length, [x]) => return Some(vec![list.length(x)?]),
@@ -193,7 +193,7 @@ fn formula(list: &mut List, fun: MathFunction, operands: &[Vec<Source>]) -> Opti
             return each(list, "min", &[raised, high.clone()]);
         }
         (MathFunction::Mix, [x, y, weight]) => {
-            let rest = each(list, "sub", &[vec![Source::Literal(1.0)], weight.clone()])?;
+            let rest = each(list, "sub", &[vec![OperandSource::Literal(1.0)], weight.clone()])?;
             let from = each(list, "mul", &[x.clone(), rest])?;
             let to = each(list, "mul", &[y.clone(), weight.clone()])?;
             return each(list, "add", &[from, to]);

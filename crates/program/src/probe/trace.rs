@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Probed, Source};
+use super::{OperandSource, Probed};
 
 /// An output word of a run, in some domain of numbers.
 pub trait TraceWord: Copy {
@@ -161,13 +161,13 @@ impl Probed {
         let mut last: Vec<Option<&Step<W>>> = vec![None; self.points.len()];
         let mut all = Vec::new();
         for (at, step) in trace.steps.iter().enumerate() {
-            let value = |source: &Source| match *source {
-                Source::Point { point, component } => {
+            let value = |source: &OperandSource| match *source {
+                OperandSource::Point { point, component } => {
                     last[point].and_then(|step| step.values.get(component as usize).copied())
                 }
-                Source::Leaf(k) => step.leaves.get(k).copied(),
-                Source::Literal(value) => Some(W::literal(value)),
-                Source::Operation(_) | Source::Untraced => None,
+                OperandSource::Leaf(k) => step.leaves.get(k).copied(),
+                OperandSource::Literal(value) => Some(W::literal(value)),
+                OperandSource::Operation(_) | OperandSource::Untraced => None,
             };
             for operation in &self.points[step.point].operations {
                 let result = operation.result.and_then(|k| step.values.get(k as usize).copied());

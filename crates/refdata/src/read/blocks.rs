@@ -2,7 +2,7 @@
 
 use super::shared::Shared;
 use super::windows::Windows;
-use super::{Dataset, ReadError, Source, Table, csv, json, npz, parquet};
+use super::{Dataset, InputFormat, ReadError, Table, csv, json, npz, parquet};
 use crate::array::Array;
 use crate::bytes::Bytes;
 use crate::digest::Digest;
@@ -45,13 +45,13 @@ impl Blocks {
     ///
     /// # Errors
     /// [`ReadError`] with what is wrong.
-    pub fn open(source: Source, from: &Shared) -> Result<Self, ReadError> {
+    pub fn open(source: InputFormat, from: &Shared) -> Result<Self, ReadError> {
         let (document, numbers) = match source {
-            Source::Npz => npz::opened(from)?,
-            Source::Parquet => parquet::opened(from)?,
-            Source::Csv => csv::opened(from)?,
-            Source::Json => json::opened(from)?,
-            Source::Raw => return Err(ReadError::Schema("raw numbers are no reference file".into())),
+            InputFormat::Npz => npz::opened(from)?,
+            InputFormat::Parquet => parquet::opened(from)?,
+            InputFormat::Csv => csv::opened(from)?,
+            InputFormat::Json => json::opened(from)?,
+            InputFormat::Raw => return Err(ReadError::Schema("raw numbers are no reference file".into())),
         };
         Self::of(document, numbers)
     }

@@ -8,7 +8,7 @@ use csv::ReaderBuilder;
 use super::shared::Shared;
 use super::windows::Windows;
 use super::{Column, Load, MOST_TEXT, Numbers, ReadError, Table, Wanted, blocks};
-use crate::array::Kind;
+use crate::array::WordType;
 use crate::document::Document;
 use crate::flags::{Flag, Flags};
 
@@ -69,14 +69,14 @@ impl Lines {
         let double = |name: &str| {
             document.as_ref().is_some_and(|d| {
                 let owner = d.arrays.iter().find(|a| (0..a.words()).any(|word| a.column(word) == name));
-                owner.is_some_and(|array| array.dtype == Kind::F8)
+                owner.is_some_and(|array| array.dtype == WordType::F8)
             })
         };
         let mut builder = ReaderBuilder::new();
         let reader = builder.comment(Some(b'#')).trim(csv::Trim::All);
         let lines = Short { from: from.at(0), line: 0 };
         let mut reader = reader.from_reader(BufReader::with_capacity(1 << 20, lines));
-        let headers = reader.headers().map_err(told)?.clone();
+        let headers = reader.headers().map_err(read_error)?.clone();
         let names: Vec<&str> = headers.iter().collect();
         let read = wanted.select(names.iter().map(|name| (*name, 1))).map_err(ReadError::Damaged)?;
         let holds = |(name, read): (&str, bool)| match (read, double(name)) {
@@ -95,7 +95,7 @@ impl Windows for Lines {
         let mut read = 0;
         while read < rows {
             let Some(record) = self.lines.next() else { break };
-            let record = record.map_err(told)?;
+            let record = record.map_err(read_error)?;
             let columns = texts.iter_mut().zip(&self.columns).zip(record.iter());
             for ((column, _), text) in columns.filter(|((_, (_, holds)), _)| *holds != Holds::Unread) {
                 column.push(text.to_owned());
@@ -138,7 +138,7 @@ fn numbers(name: &str, texts: &[String], double: bool, first: usize) -> Result<N
     (0..texts.len()).map(parse).collect::<Result<_, _>>().map(Numbers::F4)
 }
 
-fn told(error: csv::Error) -> ReadError {
+fn read_error(error: csv::Error) -> ReadError {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
             let line = pos.as_ref().map_or(0, csv::Position::line);

@@ -14,7 +14,7 @@ use serde_json::value::RawValue;
 use super::blocks::{Blocks, Numbers as Where};
 use super::shared::Shared;
 use super::{Column, Dataset, MOST_TEXT, Numbers, ReadError, Table};
-use crate::array::Kind;
+use crate::array::WordType;
 use crate::document::Document;
 
 fn damaged(error: impl std::fmt::Display) -> ReadError {
@@ -22,7 +22,7 @@ fn damaged(error: impl std::fmt::Display) -> ReadError {
 }
 
 /// JSON that holds something else than it should, or none.
-fn told(error: serde_json::Error) -> ReadError {
+fn read_error(error: serde_json::Error) -> ReadError {
     if error.is_data() { ReadError::Damaged(error.to_string()) } else { damaged(error) }
 }
 
@@ -67,7 +67,7 @@ impl Values {
     fn seeded<'de, T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, ReadError> {
         let first = [self.byte()?];
         let from = first.as_slice().chain(&mut self.from);
-        seed.deserialize(&mut Deserializer::from_reader(from)).map_err(told)
+        seed.deserialize(&mut Deserializer::from_reader(from)).map_err(read_error)
     }
 
     fn value<T: DeserializeOwned>(&mut self) -> Result<T, ReadError> {
@@ -174,7 +174,7 @@ pub(super) fn table(from: &Shared) -> Result<Table, ReadError> {
     }
     let mut from = Deserializer::from_reader(BufReader::with_capacity(1 << 16, from.at(0)));
     let columns = from.deserialize_any(columns::Columns).and_then(|columns| from.end().map(|()| columns));
-    let table = Table { columns: columns.map_err(told)? };
+    let table = Table { columns: columns.map_err(read_error)? };
     if table.columns.is_empty() {
         return Err(ReadError::Damaged(
             "outputs in JSON are an object of lists, such as {\"gl_Position\": [[0.0, 1.0, 0.0, 1.0]]}".into(),
@@ -188,10 +188,10 @@ fn of_dataset(dataset: &Dataset) -> Table {
         let words = bytes.chunks_exact(array.dtype.bytes());
         let whole = |b: &[u8]| b.iter().rev().fold(0_u64, |n, &byte| n << 8 | u64::from(byte));
         let numbers = match array.dtype {
-            Kind::F4 => Numbers::F4(words.map(|b| whole(b) as u32).collect()),
-            Kind::F8 => Numbers::F8(words.map(|b| f64::from_bits(whole(b))).collect()),
-            Kind::I4 => Numbers::Whole(words.map(|b| i64::from((whole(b) as u32).cast_signed())).collect()),
-            Kind::U4 | Kind::U2 => Numbers::Whole(words.map(|b| whole(b).cast_signed()).collect()),
+            WordType::F4 => Numbers::F4(words.map(|b| whole(b) as u32).collect()),
+            WordType::F8 => Numbers::F8(words.map(|b| f64::from_bits(whole(b))).collect()),
+            WordType::I4 => Numbers::Whole(words.map(|b| i64::from((whole(b) as u32).cast_signed())).collect()),
+            WordType::U4 | WordType::U2 => Numbers::Whole(words.map(|b| whole(b).cast_signed()).collect()),
         };
         Column { name: array.name.clone(), width: array.words(), numbers }
     };

@@ -67,7 +67,7 @@ pub enum ReadError {
 
 /// A format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum InputFormat {
     /// NPZ, or a single array of NumPy.
     Npz,
     /// Parquet.
@@ -80,7 +80,7 @@ pub enum Source {
     Raw,
 }
 
-impl Source {
+impl InputFormat {
     /// The format of a file by its ending.
     pub fn of_name(name: &str) -> Option<Self> {
         let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
@@ -109,7 +109,7 @@ impl Dataset {
     ///
     /// # Errors
     /// [`ReadError`] with what is wrong.
-    pub fn read(source: Source, from: &Shared) -> Result<Self, ReadError> {
+    pub fn read(source: InputFormat, from: &Shared) -> Result<Self, ReadError> {
         Self::of(&mut Blocks::open(source, from)?)
     }
 
@@ -174,7 +174,7 @@ impl Dataset {
 /// # Errors
 /// [`ReadError`] with what is wrong; also when there are so many more rows than the reference has that they are
 /// not its outputs.
-pub fn outputs(source: Source, from: &Shared, order: ByteOrder, wanted: &Wanted) -> Result<Table, ReadError> {
+pub fn outputs(source: InputFormat, from: &Shared, order: ByteOrder, wanted: &Wanted) -> Result<Table, ReadError> {
     let mut windows = windows(source, from, order, wanted)?;
     let table = windows.next(wanted.most())?;
     if windows.next(1)?.rows() > 0 {

@@ -10,7 +10,7 @@ use super::blocks::Numbers as Where;
 use super::shared::Shared;
 use super::windows::Windows;
 use super::{Column, MOST_TEXT, Numbers, ReadError, Table, Wanted};
-use crate::array::{Array, Kind};
+use crate::array::{Array, WordType};
 use crate::document::Document;
 
 /// Bytes of the head of an array, at most: NumPy reads 10,000.
@@ -159,7 +159,7 @@ impl Stored {
     }
 
     /// The next rows as the words of an array of a reference, whatever their type in the file is.
-    pub fn words(&mut self, rows: u64, kind: Kind) -> Result<Vec<u8>, ReadError> {
+    pub fn words(&mut self, rows: u64, kind: WordType) -> Result<Vec<u8>, ReadError> {
         let bytes = self.bytes(rows)?;
         if self.plain.to_string() == kind.name() {
             return Ok(bytes);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::array::Kind;
+use crate::array::WordType;
 
 /// The numbers of a column, each in the type that the file has.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,12 +70,12 @@ impl Numbers {
     }
 
     /// Writes a number as a word of an array.
-    pub(super) fn write(&self, at: usize, kind: Kind, out: &mut Vec<u8>) {
+    pub(super) fn write(&self, at: usize, kind: WordType, out: &mut Vec<u8>) {
         match kind {
-            Kind::F4 => out.extend(self.bits(at).to_le_bytes()),
-            Kind::F8 => out.extend(self.real(at).to_le_bytes()),
-            Kind::I4 | Kind::U4 => out.extend((self.whole(at).unwrap_or_default() as u32).to_le_bytes()),
-            Kind::U2 => out.extend((self.whole(at).unwrap_or_default() as u16).to_le_bytes()),
+            WordType::F4 => out.extend(self.bits(at).to_le_bytes()),
+            WordType::F8 => out.extend(self.real(at).to_le_bytes()),
+            WordType::I4 | WordType::U4 => out.extend((self.whole(at).unwrap_or_default() as u32).to_le_bytes()),
+            WordType::U2 => out.extend((self.whole(at).unwrap_or_default() as u16).to_le_bytes()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Anyone's outputs, some rows at a time, so that memory stays flat however long the file is.
 
 use super::shared::Shared;
-use super::{ByteOrder, ReadError, Source, Table, Wanted, csv, json, npz, parquet, raw};
+use super::{ByteOrder, InputFormat, ReadError, Table, Wanted, csv, json, npz, parquet, raw};
 
 /// Rows of a file in their order.
 pub trait Windows: Send {
@@ -32,16 +32,16 @@ impl Windows for Whole {
 /// # Errors
 /// [`ReadError`] with what is wrong.
 pub fn windows(
-    source: Source,
+    source: InputFormat,
     from: &Shared,
     order: ByteOrder,
     wanted: &Wanted,
 ) -> Result<Box<dyn Windows>, ReadError> {
     Ok(match source {
-        Source::Npz => npz::windows(from, wanted)?,
-        Source::Parquet => Box::new(parquet::Groups::outputs(from, wanted)?),
-        Source::Csv => Box::new(csv::Lines::open(from, wanted)?),
-        Source::Json => Box::new(Whole { table: json::table(from)?, at: 0 }),
-        Source::Raw => Box::new(raw::Words::open(from, order, wanted.words())?),
+        InputFormat::Npz => npz::windows(from, wanted)?,
+        InputFormat::Parquet => Box::new(parquet::Groups::outputs(from, wanted)?),
+        InputFormat::Csv => Box::new(csv::Lines::open(from, wanted)?),
+        InputFormat::Json => Box::new(Whole { table: json::table(from)?, at: 0 }),
+        InputFormat::Raw => Box::new(raw::Words::open(from, order, wanted.words())?),
     })
 }

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use super::array::{Array, Kind, Role};
+use super::array::{Array, Role, WordType};
 use super::document::Document;
 use super::flags::Flags;
 use super::read::{Dataset, Table};
@@ -147,7 +147,7 @@ pub struct Worst {
     /// What is special about its sample.
     pub flags: Flags,
     /// Inputs: name and bits.
-    pub inputs: Vec<(String, Kind, Vec<u32>)>,
+    pub inputs: Vec<(String, WordType, Vec<u32>)>,
 }
 
 /// Verdicts on one output, counted.
@@ -355,7 +355,7 @@ impl Judge {
                     output.read(actual, row, word, &side, &mut element);
                     element.verdict = judge(&element, &side, *rule);
                     counts.add(element.verdict);
-                    if side.kind == Kind::F4 && element.bound.is_finite() && element.expected != 0.0 {
+                    if side.kind == WordType::F4 && element.bound.is_finite() && element.expected != 0.0 {
                         let other = f64::from(f32::from_bits(element.bits.swap_bytes()));
                         let near = (other - element.expected).abs() <= element.bound;
                         swapped.0 += u64::from(near);
@@ -400,7 +400,7 @@ impl Judge {
 fn judge(element: &Element, side: &Side<'_>, rule: Rule) -> Verdict {
     let Element { expected, actual, bits, nearest, bound, .. } = *element;
     if rule.exact {
-        let both_nan = side.kind == Kind::F4 && expected.is_nan() && actual.is_nan();
+        let both_nan = side.kind == WordType::F4 && expected.is_nan() && actual.is_nan();
         return match () {
             () if both_nan || (bits == nearest && !actual.is_nan()) => Verdict::Agree,
             () if expected.is_finite() && !actual.is_finite() => Verdict::NotFinite,
@@ -423,7 +423,7 @@ fn judge(element: &Element, side: &Side<'_>, rule: Rule) -> Verdict {
 }
 
 /// Keeps an element if it is one of the worst.
-fn keep(worst: &mut Vec<Worst>, element: Element, about: impl FnOnce() -> (Flags, Vec<(String, Kind, Vec<u32>)>)) {
+fn keep(worst: &mut Vec<Worst>, element: Element, about: impl FnOnce() -> (Flags, Vec<(String, WordType, Vec<u32>)>)) {
     let rank = |element: &Element| (element.verdict != Verdict::Agree, element.ratio());
     let before = |a: (bool, f64), b: (bool, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).is_ge();
     let at = worst.partition_point(|other| before(rank(&other.element), rank(&element)));
@@ -435,7 +435,7 @@ fn keep(worst: &mut Vec<Worst>, element: Element, about: impl FnOnce() -> (Flags
 }
 
 /// The inputs of a sample.
-fn inputs(reference: &Dataset, sample: usize) -> Vec<(String, Kind, Vec<u32>)> {
+fn inputs(reference: &Dataset, sample: usize) -> Vec<(String, WordType, Vec<u32>)> {
     let document = &reference.document;
     let mut all = Vec::new();
     for (array, bytes) in document.arrays.iter().zip(&reference.arrays).filter(|(array, _)| array.role == Role::Input) {
@@ -450,7 +450,7 @@ fn inputs(reference: &Dataset, sample: usize) -> Vec<(String, Kind, Vec<u32>)> {
 /// The arrays of the reference about one output.
 struct Side<'d> {
     array: &'d Array,
-    kind: Kind,
+    kind: WordType,
     expected: &'d [u8],
     nearest: &'d [u8],
     bound: Option<&'d [u8]>,
@@ -462,7 +462,7 @@ impl<'d> Side<'d> {
             let mut all = reference.document.arrays.iter().zip(&reference.arrays);
             all.find(|(other, _)| other.role == role && other.variable == array.variable)
         };
-        let (nearest, kind) = of(Role::Nearest).map_or((&[][..], Kind::F4), |(a, bytes)| (&bytes[..], a.dtype));
+        let (nearest, kind) = of(Role::Nearest).map_or((&[][..], WordType::F4), |(a, bytes)| (&bytes[..], a.dtype));
         Self {
             array,
             kind,

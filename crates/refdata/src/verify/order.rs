@@ -150,7 +150,7 @@ impl<'a> Inputs<'a> {
         let word = |(column, place, array, ..): &(&Column, usize, &Array, &[u8], usize)| {
             let at = row * column.width + place;
             match array.dtype {
-                crate::Kind::F4 => column.numbers.bits(at),
+                crate::WordType::F4 => column.numbers.bits(at),
                 _ => column.numbers.whole(at).unwrap_or_default() as u32,
             }
         };

@@ -1,7 +1,7 @@
 //! Which columns of a file are outputs of the reference.
 
 use super::{Element, Side, VerifyError};
-use crate::array::{Array, Kind, Role};
+use crate::array::{Array, Role, WordType};
 use crate::document::Document;
 use crate::read::{Numbers, PREFIXES, Table, is_plain};
 
@@ -96,10 +96,10 @@ impl Output<'_> {
         element.actual = column.numbers.real(at);
         element.bits = match (side.kind, &column.numbers) {
             // binary64 numbers that are no binary32 are never the nearest.
-            (Kind::F4, Numbers::F8(list)) if !list[at].is_nan() && f64::from(list[at] as f32) != list[at] => {
+            (WordType::F4, Numbers::F8(list)) if !list[at].is_nan() && f64::from(list[at] as f32) != list[at] => {
                 !element.nearest
             }
-            (Kind::F4, numbers) => numbers.bits(at),
+            (WordType::F4, numbers) => numbers.bits(at),
             (_, numbers) => numbers.whole(at).map_or(!element.nearest, |whole| whole as u32),
         };
     }

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use super::*;
-use crate::read::{ByteOrder, Column, Numbers, Shared, Source, Wanted, outputs};
+use crate::read::{ByteOrder, Column, InputFormat, Numbers, Shared, Wanted, outputs};
 use crate::tests::{dataset, file};
 use crate::write::Format;
 
@@ -133,11 +133,11 @@ fn bytes_in_the_other_order_are_told() {
     let reference = reference(Some("binary32"), 200);
     let bytes: Vec<u8> = perfect(&reference).iter().flat_map(|bits| bits.to_be_bytes()).collect();
     let wanted = Wanted::outputs(&reference.document);
-    let read = |order| outputs(Source::Raw, &memory(&bytes), order, &wanted).unwrap();
+    let read = |order| outputs(InputFormat::Raw, &memory(&bytes), order, &wanted).unwrap();
     let report = run(&reference, &read(ByteOrder::Little));
     assert!(report.findings.contains(&Finding::ByteOrder), "{:?}", report.findings);
     assert_eq!(run(&reference, &read(ByteOrder::Big)).findings, []);
-    let odd = outputs(Source::Raw, &memory(&bytes[..30]), ByteOrder::Big, &wanted).err().unwrap();
+    let odd = outputs(InputFormat::Raw, &memory(&bytes[..30]), ByteOrder::Big, &wanted).err().unwrap();
     assert!(odd.to_string().starts_with("it has 30 bytes, which is no multiple of 16"), "{odd}");
 }
 
@@ -232,7 +232,7 @@ fn block_by_block_comes_out_what_comes_out_as_a_whole() {
     for (name, table, streams) in cases {
         let mut elements = Vec::new();
         let whole = verify(&reference, &table, Rule::default(), &mut |e| elements.push(e.clone())).unwrap();
-        let mut blocks = Blocks::open(Source::Npz, &memory(&bytes)).unwrap();
+        let mut blocks = Blocks::open(InputFormat::Npz, &memory(&bytes)).unwrap();
         let mut seen = Vec::new();
         let report = stream(&mut blocks, &mut Rows(table, 0), Rule::default(), &mut |e| seen.push(e.clone())).unwrap();
         assert_eq!(report.is_some(), streams, "{name}");
@@ -245,7 +245,7 @@ fn block_by_block_comes_out_what_comes_out_as_a_whole() {
     let mut damaged = bytes;
     let middle = damaged.len() / 2;
     damaged[middle] ^= 1;
-    let mut blocks = Blocks::open(Source::Npz, &memory(&damaged)).unwrap();
+    let mut blocks = Blocks::open(InputFormat::Npz, &memory(&damaged)).unwrap();
     let error = stream(&mut blocks, &mut Rows(plain(good), 0), Rule::default(), &mut |_| {}).unwrap_err();
     assert!(error.to_string().starts_with("SHA-256 is "), "{error}");
 }

@@ -5,7 +5,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 use super::text::{Text, Word};
 use super::{Sink, Spill, Store};
-use crate::array::{Array, Kind, Per, Role};
+use crate::array::{Array, Per, Role, WordType};
 use crate::bytes::Bytes;
 use crate::document::Document;
 use crate::generate::Block;
@@ -42,13 +42,13 @@ fn member(array: &Array) -> String {
     identifier(&format!("{role}_{}", array.variable))
 }
 
-fn type_name(kind: Kind) -> &'static str {
+fn type_name(kind: WordType) -> &'static str {
     match kind {
-        Kind::F4 => "float",
-        Kind::F8 => "double",
-        Kind::I4 => "int32_t",
-        Kind::U4 => "uint32_t",
-        Kind::U2 => "uint16_t",
+        WordType::F4 => "float",
+        WordType::F8 => "double",
+        WordType::I4 => "int32_t",
+        WordType::U4 => "uint32_t",
+        WordType::U2 => "uint16_t",
     }
 }
 

@@ -204,7 +204,7 @@ mod tests {
     use zip::ZipArchive;
 
     use super::*;
-    use crate::array::{Array, Kind, Per, Role};
+    use crate::array::{Array, Per, Role, WordType};
     use crate::tests::{dataset, file};
     use crate::write::Format;
 
@@ -216,7 +216,7 @@ mod tests {
             role: Role::Nearest,
             variable: String::new(),
             ty: String::new(),
-            dtype: Kind::F4,
+            dtype: WordType::F4,
             per: Per::Sample,
             shape: vec![words],
             components: Vec::new(),

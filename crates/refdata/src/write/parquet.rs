@@ -13,7 +13,7 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::{Sink, Store};
-use crate::array::{Array, Kind, Per};
+use crate::array::{Array, Per, WordType};
 use crate::document::{Document, SCHEMA};
 use crate::generate::Block;
 
@@ -33,11 +33,11 @@ fn schema(document: &Document) -> Result<Arc<Type>, ParquetError> {
     let mut columns = vec![column_type("index", Physical::INT64, None)?];
     for array in &document.arrays {
         let (physical, logical) = match array.dtype {
-            Kind::F4 => (Physical::FLOAT, None),
-            Kind::F8 => (Physical::DOUBLE, None),
-            Kind::I4 => (Physical::INT32, None),
-            Kind::U4 => (Physical::INT32, unsigned(32)),
-            Kind::U2 => (Physical::INT32, unsigned(16)),
+            WordType::F4 => (Physical::FLOAT, None),
+            WordType::F8 => (Physical::DOUBLE, None),
+            WordType::I4 => (Physical::INT32, None),
+            WordType::U4 => (Physical::INT32, unsigned(32)),
+            WordType::U2 => (Physical::INT32, unsigned(16)),
         };
         for word in 0..array.words() {
             columns.push(column_type(&array.column(word), physical, logical.clone())?);
@@ -96,19 +96,19 @@ fn write_column(
     size: (usize, usize),
 ) -> Result<(), ParquetError> {
     match array.dtype {
-        Kind::F4 => {
+        WordType::F4 => {
             let values: Vec<f32> = words(array, bytes, word, size).map(f32::from_le_bytes).collect();
             column.typed::<FloatType>().write_batch(&values, None, None)?;
         }
-        Kind::F8 => {
+        WordType::F8 => {
             let values: Vec<f64> = words(array, bytes, word, size).map(f64::from_le_bytes).collect();
             column.typed::<DoubleType>().write_batch(&values, None, None)?;
         }
-        Kind::I4 | Kind::U4 => {
+        WordType::I4 | WordType::U4 => {
             let values: Vec<i32> = words(array, bytes, word, size).map(i32::from_le_bytes).collect();
             column.typed::<Int32Type>().write_batch(&values, None, None)?;
         }
-        Kind::U2 => {
+        WordType::U2 => {
             let values: Vec<i32> = words(array, bytes, word, size).map(|b| u16::from_le_bytes(b).into()).collect();
             column.typed::<Int32Type>().write_batch(&values, None, None)?;
         }

@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
 use super::Store;
-use crate::array::{Array, Kind};
+use crate::array::{Array, WordType};
 use crate::document::{Document, NO_DIGEST};
 use crate::number::{decimal_32, decimal_64};
 
@@ -58,16 +58,16 @@ impl Word {
         bytes[row * array.stride()..][..array.stride()].chunks_exact(kind.bytes()).map(move |b| Self::of(kind, b))
     }
 
-    fn of(kind: Kind, b: &[u8]) -> Self {
+    fn of(kind: WordType, b: &[u8]) -> Self {
         let mut eight = [0; 8];
         eight[..b.len()].copy_from_slice(b);
         let bits = u64::from_le_bytes(eight);
         match kind {
-            Kind::F4 => Self::F4(f32::from_bits(bits as u32)),
-            Kind::F8 => Self::F8(f64::from_bits(bits)),
-            Kind::I4 => Self::I4((bits as u32).cast_signed()),
-            Kind::U4 => Self::U4(bits as u32),
-            Kind::U2 => Self::U2(bits as u16),
+            WordType::F4 => Self::F4(f32::from_bits(bits as u32)),
+            WordType::F8 => Self::F8(f64::from_bits(bits)),
+            WordType::I4 => Self::I4((bits as u32).cast_signed()),
+            WordType::U4 => Self::U4(bits as u32),
+            WordType::U2 => Self::U2(bits as u16),
         }
     }
 

@@ -9,7 +9,7 @@ use engine::suite::run::{
 use judge::verdict::diagnosis::{Diagnosis, Origin, Place, Stand, Witness};
 use judge::verdict::{Promise, Reason};
 use lanes::Stage;
-use program::Source;
+use program::InputSource;
 
 /// The format.
 pub const FORMAT: Format =
@@ -87,7 +87,7 @@ fn entry(entry: &Entry) -> Value {
     });
     match &entry.outcome {
         Outcome::Ran(report) => {
-            value["source"] = report.source.map(Source::name).into();
+            value["source"] = report.source.map(InputSource::name).into();
             if let Some(apart) = &report.apart {
                 // JSON has no infinity: words that are no numbers have no distance.
                 value["differs_from_storage"] = json!({

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use engine::suite::run::{Apart, Doubtful, LaneUsed, Outcome, Report, Summary};
 use judge::verdict::Reason;
-use program::Source;
+use program::InputSource;
 
 /// Kinds of doubt that are told for each suite on a lane.
 const DOUBTS: usize = 3;
@@ -84,7 +84,7 @@ pub(super) fn of_suites(summary: &Summary) -> String {
         }
         report.textures.iter().for_each(|texture| notes.plain(report, format!("texture {texture}")));
         // A few more samples of the same inputs are in doubt for the same reasons.
-        let few = matches!(report.source, Some(Source::Constants | Source::Uniforms));
+        let few = matches!(report.source, Some(InputSource::Constants | InputSource::Uniforms));
         if report.verdicts.faded > 0 && !few {
             let faded = report.verdicts.faded;
             let why = "`exp` or `pow` has faded out, and its value at the start is 1";

@@ -45,7 +45,7 @@ struct Function<'a> {
     textures: &'a [String],
     max_error: f64,
     lanes: Vec<OnLane>,
-    findings: Vec<Found<'a>>,
+    findings: Vec<FindingJson<'a>>,
 }
 
 #[derive(Serialize)]
@@ -66,7 +66,7 @@ struct OnLane {
 }
 
 #[derive(Serialize)]
-struct Found<'a> {
+struct FindingJson<'a> {
     kind: &'static str,
     severity: &'static str,
     message: &'a str,
@@ -162,9 +162,9 @@ fn on_lane(lane: &LaneReport) -> OnLane {
     }
 }
 
-fn found(finding: &Finding) -> Found<'_> {
+fn found(finding: &Finding) -> FindingJson<'_> {
     let place = finding.place.as_ref();
-    Found {
+    FindingJson {
         kind: finding.kind.name(),
         severity: finding.severity.name(),
         message: &finding.message,

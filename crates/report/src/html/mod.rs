@@ -18,7 +18,7 @@ use serde_json::Value;
 
 use base::text::SourceFile;
 use engine::suite::run::{Entry, Gallery, Outcome, Promised, Summary};
-use program::Source;
+use program::InputSource;
 
 use charts::Chart;
 use escape::slug;
@@ -94,7 +94,7 @@ fn way(entry: &Entry) -> String {
         Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => None,
     };
     match (entry.on, source) {
-        (Some((lane, _)), Some(source)) => format!("{lane}/{}", Source::name(source)),
+        (Some((lane, _)), Some(source)) => format!("{lane}/{}", InputSource::name(source)),
         (Some((lane, stage)), None) => format!("{lane}/{stage}"),
         (None, _) => String::new(),
     }

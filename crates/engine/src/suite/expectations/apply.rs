@@ -1,6 +1,6 @@
 //! What expectations make of a result.
 
-use super::{Expectations, Expected, Kind, glob};
+use super::{Expectations, Expected, FailureKind, glob};
 use crate::suite::run::{Entry, Finding, FindingKind, Known, Outcome, Report};
 use lanes::Description;
 
@@ -16,7 +16,7 @@ impl Expectations {
         match &mut entry.outcome {
             Outcome::Ran(report) => ran(&about, report),
             Outcome::LaneFailed(message) => {
-                let fits = |expected: &&&Expected| expected.kind == Kind::Lane && fits(expected, message);
+                let fits = |expected: &&&Expected| expected.kind == FailureKind::Lane && fits(expected, message);
                 if let Some(expected) = about.iter().find(fits) {
                     let (message, expectation) = (std::mem::take(message), expected.expectation.clone());
                     entry.outcome = Outcome::KnownFailure { message, expectation };
@@ -37,7 +37,7 @@ fn ran(about: &[&Expected], report: &mut Report) {
     for finding in std::mem::take(&mut report.findings) {
         let mut expectation = None;
         for (expected, came) in about.iter().zip(&mut came) {
-            if expected.kind == Kind::Finding(finding.kind) && fits(expected, &finding.message) {
+            if expected.kind == FailureKind::Finding(finding.kind) && fits(expected, &finding.message) {
                 *came = true;
                 expectation.get_or_insert(&expected.expectation);
             }

@@ -39,7 +39,7 @@ struct Expected {
     suite: String,
     /// Stage of the lane; any without it.
     stage: Option<Stage>,
-    kind: Kind,
+    kind: FailureKind,
     /// Pattern of the message; any without it.
     message: Option<String>,
     /// False where the failure comes in some runs alone.
@@ -53,13 +53,13 @@ struct Expected {
 
 /// What fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum FailureKind {
     Finding(FindingKind),
     /// The lane as such.
     Lane,
 }
 
-impl Kind {
+impl FailureKind {
     fn all() -> impl Iterator<Item = Self> {
         // A warning does not make a run fail, and an unexpected pass comes from the expectations themselves.
         let fails = |kind: &FindingKind| !kind.is_warning() && *kind != FindingKind::UnexpectedPass;

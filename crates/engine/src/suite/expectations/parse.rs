@@ -5,7 +5,7 @@ use std::cell::Cell;
 use toml::de::DeTable;
 
 use super::version::{self, Versions};
-use super::{Expectations, Expected, Kind};
+use super::{Expectations, Expected, FailureKind};
 use crate::suite::run::Expectation;
 use base::did_you_mean;
 use base::text::SourceFile;
@@ -44,7 +44,7 @@ fn expected(table: Table<'_>) -> Option<Expected> {
     let suite = table.required_text("suite", "suite = \"hair*\"");
     let kind = table.required_text("kind", "kind = \"deviation\"");
     let reason = table.required_text("reason", "reason = \"the driver's asin is too coarse\"");
-    let kind = kind.and_then(|kind| known(table, "kind", &kind, Kind::all(), Kind::name));
+    let kind = kind.and_then(|kind| known(table, "kind", &kind, FailureKind::all(), FailureKind::name));
     let stages = [Stage::Compute, Stage::Vertex, Stage::Geometry];
     let stage = table.text("stage").map(|stage| known(table, "stage", &stage, stages.into_iter(), Stage::name));
     let versions = table.table("versions", "versions").map(versions);

@@ -11,7 +11,7 @@ use super::{Prepared, Report};
 use judge::profile::Promises;
 use judge::verdict::{Deviation, Value as Component};
 use lanes::{Actual, Lane, LaneError, Stage};
-use program::{ENTRY_POINT, Language, Source, Translation, binding};
+use program::{ENTRY_POINT, InputSource, Language, Translation, binding};
 use property::{Sample, regressions};
 
 /// A failing case as files.
@@ -45,7 +45,7 @@ pub fn bundles(
         Some(source) => Trial::from_source(prepared, lane, source, promises, 1)?,
         None => Trial::with_capacity(prepared, lane, kernel, promises, 1)?,
     };
-    let way = report.source.map_or(stage.name(), Source::name);
+    let way = report.source.map_or(stage.name(), InputSource::name);
     let mut all = Vec::new();
     for (k, (finding, case)) in cases.into_iter().enumerate() {
         let sample = sample(prepared, case);
@@ -133,7 +133,7 @@ fn described(report: &Report, finding: &Finding, case: &Case, actual: &Actual) -
     }
     json!({
         "suite": report.suite, "shader": report.shader, "lane": report.lane, "stage": report.stage.name(),
-        "source": report.source.map(Source::name),
+        "source": report.source.map(InputSource::name),
         "message": finding.message, "reproduce": finding.reproduce, "inputs": inputs, "outputs": outputs,
     })
 }

@@ -50,7 +50,7 @@ impl fmt::Display for Doubtful {
 }
 
 /// Doubts in words.
-pub(super) fn told(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
+pub(super) fn doubtful(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
     let Doubts { reason, op, site, args, count, first: _ } = doubts;
     let (program, executable) = (&prepared.program, prepared.oracle.executable());
     let span = site.and_then(|site| author_span(program, &executable.place(site)));

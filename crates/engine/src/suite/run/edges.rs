@@ -83,12 +83,12 @@ impl fmt::Display for Asked {
 
 /// The edges of a prepared suite, found once: lanes and stages share them.
 #[derive(Default)]
-pub struct Found(Mutex<Option<Kept>>);
+pub struct KeptEdges(Mutex<Option<Kept>>);
 
 /// Edges with the seed and the number of cases that they were found with.
 type Kept = ((u64, u64), Arc<Edges>);
 
-impl Found {
+impl KeptEdges {
     fn get(&self, key: (u64, u64), find: impl FnOnce() -> Edges) -> Arc<Edges> {
         let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*found {

@@ -10,7 +10,7 @@ use crate::suite::Suite;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
 use judge::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
 use lanes::{Lane, LaneError, Stage as LaneStage};
-use program::{Port, Program, Source};
+use program::{InputSource, Port, Program};
 use property::shrink::{self, Shrunk};
 use property::{Sample, regressions};
 use serde::{Deserialize, Serialize};
@@ -186,7 +186,7 @@ pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> 
 /// The arguments that choose the stage or the source of inputs.
 fn way(report: &Report) -> String {
     match report.source {
-        Some(source) if source != Source::Storage => format!("--sources {}", source.name()),
+        Some(source) if source != InputSource::Storage => format!("--sources {}", source.name()),
         Some(_) | None => format!("--stage {}", report.stage),
     }
 }
@@ -340,8 +340,10 @@ fn diagnose(
         Blame::Lane => {
             let vertex = prepared.vertex.is_some();
             let kernel = |program: &Program| match (trial.source, context.stage) {
-                (Some(source @ (Source::Constants | Source::Uniforms)), _) => program.kernel_from(source, &batch),
-                (Some(source @ Source::Attributes), _) if !vertex => program.kernel_from(source, &batch),
+                (Some(source @ (InputSource::Constants | InputSource::Uniforms)), _) => {
+                    program.kernel_from(source, &batch)
+                }
+                (Some(source @ InputSource::Attributes), _) if !vertex => program.kernel_from(source, &batch),
                 (_, LaneStage::Compute) => program.compute_kernel(),
                 (_, LaneStage::Vertex) => program.vertex_kernel(&components(&prepared.suite, program)),
                 (_, LaneStage::Geometry) => program.geometry_kernel(),

@@ -31,7 +31,7 @@ use base::text::printable;
 use judge::profile::Promises;
 use judge::verdict::{BatchVerdict, Survey};
 use lanes::{Lane, LaneError, Stage, interrupt};
-use program::{Kernel, Source};
+use program::{InputSource, Kernel};
 use property::Sample;
 
 use part::Counted;
@@ -104,7 +104,7 @@ pub struct Report {
     /// Stage of the lane.
     pub stage: Stage,
     /// Where inputs came from, when the run was asked for a source.
-    pub source: Option<Source>,
+    pub source: Option<InputSource>,
     /// How the outputs differ in bits from those of inputs in storage, for another source.
     pub apart: Option<Apart>,
     /// Verdicts on the samples, replayed ones included.
@@ -166,7 +166,7 @@ impl Report {
 }
 
 /// A stage of a lane, and where inputs come from when the run is asked for a source.
-pub type Way = (Stage, Option<Source>);
+pub type Way = (Stage, Option<InputSource>);
 
 /// Which part of a run is done, from where, and who is told how far it is.
 pub struct Share<'a> {
@@ -202,7 +202,7 @@ pub fn run(
 pub fn run_from(
     prepared: &Prepared,
     lane: &dyn Lane,
-    source: Source,
+    source: InputSource,
     request: &Request,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Report, LaneError> {
@@ -269,7 +269,7 @@ fn usual(
 fn on_kernel(
     prepared: &Prepared,
     lane: &dyn Lane,
-    (kernel, stage, source): (&Kernel, Stage, Option<Source>),
+    (kernel, stage, source): (&Kernel, Stage, Option<InputSource>),
     (wanted, once): (u64, bool),
     request: &Request,
     mut share: Share<'_>,

@@ -9,7 +9,7 @@ use super::{
 };
 use judge::verdict::{BatchVerdict, Reason, Survey};
 use lanes::{Actual, LaneName, Stage};
-use program::Source;
+use program::InputSource;
 use property::{Plan, Sample};
 
 /// Failing samples that are shrunk; the rest is counted.
@@ -29,7 +29,7 @@ pub struct Part {
     pub stage: Stage,
     /// Where inputs came from, when the run was asked for a source; such a run has no shards.
     #[serde(skip)]
-    pub source: Option<Source>,
+    pub source: Option<InputSource>,
     /// How the outputs differ in bits from those of inputs in storage, for another source.
     #[serde(skip)]
     pub(super) apart: Option<Apart>,
@@ -157,7 +157,7 @@ impl Counted {
     ) {
         for doubts in std::mem::take(&mut verdict.doubts) {
             let first = first + doubts.first as u64;
-            self.doubt(Doubted { first, doubtful: doubts::told(prepared, &doubts) });
+            self.doubt(Doubted { first, doubtful: doubts::doubtful(prepared, &doubts) });
         }
         for failure in std::mem::take(&mut verdict.failures) {
             if self.failing.len() < SHRUNK {

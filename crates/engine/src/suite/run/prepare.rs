@@ -114,7 +114,7 @@ pub struct Prepared {
     /// What the program means.
     pub oracle: Oracle,
     /// Samples at its edges, once they were sought.
-    pub(super) edges: super::edges::Found,
+    pub(super) edges: super::edges::KeptEdges,
 }
 
 impl Prepared {
@@ -194,7 +194,7 @@ pub fn prepare_with(
     }
     Ok(Prepared {
         oracle,
-        edges: super::edges::Found::default(),
+        edges: super::edges::KeptEdges::default(),
         relations: all,
         rows,
         suite: suite.clone(),

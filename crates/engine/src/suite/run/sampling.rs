@@ -11,7 +11,7 @@ use super::{Request, Share};
 use base::value::Batch;
 use judge::verdict::{judge_batch, survey};
 use lanes::{Actual, LaneError, interrupt};
-use program::Source;
+use program::InputSource;
 use property::{Sample, Sampler};
 
 /// How far the samples of a part of a run are done.
@@ -45,7 +45,8 @@ pub fn sample(
     let prepared = trial.prepared;
     let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |s| s.primitives()).max(1);
     // Where each sample is run by itself, it has uniforms of its own as well.
-    let alone = matches!(trial.source, Some(Source::Constants | Source::Uniforms)) && prepared.suite.strands.is_none();
+    let alone = matches!(trial.source, Some(InputSource::Constants | InputSource::Uniforms))
+        && prepared.suite.strands.is_none();
     let per_case = if alone { 1 } else { per_case };
     // A case is never split over batches; the last case of a run may be shorter than asked for.
     let per_case = per_case.min(trial.capacity());

@@ -6,7 +6,7 @@ use super::trial::{Trial, stage_of, weight};
 use super::{Prepared, Report, Request, Share, finding, relate, sampling, undefined};
 use base::value::{Batch, Scalar, ulp_distance};
 use lanes::{Actual, Lane, LaneError};
-use program::Source;
+use program::InputSource;
 use property::{Sample, Sampler};
 
 /// Most samples as constants: each is compiled.
@@ -42,16 +42,18 @@ pub struct Apart {
 pub(super) fn part(
     prepared: &Prepared,
     lane: &dyn Lane,
-    source: Source,
+    source: InputSource,
     request: &Request,
     share: Share<'_>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Option<Part>, LaneError> {
     let way = (stage_of(source), Some(source));
     let mut part = match source {
-        Source::Storage => return super::usual(prepared, lane, way, request, share, progress),
-        Source::Attributes if prepared.vertex.is_some() => super::usual(prepared, lane, way, request, share, progress)?,
-        Source::Attributes | Source::Uniforms | Source::Constants => {
+        InputSource::Storage => return super::usual(prepared, lane, way, request, share, progress),
+        InputSource::Attributes if prepared.vertex.is_some() => {
+            super::usual(prepared, lane, way, request, share, progress)?
+        }
+        InputSource::Attributes | InputSource::Uniforms | InputSource::Constants => {
             other(prepared, lane, source, request, share, progress)?
         }
     };
@@ -62,19 +64,19 @@ pub(super) fn part(
 }
 
 /// Most samples of a source beside those of the usual run.
-pub fn most(prepared: &Prepared, source: Source) -> u64 {
+pub fn most(prepared: &Prepared, source: InputSource) -> u64 {
     match source {
-        Source::Constants => ((COMPILED / weight(&prepared.program)) as u64).clamp(FEW_CONSTANTS, CONSTANTS),
-        Source::Uniforms => UNIFORMS,
-        Source::Attributes => ATTRIBUTES,
-        Source::Storage => u64::MAX,
+        InputSource::Constants => ((COMPILED / weight(&prepared.program)) as u64).clamp(FEW_CONSTANTS, CONSTANTS),
+        InputSource::Uniforms => UNIFORMS,
+        InputSource::Attributes => ATTRIBUTES,
+        InputSource::Storage => u64::MAX,
     }
 }
 
 fn other(
     prepared: &Prepared,
     lane: &dyn Lane,
-    source: Source,
+    source: InputSource,
     request: &Request,
     mut share: Share<'_>,
     progress: &mut dyn FnMut(u64),
@@ -109,7 +111,7 @@ fn other(
     }
     // How tight the bounds are is told of the usual run.
     counted.survey = None;
-    let related = if source == Source::Constants { (wanted / 16).clamp(1, 4) } else { RELATED };
+    let related = if source == InputSource::Constants { (wanted / 16).clamp(1, 4) } else { RELATED };
     relate::check(&mut trial, request, related, &mut report)?;
     let shown = [
         finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
@@ -121,7 +123,12 @@ fn other(
 }
 
 /// Compares the outputs with those of the same inputs in storage.
-fn apart(prepared: &Prepared, lane: &dyn Lane, source: Source, request: &Request) -> Result<Option<Apart>, LaneError> {
+fn apart(
+    prepared: &Prepared,
+    lane: &dyn Lane,
+    source: InputSource,
+    request: &Request,
+) -> Result<Option<Apart>, LaneError> {
     let count = COMPARED.min(most(prepared, source)).min(request.samples_of(&prepared.suite));
     let samples: Vec<Sample> = if request.replay_only {
         request.replay.clone()
@@ -136,7 +143,7 @@ fn apart(prepared: &Prepared, lane: &dyn Lane, source: Source, request: &Request
     }
     let most = samples.len();
     let mut here = Trial::from_source(prepared, lane, source, &request.promises, most)?;
-    let mut storage = Trial::from_source(prepared, lane, Source::Storage, &request.promises, here.capacity())?;
+    let mut storage = Trial::from_source(prepared, lane, InputSource::Storage, &request.promises, here.capacity())?;
     let mut found = Apart::default();
     let size = here.capacity().min(storage.capacity()).max(1);
     for chunk in samples.chunks(size) {

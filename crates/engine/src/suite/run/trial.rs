@@ -4,7 +4,7 @@ use base::value::Batch;
 use judge::profile::Promises;
 use judge::verdict::{Deviation, Fence, Fenced, JudgeContext, Verdict, judge_each};
 use lanes::{Actual, Lane, LaneError, Runner, Stage};
-use program::{Form, Kernel, Program, Source};
+use program::{Form, InputSource, Kernel, Program};
 use property::Sample;
 
 use super::Prepared;
@@ -15,10 +15,10 @@ const BATCH: usize = 1 << 17;
 const BATCH_WORDS: usize = 1 << 23;
 
 /// The stage in which inputs from a source are taken.
-pub fn stage_of(source: Source) -> Stage {
+pub fn stage_of(source: InputSource) -> Stage {
     match source {
-        Source::Constants | Source::Uniforms | Source::Storage => Stage::Compute,
-        Source::Attributes => Stage::Vertex,
+        InputSource::Constants | InputSource::Uniforms | InputSource::Storage => Stage::Compute,
+        InputSource::Attributes => Stage::Vertex,
     }
 }
 
@@ -37,7 +37,7 @@ pub fn weight(program: &Program) -> usize {
 }
 
 /// The kernel of a program for a source.
-pub fn kernel_from(program: &Program, source: Source, batch: &Batch) -> Result<Kernel, LaneError> {
+pub fn kernel_from(program: &Program, source: InputSource, batch: &Batch) -> Result<Kernel, LaneError> {
     program.kernel_from(source, batch).map_err(|error| LaneError::Unsupported(error.to_string()))
 }
 
@@ -54,7 +54,7 @@ impl Runner for Literals<'_> {
     }
 
     fn run(&mut self, batch: &Batch) -> Result<Actual, LaneError> {
-        let kernel = kernel_from(self.program, Source::Constants, batch)?;
+        let kernel = kernel_from(self.program, InputSource::Constants, batch)?;
         self.lane.prepare(&kernel, batch.invocation_count())?.run(batch)
     }
 }
@@ -91,7 +91,7 @@ pub struct Trial<'a> {
     stage: Stage,
     runner: Fence<'a>,
     /// Where inputs come from, when it is not what the stage says.
-    pub source: Option<Source>,
+    pub source: Option<InputSource>,
 }
 
 impl<'a> Trial<'a> {
@@ -137,13 +137,13 @@ impl<'a> Trial<'a> {
     pub fn from_source(
         prepared: &'a Prepared,
         lane: &'a dyn Lane,
-        source: Source,
+        source: InputSource,
         promises: &'a Promises,
         most: usize,
     ) -> Result<Self, LaneError> {
         let stage = stage_of(source);
         let runner: Box<dyn Runner + 'a> = match (source, &prepared.vertex) {
-            (Source::Constants, _) => {
+            (InputSource::Constants, _) => {
                 // A lane that takes no literals says so before anything is run.
                 let program = &prepared.program;
                 let (invocation, case) = (&prepared.compute.invocation, &prepared.compute.case);
@@ -160,19 +160,19 @@ impl<'a> Trial<'a> {
                     capacity: most.min(LITERALS).min((COPIED / weight(program)).max(1)),
                 })
             }
-            (Source::Storage, _) => {
+            (InputSource::Storage, _) => {
                 return Ok(Self {
                     source: Some(source),
                     ..Self::with_capacity(prepared, lane, &prepared.compute, promises, most)?
                 });
             }
-            (Source::Attributes, Some(vertex)) => {
+            (InputSource::Attributes, Some(vertex)) => {
                 return Ok(Self {
                     source: Some(source),
                     ..Self::with_capacity(prepared, lane, vertex, promises, most)?
                 });
             }
-            (Source::Uniforms | Source::Attributes, _) => {
+            (InputSource::Uniforms | InputSource::Attributes, _) => {
                 let (invocation, case) = (prepared.compute.invocation.clone(), prepared.compute.case.clone());
                 let none = Batch::with_capacity(invocation, case, 1, 0);
                 lane.prepare(&kernel_from(&prepared.program, source, &none)?, most)?
@@ -234,7 +234,7 @@ impl<'a> Trial<'a> {
     pub(super) fn among(&self, samples: &[Sample], Among { before, behind }: Among) -> (Vec<Sample>, usize) {
         // A shader without inputs has one invocation.
         let constant = samples.first().is_none_or(|s| s.invocation.is_empty() && s.case.is_empty());
-        let alone = matches!(self.source, Some(Source::Constants | Source::Uniforms));
+        let alone = matches!(self.source, Some(InputSource::Constants | InputSource::Uniforms));
         let (before, behind) = match (constant, alone) {
             (true, _) => (0, 0),
             (false, true) => (before.min(FEW), 0),

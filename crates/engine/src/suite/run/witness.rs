@@ -8,7 +8,7 @@ use judge::profile::Promises;
 use judge::verdict::diagnosis::{CrossCheck, Position, Stand, Witness, stand};
 use judge::verdict::{Blame, Deviation, Verdict, judge_at};
 use lanes::{Actual, Lane, LaneError, LaneName, Stage};
-use program::Source;
+use program::InputSource;
 use property::Sample;
 
 /// Invocations beside the samples.
@@ -34,7 +34,7 @@ impl Peer<'_> {
 struct Accused<'f> {
     lane: LaneName,
     stage: Stage,
-    source: Option<Source>,
+    source: Option<InputSource>,
     case: &'f mut Case,
 }
 
@@ -47,7 +47,7 @@ impl Accused<'_> {
 /// A sample on which a lane deviates from the shader: of a shader that deviates from its formula no lane has a say.
 fn accused<'f>(
     findings: impl Iterator<Item = &'f mut Finding>,
-    (lane, stage, source): (LaneName, Stage, Option<Source>),
+    (lane, stage, source): (LaneName, Stage, Option<InputSource>),
 ) -> impl Iterator<Item = Accused<'f>> {
     let blamed = |case: &&mut Case| {
         let deviates = case.deviation.as_ref().is_some_and(|d| d.blame == Blame::Lane);
@@ -71,7 +71,7 @@ fn all(prepared: &Prepared, peers: &[Peer<'_>], accused: Vec<Accused<'_>>) {
     if accused.is_empty() {
         return;
     }
-    let mut sources: Vec<Option<Source>> = accused.iter().map(|accused| accused.source).collect();
+    let mut sources: Vec<Option<InputSource>> = accused.iter().map(|accused| accused.source).collect();
     sources.dedup();
     let mut left = accused;
     for source in sources {
@@ -82,7 +82,7 @@ fn all(prepared: &Prepared, peers: &[Peer<'_>], accused: Vec<Accused<'_>>) {
 }
 
 /// Asks all lanes for samples with inputs from one source.
-fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut accused: Vec<Accused<'_>>) {
+fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<InputSource>, mut accused: Vec<Accused<'_>>) {
     let samples: Vec<Sample> = accused.iter().map(|accused| sample(prepared, accused.case)).collect();
     let mut collected: Vec<Vec<Witness>> = vec![Vec::new(); accused.len()];
     for peer in peers {
@@ -128,7 +128,7 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<Source>, mut acc
 }
 
 /// Stages in which a lane can be asked.
-fn stages(prepared: &Prepared, peer: Peer<'_>, source: Option<Source>) -> Vec<Stage> {
+fn stages(prepared: &Prepared, peer: Peer<'_>, source: Option<InputSource>) -> Vec<Stage> {
     match source {
         Some(source) => vec![super::stage_of(source)],
         None => prepared.suite.stages(peer.lane),
@@ -140,7 +140,7 @@ fn given(
     prepared: &Prepared,
     peer: Peer<'_>,
     stage: Stage,
-    source: Option<Source>,
+    source: Option<InputSource>,
     samples: &[Sample],
     accused: &[Accused<'_>],
 ) -> Result<Vec<(Stand, Option<u32>)>, LaneError> {
@@ -196,7 +196,7 @@ fn said(accused: &Accused<'_>, actual: &Actual, at: usize, verdict: &Verdict) ->
 /// What a lane says of a sample in the place in which it failed, behind a batch of other samples.
 fn in_place(
     prepared: &Prepared,
-    (peer, stage, source): (Peer<'_>, Stage, Option<Source>),
+    (peer, stage, source): (Peer<'_>, Stage, Option<InputSource>),
     sample: &Sample,
     position: &Position,
     accused: &Accused<'_>,
@@ -223,7 +223,7 @@ fn trial<'a>(
     prepared: &'a Prepared,
     Peer { lane, promises }: Peer<'a>,
     stage: Stage,
-    source: Option<Source>,
+    source: Option<InputSource>,
     most: usize,
 ) -> Result<Trial<'a>, LaneError> {
     match (source, prepared.kernel(stage)) {

@@ -260,7 +260,7 @@ impl Fault {
         let Some(first) = witnesses.first() else {
             return Self::OneGroup { executor: String::new(), front_end: String::new() };
         };
-        let told = told(witnesses, first.stage);
+        let told = by_stage(witnesses, first.stage);
         if first.stand == Stand::Right {
             let (executor, front_end) = (first.executor.clone(), first.front_end.clone());
             return Self::Unsteady { executor, front_end };
@@ -314,7 +314,7 @@ impl Fault {
 }
 
 /// Of each lane what it says in the stage of the finding, or in any where it has no such stage.
-fn told(witnesses: &[Witness], stage: Stage) -> Vec<&Witness> {
+fn by_stage(witnesses: &[Witness], stage: Stage) -> Vec<&Witness> {
     let here = |lane: LaneName| witnesses.iter().any(|w| w.lane == lane && w.stage == stage && w.stand != Stand::Open);
     witnesses.iter().filter(|w| w.stand != Stand::Open && (w.stage == stage || !here(w.lane))).collect()
 }

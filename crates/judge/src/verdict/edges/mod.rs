@@ -16,7 +16,7 @@ mod watch;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use base::value::{Batch, Scalar};
-use program::interp::{Kind, LANES, Machine, Site};
+use program::interp::{HazardKind, LANES, Machine, Site};
 use property::Sample;
 use property::shrink::Domain;
 
@@ -77,7 +77,7 @@ pub fn edges(oracle: &Oracle, domain: &dyn Domain, pilot: &Batch, given: Vec<Sam
     };
     search.learn(pilot);
     // A shader without end is a finding by itself, and every try would go through all rounds.
-    let endless = search.watch.flags().iter().any(|flags| flags.has(Kind::Fuel));
+    let endless = search.watch.flags().iter().any(|flags| flags.has(HazardKind::Fuel));
     let mut new = add(given);
     let passes = if endless { 0 } else { PASSES };
     for _ in 0..passes {

@@ -3,7 +3,7 @@
 
 use base::value::Scalar;
 use program::interp::{
-    Binary, Binary64, Class, Comparison, Domain, FromWords, LANES, Mask, Plain, Site, Source, ToWords, Unary, Words,
+    Binary, Binary64, Class, Comparison, Domain, FromWords, LANES, Mask, Plain, Site, ToWords, Unary, WordSource, Words,
 };
 
 use super::question::{Question, UNASKED};
@@ -119,7 +119,7 @@ impl Domain for Watch {
         self.plain.constant(site, value, out);
     }
 
-    fn input(&mut self, source: Source, words: &Words, out: &mut Column) {
+    fn input(&mut self, source: WordSource, words: &Words, out: &mut Column) {
         self.plain.input(source, words, out);
     }
 

@@ -1,11 +1,11 @@
 //! What is expected of the samples of a batch, by one thread.
 
 use super::model::Model;
-use super::{Expected, Reference, Source, given};
+use super::{Expected, Reference, ReferenceKind, given};
 use crate::tape::Tape;
 use crate::verdict::second_pass::{TWO_WAYS, USELESS_64};
 use base::value::Batch;
-use program::interp::{Binary64, Domain, Kind, LANES, Machine, Number, OutputColumn, POISON};
+use program::interp::{Binary64, Domain, HazardKind, LANES, Machine, Number, OutputColumn, POISON};
 
 /// Gives what is expected, for up to [`LANES`] invocations at a time.
 pub(in crate::verdict) struct Evaluator<'a> {
@@ -48,8 +48,10 @@ impl<'a> Evaluator<'a> {
 
     fn with(reference: &'a Reference, bounded: bool) -> Self {
         let inputs = match &reference.source {
-            Source::Formula(bound) => bound.scratch(),
-            Source::Model(_) | Source::Given(_) | Source::Recorded(_) | Source::Nothing => Vec::new(),
+            ReferenceKind::Formula(bound) => bound.scratch(),
+            ReferenceKind::Model(_) | ReferenceKind::Given(_) | ReferenceKind::Recorded(_) | ReferenceKind::Nothing => {
+                Vec::new()
+            }
         };
         Self { reference, inputs, case: usize::MAX, model: None, bounded }
     }
@@ -57,7 +59,7 @@ impl<'a> Evaluator<'a> {
     /// Turns to these invocations of a batch, at most [`LANES`] of them.
     pub fn turn_to(&mut self, batch: &Batch, invocations: &[usize]) {
         self.case = usize::MAX;
-        if let Source::Model(model) = &self.reference.source {
+        if let ReferenceKind::Model(model) = &self.reference.source {
             let bounded = self.bounded;
             self.model.get_or_insert_with(|| Running::new(model, bounded)).run(batch, invocations);
         }
@@ -66,7 +68,7 @@ impl<'a> Evaluator<'a> {
     /// What is expected of the invocation in place `lane` of those that were turned to.
     pub fn expected(&mut self, batch: &Batch, invocation: usize, lane: usize, expected: &mut Expected) {
         match &self.reference.source {
-            Source::Formula(bound) => {
+            ReferenceKind::Formula(bound) => {
                 let case = invocation / batch.per_case;
                 if case != self.case {
                     bound.read_case(batch, case, &mut self.inputs);
@@ -74,14 +76,14 @@ impl<'a> Evaluator<'a> {
                 }
                 bound.eval(batch, invocation, &mut self.inputs, self.reference.vertex_words, expected);
             }
-            Source::Model(_) => {
+            ReferenceKind::Model(_) => {
                 if let Some(running) = &self.model {
                     running.expected(lane, expected);
                 }
             }
-            Source::Given(rules) => given::eval(rules, &self.reference.outputs, (batch, invocation), expected),
-            Source::Recorded(recorded) => recorded.eval(batch, invocation, expected),
-            Source::Nothing => expected.clear(),
+            ReferenceKind::Given(rules) => given::eval(rules, &self.reference.outputs, (batch, invocation), expected),
+            ReferenceKind::Recorded(recorded) => recorded.eval(batch, invocation, expected),
+            ReferenceKind::Nothing => expected.clear(),
         }
     }
 }
@@ -184,7 +186,7 @@ fn shape<D: Domain>(machine: &Machine<'_, D>, emitted: &mut Vec<u32>, strips: &m
             false => strips.extend_from_slice(&[0; LANES]),
         }
     }
-    std::array::from_fn(|lane| machine.flags()[lane].has(Kind::Fuel))
+    std::array::from_fn(|lane| machine.flags()[lane].has(HazardKind::Fuel))
 }
 
 /// Whole numbers; NaN where none was written.

@@ -63,7 +63,7 @@ impl Expected {
 /// What is expected of a program: where its inputs come from, and which outputs are judged.
 #[derive(Clone)]
 pub struct Reference {
-    source: Source,
+    source: ReferenceKind,
     /// For each judged variable: its words in what is expected and in the vertex record.
     pub(super) outputs: Vec<Output>,
     pub(super) vertex_words: usize,
@@ -75,7 +75,7 @@ pub struct Reference {
 }
 
 #[derive(Clone)]
-enum Source {
+enum ReferenceKind {
     Formula(Bound),
     Model(Arc<Model>),
     Given(Arc<[Given]>),
@@ -98,7 +98,7 @@ impl Reference {
     /// [`ReferenceError`] when an input or output is missing or of another type.
     pub fn new(formula: &'static Formula, program: &Program) -> Result<Self, ReferenceError> {
         let (bound, judged) = formula::bind(formula, program)?;
-        Ok(Self::of(Source::Formula(bound), &judged, program))
+        Ok(Self::of(ReferenceKind::Formula(bound), &judged, program))
     }
 
     /// Expects what another program means, which is found by the names of inputs and outputs. `by` names
@@ -109,7 +109,7 @@ impl Reference {
     /// emits vertices where this one does not, or cannot be interpreted.
     pub fn model(model: &Program, by: &str, output: Option<&str>, program: &Program) -> Result<Self, ReferenceError> {
         let (model, judged) = model::bind(model, by, output, program)?;
-        Ok(Self::of(Source::Model(Arc::new(model)), &judged, program))
+        Ok(Self::of(ReferenceKind::Model(Arc::new(model)), &judged, program))
     }
 
     /// Expects what functions of the caller give, one for each judged output.
@@ -118,7 +118,7 @@ impl Reference {
     /// [`ReferenceError`] when the program has no such output, or emits vertices.
     pub fn given(rules: Vec<Given>, program: &Program) -> Result<Self, ReferenceError> {
         let judged = given::bind(&rules, program)?;
-        Ok(Self::of(Source::Given(rules.into()), &judged, program))
+        Ok(Self::of(ReferenceKind::Given(rules.into()), &judged, program))
     }
 
     /// Expects recorded values where the inputs are those of a row, and nothing elsewhere.
@@ -127,16 +127,16 @@ impl Reference {
     /// [`ReferenceError`] when the program has no such output, or emits vertices.
     pub fn recorded(recorded: Recorded, program: &Program) -> Result<Self, ReferenceError> {
         let judged = recorded.bind(program)?;
-        Ok(Self::of(Source::Recorded(Arc::new(recorded)), &judged, program))
+        Ok(Self::of(ReferenceKind::Recorded(Arc::new(recorded)), &judged, program))
     }
 
     /// Expects nothing: lanes are held against what the program means, and relations see its outputs.
     pub fn nothing(program: &Program) -> Self {
-        Self::of(Source::Nothing, &[], program)
+        Self::of(ReferenceKind::Nothing, &[], program)
     }
 
     /// A reference that judges the outputs with these indices.
-    fn of(source: Source, judged: &[usize], program: &Program) -> Self {
+    fn of(source: ReferenceKind, judged: &[usize], program: &Program) -> Self {
         let record = program.output_layout().vertex;
         let rest = (0..record.fields().len()).filter(|index| !judged.contains(index));
         let (mut seen, mut fields, mut at) = (Vec::new(), Vec::new(), 0);
@@ -155,19 +155,21 @@ impl Reference {
     /// The formula, where it is one.
     pub fn formula(&self) -> Option<&'static Formula> {
         match &self.source {
-            Source::Formula(bound) => Some(bound.formula),
-            Source::Model(_) | Source::Given(_) | Source::Recorded(_) | Source::Nothing => None,
+            ReferenceKind::Formula(bound) => Some(bound.formula),
+            ReferenceKind::Model(_) | ReferenceKind::Given(_) | ReferenceKind::Recorded(_) | ReferenceKind::Nothing => {
+                None
+            }
         }
     }
 
     /// What the shader is compared with, in a word: `formula`, `reference`, `expectation`, `record`.
     pub fn noun(&self) -> &'static str {
         match &self.source {
-            Source::Formula(_) => "formula",
-            Source::Model(_) => "reference",
-            Source::Given(_) => "expectation",
-            Source::Recorded(_) => "record",
-            Source::Nothing => MEANING,
+            ReferenceKind::Formula(_) => "formula",
+            ReferenceKind::Model(_) => "reference",
+            ReferenceKind::Given(_) => "expectation",
+            ReferenceKind::Recorded(_) => "record",
+            ReferenceKind::Nothing => MEANING,
         }
     }
 
@@ -184,9 +186,9 @@ impl Reference {
     /// True for what emits vertices.
     pub(super) fn emits(&self) -> bool {
         match &self.source {
-            Source::Formula(bound) => matches!(bound.formula.rule, Rule::Emission(_)),
-            Source::Model(model) => model.emits(),
-            Source::Given(_) | Source::Recorded(_) | Source::Nothing => false,
+            ReferenceKind::Formula(bound) => matches!(bound.formula.rule, Rule::Emission(_)),
+            ReferenceKind::Model(model) => model.emits(),
+            ReferenceKind::Given(_) | ReferenceKind::Recorded(_) | ReferenceKind::Nothing => false,
         }
     }
 

@@ -21,8 +21,8 @@ use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, 
 
 use super::InterpError;
 use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Slot, Stray, TEMPORARY};
-use super::domain::{Site, Source};
-use super::meaning::Kind;
+use super::domain::{Site, WordSource};
+use super::meaning::HazardKind;
 use super::rearrange::Draft;
 use crate::{Entry, PortAt, Texture};
 use base::value::Scalar;
@@ -144,7 +144,7 @@ struct Compiler<'m> {
     /// Registers that are known to hold what a variable holds.
     known: HashMap<(File, Reg), Reg>,
     /// Variables that come to life without a value, and what reading them then is.
-    unset: HashMap<(File, Reg), Kind>,
+    unset: HashMap<(File, Reg), HazardKind>,
     /// Those of them that have one in every lane that gets here.
     assigned: HashSet<(File, Reg)>,
     depth: usize,
@@ -197,8 +197,8 @@ impl<'m> Compiler<'m> {
         let mut arguments = vec![None; function.arguments.len()];
         let (mut word, mut filled) = (0, Vec::new());
         for (bindings, source) in [
-            (self.subject.uniforms, Source::Case as fn(u32) -> Source),
-            (self.subject.inputs, Source::Invocation as fn(u32) -> Source),
+            (self.subject.uniforms, WordSource::Case as fn(u32) -> WordSource),
+            (self.subject.inputs, WordSource::Invocation as fn(u32) -> WordSource),
         ] {
             word = 0;
             for binding in bindings {
@@ -400,7 +400,7 @@ impl<'m> Compiler<'m> {
             None if variable.space == AddressSpace::Private => {
                 let site = self.declared(None, span);
                 for &to in slots.iter() {
-                    let begin = self.begin(to, Kind::Unset, site);
+                    let begin = self.begin(to, HazardKind::Unset, site);
                     self.initial.push(begin);
                 }
                 None
@@ -479,7 +479,7 @@ impl<'m> Compiler<'m> {
 
     /// A variable that comes to life without a value: GLSL says nothing about what it holds. WGSL starts variables
     /// with zeros, and so does the interpreter.
-    fn begin(&mut self, to: Slot, kind: Kind, site: Site) -> Inst {
+    fn begin(&mut self, to: Slot, kind: HazardKind, site: Site) -> Inst {
         self.unset.insert(key(to), kind);
         self.assigned.remove(&key(to));
         self.known.remove(&key(to));

@@ -8,7 +8,7 @@ use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
 
 use super::super::code::{Case, File, Inst, Place, Reg, Slot};
 use super::super::domain::Site;
-use super::super::meaning::Kind;
+use super::super::meaning::HazardKind;
 use super::{Compiler, Frame, InterpError, Value, unsupported};
 use crate::NO_RETURN;
 
@@ -43,8 +43,8 @@ impl<'m> Compiler<'m> {
             frame.locals.insert(local, slots.clone());
             // Variables of the front ends hold what an expression gives, but for the arguments of `out` parameters.
             let name = variable.name.as_deref().unwrap_or("sc_");
-            let kind = if name == NO_RETURN { Kind::NoReturn } else { Kind::Unset };
-            let authors = !name.starts_with("sc_") || name.starts_with("sc_argument") || kind == Kind::NoReturn;
+            let kind = if name == NO_RETURN { HazardKind::NoReturn } else { HazardKind::Unset };
+            let authors = !name.starts_with("sc_") || name.starts_with("sc_argument") || kind == HazardKind::NoReturn;
             let Some(init) = variable.init else {
                 let site = self.declared(handle, function.local_variables.get_span(local));
                 for &to in slots.iter() {

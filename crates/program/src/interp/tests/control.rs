@@ -1,6 +1,6 @@
 //! Control flow in which lanes part.
 
-use super::super::{Binary64, FUEL, Kind};
+use super::super::{Binary64, FUEL, HazardKind};
 use super::support::{batch, compile, glsl, run, wgsl};
 
 /// Runs numbers 0 to 599 through a function of one integer: three chunks, the last one not full.
@@ -159,14 +159,14 @@ fn a_loop_without_end_is_reported_for_the_lanes_that_run_it() {
     let rows: Vec<Vec<u32>> = (0..20).map(|k| vec![k]).collect();
     let meaning = executable.run::<Binary64>(&batch(&rows), 100).unwrap();
     for k in 0..20 {
-        assert_eq!(meaning.flags(k).has(Kind::Fuel), k == 7);
+        assert_eq!(meaning.flags(k).has(HazardKind::Fuel), k == 7);
         if k != 7 {
             assert_eq!(meaning.vertex(k, 0), [k as f64 + 1.0]);
         }
     }
     assert!(!meaning.is_written(7, 0, 0));
     assert_eq!(meaning.findings().len(), 1);
-    assert_eq!((meaning.findings()[0].kind, meaning.findings()[0].invocation), (Kind::Fuel, 7));
+    assert_eq!((meaning.findings()[0].kind, meaning.findings()[0].invocation), (HazardKind::Fuel, 7));
     let span = executable.place(meaning.findings()[0].site).span.to_range().unwrap();
     assert!("fn f(x: i32) -> i32 { var y = x; loop { if y != 7 { break; } } return y + 1; }"[span].starts_with("loop"));
 }

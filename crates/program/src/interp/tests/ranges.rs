@@ -1,10 +1,10 @@
 //! What leaves the range of its type: the rules of WGSL, and a report.
 
-use super::super::{Binary64, Kind, Meaning};
+use super::super::{Binary64, HazardKind, Meaning};
 use super::support::{batch, compile, floats, ints, run, wgsl};
 
-fn kinds(meaning: &Meaning<f64>, invocation: usize) -> Vec<Kind> {
-    Kind::ALL.into_iter().filter(|&kind| meaning.flags(invocation).has(kind)).collect()
+fn kinds(meaning: &Meaning<f64>, invocation: usize) -> Vec<HazardKind> {
+    HazardKind::ALL.into_iter().filter(|&kind| meaning.flags(invocation).has(kind)).collect()
 }
 
 #[test]
@@ -15,7 +15,7 @@ fn an_index_outside_takes_the_last_element_and_is_reported() {
     assert_eq!([0, 1, 2].map(|k| meaning.vertex(k, 0)[0]), [2.0, 3.0, 3.0]);
     assert_eq!(
         (kinds(&meaning, 0), kinds(&meaning, 1), kinds(&meaning, 2)),
-        (vec![], vec![Kind::Index], vec![Kind::Index])
+        (vec![], vec![HazardKind::Index], vec![HazardKind::Index])
     );
     let executable = compile(&shader).unwrap();
     let [finding] = meaning.findings() else { panic!("{:?}", meaning.findings()) };
@@ -30,12 +30,12 @@ fn division_by_zero_and_overflow_follow_wgsl() {
     let meaning = run::<Binary64>(&quotient, &rows);
     assert_eq!(meaning.vertex(0, 0), [7.0, 0.0]);
     assert_eq!(meaning.vertex(1, 0), [f64::from(i32::MIN), 0.0]);
-    assert_eq!(kinds(&meaning, 0), [Kind::DivisionByZero]);
-    assert_eq!(kinds(&meaning, 1), [Kind::Quotient, Kind::Remainder]);
+    assert_eq!(kinds(&meaning, 0), [HazardKind::DivisionByZero]);
+    assert_eq!(kinds(&meaning, 1), [HazardKind::Quotient, HazardKind::Remainder]);
     assert!(meaning.flags(2).is_empty());
     let unsigned = wgsl("fn f(a: u32, b: u32) -> vec2u { return vec2(a / b, a % b); }");
     let meaning = run::<Binary64>(&unsigned, &[vec![7, 0]]);
-    assert_eq!((meaning.vertex(0, 0), kinds(&meaning, 0)), (&[7.0, 0.0][..], vec![Kind::DivisionByZero]));
+    assert_eq!((meaning.vertex(0, 0), kinds(&meaning, 0)), (&[7.0, 0.0][..], vec![HazardKind::DivisionByZero]));
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn signed_sums_and_products_are_reported_and_unsigned_ones_wrap_in_silence() {
         let shader = wgsl(&format!("fn f(a: i32, b: i32) -> i32 {{ return a {operator} b; }}"));
         let meaning = run::<Binary64>(&shader, &[ints(&[a, b]), ints(&[3, 4])]);
         assert_eq!(meaning.vertex(0, 0), [f64::from(wrapped)], "{operator}");
-        assert_eq!((kinds(&meaning, 0), kinds(&meaning, 1)), (vec![Kind::Overflow], vec![]), "{operator}");
+        assert_eq!((kinds(&meaning, 0), kinds(&meaning, 1)), (vec![HazardKind::Overflow], vec![]), "{operator}");
         let shader = wgsl(&format!("fn f(a: u32, b: u32) -> u32 {{ return a {operator} b; }}"));
         assert!(run::<Binary64>(&shader, &[vec![u32::MAX, 7], vec![0, 1]]).findings().is_empty());
     }
@@ -59,7 +59,7 @@ fn signed_sums_and_products_are_reported_and_unsigned_ones_wrap_in_silence() {
 fn shifts_and_conversions_are_cut_and_reported() {
     let shift = wgsl("fn f(a: u32, b: u32) -> vec2u { return vec2(a << b, a >> b); }");
     let meaning = run::<Binary64>(&shift, &[vec![6, 33], vec![6, 1]]);
-    assert_eq!((meaning.vertex(0, 0), kinds(&meaning, 0)), (&[12.0, 3.0][..], vec![Kind::Shift]));
+    assert_eq!((meaning.vertex(0, 0), kinds(&meaning, 0)), (&[12.0, 3.0][..], vec![HazardKind::Shift]));
     assert!(meaning.flags(1).is_empty());
     let convert = wgsl("fn f(x: f32) -> vec2f { return vec2f(f32(i32(x)), f32(u32(x))); }");
     let rows = [floats(&[3e9]), floats(&[-2.0]), floats(&[f32::NAN]), floats(&[-0.5])];
@@ -68,7 +68,7 @@ fn shifts_and_conversions_are_cut_and_reported() {
     assert_eq!(meaning.vertex(1, 0), [-2.0, 0.0]);
     // GLSL leaves the conversion of every negative number to `uint` undefined (4.60, 5.4.1).
     for (k, reported) in [true, true, true, true].into_iter().enumerate() {
-        assert_eq!(meaning.flags(k).has(Kind::Conversion), reported, "{k}");
+        assert_eq!(meaning.flags(k).has(HazardKind::Conversion), reported, "{k}");
     }
 }
 

@@ -10,7 +10,7 @@ use super::{Prepared, Report, Request};
 use base::value::{Batch, Record, Scalar, ulp_at};
 use judge::verdict::{Closeup, Seen, closeups};
 use lanes::{Lane, LaneError, Stage};
-use program::Source;
+use program::InputSource;
 use property::{Sample, Sampler};
 
 pub use errors::{Errors, LARGEST, SMALLEST};
@@ -46,8 +46,8 @@ pub fn gallery(
         Some(_) | None => return Ok(None),
     };
     let trial = match report.source {
-        None | Some(Source::Storage) => Trial::new(prepared, lane, kernel, &request.promises),
-        Some(Source::Constants) => return Ok(None),
+        None | Some(InputSource::Storage) => Trial::new(prepared, lane, kernel, &request.promises),
+        Some(InputSource::Constants) => return Ok(None),
         Some(source) => Trial::from_source(prepared, lane, source, &request.promises, SAMPLES),
     };
     let mut trial = match trial {

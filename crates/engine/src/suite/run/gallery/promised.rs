@@ -25,7 +25,7 @@ pub fn promised(promises: &Promises) -> Vec<Promised> {
             conformance: conformance.filter(|accepted| *accepted != text),
             text,
             measured: promises.measured.as_ref().and_then(|profile| match profile.entry(op) {
-                Entry::Measured(table) if table.samples > 0 => Some(told(profile.entry(op))),
+                Entry::Measured(table) if table.samples > 0 => Some(accuracy(profile.entry(op))),
                 Entry::Measured(_) | Entry::Promised(_) => None,
             }),
         }
@@ -34,7 +34,7 @@ pub fn promised(promises: &Promises) -> Vec<Promised> {
 }
 
 /// A measurement with as many digits as it has.
-fn told(entry: &Entry) -> String {
+fn accuracy(entry: &Entry) -> String {
     let Entry::Measured(table) = entry else { return entry.to_string() };
     let largest = table.max_ulp();
     let largest = match largest {

@@ -10,7 +10,7 @@ use base::value::{Record, Scalar};
 use judge::verdict::{Blame, Closeup, Reason, Seen, Verdict};
 use lanes::LaneError;
 use property::generators::View;
-use property::{Kind, Picture, Sample};
+use property::{Picture, PictureKind, Sample};
 
 /// Frames of a picture that moves.
 const FRAMES: usize = 5;
@@ -105,8 +105,8 @@ pub(super) fn scene(trial: &mut Trial<'_>, request: &Request, report: &Report) -
     let frames = if picture.moves() { FRAMES } else { 1 };
     let mut grid = Grid::of(&picture.kind, frames);
     let stills: Vec<Sample> = match picture.kind {
-        Kind::Rows(_) => (0..ROWS as u64).map(|case| prepared.plan.sample(request.seed, case, 0)).collect(),
-        Kind::Square(_) | Kind::Shape | Kind::Strands(_) => {
+        PictureKind::Rows(_) => (0..ROWS as u64).map(|case| prepared.plan.sample(request.seed, case, 0)).collect(),
+        PictureKind::Square(_) | PictureKind::Shape | PictureKind::Strands(_) => {
             vec![(0..8).map(|case| prepared.plan.sample(request.seed, case, 0)).max_by_key(variety)]
                 .into_iter()
                 .flatten()
@@ -118,7 +118,7 @@ pub(super) fn scene(trial: &mut Trial<'_>, request: &Request, report: &Report) -
     let mut scene = Scene {
         axes: grid.axes.clone(),
         frames: Vec::new(),
-        is_surface: !matches!(picture.kind, Kind::Rows(_) | Kind::Strands(_)),
+        is_surface: !matches!(picture.kind, PictureKind::Rows(_) | PictureKind::Strands(_)),
         output: position.as_ref().map(|(name, _)| name.clone()),
         expected: Vec::new(),
         actual: Vec::new(),
@@ -166,7 +166,7 @@ pub(super) fn scene(trial: &mut Trial<'_>, request: &Request, report: &Report) -
     scene.worst = best
         .taken()
         .into_iter()
-        .map(|(found, sample)| found.told(&scene, &record, finding::reproduce(request, report, &sample)))
+        .map(|(found, sample)| found.worst(&scene, &record, finding::reproduce(request, report, &sample)))
         .collect();
     Ok(Some(scene))
 }
@@ -187,25 +187,27 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(kind: &Kind, frames: usize) -> Self {
+    fn of(kind: &PictureKind, frames: usize) -> Self {
         let axis = |name: &str, range: [f64; 2], count: usize| Axis { name: name.to_owned(), range, count };
         let count = |still: usize, moving: usize| if frames > 1 { moving } else { still };
         let axes = match kind {
-            Kind::Square([first, last]) => {
+            PictureKind::Square([first, last]) => {
                 [axis(&first.name, first.range, count(65, 33)), axis(&last.name, last.range, count(49, 25))]
             }
-            Kind::Rows(only) => [axis(&only.name, only.range, 97), axis("sample", [0.0, (ROWS - 1) as f64], ROWS)],
-            Kind::Shape => {
+            PictureKind::Rows(only) => {
+                [axis(&only.name, only.range, 97), axis("sample", [0.0, (ROWS - 1) as f64], ROWS)]
+            }
+            PictureKind::Shape => {
                 [axis("along the shape", [0.0, 1.0], count(49, 37)), axis("around it", [0.0, 1.0], count(25, 21))]
             }
-            Kind::Strands(strands) => [
+            PictureKind::Strands(strands) => [
                 axis("segment of the strand", [0.0, strands.primitives() as f64], strands.primitives()),
                 axis("strand", [0.0, (ROWS - 1) as f64], ROWS),
             ],
         };
         let strands = match kind {
-            Kind::Strands(strands) => Some(strands.primitives()),
-            Kind::Square(_) | Kind::Rows(_) | Kind::Shape => None,
+            PictureKind::Strands(strands) => Some(strands.primitives()),
+            PictureKind::Square(_) | PictureKind::Rows(_) | PictureKind::Shape => None,
         };
         Self { axes, per_sample: 1, strands, settled: false }
     }
@@ -302,7 +304,7 @@ impl Candidate {
         self.rank.0 > other.rank.0 || (self.rank.0 == other.rank.0 && self.rank.1 > other.rank.1)
     }
 
-    fn told(self, scene: &Scene, record: &Record, reproduce: String) -> Worst {
+    fn worst(self, scene: &Scene, record: &Record, reproduce: String) -> Worst {
         let columns = scene.axes[0].count;
         let (row, column) = (self.place / columns % scene.axes[1].count, self.place % columns);
         let on = |axis: &Axis, k: usize| {
