@@ -1,5 +1,5 @@
 //! How long `shadercheck fuzz` takes: a library of fifty functions, 65,536 samples of each, on every lane
-//! that can be had, as the command does it.
+//! that is available, as the command does it.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
 

@@ -64,7 +64,7 @@ fn run() -> Result<u64> {
         );
     }
     println!(
-        "{} violations in {} judged samples; {} decide nothing; {:.0} s",
+        "{} violations in {} judged samples; {} are inconclusive; {:.0} s",
         found.violations(),
         found.judged(),
         found.undetermined(),

@@ -4,7 +4,7 @@
 #   RUN          what to do: lint, check, or both (the default)
 #   ARGS         further options of `shadercheck check`, separated by blanks
 #   LINT_ARGS    further options of `shadercheck lint`
-#   LANES        only these lanes, separated by commas; all that can be had without it
+#   LANES        only these lanes, separated by commas; all that are available without it
 #   REQUIRE      lanes that have to be there, separated by commas
 #   FORMAT       how findings are printed: text (the default), or github for annotations
 #   REPORTS      folder for the reports (shadercheck-reports)

@@ -31,7 +31,7 @@ use super::run;
 /// }
 /// ```
 ///
-/// Suites run on every device that can be had, and on the embedded lane where there is none. A folder
+/// Suites run on every device that is available, and on the embedded lane where there is none. A folder
 /// without suites, and a suite that cannot be read, is a test that fails. Failing cases are kept beside the
 /// suite and run first the next time, as of `shadercheck check`.
 pub fn test_main(folder: impl AsRef<Path>) -> ExitCode {

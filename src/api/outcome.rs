@@ -35,7 +35,7 @@ impl Outcome {
         self.judged
     }
 
-    /// Samples that decide nothing: what is allowed to a device leaves them open.
+    /// Samples that are inconclusive: what is allowed to a device leaves them open.
     pub fn undetermined(&self) -> u64 {
         self.undetermined
     }

@@ -85,7 +85,7 @@ fn replay(prepared: &Prepared, text: &str) -> Result<Vec<Sample>, Error> {
 pub(super) fn lanes(names: &[String]) -> Result<Vec<Box<dyn Lane>>, Error> {
     let opened = Wanted::named(names).open().map_err(|unknown| Error::new(unknown.to_string()))?;
     if let (Some((name, missing)), false) = (opened.missing.first(), names.is_empty()) {
-        return Err(Error::new(format!("the lane `{name}` cannot be had: {missing}")));
+        return Err(Error::new(format!("the lane `{name}` is not available: {missing}")));
     }
     if opened.lanes.is_empty() { Err(Error::new("no lane can run here")) } else { Ok(opened.lanes) }
 }
@@ -184,7 +184,7 @@ fn suite(shader: &Shader) -> Result<Suite, Error> {
             at: "reference".to_owned(),
         })
     });
-    let floors = Floors { undetermined: shader.undetermined, ..Floors::usual(shader.samples) };
+    let floors = Floors { undetermined: shader.undetermined, ..Floors::default_for(shader.samples) };
     Ok(Suite {
         linked: Vec::new(),
         linked_texts: Vec::new(),

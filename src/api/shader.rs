@@ -192,7 +192,7 @@ impl Shader {
     }
 
     /// What an output should be: its components as a function of the inputs. NaN stands for an output
-    /// without a value, which decides nothing. Outputs that are not mentioned are compared with the
+    /// without a value, which is inconclusive. Outputs that are not mentioned are compared with the
     /// shader's own meaning alone.
     pub fn expect(
         mut self,
@@ -244,13 +244,13 @@ impl Shader {
     }
 
     /// Runs on this lane (`vulkan`, `embedded`), and on others that are named so. Without it, on every
-    /// device that can be had, and on the embedded lane where there is none.
+    /// device that is available, and on the embedded lane where there is none.
     pub fn lane(mut self, name: impl Into<String>) -> Self {
         self.lanes.push(name.into());
         self
     }
 
-    /// Share of samples that may decide nothing; 0.05 without it.
+    /// Share of samples that may be inconclusive; 0.05 without it.
     pub fn undetermined(mut self, share: f64) -> Self {
         self.undetermined = share.clamp(0.0, 1.0);
         self
@@ -266,7 +266,7 @@ impl Shader {
     ///
     /// # Errors
     /// [`Error`] when nothing could be checked: the shader does not compile or cannot be run, inputs or
-    /// outputs do not fit it, no lane can be had.
+    /// outputs do not fit it, no lane is available.
     pub fn check(&self) -> Result<Outcome, Error> {
         run::check(self)
     }

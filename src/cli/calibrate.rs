@@ -28,7 +28,7 @@ pub use shared::ShardResult;
 /// Arguments of `shadercheck calibrate`.
 #[derive(Args, Clone, Debug)]
 pub struct CalibrateArgs {
-    /// The lane to measure; the first that can be had without it
+    /// The lane to measure; the first that is available without it
     #[arg(long, value_name = "LANE")]
     pub lane: Option<String>,
     /// All 2^32 arguments of functions of one argument, instead of samples
@@ -181,11 +181,11 @@ fn operations(names: &[String]) -> anyhow::Result<Vec<Op>> {
     Ok(if names.is_empty() { all } else { ops })
 }
 
-/// Opens the lane of this name, or the first that can be had.
+/// Opens the lane of this name, or the first that is available.
 fn open(name: Option<&String>, err: &mut dyn Write) -> anyhow::Result<Box<dyn Lane>> {
     let opened = open_first(name)?;
     for (name, missing) in &opened.missing {
-        writeln!(err, "lane `{name}` cannot be had: {missing}")?;
+        writeln!(err, "lane `{name}` is not available: {missing}")?;
     }
     opened.only().map_err(|_| anyhow::anyhow!("no lane can run here, so nothing was measured"))
 }

@@ -209,7 +209,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write, err: &mut dyn Write, color: bo
     let (lanes, promises) = open_lanes(args, &profile, &mut summary)?;
     if lanes.is_empty() {
         for (name, missing) in &summary.unavailable {
-            writeln!(err, "lane `{name}` cannot be had: {missing}")?;
+            writeln!(err, "lane `{name}` is not available: {missing}")?;
         }
         if args.is_json() {
             out.write_all(report::check::json(&summary).as_bytes())?;
@@ -311,7 +311,7 @@ fn open_lanes(args: &CheckArgs, profile: &Choice, summary: &mut Summary) -> anyh
     (summary.asked, summary.required) = (args.lane.clone(), args.require_lane.clone());
     let opened = Wanted { also: &args.require_lane, ..Wanted::named(&args.lane) }.open()?;
     if let Some((name, missing)) = opened.missing.iter().find(|(name, _)| args.require_lane.iter().any(|n| n == name)) {
-        anyhow::bail!("the required lane `{name}` cannot be had: {missing}");
+        anyhow::bail!("the required lane `{name}` is not available: {missing}");
     }
     let descriptions = || opened.lanes.iter().map(|lane| lane.description());
     let promises: Vec<Promises> = descriptions().map(|description| profile.promises(description)).collect();

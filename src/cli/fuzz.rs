@@ -63,7 +63,7 @@ pub struct FuzzArgs {
     /// Folders that are searched for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
-    /// Only these lanes; all that can be had without it
+    /// Only these lanes; all that are available without it
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
     /// Samples of each function
@@ -92,10 +92,10 @@ pub struct FuzzArgs {
 /// Runs the command: the result goes to `out`, progress and complaints to `err`.
 ///
 /// The status is [`ExitStatus::Findings`] when a function or lane is at fault or a file does not compile,
-/// and [`ExitStatus::Error`] when nothing could be run, or a lane that was asked for cannot be had.
+/// and [`ExitStatus::Error`] when nothing could be run, or a lane that was asked for is not available.
 ///
 /// # Errors
-/// When a file cannot be read, a name is unknown, a domain cannot be read, no lane can be had, or output
+/// When a file cannot be read, a name is unknown, a domain cannot be read, no lane is available, or output
 /// fails.
 pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
     let shard = args.sharing.shard()?;
@@ -355,7 +355,7 @@ fn open_lanes(args: &FuzzArgs, summary: &mut Summary) -> anyhow::Result<Vec<Box<
     summary.lanes = opened.lanes.iter().map(|lane| lane.description().clone()).collect();
     if opened.lanes.is_empty() {
         let missing: Vec<String> = opened.missing.iter().map(|(n, e)| format!("lane `{n}`: {e}")).collect();
-        anyhow::bail!("no lane can be had, so nothing was run: {}", missing.join("; "));
+        anyhow::bail!("no lane is available, so nothing was run: {}", missing.join("; "));
     }
     summary.unavailable = opened.missing;
     Ok(opened.lanes)

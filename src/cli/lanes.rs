@@ -28,7 +28,7 @@ struct LaneState {
     what: Result<(Description, Promises), Unavailable>,
 }
 
-/// Runs the command. The status is [`ExitStatus::Clean`] even when no lane can be had: that is an
+/// Runs the command. The status is [`ExitStatus::Clean`] even when no lane is available: that is an
 /// answer.
 ///
 /// # Errors
@@ -55,7 +55,7 @@ pub fn run(args: &LanesArgs, out: &mut dyn Write) -> anyhow::Result<ExitStatus> 
 
 const HEAD: [&str; 5] = ["lane", "stages", "driver", "version", "executor x front end"];
 
-/// Lanes as a table: a line for what each is, one for what it is held against, or why it cannot be had.
+/// Lanes as a table: a line for what each is, one for what it is held against, or why it is not available.
 fn table(all: &[LaneState]) -> String {
     let stages = |lane: &Description| lane.stages.iter().map(|s| s.name()).collect::<Vec<_>>().join(" ");
     let row = |found: &LaneState| -> Option<[String; 5]> {

@@ -42,7 +42,7 @@ pub struct MutateArgs {
     /// Only these operators; `list` shows them
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub operator: Vec<String>,
-    /// The lane that runs the mutants; the first one that can be had without it
+    /// The lane that runs the mutants; the first one that is available without it
     #[arg(long, value_name = "LANE")]
     pub lane: Option<String>,
     /// Samples of a mutant that no sample before has killed
@@ -75,7 +75,7 @@ fn percent(text: &str) -> Result<f64, String> {
 /// and [`ExitStatus::Error`] when a suite fails on the unchanged shader, or nothing could be run.
 ///
 /// # Errors
-/// When a file cannot be read, a name is unknown, no lane can be had, or output fails.
+/// When a file cannot be read, a name is unknown, no lane is available, or output fails.
 pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     if args.operator.iter().any(|name| name == "list") {
         for operator in registry() {
@@ -92,7 +92,7 @@ pub fn run(args: &MutateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyho
         selected.len()
     );
     let lane = open_first(args.lane.as_ref())?.only().map_err(|missing| {
-        let missing = missing.iter().map(|(name, why)| format!("lane `{name}` cannot be had: {why}"));
+        let missing = missing.iter().map(|(name, why)| format!("lane `{name}` is not available: {why}"));
         anyhow::anyhow!("{}", missing.collect::<Vec<_>>().join("; "))
     })?;
     let description = lane.description().clone();

@@ -161,7 +161,7 @@ fn a_required_lane_that_is_missing_is_an_error_with_the_remedy() {
     assert_eq!(ran.out, "");
     assert_eq!(
         ran.err,
-        "error: the required lane `vulkan` cannot be had: no Vulkan driver was found; install one, for example \
+        "error: the required lane `vulkan` is not available: no Vulkan driver was found; install one, for example \
          `apt-get install mesa-vulkan-drivers libvulkan1` on Debian or Ubuntu\n"
     );
     run("check sphere --samples 16 --require-lane vulkan").expect(0);
@@ -200,7 +200,7 @@ fn the_embedded_lane_finds_what_the_driver_finds() {
 fn without_any_lane_nothing_is_checked_and_that_is_an_error() {
     let ran = without_lanes("check sphere --samples 16 --lane vulkan").expect(2);
     assert_eq!(ran.out, "");
-    assert!(ran.err.contains("lane `vulkan` cannot be had: no Vulkan driver was found; install one"), "{}", ran.err);
+    assert!(ran.err.contains("lane `vulkan` is not available: no Vulkan driver was found; install one"), "{}", ran.err);
     assert!(ran.err.ends_with("error: no lane can run here, so nothing was checked\n"), "{}", ran.err);
     let json = without_lanes("check sphere --samples 16 --lane vulkan --format json").expect(2).json();
     assert_eq!((&json["status"], &json["suites"]), (&"fail".into(), &Value::Array(Vec::new())));

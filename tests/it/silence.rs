@@ -145,14 +145,18 @@ fn without_vulkan(folder: &Path, args: &str) -> Ran {
 #[test]
 fn a_run_without_a_lane_that_was_asked_for_is_incomplete() {
     let ran = without_vulkan(root(), "check sphere --samples 16 --plain --lane vulkan --lane embedded").expect(2);
-    assert!(ran.err.starts_with("error: the lane `vulkan` was asked for and cannot be had: no Vulkan"), "{}", ran.err);
+    assert!(
+        ran.err.starts_with("error: the lane `vulkan` was asked for and is not available: no Vulkan"),
+        "{}",
+        ran.err
+    );
     assert!(line(&ran, "embedded/compute").starts_with("ok "), "what runs is judged all the same: {}", ran.out);
     assert!(ran.out.lines().last().unwrap().starts_with("incomplete: 16 judged"), "{}", ran.out);
     without_vulkan(root(), "check sphere --samples 16 --plain --lane embedded").expect(0);
     let functions = tempfile::tempdir().unwrap();
     fs::write(functions.path().join("f.glsl"), "float f(float x) { return x + 1.0; }\n").unwrap();
     let ran = without_vulkan(functions.path(), "fuzz f.glsl --samples 64 --lane vulkan --lane embedded").expect(2);
-    assert!(ran.err.contains("error: the lane `vulkan` was asked for and cannot be had"), "{}", ran.err);
+    assert!(ran.err.contains("error: the lane `vulkan` was asked for and is not available"), "{}", ran.err);
     without_vulkan(functions.path(), "fuzz f.glsl --samples 64 --lane embedded").expect(0);
 }
 
@@ -181,7 +185,7 @@ fn a_suite_that_leaves_more_than_half_undetermined_is_weak() {
     let shader = |e: &str| {
         format!("#version 330\nin float p;\nout float y;\nvoid main() {{ y = {e}; gl_Position = vec4(y); }}\n")
     };
-    // A zero vector has no direction: two thirds of the samples decide nothing.
+    // A zero vector has no direction: two thirds of the samples are inconclusive.
     let point = POINT.replace("[0.0, 1.0]", "[-2.0, 1.0]");
     let folder = suite(&shader("normalize(vec2(max(p, 0.0), 0.0)).x"), &format!("{point}{floors}"));
     let check = "check a.suite.toml --plain --lane embedded";

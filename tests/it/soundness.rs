@@ -40,7 +40,7 @@ fn no_conforming_device_is_accused() {
     assert_eq!(found.violations(), 0, "{}", complaints(&found));
     let (judged, open) = (found.judged(), found.undetermined());
     assert!(judged + open == last && last >= SAMPLES, "{judged} {open} {last}");
-    assert!(judged * 10 >= last * 9, "{open} of {last} decide nothing");
+    assert!(judged * 10 >= last * 9, "{open} of {last} are inconclusive");
     // Devices that stay far from every bound would show nothing.
     for (k, suite) in suites.iter().enumerate() {
         let used = found.rows.iter().filter(|row| row.suite == k).filter_map(|row| Some(row.used.as_ref()?.part));

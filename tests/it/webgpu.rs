@@ -35,7 +35,7 @@ fn lane() -> Value {
     all.find(|lane| lane["name"] == "webgpu").expect("the lane is listed").clone()
 }
 
-/// The package, where the lane can be had; else says what is not run.
+/// The package, where the lane is available; else says what is not run.
 fn device(what: &str) -> Option<PathBuf> {
     let folder = package(what)?;
     let lane = lane();
@@ -81,7 +81,7 @@ fn without_the_package_the_lane_says_how_to_get_it() {
     assert!(ran.out.contains("webgpu ") && ran.out.contains("run `npm install webgpu` in this folder"), "{}", ran.out);
     // Asked for and absent is an error; not asked for, it is nothing that a run needs.
     let ran = check(folder.path(), "morph --samples 64 --require-lane webgpu").expect(2);
-    assert!(ran.err.contains("the required lane `webgpu` cannot be had"), "{}", ran.err);
+    assert!(ran.err.contains("the required lane `webgpu` is not available"), "{}", ran.err);
     let empty = folder.path().join("node_modules/webgpu");
     fs::create_dir_all(&empty).unwrap();
     fs::write(empty.join("package.json"), "{}").unwrap();

@@ -26,7 +26,7 @@ pub struct Candidate {
     pub about: &'static str,
     /// Opens it.
     pub open: Box<dyn Fn() -> Result<Box<dyn Lane>, Unavailable> + Send + Sync>,
-    /// True for a lane that only stands in where no device can be had; it runs beside devices when it
+    /// True for a lane that only stands in where no device is available; it runs beside devices when it
     /// is asked for by name.
     pub stand_in: bool,
 }

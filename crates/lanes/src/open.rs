@@ -17,7 +17,7 @@ pub struct UnknownLane {
 pub enum StandIn {
     /// It runs beside devices.
     Beside,
-    /// It runs where no device can be had.
+    /// It runs where no device is available.
     WithoutDevice,
     /// It does not run.
     Never,
@@ -32,7 +32,7 @@ pub struct Wanted<'a> {
     pub also: &'a [String],
     /// What becomes of stand-ins where `names` is empty.
     pub stand_in: StandIn,
-    /// The first so many that can be had.
+    /// The first so many that is available.
     pub most: usize,
 }
 
@@ -45,7 +45,7 @@ impl<'a> Wanted<'a> {
     /// Opens the lanes.
     ///
     /// # Errors
-    /// [`UnknownLane`] for the first name that no lane has. A lane that is there and cannot be had is no error.
+    /// [`UnknownLane`] for the first name that no lane has. A lane that is there and is not available is no error.
     pub fn open(&self) -> Result<Opened, UnknownLane> {
         self.open_of(registry())
     }
@@ -76,7 +76,7 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// The lane of this name, or the first that can be had.
+/// The lane of this name, or the first that is available.
 ///
 /// # Errors
 /// [`UnknownLane`] when no lane has the name.
@@ -89,12 +89,12 @@ pub fn open_first(name: Option<&String>) -> Result<Opened, UnknownLane> {
 pub struct Opened {
     /// The lanes.
     pub lanes: Vec<Box<dyn Lane>>,
-    /// Lanes that were wanted and cannot be had, and why.
+    /// Lanes that were wanted and is not available, and why.
     pub missing: Vec<(LaneName, Unavailable)>,
 }
 
 impl Opened {
-    /// The only lane that was asked for, or why it cannot be had.
+    /// The only lane that was asked for, or why it is not available.
     pub fn only(self) -> Result<Box<dyn Lane>, Vec<(LaneName, Unavailable)>> {
         self.lanes.into_iter().next().ok_or(self.missing)
     }

@@ -20,7 +20,7 @@ impl Environment {
     ///
     /// # Errors
     /// When Python, its module for environments or pip is missing, with what to install; when a package
-    /// cannot be had, with pip's own reason.
+    /// is not available, with pip's own reason.
     pub fn make(host: &mut dyn Host, requirements: &Path) -> Result<Self> {
         ensure!(
             on_path(host, "python3").is_some(),

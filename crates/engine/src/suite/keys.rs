@@ -251,7 +251,7 @@ pub(super) const SECTIONS: &[Section] = &[
                 Form::Whole { least: 1, most: WHOLE },
                 "Samples that must be judged of a full run; what `undetermined` leaves without it.",
             ),
-            key("undetermined", Form::Number, "Share of samples that may decide nothing; 0.05 without it."),
+            key("undetermined", Form::Number, "Share of samples that may be inconclusive; 0.05 without it."),
             key("reason", Form::Text, "Why more than 0.05 may."),
         ],
     },

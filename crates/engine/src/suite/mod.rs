@@ -80,13 +80,13 @@ pub struct Floors {
 
 impl Floors {
     /// The floors of a suite that states none.
-    pub fn usual(samples: u64) -> Self {
+    pub fn default_for(samples: u64) -> Self {
         let floors = Self { judged: 0, undetermined: parse::UNDETERMINED, reason: String::new() };
-        Self { judged: floors.rest(samples), ..floors }
+        Self { judged: floors.required(samples), ..floors }
     }
 
     /// Samples that are left when as many are undetermined as may be; at least 1.
-    fn rest(&self, samples: u64) -> u64 {
+    fn required(&self, samples: u64) -> u64 {
         (((1.0 - self.undetermined) * samples as f64).floor() as u64).max(1)
     }
 

@@ -117,9 +117,9 @@ impl<'p> Tape<'p> {
     }
 
     /// Gives back the room that very long loops took.
-    pub fn rest(&mut self) {
+    pub fn release(&mut self) {
         self.arena.clear();
-        self.sweep.rest();
+        self.sweep.release();
     }
 
     fn leaf(&mut self, value: impl FnOnce(&mut Lanes)) -> Id {

@@ -37,7 +37,7 @@ impl Scratch {
     }
 
     /// Gives back what very many nodes took.
-    pub(super) fn rest(&mut self) {
+    pub(super) fn release(&mut self) {
         self.slots = Vec::new();
         self.adjoints.truncate(1 << 10);
         self.free = Vec::new();

@@ -15,7 +15,7 @@ pub enum Verdict {
     Agree(Promise),
     /// Some output is wrong.
     Deviate(Deviation),
-    /// The sample decides nothing.
+    /// The sample is inconclusive.
     Undetermined(Doubt),
 }
 
@@ -47,7 +47,7 @@ impl Promise {
     }
 }
 
-/// Why a sample decides nothing.
+/// Why a sample is inconclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Reason {
     /// The formula or the shader has no value here.
@@ -139,7 +139,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// Why a sample decides nothing, and the operation that brings it about.
+/// Why a sample is inconclusive, and the operation that brings it about.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubt {
     /// Why.

@@ -93,7 +93,7 @@ impl<'a> SecondPass<'a> {
                 verdicts[k] = verdict;
             }
         }
-        self.rest();
+        self.release();
         // A lane is judged by the shader as it is, where that is not what is wrong.
         let wrong = |verdict: &Option<Verdict>| matches!(verdict, Some(Verdict::Deviate(_)));
         let mut lanes: Vec<usize> = (0..samples.len()).filter(|&k| samples[k].lane && !wrong(&verdicts[k])).collect();
@@ -120,7 +120,7 @@ impl<'a> SecondPass<'a> {
                     }
                 }
             }
-            self.rest();
+            self.release();
             // The conformance suite of a text, and another order, promise nothing beyond its domains.
             if tier == 0 {
                 let (unpromised, rest): (Vec<usize>, Vec<usize>) = open.iter().partition(|&&k| {
@@ -143,10 +143,10 @@ impl<'a> SecondPass<'a> {
     }
 
     /// Gives back what very long loops took: one tape at a time has much.
-    fn rest(&mut self) {
+    fn release(&mut self) {
         if self.context.oracle.executable().has_loops() {
             let tapes = self.tiers.iter_mut().filter_map(|tier| tier.machine.as_mut());
-            self.ideal.iter_mut().chain(tapes).for_each(|machine| machine.domain().rest());
+            self.ideal.iter_mut().chain(tapes).for_each(|machine| machine.domain().release());
         }
     }
 

@@ -39,7 +39,7 @@ pub fn set_folder(folder: Option<PathBuf>) {
     let _ = FOLDER.set(folder);
 }
 
-/// The lane, whether or not it can be had.
+/// The lane, whether or not it is available.
 pub fn candidates() -> Vec<Candidate> {
     let about = "Dawn and Tint through Node: WGSL on a Vulkan device that Dawn takes";
     vec![Candidate { name: NAME, about, open: Box::new(open), stand_in: false }]

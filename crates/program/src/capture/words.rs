@@ -57,7 +57,7 @@ pub struct WordsAt {
     pub base: Expr,
 }
 
-/// A word of an array, or `None` where single words cannot be had.
+/// A word of an array, or `None` where single words are not available.
 fn word(b: &mut Builder, from: Supply<'_>, offset: u32) -> Option<Expr> {
     let pointer = match from {
         Supply::Storage(at) => {

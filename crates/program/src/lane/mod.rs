@@ -159,7 +159,7 @@ pub mod known {
     }
 }
 
-/// A lane that cannot be had here.
+/// A lane that is not available here.
 #[derive(Clone, Debug, Error, PartialEq, Eq, Serialize, Deserialize)]
 #[error("{}; {}", printable(why), printable(remedy))]
 pub struct Unavailable {

@@ -17,7 +17,7 @@ impl Shared {
     /// The first reader, at the beginning.
     ///
     /// # Errors
-    /// When the length of the file cannot be had.
+    /// When the length of the file is not available.
     pub fn new(mut from: Box<dyn Load>) -> io::Result<Self> {
         let length = from.seek(SeekFrom::End(0))?;
         Ok(Self { from: Arc::new(Mutex::new(from)), at: 0, length })

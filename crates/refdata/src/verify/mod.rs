@@ -159,7 +159,7 @@ pub struct Counts {
     pub deviated: u64,
     /// Elements that are NaN or infinite.
     pub not_finite: u64,
-    /// Elements that decide nothing.
+    /// Elements that are inconclusive.
     pub undetermined: u64,
 }
 

@@ -61,7 +61,7 @@ impl Summary {
     pub fn shortcomings(&self) -> Vec<String> {
         let asked = |name: &str| self.asked.iter().any(|asked| asked == name);
         let missing = self.unavailable.iter().filter(|(name, _)| asked(name));
-        let missing = missing.map(|(name, why)| format!("the lane `{name}` was asked for and cannot be had: {why}"));
+        let missing = missing.map(|(name, why)| format!("the lane `{name}` was asked for and is not available: {why}"));
         let interrupted = self.interrupted.map(signal_name);
         missing.chain(interrupted.map(|signal| format!("the run was interrupted by {signal}"))).collect()
     }

@@ -169,7 +169,7 @@ pub fn totals(summary: &Summary, notes: bool, color: bool) -> String {
     let style = Style::new(color);
     let mut text = String::new();
     for (name, missing) in &summary.unavailable {
-        let _ = writeln!(text, "note: lane `{name}` cannot be had: {missing}");
+        let _ = writeln!(text, "note: lane `{name}` is not available: {missing}");
     }
     let totals = summary.totals();
     if totals.notes > 0 && !notes {

@@ -50,7 +50,7 @@ pub(super) fn matrix(text: &mut String, page: &Page<'_>) {
     text.push_str(
         "</tbody></table></div>\n<p id=\"none\" class=\"quiet\" hidden>No suite is like that.</p>\n<p class=\"key\">\
          <span><i style=\"background:var(--good)\"></i>agree</span>\
-         <span><i style=\"background:var(--open)\"></i>undetermined: the sample decides nothing</span>\
+         <span><i style=\"background:var(--open)\"></i>undetermined: the sample is inconclusive</span>\
          <span><i style=\"background:var(--bad)\"></i>deviate</span>\
          <span><b>≈</b> fails as a expectations expects</span>\
          <span><b>∼</b> weak: more than half undetermined</span><span><b>–</b> not run</span></p>\n",

@@ -224,7 +224,7 @@ fn literals(root: Table<'_>) -> Option<Literals> {
 
 fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
     if !root.has("floors") {
-        return Some(Floors::usual(samples?));
+        return Some(Floors::default_for(samples?));
     }
     let table = root.table("floors", "[floors]")?.only(&["judged", "undetermined", "reason"]);
     let judged = table.whole("judged", 1, MOST_SAMPLES);
@@ -250,8 +250,8 @@ fn floors(root: Table<'_>, samples: Option<u64>) -> Option<Floors> {
     if table.has("judged") && judged.is_none() {
         return None;
     }
-    let usual = Floors { undetermined: share.clamp(0.0, 1.0), ..Floors::usual(samples?) }.rest(samples?);
-    Some(Floors { judged: judged.unwrap_or(usual), undetermined: share, reason })
+    let required = Floors { undetermined: share.clamp(0.0, 1.0), ..Floors::default_for(samples?) }.required(samples?);
+    Some(Floors { judged: judged.unwrap_or(required), undetermined: share, reason })
 }
 
 fn strands(root: Table<'_>, stage: Option<Stage>) -> Option<Strands> {

@@ -237,12 +237,12 @@ pub fn run_part(
 ) -> Result<Option<Part>, LaneError> {
     match way.1 {
         Some(source) => sources::part(prepared, lane, source, request, share, progress),
-        None => usual(prepared, lane, way, request, share, progress),
+        None => run_default(prepared, lane, way, request, share, progress),
     }
 }
 
 /// The usual run of a stage, also under the name of a source.
-fn usual(
+fn run_default(
     prepared: &Prepared,
     lane: &dyn Lane,
     (stage, source): Way,

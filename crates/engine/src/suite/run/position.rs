@@ -118,7 +118,7 @@ pub(super) fn probe(
         return Ok(None);
     }
     if let Some(failure) = verdict.failures.iter().find(|f| f.invocation == at).or(verdict.failures.first()) {
-        let right = usual(&first);
+        let right = mode(&first);
         let wrong: Vec<bool> = match first[failure.invocation] == right {
             _ if verdict.deviated == count as u64 => vec![true; count],
             true => first.iter().map(|&print| print == right).collect(),
@@ -167,7 +167,7 @@ fn beside(
 }
 
 /// What most places gave.
-fn usual(prints: &[u64]) -> u64 {
+fn mode(prints: &[u64]) -> u64 {
     let mut sorted = prints.to_vec();
     sorted.sort_unstable();
     let longest = sorted.chunk_by(|a, b| a == b).max_by_key(|run| run.len());
@@ -176,11 +176,11 @@ fn usual(prints: &[u64]) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::usual;
+    use super::mode;
 
     #[test]
-    fn most_places_tell_what_is_usual() {
-        assert_eq!(usual(&[3, 1, 2, 1, 1, 3]), 1);
-        assert_eq!(usual(&[]), 0);
+    fn most_places_tell_what_is_mode() {
+        assert_eq!(mode(&[3, 1, 2, 1, 1, 3]), 1);
+        assert_eq!(mode(&[]), 0);
     }
 }

@@ -120,7 +120,7 @@ pub struct Row {
     pub behaviour: Behaviour,
     /// Samples with a verdict, violations included.
     pub judged: u64,
-    /// Samples that decide nothing, in the order of [`Reason::ALL`].
+    /// Samples that are inconclusive, in the order of [`Reason::ALL`].
     pub undetermined: [u64; Reason::ALL.len()],
     /// Samples that the judge holds against the lane or the shader.
     pub violations: u64,
@@ -157,7 +157,7 @@ impl Soundness {
         self.rows.iter().map(|row| row.judged).sum()
     }
 
-    /// Samples that decide nothing.
+    /// Samples that are inconclusive.
     pub fn undetermined(&self) -> u64 {
         self.rows.iter().flat_map(|row| row.undetermined).sum()
     }

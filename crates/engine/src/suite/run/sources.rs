@@ -49,9 +49,9 @@ pub(super) fn part(
 ) -> Result<Option<Part>, LaneError> {
     let way = (stage_of(source), Some(source));
     let mut part = match source {
-        InputSource::Storage => return super::usual(prepared, lane, way, request, share, progress),
+        InputSource::Storage => return super::run_default(prepared, lane, way, request, share, progress),
         InputSource::Attributes if prepared.vertex.is_some() => {
-            super::usual(prepared, lane, way, request, share, progress)?
+            super::run_default(prepared, lane, way, request, share, progress)?
         }
         InputSource::Attributes | InputSource::Uniforms | InputSource::Constants => {
             other(prepared, lane, source, request, share, progress)?

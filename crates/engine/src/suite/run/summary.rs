@@ -222,7 +222,7 @@ pub struct Totals {
     pub agreed: u64,
     /// Samples that deviate.
     pub deviated: u64,
-    /// Samples that decide nothing.
+    /// Samples that are inconclusive.
     pub undetermined: u64,
     /// Samples that a lane could not run.
     pub unsupported: u64,
@@ -280,7 +280,7 @@ impl Summary {
         let mut all = Vec::new();
         for (name, missing) in &self.unavailable {
             if self.asked.iter().any(|asked| asked == name) {
-                all.push((*name, format!("the lane `{name}` was asked for and cannot be had: {missing}")));
+                all.push((*name, format!("the lane `{name}` was asked for and is not available: {missing}")));
             }
         }
         if let Some(signal) = self.interrupted {

@@ -22,7 +22,7 @@ pub enum Stand {
     Wrong,
     /// It crashed, hung, lost its device or wrote nothing.
     Failed,
-    /// It gave something that decides nothing, or could not be asked.
+    /// It gave something that is inconclusive, or could not be asked.
     Open,
 }
 
@@ -67,7 +67,7 @@ impl Witness {
     }
 }
 
-/// What a lane says of a sample on which another lane deviates: by its own verdict, and where that decides nothing
+/// What a lane says of a sample on which another lane deviates: by its own verdict, and where that is inconclusive
 /// (its API may promise less), by whether its word is near to what the shader means or to the wrong one.
 pub fn stand(deviation: &Deviation, verdict: &Verdict, word: Option<u32>) -> Stand {
     match verdict {
@@ -419,7 +419,7 @@ impl fmt::Display for Fault {
 mod tests {
     use super::*;
 
-    /// Lanes as `executor/front end`, `!` before those that deviate and `?` before those that decide nothing.
+    /// Lanes as `executor/front end`, `!` before those that deviate and `?` before those that are inconclusive.
     fn fault(lanes: &[&str]) -> String {
         Fault::of(&witnesses(lanes)).to_string()
     }
@@ -472,7 +472,7 @@ mod tests {
         assert_eq!(fault(&["!X/naga", "!X/naga", "!X/naga"]), one);
         // Three lanes that are right in one group do not outweigh two groups that are not.
         assert!(fault(&["!X/naga", "!X/glslang", "Y/naga", "Y/naga", "Y/naga"]).starts_with("the executor `X`"));
-        // What decides nothing is no witness.
+        // What is inconclusive is no witness.
         assert_eq!(fault(&["!X/naga", "?Y/naga", "?X/Mesa"]), one);
     }
 

@@ -18,7 +18,7 @@ pub struct Given {
     /// Name of the output; `return` for the value of a function.
     pub output: String,
     /// Writes the components of the output in order, matrices column by column, elements of arrays one
-    /// after the other. NaN stands for an output without a value, which decides nothing.
+    /// after the other. NaN stands for an output without a value, which is inconclusive.
     pub rule: Arc<GivenRule>,
 }
 

@@ -344,7 +344,7 @@ const PARTS: usize = 5;
 
 impl Best {
     /// Keeps a place if it is the worst of its part. What deviates is worse than what agrees; places that
-    /// decide nothing, and those without an error, are none of the worst.
+    /// are inconclusive, and those without an error, are none of the worst.
     fn see(&mut self, new: Candidate, [across, up]: &[Axis; 2], sample: &Sample) {
         if new.rank.0 == 0 || (new.rank.0 < 2 && new.rank.1 <= 0.0) {
             return;
