@@ -69,7 +69,7 @@ fn a_division_that_has_no_value_is_found_at_its_smallest() {
     assert_eq!(none.severity, Severity::Finding);
     assert_eq!(none.message, "`return` has no value: 0.0 / 0.0 has none");
     let place = none.place.as_ref().unwrap();
-    assert_eq!((&*place.at, &*place.text, &place.expansion), ("a.glsl:2:39", "a / (a + b)", &None));
+    assert_eq!((&*place.at.to_string(), &*place.text, &place.expansion), ("a.glsl:2:39", "a / (a + b)", &None));
     assert_eq!(values(none), ["float a = 0.0", "float b = 0.0"]);
     let infinite = report.findings.iter().find(|f| f.kind == FuzzFindingKind::Infinite).unwrap();
     assert_eq!(values(infinite), ["float a = -1.0", "float b = 1.0"]);

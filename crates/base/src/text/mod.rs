@@ -6,6 +6,7 @@ mod edit;
 mod encoding;
 mod expansion;
 mod fingerprint;
+mod location;
 mod source;
 
 pub use assembly::Assembly;
@@ -13,4 +14,5 @@ pub use edit::{Edit, EditConflict, EditList, Edited, PositionMap};
 pub use encoding::{Decoded, EncodeError, Encoding, Form, decode, decode_western};
 pub use expansion::Expansion;
 pub use fingerprint::fingerprint;
+pub use location::Location;
 pub use source::{Position, Shown, SourceFile, Span, TextError, printable};

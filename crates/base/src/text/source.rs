@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::Location;
 use super::assembly::Part;
 use super::expansion::Expansion;
 
@@ -252,8 +253,13 @@ impl SourceFile {
 
     /// `name:line:column` of a byte offset; in an assembled text, of the file that it comes from.
     pub fn locate(&self, offset: usize) -> String {
+        self.location(offset).to_string()
+    }
+
+    /// Where a byte offset stands: in this file, or in the one that it was included from.
+    pub fn location(&self, offset: usize) -> Location {
         let (file, span) = self.origin(Span::at(offset));
-        format!("{}:{}", file.name, file.position(span.start))
+        Location { file: file.name().to_owned(), position: Some(file.position(span.start)) }
     }
 }
 

@@ -110,7 +110,7 @@ fn excerpt(text: &mut String, label: &str, place: &Place) {
     let Place { at, text: marked, line, expansion } = place;
     let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
     let _ = writeln!(text, "  {label:<9}  {at}{expanded}");
-    let column = at.rsplit(':').next().and_then(|column| column.parse::<usize>().ok());
+    let column = at.position.map(|position| position.column);
     let Some(column) = column.filter(|column| (1..=line.chars().count()).contains(column)) else { return };
     // A long line is cut before and after the mark.
     let begin = if column > WIDE { column - WIDE / 2 } else { 1 };

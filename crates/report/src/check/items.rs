@@ -59,8 +59,9 @@ pub(super) fn of_entry(entry: &Entry) -> Vec<Item> {
 }
 
 fn of_finding(on: &str, shader: &str, finding: &Finding) -> Item {
-    let place = finding.case.as_ref().and_then(|case| shown(&case.diagnosis)).and_then(|place| parsed(&place.at));
-    let (file, at) = place.map_or_else(|| (shader.to_owned(), None), |(file, at)| (file, Some(at)));
+    let place = finding.case.as_ref().and_then(|case| shown(&case.diagnosis)).map(|place| &place.at);
+    let at = place.and_then(|at| at.position).map(|position| (position.line, position.column));
+    let file = place.map_or_else(|| shader.to_owned(), |at| at.file.clone());
     Item {
         severity: if finding.kind.is_warning() { Severity::Warning } else { Severity::Error },
         code: finding.kind.name().to_owned(),
@@ -82,13 +83,6 @@ pub(super) fn place(diagnosis: &Diagnosis) -> Option<&Place> {
 /// What a deviation is shown at: where it shows first, or else where the wrong output is computed.
 fn shown(diagnosis: &Diagnosis) -> Option<&Place> {
     place(diagnosis).or(diagnosis.written.as_ref())
-}
-
-/// `file:line:column` in its parts.
-fn parsed(at: &str) -> Option<(String, (usize, usize))> {
-    let (rest, column) = at.rsplit_once(':')?;
-    let (file, line) = rest.rsplit_once(':')?;
-    Some((file.to_owned(), (line.parse().ok()?, column.parse().ok()?)))
 }
 
 /// Everything that is wrong in a run, in its order; what a suite shows on several lanes comes once for each.
@@ -113,17 +107,15 @@ mod tests {
     fn a_deviation_is_shown_where_its_output_is_computed() {
         let at = |at: &str| Place { at: at.into(), text: "x".into(), line: "x".into(), expansion: None };
         let mut diagnosis = Diagnosis { written: Some(at("a.vert:7:3")), ..Diagnosis::default() };
-        assert_eq!(shown(&diagnosis).map(|place| &*place.at), Some("a.vert:7:3"));
+        assert_eq!(shown(&diagnosis).unwrap().at.to_string(), "a.vert:7:3");
         let literal = ShortLiteral { place: at("a.vert:2:1"), stands_for: "π".into(), off: 0.1 };
         diagnosis.literals.push(literal);
-        assert_eq!(shown(&diagnosis).map(|place| &*place.at), Some("a.vert:2:1"));
+        assert_eq!(shown(&diagnosis).unwrap().at.to_string(), "a.vert:2:1");
         assert_eq!(shown(&Diagnosis::default()), None);
     }
 
     #[test]
-    fn places_are_read_from_the_right() {
-        assert_eq!(parsed("./a:b.vert:12:3"), Some(("./a:b.vert".to_owned(), (12, 3))));
-        assert_eq!(parsed("a.vert"), None);
+    fn paths_have_no_dots() {
         assert_eq!(relative("./a/./b.vert"), "a/b.vert");
         assert_eq!(relative("/a/b.vert"), "/a/b.vert");
     }

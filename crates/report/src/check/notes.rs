@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use base::text::Location;
 use engine::suite::run::{Apart, Doubtful, LaneUsed, Outcome, Report, Summary};
 use judge::verdict::Reason;
 use program::InputSource;
@@ -25,7 +26,7 @@ enum What<'a> {
 }
 
 /// Why samples are undetermined, and where.
-type Cause<'a> = (Reason, Option<&'static str>, Option<&'a str>, &'a str);
+type Cause<'a> = (Reason, Option<&'static str>, Option<&'a Location>, &'a str);
 
 #[derive(Default)]
 struct Notes<'a>(Vec<Note<'a>>);
@@ -40,7 +41,7 @@ impl<'a> Notes<'a> {
     }
 
     fn doubt(&mut self, report: &'a Report, doubtful: &'a Doubtful) {
-        let cause = (doubtful.reason, doubtful.op.map(|op| op.name()), doubtful.at.as_deref(), doubtful.text.as_str());
+        let cause = (doubtful.reason, doubtful.op.map(|op| op.name()), doubtful.at.as_ref(), doubtful.text.as_str());
         for note in &mut self.0 {
             if let What::Doubt(known, of) = &mut note.what
                 && *of == cause

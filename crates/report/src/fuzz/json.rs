@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Summary;
+use base::text::Location;
 use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport};
 use judge::verdict::Reason;
 
@@ -70,7 +71,7 @@ struct FindingJson<'a> {
     kind: &'static str,
     severity: &'static str,
     message: &'a str,
-    at: Option<&'a str>,
+    at: Option<&'a Location>,
     text: Option<&'a str>,
     #[serde(rename = "macro", skip_serializing_if = "Option::is_none")]
     expansion: Option<&'a str>,
@@ -168,7 +169,7 @@ fn found(finding: &Finding) -> FindingJson<'_> {
         kind: finding.kind.name(),
         severity: finding.severity.name(),
         message: &finding.message,
-        at: place.map(|place| place.at.as_str()),
+        at: place.map(|place| &place.at),
         text: place.map(|place| place.text.as_str()),
         expansion: place.and_then(|place| place.expansion.as_deref()),
         lane: finding.lane,

@@ -211,5 +211,5 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
 
 /// Where a finding shows first in the author's text.
 pub(super) fn place(finding: &Finding) -> Option<String> {
-    super::source::places(finding).into_iter().next().map(|(at, _, _)| at)
+    super::source::places(finding).into_iter().next().map(|(at, _, _)| at.to_string())
 }

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::escape::Escaped;
+use base::text::{Location, Position};
 use engine::suite::run::Finding;
 use judge::verdict::diagnosis::{Origin, Place};
 
 /// Places of a finding in the author's text: `file:line:column`, the text there, and what is wrong with it;
 /// the most telling first.
-pub(super) fn places(finding: &Finding) -> Vec<(String, String, String)> {
+pub(super) fn places(finding: &Finding) -> Vec<(Location, String, String)> {
     let Some(case) = &finding.case else { return Vec::new() };
     let diagnosis = &case.diagnosis;
     let mut all = Vec::new();
@@ -49,10 +50,8 @@ pub(super) struct Note {
 pub(super) type Notes = BTreeMap<usize, Vec<Note>>;
 
 /// Adds a place, if it is of this file.
-pub(super) fn note(notes: &mut Notes, file: &str, at: &str, meant: &str, told: &str) {
-    let Some((rest, column)) = at.rsplit_once(':') else { return };
-    let Some((name, line)) = rest.rsplit_once(':') else { return };
-    if let (true, Ok(line), Ok(column)) = (name == file, line.parse(), column.parse()) {
+pub(super) fn note(notes: &mut Notes, file: &str, at: &Location, meant: &str, told: &str) {
+    if let (true, Some(Position { line, column })) = (at.file == file, at.position) {
         let length = meant.lines().next().map_or(0, |first| first.chars().count());
         let new = Note { column, length, told: told.to_owned() };
         let here: &mut Vec<Note> = notes.entry(line).or_default();
@@ -108,13 +107,17 @@ pub(super) fn listing(out: &mut String, text: &str, notes: &Notes, near: Option<
 mod tests {
     use super::*;
 
+    fn at(text: &str) -> Location {
+        text.into()
+    }
+
     #[test]
     fn the_place_is_marked_by_characters_and_everything_is_escaped() {
         let text = "// 球 <script>\nfloat x = 3.14;\n";
         let mut notes = Notes::new();
-        note(&mut notes, "a:b.vert", "a:b.vert:2:11", "3.14", "too few <digits>");
-        note(&mut notes, "a:b.vert", "a:b.vert:2:11", "3.14", "too few <digits>");
-        note(&mut notes, "a:b.vert", "other.vert:1:1", "", "not here");
+        note(&mut notes, "a:b.vert", &at("a:b.vert:2:11"), "3.14", "too few <digits>");
+        note(&mut notes, "a:b.vert", &at("a:b.vert:2:11"), "3.14", "too few <digits>");
+        note(&mut notes, "a:b.vert", &at("other.vert:1:1"), "", "not here");
         let mut out = String::new();
         listing(&mut out, text, &notes, None);
         assert!(out.contains("float x = <mark>3.14</mark>;"), "{out}");
@@ -127,7 +130,7 @@ mod tests {
     fn an_excerpt_has_the_lines_near_a_note() {
         let text: String = (1..=30).map(|k| format!("line{k}\n")).collect();
         let mut notes = Notes::new();
-        note(&mut notes, "f", "f:10:1", "line", "here");
+        note(&mut notes, "f", &at("f:10:1"), "line", "here");
         let mut out = String::new();
         listing(&mut out, &text, &notes, Some(2));
         let has = |k: usize| out.contains(&format!("line{k}</div>")) || out.contains(&format!("</mark>{k}</div>"));
@@ -137,8 +140,8 @@ mod tests {
     #[test]
     fn a_place_beyond_the_text_marks_nothing() {
         let mut notes = Notes::new();
-        note(&mut notes, "f", "f:1:9", "x", "gone");
-        note(&mut notes, "f", "f:7:1", "x", "gone too");
+        note(&mut notes, "f", &at("f:1:9"), "x", "gone");
+        note(&mut notes, "f", &at("f:7:1"), "x", "gone too");
         let mut out = String::new();
         listing(&mut out, "ab\n", &notes, None);
         assert!(!out.contains("<mark>") && out.contains("gone"), "{out}");

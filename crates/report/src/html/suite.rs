@@ -327,7 +327,7 @@ fn details(text: &mut String, report: &Report) {
                 Escaped(doubtful.reason),
                 doubtful.op.map_or("", |op| op.name()),
                 Escaped(&doubtful.text),
-                Escaped(doubtful.at.as_deref().unwrap_or_default())
+                Escaped(&doubtful.at.as_ref().map_or_else(String::new, ToString::to_string))
             );
         }
         text.push_str("</tbody></table></details>\n");
@@ -384,7 +384,7 @@ fn notes(file: &str, entries: &[(usize, &Entry)]) -> Notes {
             }
             Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
                 for d in diagnostics {
-                    note(&mut notes, file, &d.file.locate(d.span.start), d.file.slice(d.span), &d.message);
+                    note(&mut notes, file, &d.file.location(d.span.start), d.file.slice(d.span), &d.message);
                 }
             }
             Outcome::Refused(_) | Outcome::LaneFailed(_) | Outcome::KnownFailure { .. } => {}

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 use super::Prepared;
+use base::text::Location;
 use judge::profile::Op;
 use judge::verdict::diagnosis::in_one_line;
 use judge::verdict::{Doubts, Reason};
@@ -17,7 +18,7 @@ pub struct Doubtful {
     /// Name of the operation, as profiles list it.
     pub op: Option<Op>,
     /// File, line and column of the operation.
-    pub at: Option<String>,
+    pub at: Option<Location>,
     /// The author's text there.
     pub text: String,
     /// The macro that is used there, where the operation is in what it expands to.
@@ -58,7 +59,7 @@ pub(super) fn doubtful(prepared: &Prepared, doubts: &Doubts) -> Doubtful {
     Doubtful {
         reason: *reason,
         op: *op,
-        at: span.map(|span| file.locate(span.start)),
+        at: span.map(|span| file.location(span.start)),
         text: span.map_or_else(String::new, |span| file.slice(span).to_owned()),
         expansion: span.and_then(|span| file.expansion(span)).map(|expansion| expansion.name.to_string()),
         args: args.clone(),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::part::Counted;
 use super::trial::Trial;
 use super::{Prepared, Request};
+use base::text::Location;
 use judge::verdict::diagnosis::in_one_line;
 use judge::verdict::{BatchVerdict, Edges, Question, edges, judge_batch};
 use lanes::LaneError;
@@ -21,7 +22,7 @@ const PILOT: u64 = 512;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Asked {
     /// File, line and column.
-    pub at: Option<String>,
+    pub at: Option<Location>,
     /// The author's text there.
     pub text: String,
     /// The macro that is used there, where the question is in what it expands to.
@@ -160,7 +161,7 @@ fn asked(prepared: &Prepared, found: &Edges) -> Vec<Asked> {
         let (met, missed): (Vec<_>, Vec<_>) = classes.partition(|(k, _)| met >> k & 1 == 1);
         let names = |list: Vec<(usize, &&str)>| list.into_iter().map(|(_, name)| (*name).to_owned()).collect();
         Asked {
-            at: span.map(|span| file.locate(span.start)),
+            at: span.map(|span| file.location(span.start)),
             text: span.map_or_else(String::new, |span| file.slice(span).to_owned()),
             expansion: span.and_then(|span| file.expansion(span)).map(|expansion| expansion.name.to_string()),
             comparison: question.is_comparison(),

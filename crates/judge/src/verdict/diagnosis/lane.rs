@@ -97,7 +97,7 @@ fn culprit(
 
 fn place(probed: &Probed, point: usize) -> Place {
     let file = &probed.program.file;
-    let nowhere = || Place { at: file.name().to_owned(), text: String::new(), line: String::new(), expansion: None };
+    let nowhere = || Place { at: file.name().into(), text: String::new(), line: String::new(), expansion: None };
     probed.points[point].span.map_or_else(nowhere, |span| Place::of(file, span))
 }
 

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use crate::profile::Op;
-use base::text::{SourceFile, Span, printable};
+use base::text::{Location, SourceFile, Span, printable};
 use base::value::F32Bits;
 
 pub use lane::{Suspected, lane};
@@ -23,7 +23,7 @@ pub use witness::{CrossCheck, Fault, NONE, Stand, Witness, stand};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
     /// File, line and column.
-    pub at: String,
+    pub at: Location,
     /// The text that stands there; empty where nothing of the author's does.
     pub text: String,
     /// The line of the file in which it begins; empty where nothing of the author's stands.
@@ -37,7 +37,7 @@ impl Place {
     /// The place of a span of a text.
     pub fn of(file: &SourceFile, span: Span) -> Self {
         Self {
-            at: file.locate(span.start),
+            at: file.location(span.start),
             text: file.slice(span).to_owned(),
             line: file.line_at(span.start),
             expansion: file.expansion(span).map(|expansion| expansion.name.to_string()),
@@ -55,7 +55,7 @@ impl fmt::Display for Place {
         if !self.text.is_empty() {
             write!(f, "`{}` at ", in_one_line(&self.text))?;
         }
-        f.write_str(&self.at)?;
+        write!(f, "{}", self.at)?;
         self.expansion.as_ref().map_or(Ok(()), |name| write!(f, ", in the expansion of `{name}`"))
     }
 }
