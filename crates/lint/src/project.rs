@@ -145,7 +145,7 @@ pub struct ShaderFile {
 impl ShaderFile {
     fn new(input: &Input, stage: Stage) -> Self {
         let parsed = version::read(&input.file, stage);
-        let claimed = |d| super::glsl::t011::claim(&parsed.shader, d);
+        let claimed = |d| super::glsl::hlsl_name::claim(&parsed.shader, d);
         let front_end = parsed.diagnostics.into_iter().map(claimed).collect();
         Self {
             file: parsed.shader.file().clone(),

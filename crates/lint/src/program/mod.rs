@@ -1,17 +1,19 @@
 //! Programs: shaders that are linked together, and rules on them.
 
 mod find;
-pub(super) mod i001;
-pub(super) mod i002;
-pub(super) mod i003;
-pub(super) mod i004;
-pub(super) mod i006;
-pub(super) mod i007;
-pub(super) mod i008;
-pub(super) mod i009;
 mod link;
 #[cfg(test)]
 mod tests;
+
+// Rules: each in a folder with its name, with its pages.
+pub(super) mod block_drift;
+pub(super) mod frag_output_locations;
+pub(super) mod geometry_bypass;
+pub(super) mod input_without_producer;
+pub(super) mod interface_type_mismatch;
+pub(super) mod interpolation_mismatch;
+pub(super) mod output_without_consumer;
+pub(super) mod uniform_type_conflict;
 
 use syntax::Stage;
 use syntax::interface::Variable;

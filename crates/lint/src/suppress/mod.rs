@@ -5,8 +5,10 @@
 mod parse;
 #[cfg(test)]
 mod tests;
-pub(super) mod x001;
-pub(super) mod x002;
+
+// Rules: each in a folder with its name, with its pages.
+pub(super) mod bad_suppression;
+pub(super) mod unused_suppression;
 
 use base::diagnostic::Diagnostic;
 use base::text::{SourceFile, Span};

@@ -3,7 +3,7 @@
 use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
 
-use super::d003::stores;
+use super::output_never_written::stores;
 use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 /// The rule.

@@ -3,7 +3,7 @@
 use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
 
-use super::d006::hidden_words;
+use super::unused_variable::hidden_words;
 use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 /// The rule.

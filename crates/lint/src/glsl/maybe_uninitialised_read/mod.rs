@@ -5,7 +5,7 @@ use crate::project::ShaderFile;
 use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use base::diagnostic::{Code, Severity};
 
-use super::d001::tell;
+use super::uninitialised_read::tell;
 
 /// The rule.
 pub const RULE: Rule = Rule {

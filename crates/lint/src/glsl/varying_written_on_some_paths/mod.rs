@@ -4,7 +4,7 @@ use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity};
 use syntax::Stage;
 
-use super::d004::tell;
+use super::output_written_on_some_paths::tell;
 use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 /// The rule.

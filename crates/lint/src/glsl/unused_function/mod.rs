@@ -7,7 +7,7 @@ use syntax::ast::{ItemKind, TypeKind};
 use syntax::symbols::CallTarget;
 use syntax::{Stage, TokenKind};
 
-use super::d006::hidden_words;
+use super::unused_variable::hidden_words;
 use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 
 /// The rule.

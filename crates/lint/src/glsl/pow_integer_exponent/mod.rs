@@ -5,8 +5,8 @@ use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
-use super::n001::{factors, hazard};
 use super::numeric::{bare, calls, constant, in_place, is_plain, is_simple};
+use super::pow_negative_base::{factors, hazard};
 
 /// The rule.
 pub const RULE: Rule = Rule {

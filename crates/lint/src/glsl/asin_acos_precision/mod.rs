@@ -5,7 +5,7 @@ use crate::range::Visit;
 use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
 use base::diagnostic::{Code, Severity, message};
 
-use super::n006;
+use super::acos_asin_domain;
 use super::numeric::calls;
 
 /// The rule.
@@ -59,7 +59,9 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
     for call in calls(shader, &["acos", "asin"]) {
-        if n006::hazard(&observed, call.id).is_some() || !observed.visits(call.id).iter().any(reaches_an_end) {
+        if acos_asin_domain::hazard(&observed, call.id).is_some()
+            || !observed.visits(call.id).iter().any(reaches_an_end)
+        {
             continue;
         }
         let name = call.name;
