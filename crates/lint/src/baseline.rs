@@ -9,6 +9,8 @@ use thiserror::Error;
 use base::diagnostic::Diagnostic;
 use base::text::fingerprint;
 
+use super::registry::by_code;
+
 /// Version of the form of the file.
 const VERSION: u32 = 1;
 
@@ -26,7 +28,7 @@ pub struct Baseline {
 pub struct Known {
     /// Path of the file, with `/`, from the folder of the baseline.
     pub file: String,
-    /// Code of the rule.
+    /// Code of the rule; a file may have its name instead.
     pub rule: String,
     /// [`fingerprint`] of the line in which the findings begin, in hexadecimal digits.
     pub fingerprint: String,
@@ -83,7 +85,12 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`] for text that is not JSON, has other keys, or is of another version.
     pub fn parse(text: &str) -> Result<Self, BaselineError> {
-        let baseline: Self = serde_json::from_str(text)?;
+        let mut baseline: Self = serde_json::from_str(text)?;
+        for known in &mut baseline.findings {
+            if let Some(rule) = by_code(&known.rule) {
+                known.rule = rule.code.0.to_owned();
+            }
+        }
         if baseline.version == VERSION { Ok(baseline) } else { Err(BaselineError::Version(baseline.version)) }
     }
 
@@ -215,6 +222,12 @@ mod tests {
         assert_eq!(pruned.len(), 1);
         assert!(pruned.cover(found, path, all).stale.is_empty());
         assert!(baseline.cover(Vec::new(), path, |_, _| false).stale.is_empty(), "not looked for");
+    }
+
+    #[test]
+    fn a_rule_may_stand_by_its_name() {
+        let text = old().to_text().replace("N014", "low-precision-pi");
+        assert_eq!(Baseline::parse(&text).unwrap(), old());
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub mod fix;
 mod flow;
 mod glsl;
 mod host;
+mod page;
 mod program;
 mod project;
 mod range;
@@ -23,9 +24,10 @@ mod tests;
 mod version;
 
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
+pub use page::{Example, Pages};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
-pub use registry::{RULES, by_code, nearest_codes};
-pub use rule::{Example, Japanese, Level, Page, Rule};
+pub use registry::{RULES, by_code, nearest, with_name};
+pub use rule::{Level, Rule};
 pub use select::{PerFile, SelectError, Selection};
 
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};

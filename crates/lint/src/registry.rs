@@ -1,4 +1,4 @@
-//! All rules. A rule is one file and one line here.
+//! All rules. A rule is one folder, with its code and its pages, and one line here.
 
 use super::rule::Rule;
 use super::{glsl, host, program, suppress};
@@ -122,24 +122,32 @@ pub const RULES: &[&Rule] = &[
     &suppress::bad_suppression::RULE,
 ];
 
-/// The rule with this code or name; letters may be small or capital.
+/// The rule with this code or name; letters may be small or capital, and `_` counts as `-`.
 pub fn by_code(given: &str) -> Option<&'static Rule> {
-    RULES.iter().copied().find(|r| r.code.0.eq_ignore_ascii_case(given) || r.name.eq_ignore_ascii_case(given))
+    RULES.iter().copied().find(|r| r.is_called(given))
 }
 
-/// Up to three codes that look most like `given`, or whose names do.
-pub fn nearest_codes(given: &str) -> Vec<&'static str> {
+/// A code as people are shown it: with the name of its rule, when a rule has it.
+pub fn with_name(code: &str) -> String {
+    match by_code(code) {
+        Some(rule) => format!("{} {}", rule.code, rule.name),
+        None => code.to_owned(),
+    }
+}
+
+/// Up to three rules whose codes or names look most like `given`, as [`with_name`] writes them.
+pub fn nearest(given: &str) -> Vec<String> {
     let mut scored: Vec<(f64, &'static str)> = RULES
         .iter()
         .map(|r| {
             let code = strsim::normalized_damerau_levenshtein(&given.to_ascii_uppercase(), r.code.0);
-            let name = strsim::normalized_damerau_levenshtein(&given.to_ascii_lowercase(), r.name);
-            (code.max(name), r.code.0)
+            let name = given.to_ascii_lowercase().replace('_', "-");
+            (code.max(strsim::normalized_damerau_levenshtein(&name, r.name)), r.code.0)
         })
         .filter(|&(score, _)| score >= 0.5)
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
-    scored.into_iter().take(3).map(|(_, code)| code).collect()
+    scored.into_iter().take(3).map(|(_, code)| with_name(code)).collect()
 }
 
 #[cfg(test)]
@@ -149,7 +157,7 @@ mod tests {
     use super::*;
     use crate::Input;
     use crate::tests::at_its_level;
-    use base::diagnostic::Diagnostic;
+    use base::diagnostic::{Diagnostic, Lang};
     use base::text::SourceFile;
 
     #[test]
@@ -167,19 +175,18 @@ mod tests {
             assert!(digits.len() == 3 && digits.bytes().all(|b| b.is_ascii_digit()), "{code}");
             assert!(rule.name.contains('-'), "{code}: {}", rule.name);
             assert!(rule.name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-'), "{code}: {}", rule.name);
-            for (part, text) in [("summary", rule.summary), ("what", rule.page.what), ("why", rule.page.why)] {
+            let pages = &rule.pages;
+            let parts = |lang| [("summary", pages.summary(lang)), ("what", pages.what(lang)), ("why", pages.why(lang))];
+            for (part, text) in parts(Lang::En) {
                 assert!(text.len() > 20, "{code}: {part} is too short to be one");
             }
-            assert!(!rule.summary.ends_with('.') && !rule.summary.contains('\n'), "{code}: summary is one line");
-            let fix = rule.page.fix.to_lowercase();
+            let fix = pages.fix(Lang::En).to_lowercase();
             assert!(["safe", "unsafe", "no fix"].iter().any(|w| fix.contains(w)), "{code}: the fix states its safety");
             let japanese = |text: &str| text.chars().any(|c| ('\u{3040}'..='\u{30ff}').contains(&c));
-            let ja = &rule.page.ja;
-            for (part, text) in [("summary", ja.summary), ("what", ja.what), ("why", ja.why), ("fix", ja.fix)] {
-                assert!(japanese(text), "{code}: {part} in Japanese");
+            for (part, text) in parts(Lang::Ja).into_iter().chain([("fix", pages.fix(Lang::Ja))]) {
+                assert!(japanese(&text), "{code}: {part} in Japanese");
             }
-            assert!(!rule.page.references.is_empty(), "{code}: no reference");
-            assert!(!rule.page.bad.is_empty() && !rule.page.good.is_empty(), "{code}: no example");
+            assert!(!pages.bad().is_empty() && !pages.good().is_empty(), "{code}: no example");
         }
     }
 
@@ -194,7 +201,7 @@ mod tests {
             let told = |found: &[Diagnostic]| -> Vec<String> {
                 found.iter().map(|d| format!("{} {}: {}", d.code, d.file.locate(d.span.start), d.message)).collect()
             };
-            let bad = lint(rule.page.bad);
+            let bad = lint(&rule.pages.bad());
             match bad.as_slice() {
                 [one] if one.code == rule.code => {
                     let advice = one.fix.as_ref().map(|f| &f.title).or(one.help.as_ref());
@@ -208,7 +215,7 @@ mod tests {
                 }
                 _ => wrong.push(format!("bad example of {}: {:#?}", rule.code, told(&bad))),
             }
-            let good = lint(rule.page.good);
+            let good = lint(&rule.pages.good());
             if !good.is_empty() {
                 wrong.push(format!("good example of {}: {:#?}", rule.code, told(&good)));
             }
@@ -217,11 +224,25 @@ mod tests {
     }
 
     #[test]
+    fn the_folder_of_a_rule_has_its_name() {
+        for rule in RULES {
+            let folder = rule.name.replace('-', "_");
+            let wings = ["glsl", "host", "program", "suppress"];
+            let code = wings.map(|wing| std::fs::read_to_string(format!("src/{wing}/{folder}/mod.rs")).ok());
+            let code = code.into_iter().flatten().next().unwrap_or_else(|| panic!("no folder {folder}"));
+            assert!(code.contains(&format!("code: Code(\"{}\")", rule.code)), "{folder} is another rule");
+        }
+    }
+
+    #[test]
     fn rules_are_found_by_code_and_name() {
         assert_eq!(by_code("t001").map(|r| r.code.0), Some("T001"));
         assert_eq!(by_code("low-precision-pi").map(|r| r.code.0), Some("N014"));
+        assert_eq!(by_code("Low_Precision_PI").map(|r| r.code.0), Some("N014"));
         assert!(by_code("T999").is_none());
-        assert_eq!(nearest_codes("T01").first(), Some(&"T001"));
-        assert!(nearest_codes("zzzzzzzz").is_empty());
+        assert_eq!(nearest("T01").first().map(String::as_str), Some("T001 constructor-too-many-args"));
+        assert_eq!(nearest("low_precision_p").first().map(String::as_str), Some("N014 low-precision-pi"));
+        assert!(nearest("zzzzzzzz").is_empty());
+        assert_eq!((with_name("t001"), with_name("E001")), ("T001 constructor-too-many-args".into(), "E001".into()));
     }
 }

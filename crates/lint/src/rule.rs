@@ -8,6 +8,7 @@ use base::diagnostic::{Code, Diagnostic, Message, Severity};
 use base::text::{SourceFile, Span};
 
 use super::host::HostFile;
+pub use super::page::Pages;
 use super::program::Program;
 use super::project::{Project, ShaderFile};
 use super::suppress::Suppressions;
@@ -22,10 +23,8 @@ pub struct Rule {
     pub severity: Severity,
     /// From which level on it runs.
     pub level: Level,
-    /// What it finds, in one line without a full stop.
-    pub summary: &'static str,
     /// Its page of the manual.
-    pub page: Page,
+    pub pages: Pages,
     /// How it looks.
     pub(super) check: Check,
 }
@@ -40,44 +39,6 @@ pub enum Level {
     Strict,
     /// Guesses by names and habits.
     Heuristic,
-}
-
-/// The parts of a page in Japanese.
-pub struct Japanese {
-    /// As [`Rule::summary`].
-    pub summary: &'static str,
-    /// As [`Page::what`].
-    pub what: &'static str,
-    /// As [`Page::why`].
-    pub why: &'static str,
-    /// As [`Page::fix`].
-    pub fix: &'static str,
-}
-
-/// A rule's page of the manual.
-pub struct Page {
-    /// What the rule reports, and where it stays silent.
-    pub what: &'static str,
-    /// Why that is wrong or what happens.
-    pub why: &'static str,
-    /// Files in which the rule reports, and no other rule does.
-    pub bad: &'static [Example],
-    /// The same files repaired: no rule reports.
-    pub good: &'static [Example],
-    /// What the fix does and whether it is safe.
-    pub fix: &'static str,
-    /// Where the facts come from.
-    pub references: &'static [&'static str],
-    /// The page in Japanese.
-    pub ja: Japanese,
-}
-
-/// A file of an example.
-pub struct Example {
-    /// Its name; the ending gives the language and the stage.
-    pub name: &'static str,
-    /// Its text.
-    pub text: &'static str,
 }
 
 /// What a rule looks at.
@@ -102,6 +63,11 @@ pub(super) enum Check {
 }
 
 impl Rule {
+    /// True for its code and for its name. Letters may be small or capital, and `_` counts as `-`.
+    pub(super) fn is_called(&self, given: &str) -> bool {
+        self.code.0.eq_ignore_ascii_case(given) || self.name.eq_ignore_ascii_case(&given.replace('_', "-"))
+    }
+
     /// Runs rules over the reported files of a project, on all cores. One shader after the other goes through all
     /// rules on shaders, so that what they work out for it can be forgotten again.
     pub(super) fn check_all(

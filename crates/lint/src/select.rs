@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use super::registry::{RULES, nearest_codes};
+use super::registry::{RULES, by_code, nearest};
 use super::rule::Level;
 
 /// Why a selection is refused.
@@ -15,12 +15,12 @@ pub enum SelectError {
     Unknown {
         /// What was given.
         given: String,
-        /// Codes that look like it.
-        nearest: Vec<&'static str>,
+        /// Rules that look like it.
+        nearest: Vec<String>,
     },
 }
 
-fn hint(nearest: &[&'static str]) -> String {
+fn hint(nearest: &[String]) -> String {
     if nearest.is_empty() { String::new() } else { format!(" (did you mean {}?)", nearest.join(", ")) }
 }
 
@@ -98,9 +98,9 @@ fn code(given: &str) -> Result<String, SelectError> {
     if !upper.is_empty() && (front_end || RULES.iter().any(|r| r.code.0.starts_with(&upper))) {
         return Ok(upper);
     }
-    match RULES.iter().find(|r| r.name.eq_ignore_ascii_case(given)) {
+    match by_code(given) {
         Some(rule) => Ok(rule.code.0.to_owned()),
-        None => Err(SelectError::Unknown { given: given.to_owned(), nearest: nearest_codes(given) }),
+        None => Err(SelectError::Unknown { given: given.to_owned(), nearest: nearest(given) }),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The listings as printed, and the laws that hold for every fix.
 
 use super::fix::{Outcome, fix, fix_with};
-use super::rule::{Check, Findings, Japanese, Level, Page, Rule};
+use super::page::tests::NO_PAGES;
+use super::rule::{Check, Findings, Level, Rule};
 use super::{Input, RULES, Selection, Settings, run, run_rules, run_with};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity};
 use base::text::{Edit, SourceFile, Span};
@@ -168,7 +169,7 @@ fn line_ends_are_kept() {
 #[test]
 fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
     for rule in RULES {
-        let files: Vec<Input> = rule.page.bad.iter().map(|e| Input::new(SourceFile::new(e.name, e.text))).collect();
+        let files: Vec<Input> = rule.pages.bad().iter().map(|e| Input::new(SourceFile::new(e.name, e.text))).collect();
         let settings = alone(rule);
         let has_fix = run_with(&files, &settings).iter().any(|d| d.fix.is_some());
         let outcome = fix(&files, &settings, Safety::Unsafe);
@@ -179,7 +180,7 @@ fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
             for (file, good) in outcome
                 .files
                 .iter()
-                .filter_map(|f| rule.page.good.iter().find(|g| g.name == f.after.name()).map(|g| (f, g)))
+                .filter_map(|f| rule.pages.good().into_iter().find(|g| g.name == f.after.name()).map(|g| (f, g)))
             {
                 assert_eq!(file.after.text(), good.text, "{}: the fix gives the good example", rule.code);
             }
@@ -245,17 +246,13 @@ fn errors_of_the_front_end_stand_in_the_same_list() {
 
 // Planted rules: the engine's own alarms.
 
-const PAGE: Page = Page { what: "", why: "", bad: &[], good: &[], fix: "", references: &[], ja: JAPANESE };
-const JAPANESE: Japanese = Japanese { summary: "", what: "", why: "", fix: "" };
-
 const fn planted(code: &'static str, check: fn(&SourceFile, &mut Findings<'_>)) -> Rule {
     Rule {
         code: Code(code),
         name: "planted-rule",
         severity: Severity::Warning,
         level: Level::Default,
-        summary: "",
-        page: PAGE,
+        pages: NO_PAGES,
         check: Check::Text(check),
     }
 }

@@ -4,6 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 
 use base::diagnostic::{Diagnostic, Fix, Label, Lang, Safety, Severity};
 use base::text::{SourceFile, Span};
+use lint::with_name;
 
 /// One diagnostic with an excerpt of the text, why it is wrong, and what to do. Ends with a line break.
 pub fn text(diagnostic: &Diagnostic, lang: Lang, color: bool) -> String {
@@ -26,7 +27,8 @@ pub fn text(diagnostic: &Diagnostic, lang: Lang, color: bool) -> String {
         let context = AnnotationKind::Context.span(excerpt.range(label.span));
         snippet = snippet.annotation(context.label(label.message.in_lang(lang)));
     }
-    let mut group = Group::with_title(level.primary_title(d.message.in_lang(lang)).id(d.code.0)).element(snippet);
+    let mut group =
+        Group::with_title(level.primary_title(d.message.in_lang(lang)).id(with_name(d.code.0))).element(snippet);
     for label in d.related.iter().filter(|l| l.file != d.file) {
         let excerpt = Excerpt::of(&label.file, label.span);
         let context = AnnotationKind::Context.span(excerpt.range(label.span)).label(label.message.in_lang(lang));
@@ -127,7 +129,7 @@ mod tests {
     fn text_says_what_where_why_and_what_to_do() {
         let text = text(&sample(), Lang::En, false);
         for part in [
-            "error[T001]: too few",
+            "error[T001 constructor-too-many-args]: too few",
             "側/円柱.vert:2:21",
             "makes a `vec3`",
             "b.frag:2:5",

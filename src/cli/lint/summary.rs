@@ -57,6 +57,7 @@ pub fn known(count: usize, lang: Lang) -> String {
 /// What the baseline knows and is gone.
 pub fn stale(rule: &str, file: &str, line: &str, count: usize, lang: Lang) -> String {
     let times = if count == 1 { String::new() } else { format!(" ({count})") };
+    let rule = lint::with_name(rule);
     let told = message!(
         "no longer found: {rule} in {file}{times}: {line}",
         "すでに見つからない指摘: {file} の {rule}{times}: {line}"

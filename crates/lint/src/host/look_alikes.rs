@@ -210,7 +210,7 @@ fn stages_of_files_and_constants() {
 #[test]
 fn every_message_of_a_bad_example_is_in_both_languages() {
     for rule in crate::RULES.iter().filter(|r| r.code.0.starts_with(['H', 'I'])) {
-        let inputs: Vec<Input> = rule.page.bad.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
+        let inputs: Vec<Input> = rule.pages.bad().iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
         let selection = Selection::new(&[rule.code.0.to_owned()], &[]).unwrap();
         for d in run_with(&inputs, &Settings { selection, ..Settings::default() }) {
             let help = d.help.iter().chain(d.why.iter()).chain(d.fix.iter().map(|f| &f.title));

@@ -1,6 +1,6 @@
 //! Comments that silence findings: `// shadercheck: ignore[N014] reason` for a line, and
-//! `// shadercheck: ignore-file[N014] reason` for a file. Codes are required, so that a comment says
-//! what it is for and nothing else is silenced with it.
+//! `// shadercheck: ignore-file[N014] reason` for a file. Rules are required, by code or name, so that a
+//! comment says what it is for and nothing else is silenced with it.
 
 mod parse;
 #[cfg(test)]

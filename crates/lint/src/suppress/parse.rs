@@ -1,6 +1,6 @@
 //! The text of one comment that silences.
 
-use crate::registry::{by_code, nearest_codes};
+use crate::registry::nearest;
 use crate::rule::Rule;
 use base::text::{SourceFile, Span};
 use syntax::errors;
@@ -25,19 +25,12 @@ pub(crate) enum Cause {
     NoCodes(String),
     /// The bracket is not closed.
     Unclosed,
-    /// No rule has this code.
-    UnknownCode {
+    /// No rule has this code or name.
+    UnknownRule {
         /// As written.
         given: String,
-        /// Codes that look like it.
-        nearest: Vec<&'static str>,
-    },
-    /// The name of a rule stands where its code belongs.
-    NameOfRule {
-        /// As written.
-        given: String,
-        /// The code.
-        code: &'static str,
+        /// Rules that look like it.
+        nearest: Vec<String>,
     },
 }
 
@@ -117,15 +110,10 @@ fn states_domain(body: &str) -> bool {
     words.any(|word| LAWS.contains(&word) || word.starts_with(['<', '>'])) && !body.starts_with("ignore")
 }
 
-/// The code as the registry has it.
+/// The code, as the registry has it, of what is given by its code or name.
 fn known(given: &str, rules: &[&'static Rule]) -> Result<&'static str, Cause> {
-    let rule = rules.iter().map(|r| r.code.0).find(|c| c.eq_ignore_ascii_case(given));
+    let rule = rules.iter().find(|r| r.is_called(given)).map(|r| r.code.0);
     let front_end = || errors::ALL.iter().map(|(code, _)| code.0).find(|c| c.eq_ignore_ascii_case(given));
-    if let Some(code) = rule.or_else(front_end) {
-        return Ok(code);
-    }
-    match by_code(given) {
-        Some(rule) => Err(Cause::NameOfRule { given: given.to_owned(), code: rule.code.0 }),
-        None => Err(Cause::UnknownCode { given: given.to_owned(), nearest: nearest_codes(given) }),
-    }
+    let unknown = || Cause::UnknownRule { given: given.to_owned(), nearest: nearest(given) };
+    rule.or_else(front_end).ok_or_else(unknown)
 }

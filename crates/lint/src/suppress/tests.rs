@@ -49,6 +49,14 @@ fn a_whole_file_is_silenced_from_anywhere() {
 }
 
 #[test]
+fn a_rule_is_silenced_by_its_name_as_by_its_code() {
+    for rule in ["N014", "n014", "low-precision-pi", "Low_Precision_Pi"] {
+        told(&format!("{LITERAL} // shadercheck: ignore[{rule}] digits of the data sheet"), &[]);
+        told(&format!("  // shadercheck: ignore-file[{rule}]\n{LITERAL}"), &[]);
+    }
+}
+
+#[test]
 fn errors_of_the_front_end_are_silenced_by_their_codes() {
     told("  float th = turn + nowhere;", &["E020"]);
     told("  float th = turn + nowhere; // shadercheck: ignore[E020] a macro of the loader", &[]);
@@ -56,7 +64,7 @@ fn errors_of_the_front_end_are_silenced_by_their_codes() {
 
 #[test]
 fn host_code_has_the_same_comments() {
-    let example = by_code("H003").unwrap().page.bad;
+    let example = by_code("H003").unwrap().pages.bad();
     let files = |comment: &str| {
         let above = |text: &str| text.replace("\n  glUniform", &format!("\n  {comment}\n  glUniform"));
         example.iter().map(|e| Input::new(SourceFile::new(e.name, above(e.text)))).collect::<Vec<_>>()
@@ -72,9 +80,9 @@ fn host_code_has_the_same_comments() {
 #[test]
 fn what_cannot_be_read_is_told_with_its_place() {
     for (comment, message) in [
-        ("shadercheck: ignore", "names no code"),
-        ("shadercheck: ignore[]", "names no code"),
-        ("shadercheck: ignore N014", "names no code"),
+        ("shadercheck: ignore", "names no rule"),
+        ("shadercheck: ignore[]", "names no rule"),
+        ("shadercheck: ignore N014", "names no rule"),
         ("shadercheck: ignore[N014", "not closed"),
         ("shadercheck: ignroe[N014]", "`ignroe`"),
         ("shadercheck: ignore[N999]", "`N999`"),
@@ -87,8 +95,10 @@ fn what_cannot_be_read_is_told_with_its_place() {
         assert!(found[0].message.contains(message), "{comment}: {}", found[0].message);
         assert!(found[0].file.slice(found[0].span).len() <= comment.len());
     }
-    let found = run(&shader("  float th = turn; // shadercheck: ignore[N999]"));
-    assert_eq!(found[0].file.slice(found[0].span), "N999");
+    let found = run(&shader("  float th = turn; // shadercheck: ignore[low-precission-pi]"));
+    assert_eq!(found[0].file.slice(found[0].span), "low-precission-pi");
+    let help = found[0].help.as_ref().unwrap();
+    assert!(help.contains("did you mean N014 low-precision-pi"), "{help}");
 }
 
 #[test]
@@ -122,8 +132,8 @@ fn what_is_silenced_is_not_fixed_and_unused_codes_leave_the_list() {
         fixed("  /* shadercheck: ignore[N014] */ float th = turn;", Safety::Unsafe).unwrap(),
         "  float th = turn;"
     );
-    let named = format!("{LITERAL} // shadercheck: ignore[low-precision-pi]");
-    assert_eq!(fixed(&named, Safety::Safe).unwrap(), silenced);
+    let named = format!("{LITERAL} // shadercheck: ignore[low-precision-pi, Integer_Division_Literal]");
+    assert_eq!(fixed(&named, Safety::Unsafe).unwrap(), format!("{LITERAL} // shadercheck: ignore[low-precision-pi]"));
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
             Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
                 for d in diagnostics {
                     let at = d.file.locate(d.span.start);
-                    add(plain("Does not compile", format!("{} [{}]", d.message, d.code.0), Some(at)));
+                    add(plain("Does not compile", format!("{} [{}]", d.message, lint::with_name(d.code.0)), Some(at)));
                 }
             }
             Outcome::Refused(error) => add(plain("Cannot run", error.to_string(), None)),

@@ -3,7 +3,7 @@
 
 use crate::actions::{data, property};
 use base::diagnostic::{Diagnostic, Severity};
-use lint::by_code;
+use lint::with_name;
 
 use super::{Context, Format};
 
@@ -22,10 +22,7 @@ fn command(d: &Diagnostic, context: &Context) -> String {
     };
     let (from, to) = (d.file.position(d.span.start), d.file.position(d.span.end));
     let file = property(context.path(d.file.name()));
-    let title = match by_code(d.code.0) {
-        Some(rule) => property(&format!("{} {}", d.code, rule.name)),
-        None => property(d.code.0),
-    };
+    let title = property(&with_name(d.code.0));
     // Columns are shown for one line alone.
     let end = if from.line == to.line && to.column > from.column {
         format!(",endColumn={}", to.column - 1)

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 
-use crate::page;
 use crate::sarif::{encoded, level, log};
 use base::diagnostic::{Diagnostic, Fix, Lang, Message};
 use base::text::{SourceFile, Span, fingerprint};
@@ -47,13 +46,13 @@ fn descriptors(found: &[Diagnostic], lang: Lang) -> Vec<Value> {
 }
 
 fn descriptor(rule: &Rule, lang: Lang) -> Value {
-    let words = page::words(rule, lang);
+    let pages = &rule.pages;
     json!({
         "id": rule.code.0,
         "name": rule.name,
-        "shortDescription": { "text": words.summary },
-        "fullDescription": { "text": words.what },
-        "help": { "text": words.why, "markdown": page::markdown(rule, lang, false) },
+        "shortDescription": { "text": pages.summary(lang) },
+        "fullDescription": { "text": pages.what(lang) },
+        "help": { "text": pages.why(lang), "markdown": pages.markdown(lang) },
         "defaultConfiguration": { "level": level(rule.severity) },
     })
 }

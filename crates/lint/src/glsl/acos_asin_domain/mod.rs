@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Observed, Range};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::ast::ExprId;
 
@@ -14,37 +14,7 @@ pub const RULE: Rule = Rule {
     name: "acos-asin-domain",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "the argument of `acos` or `asin` can be beyond -1 or 1",
-    page: Page {
-        what: "Reports `acos(x)` and `asin(x)` when the text shows that `x` goes beyond -1 or 1, if only by rounding: \
-               the scalar product of two normalised vectors, a component of one, a declared range. With `--level \
-               strict`, arguments are reported as well whose range goes beyond, but perhaps never comes up. An argument of \
-               which nothing is known is not reported.",
-        why: "The functions are undefined outside [-1, 1]. A normalised vector is 1 long up to rounding only: the \
-              product of two that are parallel may be 1.0000001, and its arc cosine is NaN just where the angle \
-              should be 0.",
-        bad: &[Example {
-            name: "angle.frag",
-            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
-                   float angle = acos(dot(normalize(a), normalize(b)));\n  color = vec4(angle);\n}\n",
-        }],
-        good: &[Example {
-            name: "angle.frag",
-            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
-                   float angle = acos(clamp(dot(normalize(a), normalize(b)), -1.0, 1.0));\n  \
-                   color = vec4(angle);\n}\n",
-        }],
-        fix: "Writes `clamp(x, -1.0, 1.0)`. Unsafe: where the argument is beyond, the result changes.",
-        references: &[
-            "GLSL 4.60 specification, section 8.1 \"Angle and Trigonometry Functions\": undefined if |x| > 1",
-        ],
-        ja: Japanese {
-            summary: "`acos` や `asin` の引数が -1 から 1 の範囲を超えることがあります",
-            what: "`acos(x)` や `asin(x)` の `x` が、丸めによるわずかな分も含めて -1 から 1 の範囲を超えることが本文から分かる場合に報告します。正規化した 2 つのベクトルの内積、その成分、宣言した範囲などです。`--level strict` では、範囲は超えるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
-            why: "これらの関数は [-1, 1] の外では未定義です。正規化したベクトルの長さは丸めの分だけ 1 からずれます。平行な 2 つのベクトルの内積は 1.0000001 になることがあり、角度が 0 になるはずのところで逆余弦が NaN になります。",
-            fix: "`clamp(x, -1.0, 1.0)` と書きます。unsafe: 引数が範囲を超えるところで結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -5,7 +5,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
 use super::context::{Context, Contexts, integer_literal};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -13,35 +13,7 @@ pub const RULE: Rule = Rule {
     name: "ambiguous-overload-int-args",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a built-in function of floats is called with an integer literal",
-    page: Page {
-        what: "Reports integer literals among the arguments of built-in functions whose result is a float, such as \
-            `pow(x, 2)` or `max(x, 0)`. Functions that take integers by themselves, such as `textureLod` offsets or \
-            `ldexp`, are not reported.",
-        why: "The call is found only by implicit conversion. Where a function exists for integers, floats and \
-            doubles, drivers disagree about which one is meant, and GLSL ES has no conversion at all.",
-        bad: &[Example {
-            name: "power.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(max(x, 0));\n}\n",
-        }],
-        good: &[Example {
-            name: "power.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(max(x, 0.0));\n}\n",
-        }],
-        fix: "Appends `.0`. Safe: the value is the same.",
-        references: &[
-            "GLSL 4.60 specification, section 6.1 \"Function Definitions\": resolution of overloads",
-            "GLSL 4.60 specification, section 4.1.10 \"Implicit Conversions\"",
-        ],
-        ja: Japanese {
-            summary: "浮動小数点数の組み込み関数に整数リテラルが渡されています",
-            what: "`pow(x, 2)` や `max(x, 0)` のように、結果が浮動小数点数になる組み込み関数の引数に使われた整数リテラルを報告します。`textureLod` のオフセットや `ldexp` のように、もともと整数を取る引数は報告しません。",
-            why: "この呼び出しは暗黙の変換によってのみ成り立ちます。整数、浮動小数点数、倍精度の版がある関数では、どれが選ばれるかがドライバによって異なり、GLSL ES には変換自体がありません。",
-            fix: "`.0` を付けます。safe: 値は同じです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::Visit;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 use super::acos_asin_domain;
@@ -14,37 +14,7 @@ pub const RULE: Rule = Rule {
     name: "asin-acos-precision",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "`acos` or `asin` is used up to -1 or 1, where it loses half of its digits",
-    page: Page {
-        what: "Reports `acos(x)` and `asin(x)` when the range of `x` reaches -1 or 1, or is not known. What goes \
-               beyond is left to N006 (`acos-asin-domain`). A range that stays away from both ends is not reported.",
-        why: "Near 1 the arc cosine falls with infinite slope: a rounding error of 6e-8 in the argument is an error \
-              of 3.5e-4 in the angle, and small angles cannot be told apart. Devices may be off by another 4e-3 \
-              there. `atan(y, x)` is exact to a few digits for all angles.",
-        bad: &[Example {
-            name: "angle.frag",
-            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
-                   float angle = acos(clamp(dot(a, b), -1.0, 1.0));\n  color = vec4(angle);\n}\n",
-        }],
-        good: &[Example {
-            name: "angle.frag",
-            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
-                   float angle = atan(length(cross(a, b)), dot(a, b));\n  color = vec4(angle);\n}\n",
-        }],
-        fix: "No fix: the other side of the triangle must be computed.",
-        references: &[
-            "Vulkan specification, appendix \"Precision and Operation of SPIR-V Instructions\": asin and acos inherit \
-             from atan2(x, sqrt(1.0 - x * x))",
-            "W. Kahan, \"How Futile are Mindless Assessments of Roundoff in Floating-Point Computation?\", section 12: \
-             angles between vectors",
-        ],
-        ja: Japanese {
-            summary: "桁の半分が失われる -1 や 1 の近くまで `acos`・`asin` を使っています",
-            what: "`x` の範囲が -1 や 1 に達する、または範囲が分からない `acos(x)`・`asin(x)` を報告します。範囲を超えるものは N006（`acos-asin-domain`）が報告します。両端から離れた範囲は報告しません。",
-            why: "逆余弦は 1 の近くで傾きが無限大になります。引数の 6e-8 の丸め誤差が、角度では 3.5e-4 の誤差になり、小さい角度を区別できません。装置の誤差がさらに 4e-3 加わることもあります。`atan(y, x)` なら、どの角度でも末尾の数桁まで正確です。",
-            fix: "自動修正（fix）はありません。三角形のもう一辺を計算する必要があるためです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -1,7 +1,7 @@
 //! T003: a vector or scalar is assigned to one of another size.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 use syntax::types::{ScalarType, Type};
@@ -14,27 +14,7 @@ pub const RULE: Rule = Rule {
     name: "assign-size-mismatch",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a vector or scalar is assigned to one of another size",
-    page: Page {
-        what: "Reports assignments, initialisers and `return` values where vectors or scalars have different numbers of components, as in `vec4 q = p.xyz;`.",
-        why: "GLSL neither cuts nor fills a vector in an assignment: the shader does not compile.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = vec4(position, 1.0);\n}\n",
-        }],
-        fix: "A vector of floats that is one component short is wrapped with `0.0` (directions, by name) or `1.0`, and one that is too long gets a swizzle. Unsafe, because what is meant is a guess.",
-        references: &["GLSL 4.60 specification, section 5.8 \"Assignments\""],
-        ja: Japanese {
-            summary: "大きさの違うベクトルやスカラを代入しています",
-            what: "代入・初期化で、ベクトルやスカラの成分数が合わないもの（`vec4 q = p.xyz;` など）を報告します。",
-            why: "代入でベクトルが切り詰められたり補われたりすることはなく、コンパイルできません。",
-            fix: "一成分足りない浮動小数点ベクトルは `0.0`（方向らしい名前）か `1.0` を補って包み、長すぎるものはスウィズルで切ります。意図は推測なので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -6,7 +6,7 @@ use base::text::Edit;
 use syntax::ast::{Condition, ExprId, ExprKind, StmtKind};
 
 use super::walk::statements;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -14,32 +14,7 @@ pub const RULE: Rule = Rule {
     name: "assignment-in-condition",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a condition assigns instead of comparing",
-    page: Page {
-        what: "Reports `=` as the condition of `if`, `while`, `for`, `do` and `?:`. An assignment in parentheses of \
-            its own, `while ((b = next()))`, is taken as meant.",
-        why: "The condition is the assigned value, and the variable is overwritten. `==` is what is usually meant.",
-        bad: &[Example {
-            name: "flag.frag",
-            text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
-            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b = true) color = vec4(1.0);\n  \
-            color.a = b ? 1.0 : 0.5;\n}\n",
-        }],
-        good: &[Example {
-            name: "flag.frag",
-            text: "#version 150 core\nuniform bool lit;\nout vec4 color;\nvoid \
-            main(void)\n{\n  bool b = lit;\n  color = vec4(b ? 0.5 : 0.0);\n  if (b == true) color = vec4(1.0);\n  \
-            color.a = b ? 1.0 : 0.5;\n}\n",
-        }],
-        fix: "Writes `==`. Unsafe: the assignment may be meant.",
-        references: &["GLSL 4.60 specification, section 6.2 \"Selection\""],
-        ja: Japanese {
-            summary: "条件式で比較ではなく代入をしています",
-            what: "`if`、`while`、`for`、`do`、`?:` の条件式が `=` であるものを報告します。`while ((b = next()))` のように括弧を重ねた代入は、意図したものとみなします。",
-            why: "条件は代入された値になり、変数は書き換えられます。ふつうは `==` の書き間違いです。",
-            fix: "`==` と書きます。unsafe: 代入が意図したものかもしれません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! G009: an input primitive stands where an output primitive is needed.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 
@@ -11,27 +11,7 @@ pub const RULE: Rule = Rule {
     name: "bad-output-primitive",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a geometry shader names an input primitive as its output",
-    page: Page {
-        what: "Reports `lines`, `triangles` and their forms with adjacency in `layout(…) out` of a geometry shader.",
-        why: "A geometry shader gives `points`, `line_strip` or `triangle_strip`: the shader does not compile.",
-        bad: &[Example {
-            name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangles, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
-        }],
-        good: &[Example {
-            name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
-        }],
-        fix: "The strip of the same primitive is written. Safe: the text did not compile, and only this strip fits.",
-        references: &["GLSL 4.60 specification, section 4.4.2.2 \"Geometry Outputs\""],
-        ja: Japanese {
-            summary: "ジオメトリシェーダの出力に入力プリミティブの名前が書かれています",
-            what: "ジオメトリシェーダの `layout(…) out` に書かれた `lines`・`triangles` とその隣接付きの名前を報告します。",
-            why: "ジオメトリシェーダの出力は `points`・`line_strip`・`triangle_strip` のいずれかで、コンパイルできません。",
-            fix: "同じ種類のストリップに書き換えます。元はコンパイルできず、当てはまるストリップは一つなので safe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

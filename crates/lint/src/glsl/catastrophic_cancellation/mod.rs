@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Observed, key};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Shader;
@@ -16,32 +16,7 @@ pub const RULE: Rule = Rule {
     name: "catastrophic-cancellation",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a difference of nearly equal numbers loses digits that another form keeps",
-    page: Page {
-        what: "Reports `1.0 - cos(x)`, `sqrt(1.0 - x * x)` and `a * a - b * b`, unless ranges show that the two sides \
-               stay apart.",
-        why: "Both sides are rounded before they are subtracted. Where they are nearly equal, the leading digits \
-              cancel and the rounding errors are what is left: for `x = 0.0002`, `1.0 - cos(x)` is 0 in binary32.",
-        bad: &[Example {
-            name: "bend.vert",
-            text: "#version 330 core\nin vec2 p;\nuniform float angle;\nvoid main()\n{\n  \
-                   gl_Position = vec4(p.x, p.y * (1.0 - cos(angle)), 0.0, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "bend.vert",
-            text: "#version 330 core\nin vec2 p;\nuniform float angle;\nvoid main()\n{\n  \
-                   gl_Position = vec4(p.x, p.y * (2.0 * sin(0.5 * angle) * sin(0.5 * angle)), 0.0, 1.0);\n}\n",
-        }],
-        fix: "Where the operands are variables, writes `2.0 * sin(0.5 * x) * sin(0.5 * x)`, \
-              `sqrt((1.0 - x) * (1.0 + x))` or `(a - b) * (a + b)`. Unsafe: results change in their last digits.",
-        references: &["N. J. Higham, Accuracy and Stability of Numerical Algorithms, section 1.7 \"Cancellation\""],
-        ja: Japanese {
-            summary: "ほぼ等しい数の差で桁が失われます。別の形なら失われません",
-            what: "`1.0 - cos(x)`、`sqrt(1.0 - x * x)`、`a * a - b * b` を報告します。両辺が離れていることが範囲から分かるときは報告しません。",
-            why: "両辺は引き算の前に丸められています。ほぼ等しいときは上位の桁が打ち消し合い、丸め誤差だけが残ります。例えば `x = 0.0002` のとき、binary32 では `1.0 - cos(x)` が 0 になります。",
-            fix: "変数どうしであれば、`2.0 * sin(0.5 * x) * sin(0.5 * x)`、`sqrt((1.0 - x) * (1.0 + x))`、`(a - b) * (a + b)` と書きます。unsafe: 結果の末尾の桁が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

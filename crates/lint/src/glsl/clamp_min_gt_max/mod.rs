@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Observed, Range};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprId;
@@ -15,35 +15,7 @@ pub const RULE: Rule = Rule {
     name: "clamp-min-gt-max",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "limits of `clamp` or edges of `smoothstep` are in the wrong order",
-    page: Page {
-        what: "Reports `clamp(x, lo, hi)` where `lo` is always greater than `hi`, and `smoothstep(e0, e1, x)` where \
-               `e0` is always greater than `e1` or equal to it. Limits whose order is not known are not reported.",
-        why: "Both are undefined then. A reversed `smoothstep` falls from 1 to 0 on many devices, because they \
-              compute the polynomial without a look at the order; others need not.",
-        bad: &[Example {
-            name: "disc.frag",
-            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(smoothstep(1.0, 0.9, length(p)));\n}\n",
-        }],
-        good: &[Example {
-            name: "disc.frag",
-            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(1.0 - smoothstep(0.9, 1.0, length(p)));\n}\n",
-        }],
-        fix: "Writes `1.0 - smoothstep(e1, e0, x)`, or swaps the limits of `clamp`. Unsafe: what an undefined call \
-              gave is not known.",
-        references: &[
-            "GLSL 4.60 specification, section 8.3 \"Common Functions\": clamp is undefined if minVal > maxVal, \
-             smoothstep if edge0 >= edge1",
-        ],
-        ja: Japanese {
-            summary: "`clamp` の下限と上限、または `smoothstep` の両端の順序が逆です",
-            what: "`lo` が常に `hi` より大きい `clamp(x, lo, hi)` と、`e0` が常に `e1` 以上の `smoothstep(e0, e1, x)` を報告します。順序が分からないものは報告しません。",
-            why: "どちらも結果は未定義です。逆向きの `smoothstep` は、多くの装置では順序を調べずに多項式を計算するため 1 から 0 へ下がりますが、そうなる保証はありません。",
-            fix: "`1.0 - smoothstep(e1, e0, x)` と書くか、`clamp` の下限と上限を入れ替えます。unsafe: 未定義の呼び出しが何を返していたかは分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -1,7 +1,7 @@
 //! T002: a constructor gets fewer components than its type has.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::{Callee, ExprKind};
@@ -16,27 +16,7 @@ pub const RULE: Rule = Rule {
     name: "constructor-too-few-args",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a constructor gets fewer components than its type has",
-    page: Page {
-        what: "Reports constructors of vectors and matrices whose arguments have fewer components together than the type, as in `vec4(v3)`. One scalar alone, which fills all components, and a matrix made of a matrix are right.",
-        why: "The missing components have no value: the shader does not compile.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = mvp * vec4(position);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = mvp * vec4(position, 1.0);\n}\n",
-        }],
-        fix: "When one component of a vector of floats is missing, it is appended: `0.0` behind what is called a normal or direction, else `1.0`. Unsafe, because the value is a guess.",
-        references: &["GLSL 4.60 specification, section 5.4.2 \"Vector and Matrix Constructors\""],
-        ja: Japanese {
-            summary: "コンストラクタの成分が足りません",
-            what: "ベクトルや行列のコンストラクタで、引数の成分の合計が型の成分数に足りないもの（`vec4(v3)` など）を報告します。全成分を満たすスカラ一つや、行列から作る行列は正しい書き方です。",
-            why: "足りない成分の値が決まらないため、コンパイルできません。",
-            fix: "浮動小数点ベクトルの一成分だけが足りないとき、それを補います。法線や方向らしい名前なら `0.0`、それ以外は `1.0` です。値は推測なので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! T001: a constructor gets more components than its type has.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Shader;
@@ -17,34 +17,7 @@ pub const RULE: Rule = Rule {
     name: "constructor-too-many-args",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a constructor gets arguments beyond the components of its type",
-    page: Page {
-        what: "Reports constructors of scalars, vectors and matrices with an argument that stands behind the last \
-               one that is needed: `vec3(a, b, c, 1.0)`, `vec3(v4, 1.0)`. An argument that is only cut short, as \
-               in `vec3(v4)`, is legal and not reported.",
-        why: "GLSL forbids it, and drivers refuse the shader. Some translators, naga among them, accept it and drop \
-              the argument without a word.",
-        bad: &[Example {
-            name: "cylinder.vert",
-            text: "#version 150 core\nin vec2 parameter;\nuniform mat4 mc;\nvoid main(void)\n{\n  \
-                   vec4 p = vec3(parameter.s, 0.0, parameter.t, 1.0);\n  gl_Position = mc * p;\n}\n",
-        }],
-        good: &[Example {
-            name: "cylinder.vert",
-            text: "#version 150 core\nin vec2 parameter;\nuniform mat4 mc;\nvoid main(void)\n{\n  \
-                   vec4 p = vec4(parameter.s, 0.0, parameter.t, 1.0);\n  gl_Position = mc * p;\n}\n",
-        }],
-        fix: "When the value initialises or is assigned to a vector with as many components as are given, the \
-              constructor takes that type. Safe: the text did not compile, and has one sensible reading. \
-              Otherwise the arguments that are too many are removed, which is unsafe.",
-        references: &["GLSL 1.50 specification, section 5.4.2 \"Vector and Matrix Constructors\""],
-        ja: Japanese {
-            summary: "コンストラクタに、型の成分数を超える引数があります",
-            what: "スカラ、ベクトル、行列のコンストラクタで、必要な最後の引数より後ろにある引数を報告します（`vec3(a, b, c, 1.0)`、`vec3(v4, 1.0)` など）。`vec3(v4)` のように引数の一部だけが使われるものは正しい書き方なので報告しません。",
-            why: "GLSL では禁じられており、ドライバはシェーダを受け付けません。naga など一部の変換器は、黙って余分な引数を捨てます。",
-            fix: "値が、与えた数と同じ成分数のベクトルの初期化や代入に使われる場合は、コンストラクタの型をそれに合わせます。元の文はコンパイルできず、妥当な読み方が一つなので safe です。それ以外では余分な引数を削除します。こちらは unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

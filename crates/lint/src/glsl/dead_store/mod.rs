@@ -8,7 +8,7 @@ use syntax::symbols::SymbolKind;
 
 use super::variable::part;
 use super::walk::statements;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,31 +16,7 @@ pub const RULE: Rule = Rule {
     name: "dead-store",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "an assignment has no effect, or a statement is never reached",
-    page: Page {
-        what: "Reports assignments whose value is overwritten or dropped on every path before it is read, and \
-            statements behind `return`, `break`, `continue` or `discard`. Initialisers are not reported, nor \
-            variables that are never read at all, which D006 tells.",
-        why: "What was written here is lost: another variable may be meant, or the later write is too much.",
-        bad: &[Example {
-            name: "mix.frag",
-            text: "#version 150 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(a, 1.0);\n  color = vec4(b, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "mix.frag",
-            text: "#version 150 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid \
-            main(void)\n{\n  color = vec4(a, 1.0);\n  color += vec4(b, 1.0);\n}\n",
-        }],
-        fix: "No fix: which of the two writes is meant is not known.",
-        references: &["GLSL 4.60 specification, sections 5.8 \"Assignments\" and 6.4 \"Jumps\""],
-        ja: Japanese {
-            summary: "代入に効果がないか、文が実行されることがありません",
-            what: "どの経路でも読まれる前に上書きされる、または使われない値の代入と、`return`、`break`、`continue`、`discard` の後ろの文を報告します。初期化は報告しません。一度も読まれない変数は D006 が報告します。",
-            why: "ここで書いた値は失われます。別の変数と取り違えているか、後の書き込みが余計です。",
-            fix: "修正はありません。どちらの書き込みが意図したものかは分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! N013: degrees given to a function that takes radians.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
@@ -14,30 +14,7 @@ pub const RULE: Rule = Rule {
     name: "degrees-as-radians",
     severity: Severity::Info,
     level: Level::Heuristic,
-    summary: "a sine, cosine or tangent gets what looks like degrees",
-    page: Page {
-        what: "Reports `sin`, `cos` and `tan` of a literal that is a usual angle in degrees (30.0, 45.0, 90.0 …) or of \
-               a variable whose name says degrees. It is a guess, and only made with `--level heuristic`.",
-        why: "The functions take radians: `sin(90.0)` is 0.894, not 1.",
-        bad: &[Example {
-            name: "tilt.vert",
-            text: "#version 330 core\nin vec2 p;\nvoid main()\n{\n  \
-                   gl_Position = vec4(p.x * cos(45.0), p.y, 0.0, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "tilt.vert",
-            text: "#version 330 core\nin vec2 p;\nvoid main()\n{\n  \
-                   gl_Position = vec4(p.x * cos(radians(45.0)), p.y, 0.0, 1.0);\n}\n",
-        }],
-        fix: "Writes `radians(x)`. Unsafe: the result changes, which is the purpose.",
-        references: &["GLSL 4.60 specification, section 8.1 \"Angle and Trigonometry Functions\""],
-        ja: Japanese {
-            summary: "正弦、余弦、正接に、度数法の角度らしい値が渡されています",
-            what: "度数法でよく使う角度（30.0、45.0、90.0 など）のリテラル、または度数であることを示す名前の変数を渡している `sin`、`cos`、`tan` を報告します。推測なので、`--level heuristic` のときだけ報告します。",
-            why: "これらの関数の引数はラジアンです。`sin(90.0)` は 1 ではなく 0.894 です。",
-            fix: "`radians(x)` と書きます。unsafe: 結果が変わります。それが目的です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! V003: words that the core profile has replaced.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::{Profile, Stage, TokenPlace};
@@ -12,27 +12,7 @@ pub const RULE: Rule = Rule {
     name: "deprecated-in-profile",
     severity: Severity::Warning,
     level: Level::Strict,
-    summary: "a word is used that later versions have replaced",
-    page: Page {
-        what: "Reports `attribute`, `varying`, the texture functions with a dimension in their name (`texture2D`, `textureCube` …), `gl_FragColor` and `gl_FragData` in shaders of version 1.50 and later without the compatibility profile.",
-        why: "They are deprecated since GLSL 1.30. Many drivers still take them; strict ones, GLSL ES 3.00 and translators do not.",
-        bad: &[Example {
-            name: "a.frag",
-            text: "#version 150 core\nuniform sampler2D image;\nin vec2 uv;\nout vec4 color;\nvoid main(void)\n{\n  color = texture2D(image, uv);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.frag",
-            text: "#version 150 core\nuniform sampler2D image;\nin vec2 uv;\nout vec4 color;\nvoid main(void)\n{\n  color = texture(image, uv);\n}\n",
-        }],
-        fix: "`attribute` becomes `in`, `varying` becomes `in` or `out` by the stage, and the functions get their new names. Safe: the meaning is the same. `gl_FragColor` and `gl_FragData` have no fix.",
-        references: &["GLSL 1.30 specification, section 1.1.2 \"Deprecated Features\""],
-        ja: Japanese {
-            summary: "新しい書き方に置き換えられた語を使っています",
-            what: "互換プロファイルでない 1.50 以降のシェーダで、`attribute`・`varying`、名前に次元の入ったテクスチャ関数（`texture2D`・`textureCube` など）、`gl_FragColor`・`gl_FragData` を報告します。",
-            why: "GLSL 1.30 から非推奨です。多くのドライバは受け付けますが、厳密なものや GLSL ES 3.00、変換器は受け付けません。",
-            fix: "`attribute` は `in`、`varying` はステージに応じて `in` か `out`、関数は新しい名前に書き換えます。意味は同じなので safe です。`gl_FragColor`・`gl_FragData` は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Range};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
@@ -15,36 +15,7 @@ pub const RULE: Rule = Rule {
     name: "division-by-zero",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a number is divided by what can be 0",
-    page: Page {
-        what: "Reports `a / b`, `a % b` and `mod(a, b)` when the text shows that `b` can be 0: a constant, what \
-               `max(…, 0.0)` or `clamp` cut off at 0, a declared range with 0, a count such as `gl_InstanceID`. With \
-               `--level strict`, divisors are reported as well that pass through 0, as a sine does. A divisor of which \
-               nothing is known is not reported.",
-        why: "An integer divided by 0 is undefined. A floating-point number divided by 0 is infinite or NaN where the \
-              device follows IEEE 754, which it need not.",
-        bad: &[Example {
-            name: "shade.frag",
-            text: "#version 330 core\nin float depth;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(1.0 / max(depth, 0.0));\n}\n",
-        }],
-        good: &[Example {
-            name: "shade.frag",
-            text: "#version 330 core\nin float depth;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(1.0 / max(depth, 1e-6));\n}\n",
-        }],
-        fix: "No fix: what the quotient should be is not known.",
-        references: &[
-            "GLSL 4.60 specification, section 4.7.1 \"Range and Precision\": dividing by 0 need not give infinity",
-            "GLSL 4.60 specification, section 5.9 \"Expressions\": integer division by 0 is undefined",
-        ],
-        ja: Japanese {
-            summary: "除数が 0 になりえます",
-            what: "`b` が 0 になりうることが本文から分かる `a / b`、`a % b`、`mod(a, b)` を報告します。定数、`max(…, 0.0)` や `clamp` で 0 に制限したもの、0 を含むと宣言した範囲、`gl_InstanceID` のような番号などです。`--level strict` では、正弦のように 0 を通過する除数も報告します。何も分からない除数は報告しません。",
-            why: "整数を 0 で割った結果は未定義です。浮動小数点数を 0 で割ると、IEEE 754 に従う装置では無限大か NaN になりますが、従うとは限りません。",
-            fix: "自動修正（fix）はありません。商をいくつにすべきか分からないためです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

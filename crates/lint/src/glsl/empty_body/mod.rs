@@ -6,7 +6,7 @@ use base::text::{Edit, Span};
 use syntax::ast::{ItemKind, Stmt, StmtKind};
 
 use super::walk::statements;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -14,30 +14,7 @@ pub const RULE: Rule = Rule {
     name: "empty-body",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a `;` makes an empty body, and the statement behind it runs always",
-    page: Page {
-        what: "Reports `if (c);`, and loops whose body is `;` in front of a block. A loop that does its work in its \
-            head and stands alone is not reported.",
-        why: "The `;` is the whole body: what follows does not depend on the condition, or runs once behind the loop.",
-        bad: &[Example {
-            name: "cut.frag",
-            text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(1.0);\n  if (a > 0.5);\n  {\n    color *= 0.5;\n  }\n}\n",
-        }],
-        good: &[Example {
-            name: "cut.frag",
-            text: "#version 150 core\nin float a;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(1.0);\n  if (a > 0.5)\n  {\n    color *= 0.5;\n  }\n}\n",
-        }],
-        fix: "Removes the `;`. Unsafe: what follows becomes the body.",
-        references: &["GLSL 4.60 specification, section 6 \"Statements and Structure\""],
-        ja: Japanese {
-            summary: "`;` が空の本体になり、続く文が常に実行されます",
-            what: "`if (c);` と、本体が `;` でその直後にブロックが続くループを報告します。頭部だけで処理を行い、単独で立つループは報告しません。",
-            why: "`;` が本体のすべてです。続く文は条件によらず実行されるか、ループの後で 1 回だけ実行されます。",
-            fix: "`;` を削除します。unsafe: 続く文が本体になります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! V010: something that only an extension brings, or an extension that does not exist.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 
@@ -13,27 +13,7 @@ pub const RULE: Rule = Rule {
     name: "extension-not-enabled",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "something needs an extension that is not enabled, or one that does not exist",
-    page: Page {
-        what: "Reports functions and variables that only an extension brings when no `#extension` enables it, and `require` of a name that no vendor can have given to an extension.",
-        why: "Compilers refuse the name, and a required extension that is not there is an error.",
-        bad: &[Example {
-            name: "a.frag",
-            text: "#version 120\nuniform sampler2D image;\nvarying vec2 uv;\nvoid main(void)\n{\n  gl_FragColor = texture2DGradARB(image, uv, uv, uv);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.frag",
-            text: "#version 120\n#extension GL_ARB_shader_texture_lod : enable\nuniform sampler2D image;\nvarying vec2 uv;\nvoid main(void)\n{\n  gl_FragColor = texture2DGradARB(image, uv, uv, uv);\n}\n",
-        }],
-        fix: "The extension that is named is enabled behind `#version`. Safe: the text did not compile, and has one reading. For an extension that does not exist there is no fix.",
-        references: &["GLSL 4.60 specification, section 3.3 \"Preprocessor\""],
-        ja: Japanese {
-            summary: "有効になっていない拡張か、存在しない拡張が必要です",
-            what: "拡張だけが持つ関数・変数を `#extension` なしに使ったもの、どのベンダーの名前でもない拡張の `require` を報告します。",
-            why: "名前はコンパイラに拒否されます。必須の拡張がないこともエラーです。",
-            fix: "名前の分かる拡張を `#version` の後で有効にします。元はコンパイルできず読み方も一つなので safe です。存在しない拡張は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! V002: something that came with a later version.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Profile;
@@ -14,27 +14,7 @@ pub const RULE: Rule = Rule {
     name: "feature-needs-version",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "something is used that came with a later version of the language",
-    page: Page {
-        what: "Reports words, functions, types, operators and qualifiers that the declared version does not have and that no enabled extension brings. When an extension is enabled that is not known here, nothing is reported, because it may bring anything.",
-        why: "Strict compilers refuse the shader; others take it, so that it works on one machine only.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nlayout(location = 0) in vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 330 core\nlayout(location = 0) in vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
-        }],
-        fix: "The number of `#version` is raised to the one that is needed. Unsafe: the context must offer that version, and it may change other things.",
-        references: &["GLSL 1.10 to 4.60 and GLSL ES 1.00 to 3.20 specifications, section 1.2 \"Changes\""],
-        ja: Japanese {
-            summary: "後のバージョンの機能を使っています",
-            what: "宣言したバージョンになく、有効な拡張もない語・関数・型・演算子・修飾子を報告します。未知の拡張が有効なときは、何が増えるか分からないので報告しません。",
-            why: "厳密なコンパイラは拒否し、他は受け付けるため、特定の環境だけで動くことになります。",
-            fix: "`#version` の番号を必要なものに上げます。コンテキストがそのバージョンに対応している必要があり、他の意味も変わり得るので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! T013: floats that are compared for equality.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
@@ -12,32 +12,7 @@ pub const RULE: Rule = Rule {
     name: "float-equality",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "floating-point values are compared with `==` or `!=`",
-    page: Page {
-        what: "Reports `==` and `!=` on floats and on vectors and matrices of them. Comparisons with constants, \
-            such as the test for zero before a division, and of a value with itself, the test for NaN, are not \
-            reported.",
-        why: "Two ways to compute a value differ by rounding, and from device to device: what is equal on one is \
-            not on the other.",
-        bad: &[Example {
-            name: "hit.frag",
-            text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
-            void main(void)\n{\n  color = vec4(a == b ? 1.0 : 0.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "hit.frag",
-            text: "#version 150 core\nin float a;\nin float b;\nout vec4 color;\n\
-            void main(void)\n{\n  color = vec4(abs(a - b) < 1e-5 ? 1.0 : 0.0);\n}\n",
-        }],
-        fix: "No fix: how near is near enough is not known.",
-        references: &["GLSL 4.60 specification, section 4.7.1 \"Range and Precision\""],
-        ja: Japanese {
-            summary: "浮動小数点数が `==` や `!=` で比較されています",
-            what: "浮動小数点数や、そのベクトルと行列に対する `==` と `!=` を報告します。除算の前の 0 の検査のような定数との比較と、NaN の検査である自分自身との比較は報告しません。",
-            why: "同じ値でも計算の仕方や装置が違えば丸めが異なり、ある装置で等しいものが別の装置では等しくなりません。",
-            fix: "修正はありません。どこまで近ければよいかは分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

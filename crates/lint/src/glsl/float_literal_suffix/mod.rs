@@ -1,7 +1,7 @@
 //! T007: a suffix that the version of the language does not have.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::{Profile, TokenKind, TokenPlace};
@@ -12,33 +12,7 @@ pub const RULE: Rule = Rule {
     name: "float-literal-suffix",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a float literal ends in `f`, which this version does not have",
-    page: Page {
-        what: "Reports float literals with the suffix `f` or `F` in shaders that state version 1.10, or 1.00 of \
-            GLSL ES. A file without a version is left alone: the host may put one before it.",
-        why: "The suffix came with GLSL 1.20 and GLSL ES 3.00. Older compilers refuse it.",
-        bad: &[Example {
-            name: "old.frag",
-            text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0f);\n\
-            }\n",
-        }],
-        good: &[Example {
-            name: "old.frag",
-            text: "#version 110\nvoid main(void)\n{\n  gl_FragColor = vec4(1.0);\n\
-            }\n",
-        }],
-        fix: "Removes the suffix. Safe: the value is the same.",
-        references: &[
-            "GLSL 1.20 specification, section 4.1.4 \"Floats\"",
-            "GLSL ES 1.00 specification, section 4.1.4 \"Floats\"",
-        ],
-        ja: Japanese {
-            summary: "浮動小数点リテラルに、この版にはない接尾辞 `f` が付いています",
-            what: "版を 1.10 または GLSL ES 1.00 と明記したシェーダで、接尾辞 `f` や `F` の付いた浮動小数点リテラルを報告します。版の指定がないファイルは、ホストが前に付けるかもしれないので報告しません。",
-            why: "この接尾辞は GLSL 1.20 と GLSL ES 3.00 で加わりました。古いコンパイラは受け付けません。",
-            fix: "接尾辞を削除します。safe: 値は同じです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

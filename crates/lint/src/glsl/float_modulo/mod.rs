@@ -1,7 +1,7 @@
 //! T012: `%` on floating-point operands.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::ast::{BinaryOp, ExprKind};
@@ -14,30 +14,7 @@ pub const RULE: Rule = Rule {
     name: "float-modulo",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "% is used on floating-point operands",
-    page: Page {
-        what: "Reports `%` with a floating-point operand.",
-        why: "The operator takes integers only: the shader does not compile. Some translators, naga among them, accept it.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  float phase = position.x % 2.0;\n  gl_Position = mvp * vec4(position.xy, phase, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  float phase = mod(position.x, 2.0);\n  gl_Position = mvp * vec4(position.xy, phase, 1.0);\n}\n",
-        }],
-        fix: "`mod(a, b)` is written. Safe: the text did not compile, and this is what it means. `%=` has no fix.",
-        references: &[
-            "GLSL 4.60 specification, section 5.9 \"Expressions\"",
-            "GLSL 4.60 specification, section 8.3 \"Common Functions\"",
-        ],
-        ja: Japanese {
-            summary: "浮動小数点数に % を使っています",
-            what: "浮動小数点の項に使われた `%` を報告します。",
-            why: "この演算子は整数専用で、コンパイルできません。naga など一部の変換器は受け付けてしまいます。",
-            fix: "`mod(a, b)` と書き換えます。元はコンパイルできず意味も一つなので safe です。`%=` は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! G007: an input of a geometry shader that is no array.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprKind;
@@ -12,27 +12,7 @@ pub const RULE: Rule = Rule {
     name: "geom-input-not-array",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an input of a geometry shader is no array",
-    page: Page {
-        what: "Reports inputs and input blocks of a geometry shader that are declared without `[]`.",
-        why: "A geometry shader gets the values of all vertices of a primitive, one element for each: the shader does not compile.",
-        bad: &[Example {
-            name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 normal;\nout float n;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    n = dot(normal[i], normal[i]);\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
-        }],
-        good: &[Example {
-            name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nin vec3 normal[];\nout float n;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    n = dot(normal[i], normal[i]);\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
-        }],
-        fix: "`[]` is put behind the name. Safe when every use has an index already; otherwise unsafe, because the uses need an index then.",
-        references: &["GLSL 4.60 specification, section 4.3.4 \"Input Variables\""],
-        ja: Japanese {
-            summary: "ジオメトリシェーダの入力が配列ではありません",
-            what: "`[]` なしに宣言されたジオメトリシェーダの入力変数・入力ブロックを報告します。",
-            why: "ジオメトリシェーダはプリミティブの全頂点の値を、頂点ごとに一要素で受け取るため、コンパイルできません。",
-            fix: "名前の後に `[]` を付けます。全ての使用に既に添字があれば safe、そうでなければ使用にも添字が必要になるので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! T011: a type or function of HLSL.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::Safety;
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 use base::text::Edit;
@@ -15,36 +15,7 @@ pub const RULE: Rule = Rule {
     name: "hlsl-name",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a type or function of HLSL that GLSL calls otherwise",
-    page: Page {
-        what: "Completes the error about an unknown type or function when HLSL has one of that name: `float3`, \
-            `float4x4`, `saturate`, `lerp`, `frac`, `ddx`, `mul` and others. A name that the shader declares itself \
-            is not reported.",
-        why: "GLSL has the same under another name, and no compiler of GLSL knows this one.",
-        bad: &[Example {
-            name: "mix.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(lerp(0.0, 1.0, x));\n}\n",
-        }],
-        good: &[Example {
-            name: "mix.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nvoid main(void)\n\
-            {\n  color = vec4(mix(0.0, 1.0, x));\n}\n",
-        }],
-        fix: "Writes the GLSL name everywhere in the file, and `clamp(x, 0.0, 1.0)` for `saturate(x)`. Safe: the \
-            text did not compile, and has one reading. There is no fix where GLSL has no exact counterpart, as for \
-            `mul`, whose meaning depends on how matrices are stored.",
-        references: &[
-            "Microsoft, HLSL reference, \"Intrinsic Functions\" and \"Vector Type\"",
-            "GLSL 4.60 specification, chapters 4 and 8",
-        ],
-        ja: Japanese {
-            summary: "GLSL では別の名前になる、HLSL の型や関数です",
-            what: "未知の型や関数のエラーのうち、HLSL に同じ名前があるもの（`float3`、`float4x4`、`saturate`、`lerp`、`frac`、`ddx`、`mul` など）に説明を加えます。シェーダ自身が宣言している名前は報告しません。",
-            why: "GLSL では同じものが別の名前になっており、GLSL のコンパイラはこの名前を知りません。",
-            fix: "ファイル全体で GLSL の名前に書き換え、`saturate(x)` は `clamp(x, 0.0, 1.0)` にします。元の文はコンパイルできず、読み方が一つなので safe です。行列の並びによって意味の変わる `mul` のように、GLSL に同じものがない場合は修正がありません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -5,7 +5,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
 use super::context::{Context, Contexts, integer_literal};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -13,31 +13,7 @@ pub const RULE: Rule = Rule {
     name: "implicit-int-to-float",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "an integer literal is converted to a float by itself",
-    page: Page {
-        what: "Reports integer literals that initialise, are assigned to, returned as, combined with or passed to a \
-            function of the shader as floats. Constructors such as `vec4(1)` convert by definition, and are not \
-            reported; arguments of built-in functions are left to T017.",
-        why: "GLSL 1.10 and GLSL ES have no such conversion, and some drivers refuse it in shaders of newer versions.",
-        bad: &[Example {
-            name: "scale.frag",
-            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
-            h = 2;\n  color = vec4(h);\n}\n",
-        }],
-        good: &[Example {
-            name: "scale.frag",
-            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  \
-            float h = 2.0;\n  color = vec4(h);\n}\n",
-        }],
-        fix: "Appends `.0`. Safe: the value is the same.",
-        references: &["GLSL 4.60 specification, section 4.1.10 \"Implicit Conversions\""],
-        ja: Japanese {
-            summary: "整数リテラルが暗黙に浮動小数点数へ変換されています",
-            what: "浮動小数点数の初期化、代入、戻り値、演算、シェーダの関数の引数に使われている整数リテラルを報告します。`vec4(1)` のようなコンストラクタは変換そのものなので報告しません。組み込み関数の引数は T017 が扱います。",
-            why: "GLSL 1.10 と GLSL ES にはこの変換がなく、新しい版でも受け付けないドライバがあります。",
-            fix: "`.0` を付けます。safe: 値は同じです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -7,7 +7,7 @@ use syntax::Const;
 use syntax::ast::{BinaryOp, ExprKind, Literal};
 
 use super::context::Contexts;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -15,31 +15,7 @@ pub const RULE: Rule = Rule {
     name: "integer-division-literal",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a division of integer constants loses its fraction, and a float is wanted",
-    page: Page {
-        what: "Reports `/` on constant integers that do not divide without rest, where the quotient becomes a \
-            float: by an implicit conversion, by a constructor, or as an operand of a float. A quotient that stays \
-            an integer is not reported.",
-        why: "The division is done in integers: `1 / 2` is 0, and becomes 0.0.",
-        bad: &[Example {
-            name: "half.frag",
-            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
-            h = 1 / 2;\n  color = vec4(h);\n}\n",
-        }],
-        good: &[Example {
-            name: "half.frag",
-            text: "#version 150 core\nout vec4 color;\nvoid main(void)\n{\n  float \
-            h = 1.0 / 2.0;\n  color = vec4(h);\n}\n",
-        }],
-        fix: "Writes both literals with `.0`. Unsafe: the value changes.",
-        references: &["GLSL 4.60 specification, section 5.9 \"Expressions\""],
-        ja: Japanese {
-            summary: "整数定数どうしの除算で小数部が失われますが、浮動小数点数として使われています",
-            what: "割り切れない整数定数どうしの `/` のうち、商が暗黙の変換、コンストラクタ、浮動小数点数との演算によって浮動小数点数になるものを報告します。商が整数のまま使われるものは報告しません。",
-            why: "除算は整数で行われます。`1 / 2` は 0 で、それが 0.0 になります。",
-            fix: "両方のリテラルに `.0` を付けます。unsafe: 値が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! I005: a fragment input of integers that is not flat.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Stage;
@@ -15,27 +15,7 @@ pub const RULE: Rule = Rule {
     name: "integer-varying-not-flat",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an integer or double input of a fragment shader is not `flat`",
-    page: Page {
-        what: "Reports inputs of fragment shaders that are, or contain, integers or doubles, without `flat`, from version 1.30 on. Members of blocks are looked at as well.",
-        why: "Integers cannot be interpolated, and the language asks for `flat`. The shader does not compile.",
-        bad: &[Example {
-            name: "tiles.frag",
-            text: "#version 150 core\nin int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n",
-        }],
-        good: &[Example {
-            name: "tiles.frag",
-            text: "#version 150 core\nflat in int material;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(material == 1 ? 1.0 : 0.5);\n}\n",
-        }],
-        fix: "Writes `flat`. Safe: the shader did not compile, and no other qualifier is allowed.",
-        references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs): integer fragment inputs have to be flat"],
-        ja: Japanese {
-            summary: "フラグメントシェーダの整数または double の入力に `flat` がありません",
-            what: "1.30 以降のフラグメントシェーダで、整数や double である、またはそれを含む入力のうち、`flat` のないものを報告します。ブロックのメンバも調べます。",
-            why: "整数は補間できないので、`flat` が必要です。シェーダはコンパイルできません。",
-            fix: "`flat` を書きます。シェーダはコンパイルできず、ほかの修飾子は許されないので safe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -8,7 +8,7 @@ use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolKind};
 
 use super::walk::expressions;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,32 +16,7 @@ pub const RULE: Rule = Rule {
     name: "inverse-in-shader",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "`inverse` of uniforms only is computed in every invocation",
-    page: Page {
-        what: "Reports calls of `inverse` whose argument is made of uniforms and constants only.",
-        why: "The result is the same for all vertices or fragments of a draw call, but is computed for each of \
-            them: some hundred operations for a `mat4`. The host can do it once, and in higher precision.",
-        bad: &[Example {
-            name: "n.vert",
-            text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 \
-            mc;\nuniform mat4 mw;\nout vec3 n;\nvoid main(void)\n{\n  n = mat3(transpose(inverse(mw))) * \
-            normal;\n  gl_Position = mc * position;\n}\n",
-        }],
-        good: &[Example {
-            name: "n.vert",
-            text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform \
-            mat4 mc;\nuniform mat3 mg;\nout vec3 n;\nvoid main(void)\n{\n  n = mg * normal;\n  gl_Position = mc * \
-            position;\n}\n",
-        }],
-        fix: "No fix: the host has to set another uniform.",
-        references: &["Golub and Van Loan, Matrix Computations, section 3.2: operation counts of elimination"],
-        ja: Japanese {
-            summary: "uniform だけの行列に対する `inverse` が呼び出しごとに計算されています",
-            what: "引数が uniform と定数だけからなる `inverse` の呼び出しを報告します。",
-            why: "結果は一回の描画命令のすべての頂点やフラグメントで同じですが、その一つ一つで計算されます。`mat4` なら数百の演算です。ホストなら一度だけ、より高い精度で計算できます。",
-            fix: "修正はありません。ホストが別の uniform を設定する必要があります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::Range;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind, Literal};
@@ -15,35 +15,7 @@ pub const RULE: Rule = Rule {
     name: "literal-out-of-range",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a literal does not fit into binary32, or a shift goes past the bits of an integer",
-    page: Page {
-        what: "Reports float literals above the greatest number of binary32, which become infinite, and those so small \
-               that they become 0. Reports shifts by a number of bits that is always negative, or 32 and more. \
-               Integers that do not fit into 32 bits are an error of the language and told as one.",
-        why: "`1e40` is infinity: sums with it stay infinite, and its difference with itself is NaN. A shift past \
-              the bits is undefined; devices give 0 or shift by the amount modulo 32.",
-        bad: &[Example {
-            name: "nearest.frag",
-            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  float nearest = 1e40;\n  \
-                   nearest = min(nearest, length(p));\n  color = vec4(nearest);\n}\n",
-        }],
-        good: &[Example {
-            name: "nearest.frag",
-            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  float nearest = 3.4e38;\n  \
-                   nearest = min(nearest, length(p));\n  color = vec4(nearest);\n}\n",
-        }],
-        fix: "No fix: the number that is meant is not known.",
-        references: &[
-            "GLSL 4.60 specification, section 4.1.4 \"Floating-Point Variables\"",
-            "GLSL 4.60 specification, section 5.9 \"Expressions\": shifts by at least the number of bits are undefined",
-        ],
-        ja: Japanese {
-            summary: "リテラルが binary32 に収まらないか、シフト量が整数のビット数を超えています",
-            what: "binary32 の最大値より大きく無限大になる浮動小数点リテラルと、小さすぎて 0 になるものを報告します。シフト量が常に負または 32 以上のシフトも報告します。32 ビットに収まらない整数は言語のエラーとして報告します。",
-            why: "`1e40` は無限大です。それを含む和は無限大のままで、自分自身との差は NaN になります。ビット数以上のシフトは未定義です。0 になる装置も、32 で割った余りだけシフトする装置もあります。",
-            fix: "自動修正（fix）はありません。本来の値が分からないためです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Safety, Severity, message};
 use base::text::Edit;
 use syntax::{TokenKind, TokenPlace};
@@ -14,36 +14,7 @@ pub const RULE: Rule = Rule {
     name: "low-precision-pi",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "a literal stands for a multiple of π, but is not its nearest binary32 value",
-    page: Page {
-        what: "Reports float literals that are π, 2π, π/2, π/4, 1/π, 180/π or π/180 rounded or cut to few digits, so \
-               that the binary32 value is not the nearest one. Three digits are enough to recognise π and 2π; the \
-               others need five.",
-        why: "Angles computed from it are off: a seam does not close, a pole is not one point, a sine that should be \
-              zero is negative. 3.141593, for instance, is larger than π.",
-        bad: &[Example {
-            name: "ring.vert",
-            text: "#version 150 core\nin vec2 parameter;\nvoid main(void)\n{\n  float th = 6.283185 * parameter.s;\n  \
-                   gl_Position = vec4(cos(th), parameter.t, sin(th), 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "ring.vert",
-            text: "#version 150 core\nin vec2 parameter;\nvoid main(void)\n{\n  \
-                   float th = 6.28318530717958648 * parameter.s;\n  \
-                   gl_Position = vec4(cos(th), parameter.t, sin(th), 1.0);\n}\n",
-        }],
-        fix: "Writes the constant with 18 digits, enough for binary64. Unsafe: results change in their last digits.",
-        references: &[
-            "Abramowitz and Stegun, Handbook of Mathematical Functions, table 1.1: π to 25 decimals",
-            "IEEE 754-2019, section 5.12: 9 decimal digits identify a binary32 number",
-        ],
-        ja: Japanese {
-            summary: "π の倍数を表すリテラルが、最も近い binary32 の値になっていません",
-            what: "π, 2π, π/2, π/4, 1/π, 180/π, π/180 を少ない桁数に丸めた、または切り捨てた浮動小数点リテラルのうち、binary32 の値が真の値に最も近くないものを報告します。π と 2π は 3 桁、それ以外は 5 桁あれば定数とみなします。",
-            why: "そこから計算した角度がずれます。継ぎ目が閉じない、極が一点にならない、0 になるはずの正弦が負になる、といったことが起きます。例えば 3.141593 は π より大きい値です。",
-            fix: "定数を 18 桁で書きます。binary64 にも十分な桁数です。unsafe: 結果の末尾の桁が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

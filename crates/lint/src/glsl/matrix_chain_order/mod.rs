@@ -1,7 +1,7 @@
 //! P002: a product of matrices that is applied to a vector from the wrong end.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Shader;
@@ -14,34 +14,7 @@ pub const RULE: Rule = Rule {
     name: "matrix-chain-order",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "matrices are multiplied with each other before the vector",
-    page: Page {
-        what: "Reports `a * b * v`, with matrices `a` and `b` and a vector `v`, without parentheses. The product is \
-            formed from the left. Where the product of the matrices stands in parentheses, it is taken as meant.",
-        why: "Two 4x4 matrices take 64 multiplications, a matrix and a vector 16: `p * w * v` takes 80, and `p * (w \
-            * v)` 32. A compiler must not change the order, because the rounding changes with it.",
-        bad: &[Example {
-            name: "p.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mp;\nuniform \
-            mat4 mw;\nvoid main(void)\n{\n  gl_Position = mp * mw * position;\n}\n",
-        }],
-        good: &[Example {
-            name: "p.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mp;\nuniform \
-            mat4 mw;\nvoid main(void)\n{\n  gl_Position = mp * (mw * position);\n}\n",
-        }],
-        fix: "Puts the vector's products into parentheses. Unsafe: the rounding changes.",
-        references: &[
-            "GLSL 4.60 specification, section 5.9 \"Expressions\"",
-            "Cormen et al., Introduction to Algorithms, section 14.2: matrix-chain multiplication",
-        ],
-        ja: Japanese {
-            summary: "ベクトルより先に行列どうしが掛けられています",
-            what: "行列 `a`, `b` とベクトル `v` の積が括弧なしで `a * b * v` と書かれているものを報告します。積は左から計算されます。行列どうしの積が括弧に入っていれば、意図したものとみなします。",
-            why: "4x4 行列どうしの積には 64 回、行列とベクトルの積には 16 回の乗算が要ります。`p * w * v` は 80 回、`p * (w * v)` は 32 回です。丸めが変わるため、コンパイラが順序を変えることはできません。",
-            fix: "ベクトル側の積を括弧に入れます。unsafe: 丸めが変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

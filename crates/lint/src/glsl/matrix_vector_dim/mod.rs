@@ -1,7 +1,7 @@
 //! T004: the sizes of a matrix product do not fit.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprKind;
@@ -15,27 +15,7 @@ pub const RULE: Rule = Rule {
     name: "matrix-vector-dim",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "the sizes of a product with a matrix do not fit",
-    page: Page {
-        what: "Reports products of a matrix with a matrix or vector whose sizes do not fit by the rules of linear algebra, as in `mat4 * vec3`.",
-        why: "A matrix takes vectors with as many components as it has columns: the shader does not compile.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = mvp * position;\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = mvp * vec4(position, 1.0);\n}\n",
-        }],
-        fix: "A vector on the right that is one component short is wrapped with `0.0` (directions, by name) or `1.0`. Unsafe, because points and directions differ in it.",
-        references: &["GLSL 4.60 specification, section 5.11 \"Vector and Matrix Operations\""],
-        ja: Japanese {
-            summary: "行列の積の大きさが合いません",
-            what: "行列と行列・ベクトルの積で、線形代数の規則に合わないもの（`mat4 * vec3` など）を報告します。",
-            why: "行列に掛けられるのは列数と同じ成分数のベクトルだけで、コンパイルできません。",
-            fix: "右側のベクトルが一成分足りないとき、`0.0`（方向らしい名前）か `1.0` を補って包みます。点と方向で値が違うため unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

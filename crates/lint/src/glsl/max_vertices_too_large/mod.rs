@@ -1,7 +1,7 @@
 //! G002: more vertices declared than a geometry stage can emit.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Stage;
@@ -14,35 +14,7 @@ pub const RULE: Rule = Rule {
     name: "max-vertices-too-large",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "a geometry stage declares more vertices than it can emit",
-    page: Page {
-        what: "Reports a `max_vertices` above the largest number of vertices that `main` can emit. It speaks only \
-               when that number is known: every loop around `EmitVertex` counts from one constant to another.",
-        why: "The output space of a primitive is set aside by the declared number, whatever is emitted: fewer \
-              primitives are worked on at a time, and limits on the total of components are met sooner.",
-        bad: &[Example {
-            name: "pass.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, max_vertices = 8) out;\nvoid main(void)\n{\n  \
-                   for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
-        }],
-        good: &[Example {
-            name: "pass.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, max_vertices = 2) out;\nvoid main(void)\n{\n  \
-                   for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
-        }],
-        fix: "Declares the number that can be emitted. Unsafe: a constant that is changed later needs the \
-              declaration to be changed with it.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.12.4 \"Geometry Shader Execution Environment\"",
-            "GLSL 1.50 specification, section 4.3.8.2 \"Output Layout Qualifiers\"",
-        ],
-        ja: Japanese {
-            summary: "ジオメトリシェーダが、出力しうる数より多い頂点数を宣言しています",
-            what: "`main` が出力しうる頂点の最大数より大きい `max_vertices` を報告します。`EmitVertex` を囲むループの回数がすべて定数で決まり、その数が分かるときだけ報告します。",
-            why: "プリミティブの出力領域は、実際の出力数にかかわらず宣言した数だけ確保されます。同時に処理できるプリミティブが減り、成分の総数の上限にも早く達します。",
-            fix: "出力しうる数を宣言します。unsafe: 後で定数を変えるときは、この宣言も合わせて変える必要があります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -6,7 +6,7 @@ use base::text::Edit;
 use syntax::Stage;
 
 use super::emission;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -14,35 +14,7 @@ pub const RULE: Rule = Rule {
     name: "max-vertices-too-small",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a geometry stage emits more vertices than `max_vertices` allows",
-    page: Page {
-        what: "Reports a `max_vertices` below the number of vertices that `main` emits on every run: loops with \
-            constant bounds are counted, and what stands behind a condition only as far as each branch emits.",
-        why: "What is emitted beyond the declared number is undefined. It is usually dropped without a message.",
-        bad: &[Example {
-            name: "quad.geom",
-            text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
-            max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 4; ++i)\n  {\n    gl_Position = \
-            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n",
-        }],
-        good: &[Example {
-            name: "quad.geom",
-            text: "#version 150 core\nlayout (points) in;\nlayout (triangle_strip, \
-            max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 4; ++i)\n  {\n    gl_Position = \
-            gl_in[0].gl_Position + vec4(float(i / 2), float(i % 2), 0.0, 0.0);\n    EmitVertex();\n  }\n}\n",
-        }],
-        fix: "Declares the number that can be emitted. Unsafe: the vertices that were dropped appear.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.12.4 \"Geometry Shader Execution Environment\"",
-            "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\"",
-        ],
-        ja: Japanese {
-            summary: "ジオメトリシェーダが `max_vertices` より多い頂点を出力しています",
-            what: "`main` が必ず出力する頂点数より小さい `max_vertices` を報告します。回数が定数で決まるループは数え、条件の後ろは、どの分岐でも出力される分だけを数えます。",
-            why: "宣言した数を超える出力は未定義です。多くの場合、何の通知もなく捨てられます。",
-            fix: "出力しうる数を宣言します。unsafe: 捨てられていた頂点が現れます。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -8,7 +8,7 @@ use syntax::ast::StmtKind;
 
 use super::emission;
 use super::walk::statements;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,36 +16,7 @@ pub const RULE: Rule = Rule {
     name: "missing-end-primitive",
     severity: Severity::Warning,
     level: Level::Strict,
-    summary: "each round of a loop emits whole primitives, and nothing ends the strip",
-    page: Page {
-        what: "Reports loops in a geometry stage whose every round emits enough vertices for a primitive, in a \
-            stage that never calls `EndPrimitive`. One strip at the end of `main` needs no call, and is not \
-            reported.",
-        why: "The strips of the rounds are joined: lines connect the end of one with the start of the next, \
-            triangles fill the gap. If that is meant, the loop is right as it is.",
-        bad: &[Example {
-            name: "normals.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
-            max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = \
-            gl_in[i].gl_Position;\n    EmitVertex();\n    gl_Position = gl_in[i].gl_Position + vec4(0.0, 1.0, 0.0, \
-            0.0);\n    EmitVertex();\n  }\n}\n",
-        }],
-        good: &[Example {
-            name: "normals.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
-            max_vertices = 4) out;\nvoid main(void)\n{\n  for (int i = 0; i < 2; ++i)\n  {\n    gl_Position = \
-            gl_in[i].gl_Position;\n    EmitVertex();\n    gl_Position = gl_in[i].gl_Position + vec4(0.0, 1.0, 0.0, \
-            0.0);\n    EmitVertex();\n    EndPrimitive();\n  }\n}\n",
-        }],
-        fix: "No fix: where a strip ends is not known.",
-        references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
-        ja: Japanese {
-            summary: "ループの各回がプリミティブを出力していますが、ストリップの区切りがありません",
-            what: "ループの各回でプリミティブ 1 個分以上の頂点を出力し、`EndPrimitive` を一度も呼ばないジオメトリシェーダを報告します。`main` の終わりまで続く一つのストリップには呼び出しが要らないので報告しません。",
-            why: "各回のストリップがつながります。線なら前の終点と次の始点が結ばれ、三角形なら間が埋まります。それが意図なら、このままで正しいコードです。",
-            fix: "修正はありません。ストリップの区切りの場所は分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

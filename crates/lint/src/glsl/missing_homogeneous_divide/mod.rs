@@ -1,7 +1,7 @@
 //! N019: homogeneous coordinates used without care for `w`.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
@@ -17,37 +17,7 @@ pub const RULE: Rule = Rule {
     name: "missing-homogeneous-divide",
     severity: Severity::Info,
     level: Level::Heuristic,
-    summary: "a projected vector is used without division by `w`, or `w` does not fit what is transformed",
-    page: Page {
-        what: "Reports a local `vec4` that is the product with a projection matrix (by its name: `proj`, `mvp`, \
-               `clip`) of which components are used, but never `w`; and the product of a matrix with \
-               `vec4(position, 0.0)` or `vec4(normal, 1.0)`, by the names of the vectors. It is a guess by names, \
-               and only made with `--level heuristic`.",
-        why: "Behind a perspective projection, `x`, `y` and `z` mean nothing before they are divided by `w`. A \
-              position with `w = 0` is not moved by a translation, and a direction with `w = 1` is.",
-        bad: &[Example {
-            name: "shadow.vert",
-            text: "#version 330 core\nin vec3 vertex;\nuniform mat4 lightProjection;\nout vec2 uv;\nvoid main()\n{\n  \
-                   vec4 place = lightProjection * vec4(vertex, 1.0);\n  uv = 0.5 * place.xy + 0.5;\n  \
-                   gl_Position = vec4(vertex, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "shadow.vert",
-            text: "#version 330 core\nin vec3 vertex;\nuniform mat4 lightProjection;\nout vec2 uv;\nvoid main()\n{\n  \
-                   vec4 place = lightProjection * vec4(vertex, 1.0);\n  uv = 0.5 * place.xy / place.w + 0.5;\n  \
-                   gl_Position = vec4(vertex, 1.0);\n}\n",
-        }],
-        fix: "No fix: what is meant is a guess.",
-        references: &[
-            "J. F. Hughes et al., Computer Graphics: Principles and Practice, chapter 11: homogeneous coordinates",
-        ],
-        ja: Japanese {
-            summary: "射影したベクトルを `w` で割らずに使っているか、`w` が変換するものに合っていません",
-            what: "射影行列（名前に `proj`、`mvp`、`clip` を含むもの）との積である局所変数の `vec4` のうち、成分が使われるのに `w` が一度も使われないものを報告します。また、行列と `vec4(位置, 0.0)` や `vec4(法線, 1.0)` との積を、ベクトルの名前から報告します。名前による推測なので、`--level heuristic` のときだけ報告します。",
-            why: "透視射影の後では、`w` で割る前の `x`、`y`、`z` には意味がありません。`w = 0` の位置は平行移動されず、`w = 1` の方向は平行移動されてしまいます。",
-            fix: "自動修正（fix）はありません。意図は推測にすぎないためです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

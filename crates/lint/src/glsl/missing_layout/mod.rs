@@ -1,7 +1,7 @@
 //! G008: a geometry shader without the layout of its input or output.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 
@@ -13,30 +13,7 @@ pub const RULE: Rule = Rule {
     name: "missing-layout",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a geometry shader does not declare its input primitive, output primitive or max_vertices",
-    page: Page {
-        what: "Reports geometry shaders with `main` that lack the input primitive, the output primitive or `max_vertices`. A shader that enables an extension that is not known here is not reported.",
-        why: "Without them the program does not link.",
-        bad: &[Example {
-            name: "a.geom",
-            text: "#version 150 core\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
-        }],
-        good: &[Example {
-            name: "a.geom",
-            text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; i++) {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n",
-        }],
-        fix: "The missing layout is declared for triangles behind the directives. Unsafe, because the primitives are a guess.",
-        references: &[
-            "GLSL 4.60 specification, section 4.4.1.2 \"Geometry Shader Inputs\"",
-            "GLSL 4.60 specification, section 4.4.2.2 \"Geometry Outputs\"",
-        ],
-        ja: Japanese {
-            summary: "ジオメトリシェーダに入出力の layout 宣言がありません",
-            what: "`main` を持ち、入力プリミティブ・出力プリミティブ・`max_vertices` のいずれかの宣言がないジオメトリシェーダを報告します。未知の拡張を有効にしているものは報告しません。",
-            why: "宣言がないとプログラムをリンクできません。",
-            fix: "足りない宣言を三角形としてディレクティブの後に書きます。プリミティブは推測なので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

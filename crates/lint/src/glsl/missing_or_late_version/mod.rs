@@ -1,7 +1,7 @@
 //! V001: `#version` is not the first thing in the text.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
 
@@ -11,27 +11,7 @@ pub const RULE: Rule = Rule {
     name: "missing-or-late-version",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "#version does not stand first in the text",
-    page: Page {
-        what: "Reports a `#version` with anything but blanks and comments before it. A text without `#version` is GLSL 1.10 and is not reported.",
-        why: "The version decides how everything before it would have been read: compilers refuse the shader.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#define SCALE 2.0\n#version 150 core\nvoid main(void)\n{\n  gl_Position = vec4(1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\n#define SCALE 2.0\nvoid main(void)\n{\n  gl_Position = vec4(1.0);\n}\n",
-        }],
-        fix: "The directive moves to the first line. Safe: the text did not compile, and there is no other place for it.",
-        references: &["GLSL 4.60 specification, section 3.3 \"Preprocessor\""],
-        ja: Japanese {
-            summary: "#version がテキストの先頭にありません",
-            what: "空白とコメント以外のものが前にある `#version` を報告します。`#version` のないテキストは GLSL 1.10 とみなし、報告しません。",
-            why: "バージョンはそれより前の読み方も決めるため、コンパイラに拒否されます。",
-            fix: "ディレクティブを一行目に移します。元はコンパイルできず、置き場所は他にないので safe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! D008: a function that returns a value can end without one.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -10,31 +10,7 @@ pub const RULE: Rule = Rule {
     name: "missing-return",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a path through a function with a result reaches its end without `return`",
-    page: Page {
-        what: "Reports functions with a result that some path leaves without `return value`. The missing last branch \
-               of an `else if` chain, of a comparison with a constant or of a `switch` does not count, nor does a \
-               loop without a round.",
-        why: "The result is undefined. Some compilers accept this without a word, others refuse the shader.",
-        bad: &[Example {
-            name: "step.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nfloat ramp(float t)\n{\n  if (t > 0.5) return 1.0;\n}\n\
-                   void main(void)\n{\n  color = vec4(ramp(x));\n}\n",
-        }],
-        good: &[Example {
-            name: "step.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nfloat ramp(float t)\n{\n  if (t > 0.5) return 1.0;\n  return 0.0;\n}\n\
-                   void main(void)\n{\n  color = vec4(ramp(x));\n}\n",
-        }],
-        fix: "No fix: the result is not known.",
-        references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\""],
-        ja: Japanese {
-            summary: "値を返す関数に、`return` なしで終わる経路があります",
-            what: "値を返す関数のうち、`return 値` を通らずに終わる経路のあるものを報告します。`else if` の列や定数との比較や `switch` の書かれていない最後の場合と、1 回も回らないループは数えません。",
-            why: "戻り値は未定義です。黙って受け付けるコンパイラもあれば、シェーダを拒否するものもあります。",
-            fix: "修正はありません。返すべき値は分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Range, UNIT_SLACK};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::types::ScalarType;
 
@@ -14,31 +14,7 @@ pub const RULE: Rule = Rule {
     name: "mix-t-range",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "the weight of `mix` goes beyond 0 or 1, so that it extrapolates",
-    page: Page {
-        what: "Reports `mix(a, b, t)` when the text shows that `t` is below 0 or above 1 by more than rounding: a \
-               constant, a sine, a declared range. A weight of which nothing is known is not reported.",
-        why: "`mix` does not clamp: beyond the ends the result goes on along the line through `a` and `b`. That is \
-              seldom meant; with a sine, mostly `0.5 + 0.5 * sin(x)` is.",
-        bad: &[Example {
-            name: "pulse.frag",
-            text: "#version 330 core\nuniform float time;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = mix(vec4(0.2), vec4(0.8), sin(time));\n}\n",
-        }],
-        good: &[Example {
-            name: "pulse.frag",
-            text: "#version 330 core\nuniform float time;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = mix(vec4(0.2), vec4(0.8), clamp(sin(time), 0.0, 1.0));\n}\n",
-        }],
-        fix: "Writes `clamp(t, 0.0, 1.0)`. Unsafe: results beyond the ends change.",
-        references: &["GLSL 4.60 specification, section 8.3 \"Common Functions\": mix(x, y, a) = x * (1 - a) + y * a"],
-        ja: Japanese {
-            summary: "`mix` の重みが 0 から 1 の範囲を超え、外挿になります",
-            what: "`t` が丸めの分より大きく 0 を下回る、または 1 を上回ることが本文から分かる `mix(a, b, t)` を報告します。定数、正弦、宣言した範囲などです。何も分からない重みは報告しません。",
-            why: "`mix` は重みを制限しません。両端を超えると、`a` と `b` を通る直線の延長上の値になります。これを意図することはまれです。正弦の場合、たいていは `0.5 + 0.5 * sin(x)` が正しい式です。",
-            fix: "`clamp(t, 0.0, 1.0)` と書きます。unsafe: 両端を超える結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -4,7 +4,7 @@ use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
 
 use super::output_never_written::stores;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -12,31 +12,7 @@ pub const RULE: Rule = Rule {
     name: "no-emit-vertex",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a geometry stage never calls `EmitVertex`",
-    page: Page {
-        what: "Reports geometry stages from whose `main` no call of `EmitVertex` can be reached. A stage that \
-            can write to memory is left alone.",
-        why: "Nothing is passed on: what goes through this stage is not drawn.",
-        bad: &[Example {
-            name: "pass.geom",
-            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
-            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n}\n",
-        }],
-        good: &[Example {
-            name: "pass.geom",
-            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
-            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n\
-            }\n",
-        }],
-        fix: "No fix: it is not known where a vertex is complete.",
-        references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
-        ja: Japanese {
-            summary: "ジオメトリシェーダが `EmitVertex` を一度も呼びません",
-            what: "`main` から `EmitVertex` の呼び出しに到達できないジオメトリシェーダを報告します。メモリに書き込めるシェーダは報告しません。",
-            why: "何も出力されないため、このステージを通る図形は描画されません。",
-            fix: "修正はありません。頂点が完成する場所は分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

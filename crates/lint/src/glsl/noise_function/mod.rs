@@ -1,7 +1,7 @@
 //! V007: a built-in noise function is called.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::ast::{Callee, ExprKind};
 use syntax::symbols::CallTarget;
@@ -12,27 +12,7 @@ pub const RULE: Rule = Rule {
     name: "noise-function",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a built-in noise function is called, which gives 0 on most devices",
-    page: Page {
-        what: "Reports calls of the built-in `noise1` to `noise4`. Functions of the shader with such a name are not reported.",
-        why: "These functions are deprecated since GLSL 4.40, and most devices return 0 for every argument.",
-        bad: &[Example {
-            name: "a.frag",
-            text: "#version 120\nvarying vec2 uv;\nvoid main(void)\n{\n  gl_FragColor = vec4(noise1(uv));\n}\n",
-        }],
-        good: &[Example {
-            name: "a.frag",
-            text: "#version 120\nvarying vec2 uv;\nfloat noise(vec2 p)\n{\n  return fract(sin(dot(p, vec2(12.5, 78.25))) * 43758.5);\n}\nvoid main(void)\n{\n  gl_FragColor = vec4(noise(uv));\n}\n",
-        }],
-        fix: "There is no fix: which noise is meant is not known.",
-        references: &["GLSL 4.60 specification, section 8.14 \"Noise Functions\""],
-        ja: Japanese {
-            summary: "多くの機器で 0 を返す組み込みのノイズ関数を呼んでいます",
-            what: "組み込みの `noise1` から `noise4` の呼び出しを報告します。シェーダ自身が定義した同名の関数は報告しません。",
-            why: "GLSL 4.40 から非推奨で、ほとんどの機器ではどの引数でも 0 が返ります。",
-            fix: "どのノイズのつもりかは分からないので、自動修正はありません（no fix）。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

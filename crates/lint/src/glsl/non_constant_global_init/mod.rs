@@ -1,7 +1,7 @@
 //! V006: a global variable gets a value that is not constant.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::interface::Storage;
@@ -16,30 +16,7 @@ pub const RULE: Rule = Rule {
     name: "non-constant-global-init",
     severity: Severity::Warning,
     level: Level::Strict,
-    summary: "a global variable is initialised with a value that is not constant",
-    page: Page {
-        what: "Reports globals without `const` and `uniform` whose initialiser reads a uniform, an input or another global variable, or calls a function of the shader.",
-        why: "GLSL ES and WebGL forbid it, some drivers crash on it, and some translators, naga among them, drop the value without a word.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform float scale;\nfloat twice = scale * 2.0;\nvoid main(void)\n{\n  gl_Position = position * twice;\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform float scale;\nfloat twice;\nvoid main(void)\n{\n  twice = scale * 2.0;\n  gl_Position = position * twice;\n}\n",
-        }],
-        fix: "The assignment moves to the start of `main`. Safe: globals get their values before `main` runs. Arrays, lists and files without `main` have no fix.",
-        references: &[
-            "GLSL 4.60 specification, section 4.3 \"Storage Qualifiers\"",
-            "GLSL ES 3.20 specification, section 4.3 \"Storage Qualifiers\"",
-        ],
-        ja: Japanese {
-            summary: "大域変数の初期値が定数ではありません",
-            what: "`const` でも `uniform` でもない大域変数で、初期化子が uniform・入力・他の大域変数を読むか、シェーダの関数を呼ぶものを報告します。",
-            why: "GLSL ES と WebGL では禁じられ、落ちるドライバもあります。naga など一部の変換器は黙って値を捨てます。",
-            fix: "代入を `main` の先頭に移します。大域変数の値は `main` の前に決まるので safe です。配列、リスト、`main` のないファイルは自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

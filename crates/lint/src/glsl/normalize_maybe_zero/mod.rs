@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::Visit;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Shader;
@@ -17,34 +17,7 @@ pub const RULE: Rule = Rule {
     name: "normalize-maybe-zero",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "`normalize` can get the zero vector",
-    page: Page {
-        what: "Reports `normalize(v)` when the text shows that all components of `v` can be 0: constants, results of \
-               `max`, `clamp` or `step` that end at 0, declared ranges, a vector less itself. With `--level strict`, \
-               `normalize(cross(a, b))` is reported, which is 0 for parallel vectors; with `--level heuristic`, \
-               the difference of two elements of one array, such as neighbours on a \
-               curve, which is 0 where both are equal.",
-        why: "The zero vector has no direction: `normalize` divides by its length, and the result is NaN.",
-        bad: &[Example {
-            name: "edge.frag",
-            text: "#version 330 core\nin vec2 slope;\nout vec4 color;\nvoid main()\n{\n  \
-                   vec2 uphill = normalize(max(slope, 0.0));\n  color = vec4(uphill, 0.0, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "edge.frag",
-            text: "#version 330 core\nin vec2 slope;\nout vec4 color;\nvoid main()\n{\n  \
-                   vec2 uphill = normalize(max(slope, 1e-6));\n  color = vec4(uphill, 0.0, 1.0);\n}\n",
-        }],
-        fix: "For a variable or a member of one, keeps the zero vector as it is. Unsafe: results change where the \
-              length is 0.",
-        references: &["GLSL 4.60 specification, section 8.5 \"Geometric Functions\""],
-        ja: Japanese {
-            summary: "`normalize` に零ベクトルが渡されることがあります",
-            what: "`v` のすべての成分が 0 になりうることが本文から分かる `normalize(v)` を報告します。定数、0 で止まる `max`・`clamp`・`step` の結果、宣言した範囲、自分自身を引いたベクトルなどです。`--level strict` では、平行なベクトルで 0 になる `normalize(cross(a, b))` も、`--level heuristic` では、曲線上の隣り合う点のように同じ配列の 2 つの要素の差も、両者が等しいと 0 になるので報告します。",
-            why: "零ベクトルには向きがありません。`normalize` は長さで割るので、結果は NaN になります。",
-            fix: "変数またはその成分であれば、零ベクトルをそのまま残すようにします。unsafe: 長さが 0 のところで結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

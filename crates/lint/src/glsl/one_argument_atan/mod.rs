@@ -1,7 +1,7 @@
 //! N010: `atan` of a quotient.
 
 use crate::project::{Project, ShaderFile};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::{BinaryOp, ExprKind};
@@ -14,29 +14,7 @@ pub const RULE: Rule = Rule {
     name: "one-argument-atan",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "`atan(y / x)` does not know the quadrant, and divides by 0 where `x` is 0",
-    page: Page {
-        what: "Reports `atan(y / x)`, unless `x` is known to be positive or is constant.",
-        why: "The quotient is the same for opposite directions: the angle covers half a turn only and jumps where `x` \
-              changes its sign. Where `x` is 0 the quotient is infinite or undefined. `atan(y, x)` gives the angle \
-              over the whole turn.",
-        bad: &[Example {
-            name: "wheel.frag",
-            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  color = vec4(atan(p.y / p.x));\n}\n",
-        }],
-        good: &[Example {
-            name: "wheel.frag",
-            text: "#version 330 core\nin vec2 p;\nout vec4 color;\nvoid main()\n{\n  color = vec4(atan(p.y, p.x));\n}\n",
-        }],
-        fix: "Writes `atan(y, x)`. Unsafe: where `x` is negative the angle changes by half a turn.",
-        references: &["GLSL 4.60 specification, section 8.1 \"Angle and Trigonometry Functions\""],
-        ja: Japanese {
-            summary: "`atan(y / x)` は象限が分からず、`x` が 0 のところでは 0 で割ります",
-            what: "`atan(y / x)` を報告します。`x` が正と分かっているときと、定数のときは報告しません。",
-            why: "商は反対の向きでも同じ値になります。角度は半周分しか表せず、`x` の符号が変わるところで跳びます。`x` が 0 のところでは商が無限大または未定義になります。`atan(y, x)` なら一周分の角度が得られます。",
-            fix: "`atan(y, x)` と書きます。unsafe: `x` が負のところで角度が半周変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -1,7 +1,7 @@
 //! D009: an `out` parameter that the function never writes.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -10,31 +10,7 @@ pub const RULE: Rule = Rule {
     name: "out-param-not-written",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "an `out` parameter is not written on any path through the function",
-    page: Page {
-        what: "Reports `out` parameters that no path to the end of the function writes. A parameter that is written \
-               on some paths, such as the distance of a hit that is only there when the function returns true, is \
-               not reported.",
-        why: "The argument gets an undefined value when the function returns, and loses the one that it had.",
-        bad: &[Example {
-            name: "hit.frag",
-            text: "#version 150 core\nin vec3 p;\nout vec4 color;\nbool hit(vec3 q, out float t)\n{\n  float u = dot(q, q);\n  \
-                   return u < 1.0;\n}\nvoid main(void)\n{\n  float t;\n  color = hit(p, t) ? vec4(t) : vec4(0.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "hit.frag",
-            text: "#version 150 core\nin vec3 p;\nout vec4 color;\nbool hit(vec3 q, out float t)\n{\n  t = dot(q, q);\n  \
-                   return t < 1.0;\n}\nvoid main(void)\n{\n  float t;\n  color = hit(p, t) ? vec4(t) : vec4(0.0);\n}\n",
-        }],
-        fix: "No fix: write the parameter, or make it `in` or `inout`.",
-        references: &["GLSL 4.60 specification, section 6.1.1 \"Function Calling Conventions\""],
-        ja: Japanese {
-            summary: "`out` 引数が、関数のどの経路でも書き込まれません",
-            what: "関数の終わりに至るどの経路でも書き込まれない `out` 引数を報告します。交差したときだけ入る距離のように、一部の経路で書き込まれる引数は報告しません。",
-            why: "関数から戻ると、実引数は元の値を失い、未定義の値になります。",
-            fix: "修正はありません。引数に書き込むか、`in` または `inout` にしてください。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

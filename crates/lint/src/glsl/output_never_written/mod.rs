@@ -1,7 +1,7 @@
 //! D003: an output that nothing writes.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Stage;
 use syntax::interface::Storage;
@@ -14,31 +14,7 @@ pub const RULE: Rule = Rule {
     name: "output-never-written",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "an output is declared and never written",
-    page: Page {
-        what: "Reports outputs of the shader that no function reached from `main` writes, and vertex shaders that \
-               write nothing at all. A vertex shader that writes outputs but not `gl_Position` is not reported: a \
-               geometry stage or transform feedback may follow.",
-        why: "The next stage, or the frame buffer, gets an undefined value.",
-        bad: &[Example {
-            name: "light.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nout vec3 normal;\nvoid main(void)\n{\n  \
-                   gl_Position = mc * position;\n}\n",
-        }],
-        good: &[Example {
-            name: "light.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nout vec3 normal;\nvoid main(void)\n{\n  \
-                   normal = normalize(position.xyz);\n  gl_Position = mc * position;\n}\n",
-        }],
-        fix: "No fix: what belongs into the output is not known.",
-        references: &["GLSL 1.50 specification, section 4.3.6 \"Outputs\""],
-        ja: Japanese {
-            summary: "出力変数が宣言されていますが、どこでも書き込まれていません",
-            what: "`main` から呼ばれるどの関数も書き込まない出力変数と、何も書き込まないバーテックスシェーダを報告します。出力変数に書き込むが `gl_Position` には書き込まないバーテックスシェーダは、後にジオメトリシェーダやトランスフォームフィードバックが続くかもしれないので報告しません。",
-            why: "次のステージやフレームバッファに未定義の値が渡ります。",
-            fix: "修正はありません。出力に何を書くべきかは分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

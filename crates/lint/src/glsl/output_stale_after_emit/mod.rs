@@ -1,7 +1,7 @@
 //! G005: an output is emitted again without being set again.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -10,35 +10,7 @@ pub const RULE: Rule = Rule {
     name: "output-stale-after-emit",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "an output is not set again after `EmitVertex`",
-    page: Page {
-        what: "Reports outputs of a geometry stage that are set before one `EmitVertex` and emitted by a later one, \
-            or in the next round of a loop, without being set on any path in between.",
-        why: "After `EmitVertex` all outputs are undefined. Many drivers keep the values, others do not: every \
-            vertex needs all of its outputs.",
-        bad: &[Example {
-            name: "color.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
-            max_vertices = 2) out;\nin vec3 c[];\nout vec3 shade;\nvoid main(void)\n{\n  shade = c[0];\n  for (int \
-            i = 0; i < 2; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
-        }],
-        good: &[Example {
-            name: "color.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
-            max_vertices = 2) out;\nin vec3 c[];\nout vec3 shade;\nvoid main(void)\n{\n  for (int i = 0; i < 2; \
-            ++i)\n  {\n    shade = c[0];\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
-        }],
-        fix: "No fix: move the write into the loop, or repeat it before each `EmitVertex`.",
-        references: &[
-            "GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\": after EmitVertex the values of output variables are undefined",
-        ],
-        ja: Japanese {
-            summary: "出力変数が `EmitVertex` の後で設定し直されていません",
-            what: "ジオメトリシェーダの出力変数のうち、ある `EmitVertex` の前に設定され、その後どの経路でも設定されないまま、次の `EmitVertex` やループの次の回で出力されるものを報告します。",
-            why: "`EmitVertex` の後、出力変数の値はすべて未定義になります。値を残すドライバも多いですが、残さないものもあります。頂点ごとにすべての出力変数を設定する必要があります。",
-            fix: "修正はありません。書き込みをループの中に移すか、`EmitVertex` の前ごとに書いてください。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! D004: an output is written on some paths only.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Stage;
 
@@ -13,35 +13,7 @@ pub const RULE: Rule = Rule {
     name: "output-written-on-some-paths",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "an output is written on some paths to the end of `main` and not on others",
-    page: Page {
-        what: "Reports outputs of fragment shaders, and built-in outputs of other stages, that are written in one \
-               branch, and on another path to the end of `main` not at all. Other outputs are left to D018. Paths that end in `discard` do not count. Neither does the missing last branch of an `else if` chain, \
-               of a comparison with a constant or of a `switch`, nor a loop without a round: these may name all cases.",
-        why: "On the other path the output is undefined: it may keep the value of the primitive before, or change \
-              from frame to frame.",
-        bad: &[Example {
-            name: "mask.frag",
-            text: "#version 150 core\nin vec2 tc;\nout vec4 color;\nvoid main(void)\n{\n  if (tc.x > 0.5) color = vec4(1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "mask.frag",
-            text: "#version 150 core\nin vec2 tc;\nout vec4 color;\nvoid main(void)\n{\n  color = vec4(0.0);\n  \
-                   if (tc.x > 0.5) color = vec4(1.0);\n}\n",
-        }],
-        fix: "No fix: write a value before the branch, or add the other branch.",
-        references: &[
-            "GLSL 4.60 specification, section 7.1.5 \"Fragment Shader Special Variables\": gl_FragDepth must be \
-             written on all paths",
-            "GLSL 1.50 specification, section 4.3.6 \"Outputs\"",
-        ],
-        ja: Japanese {
-            summary: "出力変数に、書き込まれる経路と書き込まれない経路があります",
-            what: "ある分岐では書き込まれ、`main` の終わりに至る別の経路では書き込まれない、フラグメントシェーダの出力変数と他のステージの組み込み出力変数を報告します。その他の出力変数は D018 が扱います。`discard` で終わる経路は数えません。`else if` の列や定数との比較や `switch` の書かれていない最後の場合と、1 回も回らないループも、すべての場合を挙げているかもしれないので数えません。",
-            why: "書き込まれない経路では出力が未定義です。前のプリミティブの値が残ったり、フレームごとに変わったりします。",
-            fix: "修正はありません。分岐の前で値を書き込むか、もう一方の分岐を加えてください。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

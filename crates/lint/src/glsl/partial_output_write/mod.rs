@@ -2,7 +2,7 @@
 
 use crate::flow;
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 use syntax::Stage;
 use syntax::types::Type;
@@ -13,32 +13,7 @@ pub const RULE: Rule = Rule {
     name: "partial-output-write",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "only some components of a position or a colour are written",
-    page: Page {
-        what: "Reports `gl_Position` and outputs of fragment shaders of which some components are written and others \
-               nowhere. Other outputs are left alone, because the next stage may use only what is written.",
-        why: "The rest is undefined. A position is divided by its fourth component; blending and the frame buffer \
-              use the alpha of a colour. Where only alpha is missing, this is told as information: a frame buffer \
-              without blending does without it.",
-        bad: &[Example {
-            name: "flat.vert",
-            text: "#version 150 core\nin vec2 position;\nvoid main(void)\n{\n  gl_Position.xy = position;\n}\n",
-        }],
-        good: &[Example {
-            name: "flat.vert",
-            text: "#version 150 core\nin vec2 position;\nvoid main(void)\n{\n  gl_Position = vec4(position, 0.0, 1.0);\n}\n",
-        }],
-        fix: "No fix: the missing value is not known.",
-        references: &[
-            "GLSL 1.50 specification, sections 7.1 \"Vertex Shader Special Variables\" and 4.3.6 \"Outputs\"",
-        ],
-        ja: Japanese {
-            summary: "位置や色の一部の成分だけが書き込まれています",
-            what: "`gl_Position` とフラグメントシェーダの出力のうち、一部の成分だけが書き込まれ、残りはどこでも書き込まれないものを報告します。その他の出力は、次のステージが書き込まれた成分だけを使うかもしれないので報告しません。",
-            why: "残りの成分は未定義です。位置は第 4 成分で割られ、色のアルファ値はブレンディングやフレームバッファで使われます。アルファ値だけがない場合は、ブレンディングなしなら支障がないので情報として報告します。",
-            fix: "修正はありません。欠けている値は分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! G010: a vertex is emitted before its position is set.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -10,33 +10,7 @@ pub const RULE: Rule = Rule {
     name: "position-not-set-before-emit",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "`EmitVertex` is called before `gl_Position` is set",
-    page: Page {
-        what: "Reports the first `EmitVertex` of a geometry stage to which no path sets `gl_Position`. A \
-            position that is not set again after an earlier `EmitVertex` is told by G005.",
-        why: "The position that `main` of the vertex stage wrote is in `gl_in`, and is not passed on by itself: the \
-            vertex has an undefined position.",
-        bad: &[Example {
-            name: "pass.geom",
-            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
-            max_vertices = 1) out;\nvoid main(void)\n{\n  EmitVertex();\n  gl_Position = gl_in[0].gl_Position;\n\
-            }\n",
-        }],
-        good: &[Example {
-            name: "pass.geom",
-            text: "#version 150 core\nlayout (points) in;\nlayout (points, \
-            max_vertices = 1) out;\nvoid main(void)\n{\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n\
-            }\n",
-        }],
-        fix: "No fix: the position is not known.",
-        references: &["GLSL 1.50 specification, section 7.2 \"Geometry Shader Special Variables\""],
-        ja: Japanese {
-            summary: "`gl_Position` を設定する前に `EmitVertex` を呼んでいます",
-            what: "ジオメトリシェーダで、どの経路でも `gl_Position` が設定されないまま到達する最初の `EmitVertex` を報告します。前の `EmitVertex` の後で設定し直していないものは G005 が報告します。",
-            why: "バーテックスシェーダが書いた位置は `gl_in` にあり、自動では引き継がれません。頂点の位置が未定義になります。",
-            fix: "修正はありません。設定すべき位置は分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

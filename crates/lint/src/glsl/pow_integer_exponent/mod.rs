@@ -1,7 +1,7 @@
 //! N004: `pow` with a small whole exponent.
 
 use crate::project::{Project, ShaderFile};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
@@ -14,35 +14,7 @@ pub const RULE: Rule = Rule {
     name: "pow-integer-exponent",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "`pow` has the constant exponent 2, 3 or 4, where a product is exacter and never NaN",
-    page: Page {
-        what: "Reports `pow(x, 2.0)`, `pow(x, 3.0)` and `pow(x, 4.0)`. A base that can be negative is left to \
-               N001 (`pow-negative-base`).",
-        why: "Devices compute `exp2(y * log2(x))`: two functions with errors of their own, and NaN for a negative \
-              `x`. A product has one or two roundings and is defined everywhere.",
-        bad: &[Example {
-            name: "falloff.frag",
-            text: "#version 330 core\nin float distance01;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(pow(distance01, 2.0));\n}\n",
-        }],
-        good: &[Example {
-            name: "falloff.frag",
-            text: "#version 330 core\nin float distance01;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(distance01 * distance01);\n}\n",
-        }],
-        fix: "Writes the product when the base is a variable or a member of one. Unsafe: results change in their last \
-              digits, and where the base is negative.",
-        references: &[
-            "GLSL 4.60 specification, section 8.2 \"Exponential Functions\"",
-            "GLSL 4.60 specification, section 4.7.1: pow(x, y) has the precision of exp2(y * log2(x))",
-        ],
-        ja: Japanese {
-            summary: "`pow` の指数が定数 2、3、4 です。積のほうが正確で、NaN になりません",
-            what: "`pow(x, 2.0)`、`pow(x, 3.0)`、`pow(x, 4.0)` を報告します。底が負になりうるものは N001（`pow-negative-base`）が報告します。",
-            why: "装置は `exp2(y * log2(x))` を計算します。二つの関数それぞれに誤差があり、`x` が負なら NaN になります。積なら丸めは一回か二回で、どこでも定義されています。",
-            fix: "底が変数またはその成分であれば、積で書きます。unsafe: 結果の末尾の桁と、底が負のところの結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

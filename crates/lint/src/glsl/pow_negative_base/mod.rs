@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Observed, Range};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprId;
@@ -15,38 +15,7 @@ pub const RULE: Rule = Rule {
     name: "pow-negative-base",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "the base of `pow` can be negative, where the result is undefined",
-    page: Page {
-        what: "Reports `pow(x, y)` when the text shows that `x` takes negative values: a sine, the scalar product of \
-               two normalised vectors, a declared range that begins below 0. One minus such a product counts too: \
-               rounding makes the product slightly larger than 1. With `--level strict`, bases are reported as well \
-               that are known to lie in a range with negative numbers, but perhaps never get there. A base of which \
-               nothing is known is not reported.",
-        why: "GLSL leaves `pow(x, y)` undefined for `x < 0`, whatever `y` is. Most devices compute \
-              `exp2(y * log2(x))` and give NaN, which shows as black or flickering pixels and spreads through \
-              blurring and blending.",
-        bad: &[Example {
-            name: "rim.frag",
-            text: "#version 330 core\nin vec3 normal;\nin vec3 toEye;\nout vec4 color;\nvoid main()\n{\n  \
-                   float facing = dot(normalize(normal), normalize(toEye));\n  \
-                   color = vec4(pow(1.0 - facing, 3.5));\n}\n",
-        }],
-        good: &[Example {
-            name: "rim.frag",
-            text: "#version 330 core\nin vec3 normal;\nin vec3 toEye;\nout vec4 color;\nvoid main()\n{\n  \
-                   float facing = dot(normalize(normal), normalize(toEye));\n  \
-                   color = vec4(pow(max(1.0 - facing, 0.0), 3.5));\n}\n",
-        }],
-        fix: "Writes `max(x, 0.0)` for the base, or products for an exponent of 2, 3 or 4. Unsafe: where the base is \
-              negative the result changes.",
-        references: &["GLSL 4.60 specification, section 8.2 \"Exponential Functions\": results are undefined if x < 0"],
-        ja: Japanese {
-            summary: "`pow` の底が負になりえます。結果は未定義です",
-            what: "`pow(x, y)` の `x` が負の値を取ることが本文から分かる場合に報告します。正弦、正規化した 2 つのベクトルの内積、0 より小さい値から始まると設定された範囲などです。1 からそのような内積を引いたものも含みます。丸めによって内積が 1 をわずかに超えるためです。`--level strict` では、負の数を含む範囲にあることは分かるものの、実際にその値を取るとは限らない底も報告します。何も分からない底は報告しません。",
-            why: "GLSL では `x < 0` のとき、`y` によらず `pow(x, y)` の結果は未定義です。多くの装置は `exp2(y * log2(x))` を計算して NaN を返します。これは黒い画素やちらつきとして現れ、ぼかしや合成によって広がります。",
-            fix: "底を `max(x, 0.0)` とします。指数が 2、3、4 のときは積で書きます。unsafe: 底が負のところで結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Range, Visit};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 use super::numeric::{calls, number};
@@ -13,35 +13,7 @@ pub const RULE: Rule = Rule {
     name: "pow-underflow",
     severity: Severity::Info,
     level: Level::Heuristic,
-    summary: "`pow` with a large exponent leaves the normal numbers for bases well above 0",
-    page: Page {
-        what: "Reports `pow(x, y)` with an exponent of 64 or more, stated by a constant or a declared range, when the \
-               range of `x` reaches bases whose power is below the least normal number of binary32. Only with \
-               `--level heuristic`: a highlight that fades to 0 is mostly meant.",
-        why: "Below 1.18e-38 a device may give 0 or a subnormal number, and devices differ. What divides by the \
-              result, takes its logarithm or compares it with 0 then differs as well.",
-        bad: &[Example {
-            name: "spot.frag",
-            text: "#version 330 core\nin float facing;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(pow(clamp(facing, 0.0, 1.0), 256.0));\n}\n",
-        }],
-        good: &[Example {
-            name: "spot.frag",
-            text: "#version 330 core\nin float facing;\nout vec4 color;\nvoid main()\n{\n  \
-                   color = vec4(pow(clamp(facing, 0.75, 1.0), 256.0));\n}\n",
-        }],
-        fix: "No fix: whether the small results matter is not known.",
-        references: &[
-            "IEEE 754-2019, section 3.4: binary32, emin = -126",
-            "GLSL 4.60 specification, section 4.7.1 \"Range and Precision\": subnormal numbers may be flushed to 0",
-        ],
-        ja: Japanese {
-            summary: "指数の大きい `pow` が、0 から離れた底でも正規化数の範囲を下回ります",
-            what: "定数または宣言した範囲から指数が 64 以上と分かり、`x` の範囲に、べき乗が binary32 の最小の正規化数を下回る底が含まれる `pow(x, y)` を報告します。0 に消えていくハイライトはたいてい意図したものなので、`--level heuristic` のときだけ報告します。",
-            why: "1.18e-38 より小さいと、装置は 0 を返すことも非正規化数を返すこともあり、装置によって異なります。その結果で割る、対数を取る、0 と比べるといった計算の結果も異なってきます。",
-            fix: "自動修正（fix）はありません。小さい結果が問題になるかどうかは分からないためです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Visit};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 
 use super::numeric::{around, calls, constant};
@@ -13,36 +13,7 @@ pub const RULE: Rule = Rule {
     name: "pow-zero-exponent-zero",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "`pow` can get a base of 0 together with an exponent of 0 or less",
-    page: Page {
-        what: "Reports `pow(x, y)` when the text shows that `x` is 0 somewhere, as behind `max(…, 0.0)`, and that `y` \
-               can be 0 or less: a constant, or a range that the configuration declares. With `--level heuristic`, an \
-               exponent of which nothing is known is reported as well.",
-        why: "GLSL leaves `pow(x, y)` undefined for `x = 0` and `y <= 0`. Devices compute `exp2(y * log2(x))`, which \
-              for two zeros is 0 times infinity: NaN. A material without shininess then has black spots where the \
-              light comes from behind.",
-        bad: &[Example {
-            name: "falloff.frag",
-            text: "#version 330 core\nin float height;\nout vec4 color;\nvoid main()\n{\n  \
-                   float density = pow(max(height, 0.0), -1.5);\n  color = vec4(density);\n}\n",
-        }],
-        good: &[Example {
-            name: "falloff.frag",
-            text: "#version 330 core\nin float height;\nout vec4 color;\nvoid main()\n{\n  \
-                   float density = pow(max(height, 0.001), -1.5);\n  color = vec4(density);\n}\n",
-        }],
-        fix: "Writes `max(y, 1e-4)` for an exponent that is not constant. Unsafe: results change where the exponent is \
-              smaller.",
-        references: &[
-            "GLSL 4.60 specification, section 8.2 \"Exponential Functions\": results are undefined if x = 0 and y <= 0",
-        ],
-        ja: Japanese {
-            summary: "`pow` の底が 0 で、指数が 0 以下になりえます",
-            what: "`max(…, 0.0)` の後のように `x` が 0 になり、かつ `y` が 0 以下になりうることが本文から分かる `pow(x, y)` を報告します。`y` は定数か、設定で範囲を宣言したものです。`--level heuristic` では、何も分からない指数も報告します。",
-            why: "GLSL では `x = 0` かつ `y <= 0` のとき `pow(x, y)` は未定義です。装置は `exp2(y * log2(x))` を計算します。両方が 0 だと 0 と無限大の積になり、NaN になります。光沢の指数が 0 の材質では、光が裏から当たるところに黒い点が出ます。",
-            fix: "定数でない指数を `max(y, 1e-4)` とします。unsafe: 指数がそれより小さいところで結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

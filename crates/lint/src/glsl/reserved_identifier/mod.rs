@@ -1,7 +1,7 @@
 //! V004: a name that the language keeps for itself.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 
@@ -13,30 +13,7 @@ pub const RULE: Rule = Rule {
     name: "reserved-identifier",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a name is declared that the language keeps for itself",
-    page: Page {
-        what: "Reports declared names that start with `gl_`, words that the version reserves (`input`, `filter`, `common` and others), and macros that start with `GL_`.",
-        why: "The shader does not compile, or does not any more where the word gets a meaning.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 output = position;\n  gl_Position = output;\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  vec4 output_ = position;\n  gl_Position = output_;\n}\n",
-        }],
-        fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. For names of the interface there is no fix.",
-        references: &[
-            "GLSL 4.60 specification, section 3.6 \"Keywords\"",
-            "GLSL 4.60 specification, section 3.7 \"Identifiers\"",
-        ],
-        ja: Japanese {
-            summary: "言語が予約している名前を宣言しています",
-            what: "`gl_` で始まる名前、そのバージョンの予約語（`input`・`filter`・`common` など）、`GL_` で始まるマクロの宣言を報告します。",
-            why: "コンパイルできません。いま通っても、その語に意味が与えられた版では通らなくなります。",
-            fix: "局所変数・引数・インターフェースに属さない大域変数の名前を変えます。他のファイルは知らない名前なので safe です。インターフェースの名前は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

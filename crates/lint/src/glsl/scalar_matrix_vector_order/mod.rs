@@ -1,7 +1,7 @@
 //! P003: a scalar that is multiplied into a matrix before a vector.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
@@ -13,31 +13,7 @@ pub const RULE: Rule = Rule {
     name: "scalar-matrix-vector-order",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a scalar scales a whole matrix before the vector",
-    page: Page {
-        what: "Reports `m * s * v` and `s * m * v`, with a matrix `m`, a scalar `s` and a vector `v`, without \
-            parentheses. The product is formed from the left.",
-        why: "The scalar is multiplied into every entry of the matrix: 16 multiplications for a 4x4 matrix, where \
-            the vector has 4 components.",
-        bad: &[Example {
-            name: "p.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mw;\nvoid \
-            main(void)\n{\n  gl_Position = mw * 2.0 * position;\n}\n",
-        }],
-        good: &[Example {
-            name: "p.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mw;\nvoid \
-            main(void)\n{\n  gl_Position = mw * (2.0 * position);\n}\n",
-        }],
-        fix: "Puts the last two factors into parentheses. Unsafe: the rounding changes.",
-        references: &["GLSL 4.60 specification, section 5.9 \"Expressions\""],
-        ja: Japanese {
-            summary: "ベクトルより先に、スカラが行列全体に掛けられています",
-            what: "行列 `m`、スカラ `s`、ベクトル `v` の積が括弧なしで `m * s * v` または `s * m * v` と書かれているものを報告します。積は左から計算されます。",
-            why: "スカラが行列のすべての要素に掛けられます。ベクトルなら 4 成分で済むところ、4x4 行列では 16 回の乗算になります。",
-            fix: "後ろの 2 因子を括弧に入れます。unsafe: 丸めが変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! T008: a scalar is swizzled.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::ast::ExprKind;
@@ -12,27 +12,7 @@ pub const RULE: Rule = Rule {
     name: "scalar-swizzle",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a scalar is swizzled, which only GLSL 4.20 and later allows",
-    page: Page {
-        what: "Reports `f.xxx` and the like on a scalar where the version has no such swizzles: before GLSL 4.20, and in GLSL ES.",
-        why: "A scalar has no components there: the shader does not compile, or does on one driver and not on the next.",
-        bad: &[Example {
-            name: "a.frag",
-            text: "#version 150 core\nuniform float grey;\nout vec4 color;\nvoid main(void)\n{\n  color = vec4(grey.xxx, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.frag",
-            text: "#version 150 core\nuniform float grey;\nout vec4 color;\nvoid main(void)\n{\n  color = vec4(vec3(grey), 1.0);\n}\n",
-        }],
-        fix: "The scalar is put into a constructor. Safe: the value is the same.",
-        references: &["GLSL 4.60 specification, section 5.5 \"Vector and Scalar Components and Length\""],
-        ja: Japanese {
-            summary: "スカラのスウィズルは GLSL 4.20 以降だけにあります",
-            what: "GLSL 4.20 より前や GLSL ES で、スカラに `f.xxx` のようなスウィズルを使ったものを報告します。",
-            why: "スカラには成分がないため、コンパイルできません。通るドライバと通らないドライバがあります。",
-            fix: "スカラをコンストラクタに入れます。値は同じなので safe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

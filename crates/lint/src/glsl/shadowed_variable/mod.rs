@@ -1,7 +1,7 @@
 //! D011: a declaration that hides another one.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
 use syntax::ast::{Block, Condition, Declaration, Function, ItemKind, Stmt, StmtKind};
@@ -12,33 +12,7 @@ pub const RULE: Rule = Rule {
     name: "shadowed-variable",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a local variable has the name of one of an outer scope",
-    page: Page {
-        what: "Reports local variables whose name a variable of an enclosing scope of the same function, a \
-            parameter or a global variable of the shader already has.",
-        why: "Until the end of the inner scope the name means another variable: a write that was meant for the \
-            outer one is lost.",
-        bad: &[Example {
-            name: "sum.frag",
-            text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    float s = float(i);\n    s *= \
-            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n",
-        }],
-        good: &[Example {
-            name: "sum.frag",
-            text: "#version 150 core\nuniform int n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  float s = 0.0;\n  for (int i = 0; i < n; ++i)\n  {\n    s += float(i);\n    s *= \
-            2.0;\n    if (s > 9.0) discard;\n  }\n  color = vec4(s);\n}\n",
-        }],
-        fix: "No fix: which of the two variables is meant is not known.",
-        references: &["GLSL 4.60 specification, section 4.2.2 \"Scoping\""],
-        ja: Japanese {
-            summary: "局所変数が外側の変数と同じ名前です",
-            what: "同じ関数の外側のスコープの変数、引数、シェーダの大域変数と同じ名前の局所変数を報告します。",
-            why: "内側のスコープが終わるまで、その名前は別の変数を指します。外側の変数へのつもりの書き込みは失われます。",
-            fix: "修正はありません。どちらの変数が意図したものかは分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -1,7 +1,7 @@
 //! V005: a variable or function has the name of a built-in function.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::is_builtin_function;
@@ -14,27 +14,7 @@ pub const RULE: Rule = Rule {
     name: "shadows-builtin",
     severity: Severity::Warning,
     level: Level::Strict,
-    summary: "a variable or function has the name of a built-in function",
-    page: Page {
-        what: "Reports variables and functions whose name is that of a built-in function of the version, such as `mix`, `texture` or `sign`.",
-        why: "The built-in function cannot be called any more where the name is known, and GLSL ES refuses functions of such names.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  float distance = position.z;\n  gl_Position = position * distance;\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  float distance_ = position.z;\n  gl_Position = position * distance_;\n}\n",
-        }],
-        fix: "Local variables, parameters and globals that are no part of the interface are renamed. Safe: no other file knows the name. Functions and names of the interface have no fix.",
-        references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\""],
-        ja: Japanese {
-            summary: "変数や関数が組み込み関数の名前を持っています",
-            what: "`mix`・`texture`・`sign` など、そのバージョンの組み込み関数と同じ名前の変数・関数を報告します。",
-            why: "その名前が有効な範囲で組み込み関数を呼べなくなり、関数の場合 GLSL ES では拒否されます。",
-            fix: "局所変数・引数・インターフェースに属さない大域変数の名前を変えます。他のファイルは知らない名前なので safe です。関数とインターフェースの名前は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

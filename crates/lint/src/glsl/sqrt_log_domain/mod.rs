@@ -2,7 +2,7 @@
 
 use crate::project::{Project, ShaderFile};
 use crate::range::{Evidence, Range};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 
 use super::numeric::{around, calls, ends};
@@ -13,34 +13,7 @@ pub const RULE: Rule = Rule {
     name: "sqrt-log-domain",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "the argument of a square root or logarithm can be outside the domain",
-    page: Page {
-        what: "Reports `sqrt(x)` when the text shows that `x` takes negative values, and `inversesqrt(x)`, `log(x)` and \
-               `log2(x)` when it shows negative values or 0: a sine, one minus the square of a scalar product of \
-               normalised vectors, what is cut off at 0, a declared range. With `--level strict`, arguments are \
-               reported as well whose range leaves the domain, but perhaps never comes up. An argument of which nothing is \
-               known is not reported.",
-        why: "Outside the domain the result is undefined; devices give NaN, or infinity for 0.",
-        bad: &[Example {
-            name: "sine.frag",
-            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
-                   float c = dot(normalize(a), normalize(b));\n  color = vec4(sqrt(1.0 - c * c));\n}\n",
-        }],
-        good: &[Example {
-            name: "sine.frag",
-            text: "#version 330 core\nin vec3 a;\nin vec3 b;\nout vec4 color;\nvoid main()\n{\n  \
-                   float c = dot(normalize(a), normalize(b));\n  color = vec4(sqrt(max(1.0 - c * c, 0.0)));\n}\n",
-        }],
-        fix: "Writes `max(x, 0.0)`, or `max(x, 1.17549435e-38)` where 0 is outside. Unsafe: where the argument is \
-              outside, the result changes.",
-        references: &["GLSL 4.60 specification, section 8.2 \"Exponential Functions\""],
-        ja: Japanese {
-            summary: "平方根や対数の引数が定義域を外れることがあります",
-            what: "`x` が負になることが本文から分かる `sqrt(x)` と、負または 0 になることが分かる `inversesqrt(x)`、`log(x)`、`log2(x)` を報告します。正弦、正規化したベクトルの内積の二乗を 1 から引いたもの、0 で切ったもの、宣言した範囲などです。`--level strict` では、定義域を外れるものの、実際にその値を取るとは限らない引数も報告します。何も分からない引数は報告しません。",
-            why: "定義域の外では結果は未定義です。装置は NaN を、0 に対しては無限大を返します。",
-            fix: "`max(x, 0.0)` と書きます。0 も定義域に入らないものでは `max(x, 1.17549435e-38)` とします。unsafe: 定義域を外れるところで結果が変わります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::ShaderWith(check),
 };
 

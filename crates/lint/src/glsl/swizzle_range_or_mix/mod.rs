@@ -1,7 +1,7 @@
 //! T009: a swizzle names components that are not there, or mixes sets of names.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 
 use super::compile::explained;
@@ -12,27 +12,7 @@ pub const RULE: Rule = Rule {
     name: "swizzle-range-or-mix",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a swizzle names components that are not there, or mixes sets of names",
-    page: Page {
-        what: "Reports components beyond the size of a vector (`v3.w`), names of two sets in one swizzle (`.xg`), more than four components, and a component that is named twice where it is written.",
-        why: "There is no such component, or no single place to write to: the shader does not compile.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = mvp * vec4(position.xyw, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  gl_Position = mvp * vec4(position.xyz, 1.0);\n}\n",
-        }],
-        fix: "There is no fix: which component is meant is not known.",
-        references: &["GLSL 4.60 specification, section 5.5 \"Vector and Scalar Components and Length\""],
-        ja: Japanese {
-            summary: "存在しない成分や、混在した名前のスウィズルです",
-            what: "ベクトルの大きさを超える成分（`v3.w`）、二つの組の名前の混在（`.xg`）、四つを超える成分、書き込み先で重複した成分を報告します。",
-            why: "その成分がないか、書き込む場所が一つに決まらないため、コンパイルできません。",
-            fix: "どの成分のつもりかは分からないので、自動修正はありません（no fix）。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! V008: `##` or `#include`, which not every compiler has.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::TokenPlace;
 
@@ -11,27 +11,7 @@ pub const RULE: Rule = Rule {
     name: "token-paste-or-include",
     severity: Severity::Warning,
     level: Level::Strict,
-    summary: "## is used in a macro, which not every compiler has",
-    page: Page {
-        what: "Reports `##` in macros. `#include` is an error of the front end already.",
-        why: "Desktop GLSL has `##` by custom rather than by specification, and GLSL ES does not have it: some compilers refuse it.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\n#define LIGHT(i) light##i\nuniform vec4 light0;\nvoid main(void)\n{\n  gl_Position = LIGHT(0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nuniform vec4 light0;\nvoid main(void)\n{\n  gl_Position = light0;\n}\n",
-        }],
-        fix: "There is no fix: the joined names must be written out.",
-        references: &["GLSL 4.60 specification, section 3.3 \"Preprocessor\""],
-        ja: Japanese {
-            summary: "全てのコンパイラにはない ## を使っています",
-            what: "マクロの中の `##` を報告します。`#include` は構文の誤りとして別に報告されます。",
-            why: "`##` はデスクトップ版では慣習に近く、GLSL ES にはないため、受け付けないコンパイラがあります。",
-            fix: "つないだ名前を書き下す必要があり、自動修正はありません（no fix）。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::flow::vertices_needed;
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -11,34 +11,7 @@ pub const RULE: Rule = Rule {
     name: "too-few-vertices-for-primitive",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a strip ends before it has the vertices of one primitive",
-    page: Page {
-        what: "Reports strips of a geometry stage that end, by `EndPrimitive` or with `main`, after at least one \
-            vertex and on every path before the second vertex of a line or the third of a triangle.",
-        why: "An incomplete primitive is dropped without a message: nothing is drawn.",
-        bad: &[Example {
-            name: "edge.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
-            max_vertices = 3) out;\nvoid main(void)\n{\n  gl_Position = \
-            gl_in[0].gl_Position;\n  EmitVertex();\n  EndPrimitive();\n  gl_Position = \
-            gl_in[1].gl_Position;\n  EmitVertex();\n  gl_Position = gl_in[0].gl_Position;\n  EmitVertex();\n}\n",
-        }],
-        good: &[Example {
-            name: "edge.geom",
-            text: "#version 150 core\nlayout (lines) in;\nlayout (line_strip, \
-            max_vertices = 2) out;\nvoid main(void)\n{\n  gl_Position = \
-            gl_in[0].gl_Position;\n  EmitVertex();\n  gl_Position = \
-            gl_in[1].gl_Position;\n  EmitVertex();\n  EndPrimitive();\n}\n",
-        }],
-        fix: "No fix: the missing vertices are not known.",
-        references: &["GLSL 1.50 specification, section 8.10 \"Geometry Shader Functions\""],
-        ja: Japanese {
-            summary: "プリミティブ 1 個分の頂点がそろう前にストリップが終わっています",
-            what: "ジオメトリシェーダのストリップのうち、少なくとも 1 頂点を出力した後、どの経路でも線の 2 頂点目、三角形の 3 頂点目より前に `EndPrimitive` または `main` の終わりに至るものを報告します。",
-            why: "頂点の足りないプリミティブは何の通知もなく捨てられ、何も描画されません。",
-            fix: "修正はありません。足りない頂点は分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::flow::Certainty;
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 use super::variable::with_zero;
@@ -13,33 +13,7 @@ pub const RULE: Rule = Rule {
     name: "uninitialised-accumulator",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a variable is accumulated in a loop without a first value",
-    page: Page {
-        what: "Reports a variable to which a loop adds (`s += x`, `s = s * x`, `s++`) and that has no value before \
-               the loop.",
-        why: "The first round computes with an undefined value, and the error stays in the result. Drivers that warn \
-              of reads before writes miss this one: from the second round on, the variable is written.",
-        bad: &[Example {
-            name: "blur.frag",
-            text: "#version 150 core\nuniform sampler2D image;\nin vec2 tc;\nout vec4 color;\nvoid main(void)\n{\n  \
-                   vec4 sum;\n  for (int i = -2; i <= 2; ++i)\n    sum += textureOffset(image, tc, ivec2(0)) * float(i + 3);\n  \
-                   color = sum / 15.0;\n}\n",
-        }],
-        good: &[Example {
-            name: "blur.frag",
-            text: "#version 150 core\nuniform sampler2D image;\nin vec2 tc;\nout vec4 color;\nvoid main(void)\n{\n  \
-                   vec4 sum = vec4(0.0);\n  for (int i = -2; i <= 2; ++i)\n    sum += textureOffset(image, tc, ivec2(0)) * float(i + 3);\n  \
-                   color = sum / 15.0;\n}\n",
-        }],
-        fix: "Initialises a local variable with zero where it is declared. Unsafe: a product starts with one.",
-        references: &["GLSL 4.60 specification, section 4.3 \"Storage Qualifiers\": undefined values"],
-        ja: Japanese {
-            summary: "初期値のない変数がループで累積されています",
-            what: "ループの中で `s += x`、`s = s * x`、`s++` のように累積される変数のうち、ループの前に値のないものを報告します。",
-            why: "最初の回が未定義の値で計算され、その誤りが結果に残ります。2 回目以降は書き込み済みになるため、ドライバの警告では見つかりません。",
-            fix: "局所変数を宣言の場所で 0 に初期化します。unsafe: 積の初期値は 1 です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

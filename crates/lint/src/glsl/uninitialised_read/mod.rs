@@ -2,7 +2,7 @@
 
 use crate::flow::{Certainty, Unassigned};
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Severity, message};
 
 use super::variable::{part, with_zero};
@@ -13,32 +13,7 @@ pub const RULE: Rule = Rule {
     name: "uninitialised-read",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a variable is read before it has a value",
-    page: Page {
-        what: "Reports reads of local variables, `out` parameters, plain globals and outputs that have no value yet: \
-               on the first pass of the place, or on one of the paths through the function when every path leads \
-               there. Vectors are followed component by component. A value that may be missing only because of \
-               conditions that belong together is left to D015, and a sum without a start to D002.",
-        why: "The value is undefined. It is often zero on one device, and what the register held before on another.",
-        bad: &[Example {
-            name: "light.frag",
-            text: "#version 150 core\nin vec3 n;\nuniform vec3 l;\nout vec4 color;\nvoid main(void)\n{\n  float d;\n  \
-                   if (n.z > 0.0) d = max(dot(n, l), 0.0);\n  color = vec4(vec3(d), 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "light.frag",
-            text: "#version 150 core\nin vec3 n;\nuniform vec3 l;\nout vec4 color;\nvoid main(void)\n{\n  float d = 0.0;\n  \
-                   if (n.z > 0.0) d = max(dot(n, l), 0.0);\n  color = vec4(vec3(d), 1.0);\n}\n",
-        }],
-        fix: "Initialises a local variable with zero where it is declared. Unsafe: zero may not be what is meant.",
-        references: &["GLSL 4.60 specification, section 4.3 \"Storage Qualifiers\": undefined values"],
-        ja: Japanese {
-            summary: "変数が、値が入る前に読まれています",
-            what: "まだ値のない局所変数、`out` 引数、大域変数、出力変数の読み出しを報告します。その場所に最初に来たときに必ず値がない場合と、どの経路でもそこを通るのに値のない経路がある場合です。ベクトルは成分ごとに調べます。関連する条件どうしのために値がないように見えるだけかもしれないものは D015、初期値のない累積は D002 が扱います。",
-            why: "値は未定義です。ある装置では 0 でも、別の装置ではレジスタに残っていた値になります。",
-            fix: "局所変数を宣言の場所で 0 に初期化します。unsafe: 0 が意図した値とは限りません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

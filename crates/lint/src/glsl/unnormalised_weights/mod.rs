@@ -1,7 +1,7 @@
 //! N018: constant weights whose sum is nearly 1.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};
@@ -16,35 +16,7 @@ pub const RULE: Rule = Rule {
     name: "unnormalised-weights",
     severity: Severity::Info,
     level: Level::Heuristic,
-    summary: "constant weights add up to nearly 1, but not to 1",
-    page: Page {
-        what: "Reports an array of constant floats, or a constant vector in a `dot`, whose sum is within a tenth of 1 \
-               but off by more than 0.001. An array may also hold one half of a symmetric kernel: the first \
-               element and twice the others. Sums farther from 1 are taken for something else than weights. It is \
-               a guess, and only made with `--level heuristic`.",
-        why: "Weights of a blur or of a luminance that do not add up to 1 make the picture darker or brighter, and \
-              with each pass more so.",
-        bad: &[Example {
-            name: "blur.frag",
-            text: "#version 330 core\nuniform sampler2D image;\nin vec2 uv;\nout vec4 color;\n\
-                   const float weights[3] = float[3](0.25, 0.4, 0.3);\nvoid main()\n{\n  color = vec4(0.0);\n  \
-                   for (int i = 0; i < 3; ++i)\n    color += weights[i] * texture(image, uv + vec2(i - 1, 0) / 512.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "blur.frag",
-            text: "#version 330 core\nuniform sampler2D image;\nin vec2 uv;\nout vec4 color;\n\
-                   const float weights[3] = float[3](0.3, 0.4, 0.3);\nvoid main()\n{\n  color = vec4(0.0);\n  \
-                   for (int i = 0; i < 3; ++i)\n    color += weights[i] * texture(image, uv + vec2(i - 1, 0) / 512.0);\n}\n",
-        }],
-        fix: "No fix: which weight is wrong is not known.",
-        references: &["R. C. Gonzalez and R. E. Woods, Digital Image Processing, chapter on spatial filtering"],
-        ja: Japanese {
-            summary: "定数の重みの和が、1 に近いものの 1 になっていません",
-            what: "定数の浮動小数点数の配列、または `dot` に渡す定数ベクトルのうち、和と 1 との差が 0.1 以内で、0.001 を超えるものを報告します。配列は、対称なカーネルの半分（最初の要素と、残りの 2 倍）とみなす場合もあります。1 から遠い和は重みではないとみなします。推測なので、`--level heuristic` のときだけ報告します。",
-            why: "ぼかしや輝度の重みの和が 1 でないと、画像が暗くなったり明るくなったりします。処理を重ねるたびに差が広がります。",
-            fix: "自動修正（fix）はありません。どの重みが誤りか分からないためです。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -8,7 +8,7 @@ use syntax::symbols::CallTarget;
 use syntax::{Stage, TokenKind};
 
 use super::unused_variable::hidden_words;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,31 +16,7 @@ pub const RULE: Rule = Rule {
     name: "unused-function",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a function is not reached from `main`, or a structure is not named anywhere",
-    page: Page {
-        what: "Reports functions that nothing calls in a shader with `main`, and structures that nothing names. A \
-            name that also occurs in text that an `#if` leaves out, or in a macro, is not reported.",
-        why: "Compilers drop it, so that it costs nothing. It may be left over, or a call may be missing; many \
-            shaders keep functions to choose from.",
-        bad: &[Example {
-            name: "tone.frag",
-            text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
-            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(c, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "tone.frag",
-            text: "#version 150 core\nin vec3 c;\nout vec4 color;\nvec3 tone(vec3 \
-            x) { return x / (x + 1.0); }\nvoid main(void)\n{\n  color = vec4(tone(c), 1.0);\n}\n",
-        }],
-        fix: "No fix: what is unused may be what should be used.",
-        references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
-        ja: Japanese {
-            summary: "`main` から呼ばれない関数、または使われない構造体があります",
-            what: "`main` のあるシェーダで、どこからも呼ばれない関数と、どこにも名前の出てこない構造体を報告します。`#if` で除かれた部分やマクロに同じ名前があるものは報告しません。",
-            why: "コンパイラが取り除くので負担にはなりません。不要になったものか、呼び出しを忘れているのかもしれません。選んで使うために関数を残してあるシェーダもよくあります。",
-            fix: "修正はありません。使われていないものが、使うべきものかもしれません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

@@ -4,7 +4,7 @@ use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
 
 use super::unused_variable::hidden_words;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -12,31 +12,7 @@ pub const RULE: Rule = Rule {
     name: "unused-parameter",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a parameter is not used in its function",
-    page: Page {
-        what: "Reports named parameters that the body of their function neither reads nor writes. A parameter \
-            without a name says that it is not used, and is not reported.",
-        why: "Another variable may be meant, often a global one of a similar name. Many a parameter is kept \
-            on purpose, so that functions can be exchanged.",
-        bad: &[Example {
-            name: "f.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nfloat twice(float \
-            a, float b) { return a * 2.0; }\nvoid main(void)\n{\n  color = vec4(twice(x, 1.0));\n}\n",
-        }],
-        good: &[Example {
-            name: "f.frag",
-            text: "#version 150 core\nin float x;\nout vec4 color;\nfloat twice(float \
-            a, float) { return a * 2.0; }\nvoid main(void)\n{\n  color = vec4(twice(x, 1.0));\n}\n",
-        }],
-        fix: "No fix: removing a parameter changes every call.",
-        references: &["GLSL 4.60 specification, section 6.1 \"Function Definitions\""],
-        ja: Japanese {
-            summary: "関数の中で引数が使われていません",
-            what: "関数の本体で読み書きされない、名前のある引数を報告します。名前のない引数は使わないことを示しているので報告しません。",
-            why: "よく似た名前の大域変数など、別の変数と取り違えているかもしれません。関数を差し替えられるように、わざと残してある引数もあります。",
-            fix: "修正はありません。引数を削除すると、すべての呼び出しを変える必要があります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

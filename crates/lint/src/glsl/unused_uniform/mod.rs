@@ -5,7 +5,7 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Stage;
 
 use super::unused_variable::hidden_words;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -13,32 +13,7 @@ pub const RULE: Rule = Rule {
     name: "unused-uniform",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "a uniform or vertex attribute is declared and not used",
-    page: Page {
-        what: "Reports uniforms outside blocks, and inputs of vertex shaders, that no function reached from `main` \
-            uses. Members of blocks keep their place in the buffer, and are not reported.",
-        why: "The linker drops it: `glGetUniformLocation` and `glGetAttribLocation` give -1 for its name, and what \
-            the host sets goes nowhere. Declarations shared by several shaders have the same effect, and do no \
-            harm.",
-        bad: &[Example {
-            name: "light.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform \
-            mat4 mg;\nvoid main(void)\n{\n  gl_Position = mc * position;\n}\n",
-        }],
-        good: &[Example {
-            name: "light.vert",
-            text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\n\
-            uniform mat4 mg;\nvoid main(void)\n{\n  gl_Position = mc * (mg * position);\n}\n",
-        }],
-        fix: "No fix: what is unused may be what should be used.",
-        references: &["OpenGL 3.2 core specification, section 2.11.4 \"Uniform Variables\": active uniforms"],
-        ja: Japanese {
-            summary: "使われない uniform または頂点属性が宣言されています",
-            what: "`main` から呼ばれるどの関数も使わない、ブロックの外の uniform と頂点属性を報告します。ブロックのメンバはバッファの中で場所を占めるので報告しません。",
-            why: "リンク時に取り除かれるため、その名前に対して `glGetUniformLocation` や `glGetAttribLocation` は -1 を返し、ホストが設定した値は使われません。複数のシェーダで共有する宣言なら害はありません。",
-            fix: "修正はありません。使われていないものが、使うべきものかもしれません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

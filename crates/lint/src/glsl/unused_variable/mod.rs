@@ -10,7 +10,7 @@ use syntax::symbols::{Access, SymbolKind};
 use syntax::{TokenKind, TokenPlace};
 
 use super::walk::statements;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -18,31 +18,7 @@ pub const RULE: Rule = Rule {
     name: "unused-variable",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "a local variable is declared and not used",
-    page: Page {
-        what: "Reports local variables whose value is never read. A name that also occurs in text that an `#if` \
-               leaves out, or in a macro, is not reported. Parameters are left to D016, functions and structures to \
-               D017.",
-        why: "It costs nothing at run time, but often a similar name was meant: the value computed here goes nowhere.",
-        bad: &[Example {
-            name: "shade.frag",
-            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid main(void)\n\
-            {\n  vec3 m = normalize(n);\n  color = vec4(n, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "shade.frag",
-            text: "#version 150 core\nin vec3 n;\nout vec4 color;\nvoid \
-            main(void)\n{\n  vec3 m = normalize(n);\n  color = vec4(m, 1.0);\n}\n",
-        }],
-        fix: "No fix: what is unused may be what should be used.",
-        references: &["GLSL 4.60 specification, section 4.2 \"Scoping\""],
-        ja: Japanese {
-            summary: "使われない局所変数が宣言されています",
-            what: "値が一度も読まれない局所変数を報告します。`#if` で除かれた部分やマクロに同じ名前があるものは報告しません。使われない引数は D016、関数と構造体は D017 が扱います。",
-            why: "実行時の負担にはなりませんが、似た名前と取り違えていることがよくあります。ここで計算した値はどこにも使われません。",
-            fix: "修正はありません。使われていないものが、使うべきものかもしれません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Shader(check),
 };
 

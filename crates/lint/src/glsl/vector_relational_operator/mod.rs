@@ -1,7 +1,7 @@
 //! T010: `<` and the like on vectors.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Shader;
@@ -16,30 +16,7 @@ pub const RULE: Rule = Rule {
     name: "vector-relational-operator",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a relational operator is used on vectors",
-    page: Page {
-        what: "Reports `<`, `>`, `<=` and `>=` with a vector on one side.",
-        why: "These operators compare scalars only: the shader does not compile. Vectors are compared component by component with `lessThan` and its kin.",
-        bad: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  bool inside = all(position < vec3(1.0));\n  gl_Position = inside ? mvp * vec4(position, 1.0) : vec4(0.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.vert",
-            text: "#version 150 core\nin vec3 position;\nuniform mat4 mvp;\nvoid main(void)\n{\n  bool inside = all(lessThan(position, vec3(1.0)));\n  gl_Position = inside ? mvp * vec4(position, 1.0) : vec4(0.0);\n}\n",
-        }],
-        fix: "Inside `any`, `all` and `not`, and where a `bvec` is initialised, the function is called instead. Safe: the text did not compile and has one reading. Elsewhere there is no fix.",
-        references: &[
-            "GLSL 4.60 specification, section 5.9 \"Expressions\"",
-            "GLSL 4.60 specification, section 8.7 \"Vector Relational Functions\"",
-        ],
-        ja: Japanese {
-            summary: "ベクトルに大小比較の演算子を使っています",
-            what: "片側がベクトルである `<`・`>`・`<=`・`>=` を報告します。",
-            why: "これらの演算子はスカラ専用で、コンパイルできません。ベクトルは `lessThan` などで成分ごとに比べます。",
-            fix: "`any`・`all`・`not` の引数や `bvec` の初期化では、関数の呼び出しに書き換えます。元はコンパイルできず読み方も一つなので safe です。それ以外は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -1,7 +1,7 @@
 //! T018: something is written that can only be read.
 
 use crate::project::ShaderFile;
-use crate::rule::{Check, Example, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Level, Pages, Rule};
 use base::diagnostic::{Code, Diagnostic, Safety, Severity, message};
 use base::text::Edit;
 use syntax::interface::Storage;
@@ -16,30 +16,7 @@ pub const RULE: Rule = Rule {
     name: "write-to-read-only",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an input, uniform, constant or read-only built-in variable is written",
-    page: Page {
-        what: "Reports assignments, `++` and `--`, and `out` and `inout` arguments that write an input of the stage, a uniform, a constant or a built-in variable that this stage can only read.",
-        why: "These variables belong to another stage, to the host or to the language: the shader does not compile.",
-        bad: &[Example {
-            name: "a.frag",
-            text: "#version 150 core\nin vec3 normal;\nout vec4 color;\nvoid main(void)\n{\n  normal = normalize(normal);\n  color = vec4(normal, 1.0);\n}\n",
-        }],
-        good: &[Example {
-            name: "a.frag",
-            text: "#version 150 core\nin vec3 normal;\nout vec4 color;\nvoid main(void)\n{\n  vec3 normal_ = normal;\n  normal_ = normalize(normal_);\n  color = vec4(normal_, 1.0);\n}\n",
-        }],
-        fix: "An input that is used in one function only is copied into a local variable at the start of that function, and the copy is used instead. Safe: the text did not compile, and has one sensible reading. Otherwise there is no fix.",
-        references: &[
-            "GLSL 4.60 specification, section 4.3.4 \"Input Variables\"",
-            "GLSL 4.60 specification, section 4.3.5 \"Uniform Variables\"",
-        ],
-        ja: Japanese {
-            summary: "読み取り専用の変数に書き込んでいます",
-            what: "ステージの入力、uniform、定数、そのステージで読み取り専用の組み込み変数への代入・`++`・`--`・`out`／`inout` 引数を報告します。",
-            why: "これらは別のステージや CPU 側、言語が決める値で、書き込むとコンパイルできません。",
-            fix: "一つの関数だけで使う入力は、その関数の先頭で局所変数に写し、以後その変数を使います。元はコンパイルできず妥当な読み方が一つなので safe です。それ以外は自動修正しません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::FrontEnd(complete),
 };
 

@@ -7,7 +7,7 @@ use super::setter::Setter;
 use super::suggest::{list, list_in_japanese};
 use super::syntax::{arguments, bare, callee, span};
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -16,49 +16,7 @@ pub const RULE: Rule = Rule {
     name: "assumed-location",
     severity: Severity::Warning,
     level: Level::Strict,
-    summary: "the location of a uniform is written as a number that nothing fixes",
-    page: Page {
-        what: "Reports `glUniform` functions with a plain number as location in a file about one program none of whose uniforms has `layout(location = …)`.",
-        why: "The linker gives the numbers, and each driver in its own way: on another one the value goes to another uniform, or the call fails.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glUniform4f(0, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
-            },
-        ],
-        fix: "There is no fix: which uniform is meant is not known.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.4: locations are assigned when the program is linked",
-        ],
-        ja: Japanese {
-            summary: "uniform の位置を、どこにも定められていない数で書いています",
-            what: "`layout(location = …)` のある uniform がないプログラム一つだけを扱うファイルで、位置をただの数で渡している `glUniform` 系の関数を報告します。",
-            why: "番号はリンク時に決まり、その順はドライバごとに違います。別のドライバでは値が別の uniform に届くか、呼び出しが失敗します。",
-            fix: "no fix（修正なし）: どの uniform のつもりか分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

@@ -3,7 +3,7 @@
 use super::HostFile;
 use super::attributes::attributes;
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::types::ScalarType;
@@ -14,49 +14,7 @@ pub const RULE: Rule = Rule {
     name: "attrib-integer-pointer",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an integer attribute gets its array from glVertexAttribPointer, or a float one from glVertexAttribIPointer",
-    page: Page {
-        what: "Reports `glVertexAttribPointer` for attributes of integers and `glVertexAttribIPointer` for attributes of floats. The attribute is known by its look-up, or by `layout(location = …)` in a file about one program.",
-        why: "`glVertexAttribPointer` converts to float, whatever the type of the data; the bits of a float reach the integer attribute, or undefined values. The specification leaves them undefined, and no GL error tells.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in int material;\nflat out int m;\nvoid main(void)\n{\n  m = material;\n  gl_Position = vec4(position, 1.0);\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 330 core\nflat in int m;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(m);\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glVertexAttribPointer(1, 1, GL_INT, GL_FALSE, 0, 0);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 330 core\nlayout(location = 0) in vec3 position;\nlayout(location = 1) in int material;\nflat out int m;\nvoid main(void)\n{\n  m = material;\n  gl_Position = vec4(position, 1.0);\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 330 core\nflat in int m;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(m);\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  glVertexAttribIPointer(1, 1, GL_INT, 0, 0);\n}\n",
-            },
-        ],
-        fix: "Calls `glVertexAttribIPointer`, without the argument `normalized`, where the data are integers. Unsafe: the values change.",
-        references: &[
-            "OpenGL 3.3 core specification, section 2.7 (Vertex Specification): the values are undefined when the types do not match",
-        ],
-        ja: Japanese {
-            summary: "整数の頂点属性に glVertexAttribPointer、または浮動小数点の属性に glVertexAttribIPointer を使っています",
-            what: "整数の頂点属性に対する `glVertexAttribPointer` と、浮動小数点の属性に対する `glVertexAttribIPointer` を報告します。属性は、位置の問い合わせ、または一つのプログラムだけを扱うファイルでは `layout(location = …)` から求めます。",
-            why: "`glVertexAttribPointer` はデータの型にかかわらず float に変換します。整数の属性には float のビット列や不定な値が届きます。仕様では不定で、GL エラーにもなりません。",
-            fix: "データが整数のときは、引数 `normalized` を除いて `glVertexAttribIPointer` を呼ぶように直します。値が変わるので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

@@ -3,7 +3,7 @@
 use super::HostFile;
 use super::syntax::{arguments, callee, descendants, span};
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
@@ -13,27 +13,7 @@ pub const RULE: Rule = Rule {
     name: "attrib-stride",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "the stride of a vertex array is smaller than one element",
-    page: Page {
-        what: "Reports calls of `glVertexAttribPointer` and `glVertexAttribIPointer` whose stride is a plain number other than 0 that is smaller than the bytes of one element. A stride with `sizeof` may be meant and stays silent.",
-        why: "The stride counts bytes, not numbers: elements overlap, and most start in the middle of a value.",
-        bad: &[Example {
-            name: "array.cpp",
-            text: "void array()\n{\n  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 6, 0);\n}\n",
-        }],
-        good: &[Example {
-            name: "array.cpp",
-            text: "void array()\n{\n  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 6 * sizeof(GLfloat), 0);\n}\n",
-        }],
-        fix: "Multiplies the number by the size of a component. Unsafe: the array is read in another way.",
-        references: &["OpenGL 3.2 core specification, section 2.8 (Vertex Arrays): stride is in basic machine units"],
-        ja: Japanese {
-            summary: "頂点配列の間隔（stride）が一つの要素より小さいです",
-            what: "`glVertexAttribPointer` と `glVertexAttribIPointer` のうち、間隔（stride）が 0 以外のただの数で、一つの要素のバイト数より小さいものを報告します。`sizeof` を使った間隔は意図的かもしれないので報告しません。",
-            why: "間隔は個数ではなくバイト数です。要素が重なり、多くは値の途中から読まれます。",
-            fix: "数に成分の大きさを掛けます。配列の読み方が変わるので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

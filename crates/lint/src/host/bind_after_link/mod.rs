@@ -6,7 +6,7 @@ use super::index::within;
 use super::program::is_call;
 use super::syntax::{arguments, bare, enclosing_function, span};
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use tree_sitter::Node;
@@ -17,29 +17,7 @@ pub const RULE: Rule = Rule {
     name: "bind-after-link",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "glBindAttribLocation or glBindFragDataLocation after the program was linked",
-    page: Page {
-        what: "Reports `glBindAttribLocation` and `glBindFragDataLocation` behind the `glLinkProgram` of the same program in the same block, when the file does not link it again.",
-        why: "Bindings take effect when a program is linked. The call raises no GL error and changes nothing.",
-        bad: &[Example {
-            name: "link.cpp",
-            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  glBindAttribLocation(program, 0, \"position\");\n}\n",
-        }],
-        good: &[Example {
-            name: "link.cpp",
-            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glBindAttribLocation(program, 0, \"position\");\n  glLinkProgram(program);\n}\n",
-        }],
-        fix: "Moves the call before `glLinkProgram`. Unsafe: locations change.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.3: bindings have no effect until the program is linked",
-        ],
-        ja: Japanese {
-            summary: "プログラムのリンク後に glBindAttribLocation または glBindFragDataLocation を呼んでいます",
-            what: "同じブロックで同じプログラムの `glLinkProgram` より後にある `glBindAttribLocation` と `glBindFragDataLocation` のうち、そのファイルで再びリンクされないものを報告します。",
-            why: "指定はリンク時に効きます。この呼び出しは GL エラーにならず、何も変えません。",
-            fix: "呼び出しを `glLinkProgram` の前に移します。位置が変わるので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

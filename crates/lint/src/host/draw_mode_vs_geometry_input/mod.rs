@@ -5,7 +5,7 @@ use super::index::Index;
 use super::program::{ProgramSource, is_call, resolve, whole};
 use super::syntax::{arguments, bare, callee, span};
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::Stage;
 use syntax::interface::InputPrimitive;
@@ -16,55 +16,7 @@ pub const RULE: Rule = Rule {
     name: "draw-mode-vs-geometry-input",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "the mode of a draw call is not the input primitive of the geometry shader",
-    page: Page {
-        what: "Reports `glDrawArrays`, `glDrawElements` and the like whose mode does not give the primitive that the geometry stage takes, in files that use one program only. It stays silent with a tessellation stage.",
-        why: "The draw call fails with GL_INVALID_OPERATION, and nothing is drawn.",
-        bad: &[
-            Example {
-                name: "shell.vert",
-                text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
-            },
-            Example {
-                name: "shell.geom",
-                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
-            },
-            Example {
-                name: "shell.frag",
-                text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n",
-            },
-            Example {
-                name: "draw.cpp",
-                text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_LINES, 0, 12);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "shell.vert",
-                text: "#version 150 core\nin vec4 position;\nvoid main(void)\n{\n  gl_Position = position;\n}\n",
-            },
-            Example {
-                name: "shell.geom",
-                text: "#version 150 core\nlayout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\nvoid main(void)\n{\n  for (int i = 0; i < 3; ++i)\n  {\n    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n}\n",
-            },
-            Example {
-                name: "shell.frag",
-                text: "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n",
-            },
-            Example {
-                name: "draw.cpp",
-                text: "void draw()\n{\n  GLuint program = load(\"shell.vert\", \"shell.frag\", \"shell.geom\");\n  glUseProgram(program);\n  glDrawArrays(GL_TRIANGLES, 0, 12);\n}\n",
-            },
-        ],
-        fix: "There is no fix: the mode or the geometry shader may be wrong.",
-        references: &["OpenGL 3.2 core specification, section 2.12.1 (Geometry Shader Input Primitives)"],
-        ja: Japanese {
-            summary: "描画の種類がジオメトリシェーダの入力プリミティブと合いません",
-            what: "一つのプログラムだけを使うファイルで、ジオメトリシェーダが受け取るプリミティブにならない種類を指定した `glDrawArrays` や `glDrawElements` などを報告します。テッセレーションのあるときは報告しません。",
-            why: "描画の呼び出しは GL_INVALID_OPERATION で失敗し、何も描かれません。",
-            fix: "no fix（修正なし）: 描画の種類とジオメトリシェーダのどちらが間違いか分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

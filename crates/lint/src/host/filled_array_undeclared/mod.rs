@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use tree_sitter::Node;
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
@@ -18,36 +18,7 @@ pub const RULE: Rule = Rule {
     name: "filled-array-undeclared",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an array is filled under a name that is declared nowhere, and the declared array stays empty",
-    page: Page {
-        what: "Reports assignments to the elements of a name that is declared nowhere, in a function that declares \
-               an array of the same number of dimensions, never writes it, and hands it to OpenGL. It stays \
-               silent in member functions, when an included file is not at hand, and when more than one array \
-               comes into question.",
-        why: "The text does not compile; and if the name happens to exist elsewhere, that array is filled and the \
-              buffer gets the undefined contents of the local one.",
-        bad: &[Example {
-            name: "grid.cpp",
-            text: "void create(void)\n{\n  GLfloat parameter[9][2];\n  for (int k = 0; k < 9; ++k)\n  {\n    \
-                   attribute[k][0] = k / 9.0f;\n    attribute[k][1] = 0.0f;\n  }\n  \
-                   glBufferData(GL_ARRAY_BUFFER, sizeof parameter, parameter, GL_STATIC_DRAW);\n}\n",
-        }],
-        good: &[Example {
-            name: "grid.cpp",
-            text: "void create(void)\n{\n  GLfloat parameter[9][2];\n  for (int k = 0; k < 9; ++k)\n  {\n    \
-                   parameter[k][0] = k / 9.0f;\n    parameter[k][1] = 0.0f;\n  }\n  \
-                   glBufferData(GL_ARRAY_BUFFER, sizeof parameter, parameter, GL_STATIC_DRAW);\n}\n",
-        }],
-        fix: "Writes the name of the declared array in all places of the function. Unsafe: a declaration of the \
-              other name may be what is missing.",
-        references: &["ISO C++, [basic.lookup.unqual]: a name is declared before it is used"],
-        ja: Japanese {
-            summary: "どこにも宣言のない名前の配列に値を入れ、宣言した配列は空のままです",
-            what: "関数の中で、どこにも宣言されていない名前の要素に代入し、同じ次元数の配列を宣言しながら一度も書き込まずに OpenGL に渡しているものを報告します。メンバ関数の中、取り込むファイルが見つからないとき、候補の配列が複数あるときは報告しません。",
-            why: "このままではコンパイルできません。その名前がたまたま別の場所にあれば、そちらの配列に書き込まれ、バッファには局所配列の不定な内容が入ります。",
-            fix: "関数内のすべての箇所を、宣言した配列の名前に書き換えます。unsafe: 足りないのは別の名前の宣言かもしれません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

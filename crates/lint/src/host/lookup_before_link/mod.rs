@@ -8,7 +8,7 @@ use base::diagnostic::{Code, Severity, message};
 use tree_sitter::Node;
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,29 +16,7 @@ pub const RULE: Rule = Rule {
     name: "lookup-before-link",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "the location of a variable is asked for before the program is linked",
-    page: Page {
-        what: "Reports `glGetUniformLocation` and `glGetAttribLocation` for a program that is made in the same block, and linked only behind the look-up.",
-        why: "Before linking a program has no locations: the call fails with GL_INVALID_OPERATION and gives -1.",
-        bad: &[Example {
-            name: "link.cpp",
-            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glLinkProgram(program);\n  glUniform1f(place, 1.0f);\n}\n",
-        }],
-        good: &[Example {
-            name: "link.cpp",
-            text: "void link(GLuint v, GLuint f)\n{\n  GLuint program = glCreateProgram();\n  glAttachShader(program, v);\n  glAttachShader(program, f);\n  glLinkProgram(program);\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniform1f(place, 1.0f);\n}\n",
-        }],
-        fix: "There is no fix: what uses the location has to move as well.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.4: INVALID_OPERATION when the program is not successfully linked",
-        ],
-        ja: Japanese {
-            summary: "プログラムのリンク前に変数の位置を求めています",
-            what: "同じブロックで作られ、その後でリンクされるプログラムについて、リンクより前にある `glGetUniformLocation` と `glGetAttribLocation` を報告します。",
-            why: "リンク前のプログラムには位置がありません。呼び出しは GL_INVALID_OPERATION で失敗し、-1 を返します。",
-            fix: "no fix（修正なし）: 位置を使う部分も動かす必要があります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

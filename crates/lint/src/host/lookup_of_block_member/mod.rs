@@ -4,7 +4,7 @@ use super::HostFile;
 use super::lookup::LookupKind;
 use super::program::resolve;
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::interface::Storage;
 
@@ -14,49 +14,7 @@ pub const RULE: Rule = Rule {
     name: "lookup-of-block-member",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "a member of a uniform block, or the block itself, is set as a plain uniform",
-    page: Page {
-        what: "Reports names of uniform blocks and of their members that are given to `glGetUniformLocation` when the location is used by a `glUniform` function, and to setters by name. A look-up whose result is only compared stays silent.",
-        why: "Members of a block have no location: the look-up gives -1 without a GL error, and `glUniform` functions ignore it. Their values come from the buffer that is bound to the block.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nlayout(std140) uniform Material { vec4 color; };\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
-            },
-        ],
-        fix: "There is no fix: the value has to be written to the buffer of the block.",
-        references: &[
-            "OpenGL 3.1 core specification, section 2.11.3 (GetUniformLocation): -1 for a member of a named uniform block",
-        ],
-        ja: Japanese {
-            summary: "uniform ブロックのメンバやブロックそのものを、ふつうの uniform として設定しています",
-            what: "uniform ブロックやそのメンバの名前を渡した `glGetUniformLocation` のうち、得た位置を `glUniform` 系の関数に渡しているもの、および名前で値を設定する関数に渡しているものを報告します。結果を比較するだけの問い合わせは報告しません。",
-            why: "ブロックのメンバには位置がありません。問い合わせは GL エラーなしに -1 を返し、`glUniform` 系の関数はそれを無視します。値はブロックに結び付けたバッファから読まれます。",
-            fix: "no fix（修正なし）: 値をブロックのバッファに書く必要があります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

@@ -3,7 +3,7 @@
 use super::HostFile;
 use super::settings::settings;
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::types::Type;
@@ -14,49 +14,7 @@ pub const RULE: Rule = Rule {
     name: "matrix-dimension",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a matrix is set by a function for another size, or with a count above 1",
-    page: Page {
-        what: "Reports `glUniformMatrix` functions, and setters by name, whose columns and rows are not those of the uniform, functions for vectors on a matrix and the other way round, and counts above 1 for a matrix that is no array.",
-        why: "The call fails with GL_INVALID_OPERATION, and the uniform keeps its old value.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix3fv(place, 1, GL_FALSE, m);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"mc\");\n  glUniformMatrix4fv(place, 1, GL_FALSE, m);\n}\n",
-            },
-        ],
-        fix: "Calls the function for the size of the matrix. Unsafe: the call had no effect before, and the array has to hold that many values. A count becomes 1.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match",
-        ],
-        ja: Japanese {
-            summary: "行列を別の大きさ用の関数、または 1 より大きい個数で設定しています",
-            what: "列数と行数が uniform と違う `glUniformMatrix` 系の関数と、名前で値を設定する関数、行列に対するベクトル用の関数とその逆、および配列でない行列に 1 より大きい個数を渡す呼び出しを報告します。",
-            why: "呼び出しは GL_INVALID_OPERATION で失敗し、uniform は元の値のままです。",
-            fix: "行列の大きさに合う関数を呼ぶように直します。元の呼び出しには効果がなく、配列にそれだけの値が必要なので unsafe です。個数は 1 にします。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

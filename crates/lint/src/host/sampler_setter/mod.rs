@@ -4,7 +4,7 @@ use super::HostFile;
 use super::settings::{Setting, settings};
 use super::syntax::{arguments, bare, callee, descendants};
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::types::{OpaqueKind, Type};
@@ -15,49 +15,7 @@ pub const RULE: Rule = Rule {
     name: "sampler-setter",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a sampler is set with something else than the number of a texture unit",
-    page: Page {
-        what: "Reports samplers that are set by another function than `glUniform1i` and `glUniform1iv`, and those that are given `GL_TEXTURE0` and the like, or the name of a texture that the same file binds with `glBindTexture`, instead of the number of the unit.",
-        why: "Only `glUniform1i` and `glUniform1iv` may set a sampler; others fail with GL_INVALID_OPERATION. The value is the number of the unit: `GL_TEXTURE0` is 33984, far above the number of units.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nuniform sampler2D image;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c * texture(image, c.xy);\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"image\");\n  glUniform1i(place, GL_TEXTURE0);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nuniform sampler2D image;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c * texture(image, c.xy);\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"image\");\n  glUniform1i(place, 0);\n}\n",
-            },
-        ],
-        fix: "Writes the number of the unit for `GL_TEXTURE0` and the like. Unsafe: the call failed before.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.5 (Samplers): only Uniform1i and Uniform1iv, with the number of a unit",
-        ],
-        ja: Japanese {
-            summary: "サンプラに、テクスチャユニットの番号でないものを設定しています",
-            what: "`glUniform1i` と `glUniform1iv` 以外の関数で設定しているサンプラ、およびユニットの番号ではなく `GL_TEXTURE0` などや、同じファイルで `glBindTexture` に渡しているテクスチャ名を渡しているものを報告します。",
-            why: "サンプラを設定できるのは `glUniform1i` と `glUniform1iv` だけで、ほかは GL_INVALID_OPERATION で失敗します。値はユニットの番号です。`GL_TEXTURE0` は 33984 で、ユニットの数をはるかに超えます。",
-            fix: "`GL_TEXTURE0` などをユニットの番号に書き換えます。元の呼び出しは失敗していたので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

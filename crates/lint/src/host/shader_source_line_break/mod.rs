@@ -2,7 +2,7 @@
 
 use super::HostFile;
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 
@@ -12,30 +12,7 @@ pub const RULE: Rule = Rule {
     name: "shader-source-line-break",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a line break is missing behind `#version` in a shader text of several literals",
-    page: Page {
-        what: "Reports shader texts in string literals in which the line of `#version` goes on with other text, because a literal does not end with `\\n`. Other rules on shaders do not look at such a text.",
-        why: "Literals that stand side by side become one text without anything between them: the rest of the line belongs to `#version`, and the shader does not compile.",
-        bad: &[Example {
-            name: "lamp.cpp",
-            text: "const char *fragmentSource =\n  \"#version 150 core\"\n  \"out vec4 fc;\\n\"\n  \"void main() { fc = vec4(1.0); }\\n\";\n",
-        }],
-        good: &[Example {
-            name: "lamp.cpp",
-            text: "const char *fragmentSource =\n  \"#version 150 core\\n\"\n  \"out vec4 fc;\\n\"\n  \"void main() { fc = vec4(1.0); }\\n\";\n",
-        }],
-        fix: "Writes `\\n` at the end of the literal. Safe: the shader did not compile, and only a line break can follow.",
-        references: &[
-            "ISO C++, lex.string: adjacent string literals are concatenated",
-            "OpenGL Shading Language 1.50, section 3.3 (Preprocessor): a directive ends with its line",
-        ],
-        ja: Japanese {
-            summary: "複数のリテラルからなるシェーダの `#version` の後に改行がありません",
-            what: "文字列リテラルの中のシェーダのうち、リテラルが `\\n` で終わらないために `#version` の行に別の文字列が続くものを報告します。このようなシェーダには、ほかの規則を適用しません。",
-            why: "並んだリテラルは間に何も入らずにつながります。行の残りが `#version` の一部になり、シェーダはコンパイルできません。",
-            fix: "リテラルの終わりに `\\n` を書きます。シェーダはコンパイルできず、続くのは改行しかないので safe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

@@ -7,7 +7,7 @@ use super::index::Index;
 use super::syntax::{arguments, bare, plain_string, span};
 use crate::program::stage_in_japanese;
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Stage;
@@ -18,30 +18,7 @@ pub const RULE: Rule = Rule {
     name: "stage-mismatch",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a shader is compiled as another stage than its name or text says",
-    page: Page {
-        what: "Reports calls that get the constant of a stage (`GL_FRAGMENT_SHADER`, `QOpenGLShader::Vertex`) together with a file whose ending says another stage, and shader texts in literals whose contents belong to another stage than they are compiled as.",
-        why: "Built-in variables differ from stage to stage; the shader does not compile, or the program lacks a stage.",
-        bad: &[Example {
-            name: "build.cpp",
-            text: "const char *source =\n  \"#version 150 core\\n\"\n  \"in vec4 position;\\n\"\n  \"void main() { gl_Position = position; }\\n\";\nvoid build()\n{\n  GLuint shader = glCreateShader(GL_FRAGMENT_SHADER);\n  glShaderSource(shader, 1, &source, 0);\n}\n",
-        }],
-        good: &[Example {
-            name: "build.cpp",
-            text: "const char *source =\n  \"#version 150 core\\n\"\n  \"in vec4 position;\\n\"\n  \"void main() { gl_Position = position; }\\n\";\nvoid build()\n{\n  GLuint shader = glCreateShader(GL_VERTEX_SHADER);\n  glShaderSource(shader, 1, &source, 0);\n}\n",
-        }],
-        fix: "Writes the constant of the stage that the name or the text says. Unsafe: the other file may be meant.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.1 (CreateShader)",
-            "OpenGL Shading Language 1.50, section 7 (Built-in Variables)",
-        ],
-        ja: Japanese {
-            summary: "名前や内容が示すステージと違うステージとしてシェーダをコンパイルしています",
-            what: "ステージの定数（`GL_FRAGMENT_SHADER`, `QOpenGLShader::Vertex` など）と、別のステージを示す拡張子のファイルを同時に受け取る呼び出し、および内容と違うステージとしてコンパイルされるリテラルのシェーダを報告します。",
-            why: "組み込み変数はステージごとに違うので、シェーダがコンパイルできないか、プログラムのステージが足りなくなります。",
-            fix: "名前や内容が示すステージの定数に書き換えます。別のファイルのつもりかもしれないので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

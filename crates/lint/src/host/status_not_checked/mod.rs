@@ -3,7 +3,7 @@
 use super::HostFile;
 use super::syntax::{callee, descendants, span};
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 /// The rule.
@@ -12,26 +12,7 @@ pub const RULE: Rule = Rule {
     name: "status-not-checked",
     severity: Severity::Info,
     level: Level::Strict,
-    summary: "shaders are compiled or programs linked, and no host file asks whether that went well",
-    page: Page {
-        what: "Reports `glCompileShader` where no host file of the run mentions `GL_COMPILE_STATUS` or an info log, and `glLinkProgram` where none mentions `GL_LINK_STATUS` or an info log; once for each file and function.",
-        why: "Errors in shaders raise no GL error and no message of their own: the screen stays black, and nothing says why.",
-        bad: &[Example { name: "build.cpp", text: "void build(GLuint shader)\n{\n  glCompileShader(shader);\n}\n" }],
-        good: &[Example {
-            name: "build.cpp",
-            text: "void build(GLuint shader)\n{\n  glCompileShader(shader);\n  GLint ok;\n  glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);\n}\n",
-        }],
-        fix: "There is no fix: what to do about an error is up to the program.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.1 (Shader Objects): COMPILE_STATUS and the info log",
-        ],
-        ja: Japanese {
-            summary: "シェーダのコンパイルやプログラムのリンクの成否を、どのホストのファイルも調べていません",
-            what: "どのホストのファイルにも `GL_COMPILE_STATUS` や情報ログがない `glCompileShader` と、`GL_LINK_STATUS` や情報ログがない `glLinkProgram` を、ファイルと関数ごとに一度報告します。",
-            why: "シェーダの誤りは GL エラーにも表示にもなりません。画面が黒いままで、理由が分かりません。",
-            fix: "no fix（修正なし）: 誤りのときに何をするかはプログラム次第です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

@@ -3,7 +3,7 @@
 use tree_sitter::Node;
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 use super::HostFile;
@@ -15,36 +15,7 @@ pub const RULE: Rule = Rule {
     name: "strip-adjacency-drops-ends",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "a line strip with adjacency draws m - 3 of the m - 1 segments between its m nodes",
-    page: Page {
-        what: "Reports `glDrawArrays`, `glMultiDrawArrays` and their instanced forms with \
-               GL_LINE_STRIP_ADJACENCY. It stays silent when the file adds two nodes to the count (`m + 2`), \
-               as one does to repeat the nodes at both ends.",
-        why: "In a strip with adjacency the first and the last node are only neighbours: m nodes give m - 3 \
-              segments, and the first and the last segment of every strip are not drawn. Strands of hair, for \
-              instance, lose their roots and tips.",
-        bad: &[Example {
-            name: "hair.cpp",
-            text: "void draw(const GLint *first, const GLsizei *count, GLsizei n)\n{\n  \
-                   glMultiDrawArrays(GL_LINE_STRIP_ADJACENCY, first, count, n);\n}\n",
-        }],
-        good: &[Example {
-            name: "hair.cpp",
-            text: "void draw(GLsizei m, GLsizei n)\n{\n  std::vector<GLint> first(n);\n  \
-                   std::vector<GLsizei> count(n);\n  for (GLsizei i = 0; i < n; ++i)\n  {\n    \
-                   first[i] = i * (m + 2);\n    count[i] = m + 2;\n  }\n  \
-                   glMultiDrawArrays(GL_LINE_STRIP_ADJACENCY, first.data(), count.data(), n);\n}\n",
-        }],
-        fix: "There is no fix: the nodes are data. Store the first and the last node of every strip twice and \
-              add 2 to its count, or store a further node at each end that continues the curve.",
-        references: &["OpenGL 3.2 core specification, section 2.6.1, \"Line strips with adjacency\""],
-        ja: Japanese {
-            summary: "隣接情報付きの線分列は、m 個の節点の間の m - 1 本のうち m - 3 本だけを描きます",
-            what: "GL_LINE_STRIP_ADJACENCY を渡した `glDrawArrays`、`glMultiDrawArrays` とそのインスタンス版を報告します。両端の節点を繰り返すために個数に 2 を足しているとき（`m + 2`）は報告しません。",
-            why: "隣接情報付きの線分列では、最初と最後の節点は隣を示すだけです。m 個の節点から m - 3 本の線分ができ、各列の最初と最後の線分は描かれません。例えば毛髪は根元と毛先を失います。",
-            fix: "no fix（修正なし）: 節点はデータです。各列の最初と最後の節点を二重に格納して個数に 2 を足すか、曲線を延長する節点を両端に一つずつ加えてください。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

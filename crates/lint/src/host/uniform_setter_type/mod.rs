@@ -5,7 +5,7 @@ use super::setter::Setter;
 use super::settings::Setting;
 use super::settings::settings;
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::types::Type;
@@ -16,49 +16,7 @@ pub const RULE: Rule = Rule {
     name: "uniform-setter-type",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a uniform is set by a function for another type",
-    page: Page {
-        what: "Reports `glUniform` functions, and setters by name, whose components or component type are not those of the uniform, and counts above 1 for a uniform that is no array. A `bool` takes `f`, `i` and `ui`. Samplers are the business of H011, matrices of H019.",
-        why: "The call fails with GL_INVALID_OPERATION, and the uniform keeps its old value.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform3f(place, 1.0f, 0.0f, 0.0f);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nuniform mat4 mc;\nuniform vec4 color;\nout vec4 c;\nvoid main(void)\n{\n  c = color;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 c;\nout vec4 fc;\nvoid main(void)\n{\n  fc = c;\n}\n",
-            },
-            Example {
-                name: "lamp.cpp",
-                text: "void setUp(const GLfloat *m)\n{\n  GLuint program = load(\"lamp.vert\", \"lamp.frag\");\n  GLint place = glGetUniformLocation(program, \"color\");\n  glUniform4f(place, 1.0f, 0.0f, 0.0f, 1.0f);\n}\n",
-            },
-        ],
-        fix: "Calls the function for the type of the uniform where the number of arguments stays the same. Unsafe: the call had no effect before.",
-        references: &[
-            "OpenGL 3.2 core specification, section 2.11.4 (Uniform Variables): INVALID_OPERATION for a size or type that does not match",
-        ],
-        ja: Japanese {
-            summary: "uniform を別の型用の関数で設定しています",
-            what: "成分数または成分の型が uniform と違う `glUniform` 系の関数と、名前で値を設定する関数、および配列でない uniform に 1 より大きい個数を渡す呼び出しを報告します。`bool` には `f`, `i`, `ui` を使えます。サンプラは H011、行列は H019 が調べます。",
-            why: "呼び出しは GL_INVALID_OPERATION で失敗し、uniform は元の値のままです。",
-            fix: "引数の数が変わらないときは、uniform の型に合う関数を呼ぶように直します。元の呼び出しには効果がなかったので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
 

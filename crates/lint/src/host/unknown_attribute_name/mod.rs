@@ -1,7 +1,7 @@
 //! H004: an attribute is looked up by a name that the vertex stage does not declare.
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
@@ -16,45 +16,9 @@ pub const RULE: Rule = Rule {
     name: "unknown-attribute-name",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "glGetAttribLocation is given a name that the vertex stage does not declare",
-    page: Page {
-        what: "Reports `glGetAttribLocation` with a name that is neither an attribute of the vertex stage nor a \
-               uniform (H002 reports that). It speaks only when the vertex stage is known, was read without \
-               error and has no `#if` or `#include`. For `glBindAttribLocation`, which many programs call with \
-               names for several shaders, it speaks only when one attribute's name is nearly the given one.",
-        why: "The call gives -1 and raises no GL error. `glVertexAttribPointer` with -1 fails with \
-              GL_INVALID_VALUE, and the attribute that was meant keeps its constant value (0, 0, 0, 1).",
-        bad: &[
-            Example { name: "grid.vert", text: SHADER },
-            Example {
-                name: "grid.cpp",
-                text: "void setUp(GLuint program)\n{\n  GLint loc = glGetAttribLocation(program, \"p1\");\n  \
-                       glVertexAttribPointer(loc, 2, GL_FLOAT, GL_FALSE, 0, 0);\n}\n",
-            },
-        ],
-        good: &[
-            Example { name: "grid.vert", text: SHADER },
-            Example {
-                name: "grid.cpp",
-                text: "void setUp(GLuint program)\n{\n  GLint loc = glGetAttribLocation(program, \"parameter\");\n  \
-                       glVertexAttribPointer(loc, 2, GL_FLOAT, GL_FALSE, 0, 0);\n}\n",
-            },
-        ],
-        fix: "Writes the one attribute that is nearest to the given name, or else the only attribute there is, \
-              unless the file looks that up as well. Unsafe: it need not be the one that was meant.",
-        references: &["OpenGL 3.2 core specification, section 2.11.3 (glGetAttribLocation, glBindAttribLocation)"],
-        ja: Japanese {
-            summary: "glGetAttribLocation に、頂点シェーダが宣言していない名前を渡しています",
-            what: "頂点属性でも uniform でもない名前（uniform は H002）を渡した `glGetAttribLocation` を報告します。頂点シェーダが分かり、エラーなく読め、`#if` も `#include` も含まないときだけ報告します。`glBindAttribLocation` は複数のシェーダ用の名前で呼ばれることが多いので、よく似た属性名が一つあるときだけ報告します。",
-            why: "この呼び出しは GL エラーなしに -1 を返します。-1 を渡した `glVertexAttribPointer` は GL_INVALID_VALUE で失敗し、本来の属性は定数 (0, 0, 0, 1) のままです。",
-            fix: "最も近い属性名が一つに決まるとき、または属性が一つしかないときは、その名前に書き換えます（その属性が別に問い合わせられている場合を除く）。unsafe: 意図した名前とは限りません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
-
-const SHADER: &str = "#version 150 core\nin vec2 parameter;\nvoid main(void)\n{\n  \
-                      gl_Position = vec4(parameter, 0.0, 1.0);\n}\n";
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     let all = host.lookups();

@@ -1,7 +1,7 @@
 //! H003: a uniform is looked up by a name that no stage declares.
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 
@@ -16,46 +16,9 @@ pub const RULE: Rule = Rule {
     name: "unknown-uniform-name",
     severity: Severity::Warning,
     level: Level::Default,
-    summary: "glGetUniformLocation is given a name that no stage of the program declares",
-    page: Page {
-        what: "Reports `glGetUniformLocation` with a name that no stage declares as a uniform. It speaks only when \
-               all stages of the program are known and read without error, and none has `#if` or `#include`.",
-        why: "The call gives -1 and raises no GL error, and `glUniform` functions ignore the location -1: the \
-              uniform that was meant keeps the value 0. Spaces and capitals count.",
-        bad: &[
-            Example { name: "point.vert", text: VERTEX },
-            Example { name: "point.frag", text: FRAGMENT },
-            Example {
-                name: "point.cpp",
-                text: "void setMatrix(GLuint program, const GLfloat *m)\n{\n  \
-                       glUniformMatrix4fv(glGetUniformLocation(program, \"mvc\"), 1, GL_FALSE, m);\n}\n",
-            },
-        ],
-        good: &[
-            Example { name: "point.vert", text: VERTEX },
-            Example { name: "point.frag", text: FRAGMENT },
-            Example {
-                name: "point.cpp",
-                text: "void setMatrix(GLuint program, const GLfloat *m)\n{\n  \
-                       glUniformMatrix4fv(glGetUniformLocation(program, \"mc\"), 1, GL_FALSE, m);\n}\n",
-            },
-        ],
-        fix: "Writes the one declared name that is nearest to the given one. Unsafe: the nearest name need not be \
-              the one that was meant.",
-        references: &["OpenGL 3.2 core specification, section 2.11.4 (glGetUniformLocation)"],
-        ja: Japanese {
-            summary: "glGetUniformLocation に、プログラムのどのステージも宣言していない名前を渡しています",
-            what: "どのステージも uniform として宣言していない名前を渡した `glGetUniformLocation` を報告します。プログラムの全ステージが分かり、エラーなく読め、`#if` も `#include` も含まないときだけ報告します。",
-            why: "この呼び出しは GL エラーなしに -1 を返し、`glUniform` 系の関数は位置 -1 を無視します。本来の uniform は 0 のままです。空白や大文字・小文字も区別されます。",
-            fix: "宣言された名前のうち、最も近いものが一つに決まるときはそれに書き換えます。unsafe: 意図した名前とは限りません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Host(check),
 };
-
-const VERTEX: &str = "#version 150 core\nin vec4 position;\nuniform mat4 mc;\n\
-                      void main(void)\n{\n  gl_Position = mc * position;\n}\n";
-const FRAGMENT: &str = "#version 150 core\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(1.0);\n}\n";
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     for lookup in host.lookups() {

@@ -1,7 +1,7 @@
 //! I009: blocks of one name that differ.
 
 use crate::project::{Project, ShaderFile};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Message, Severity, message};
 use syntax::interface::{Block, Storage};
 
@@ -14,41 +14,7 @@ pub const RULE: Rule = Rule {
     name: "block-drift",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a block has other members in another stage of the program",
-    page: Page {
-        what: "Reports blocks of one name whose members differ between two stages in number, name, order or type: uniform and storage blocks, and output blocks with the input block that they go to. Names of instances may differ. Blocks with bindings that differ are two blocks to Vulkan, and push constants may differ.",
-        why: "Stages meet by the name of the block, and its members have to be the same; otherwise the program does not link.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin vec4 position;\nout float far;\nvoid main(void)\n{\n  far = length(position - place);\n  gl_Position = position + color;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec3 color;\n};\nin float far;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(color / far, place.w);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin vec4 position;\nout float far;\nvoid main(void)\n{\n  far = length(position - place);\n  gl_Position = position + color;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 330 core\nlayout(std140) uniform Light\n{\n  vec4 place;\n  vec4 color;\n};\nin float far;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(color.rgb / far, place.w);\n}\n",
-            },
-        ],
-        fix: "There is no fix: which of the two is meant is not known.",
-        references: &[
-            "OpenGL Shading Language 3.30, section 4.3.7 (Interface Blocks): blocks of one name have to match",
-        ],
-        ja: Japanese {
-            summary: "ブロックのメンバが、プログラムの別のステージと違います",
-            what: "同じ名前のブロックのうち、二つのステージでメンバの数、名前、順序、型のいずれかが違うものを報告します。uniform ブロックとストレージブロック、および出力ブロックとそれを受け取る入力ブロックを調べます。インスタンス名は違ってもかまいません。バインディングが違うブロックは Vulkan では別のブロックなので、報告しません。プッシュ定数も違ってかまいません。",
-            why: "ステージ間の対応はブロック名で決まり、メンバは同じでなければなりません。違うとプログラムはリンクできません。",
-            fix: "no fix（修正なし）: どちらのつもりか分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Program(check),
 };
 

@@ -2,7 +2,7 @@
 
 use crate::host::{list, list_in_japanese, nearest};
 use crate::project::{Project, ShaderFile, folder};
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::Stage;
@@ -19,42 +19,7 @@ pub const RULE: Rule = Rule {
     name: "input-without-producer",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an input that no output of the stage before writes",
-    page: Page {
-        what: "Reports inputs that are used in a stage, and that the stage before it in the program does not declare as outputs: by location where both have one, by name otherwise. Programs come from host code, from `shadercheck.toml`, and from shaders of one name in one folder. It stays silent when a stage is not known, and about what a geometry or tessellation shader of another name in the folder writes for the fragment shader of a program that is known by its name alone.",
-        why: "The program does not link, or, with drivers that link it, the value is undefined. A letter that differs between the two stages is the usual cause.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 nn;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(nn), 1.0);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
-            },
-        ],
-        fix: "Writes the name of the one output of the same type that resembles it and that nobody reads, if there is one. Unsafe: another output may be meant.",
-        references: &[
-            "OpenGL Shading Language 1.50, section 4.3.4 (Inputs)",
-            "OpenGL 3.2 core specification, section 2.11.6 (Varying Variables)",
-        ],
-        ja: Japanese {
-            summary: "前のステージのどの出力も書き込まない入力です",
-            what: "ステージで使われている入力のうち、プログラムの前のステージに対応する出力がないものを報告します。対応は、両方に location があれば location で、なければ名前で決まります。プログラムは、ホストのコード、`shadercheck.toml`、および同じフォルダにある同名のシェーダから求めます。不明なステージがあるときは報告しません。名前だけで組み合わせたプログラムでは、同じフォルダにある別名のジオメトリシェーダやテッセレーションシェーダが書き込む、フラグメントシェーダの入力も報告しません。",
-            why: "プログラムはリンクできません。リンクできるドライバでも値は不定です。多くは二つのステージの間の綴り違いが原因です。",
-            fix: "型が同じで、名前が似ていて、どこからも読まれない出力が一つだけあれば、その名前に書き換えます。別の出力のつもりかもしれないので unsafe です。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Program(check),
 };
 

@@ -1,7 +1,7 @@
 //! I002: an input whose type is not that of its output.
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 use super::Program;
@@ -13,39 +13,7 @@ pub const RULE: Rule = Rule {
     name: "interface-type-mismatch",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "an input has another type than the output that it gets its value from",
-    page: Page {
-        what: "Reports inputs whose type differs from that of the output that they meet. In a geometry or tessellation stage the type of one element counts: a `vec3` of the vertex stage meets a `vec3[]`.",
-        why: "The program does not link: the types of an output and its input have to be the same.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec4 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n.xyz), 1.0);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
-            },
-        ],
-        fix: "There is no fix: which of the two types is meant is not known.",
-        references: &["OpenGL Shading Language 1.50, section 4.3.4 (Inputs)"],
-        ja: Japanese {
-            summary: "入力の型が、値を受け取る出力の型と違います",
-            what: "対応する出力と型が違う入力を報告します。ジオメトリシェーダとテッセレーションシェーダでは要素の型を比べます。頂点シェーダの `vec3` は `vec3[]` に対応します。",
-            why: "出力と入力の型は同じでなければならないので、プログラムはリンクできません。",
-            fix: "no fix（修正なし）: どちらの型のつもりか分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Program(check),
 };
 

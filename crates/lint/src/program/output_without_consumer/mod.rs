@@ -1,7 +1,7 @@
 //! I003: an output that nobody reads.
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 use syntax::interface::Storage;
 
@@ -14,39 +14,7 @@ pub const RULE: Rule = Rule {
     name: "output-without-consumer",
     severity: Severity::Info,
     level: Level::Default,
-    summary: "an output that the next stage does not read",
-    page: Page {
-        what: "Reports outputs that the next stage does not declare as inputs. It stays silent where a shader belongs to several programs, where host code names the output (as for transform feedback), and where an input without output resembles it: that one is told by I001.",
-        why: "The value is computed and never read. Often it is left over, or the line that should use it is missing.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nout vec3 light;\nvoid main(void)\n{\n  n = normal;\n  light = vec3(0.0, 4.0, 2.0) - position.xyz;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nout vec3 n;\nvoid main(void)\n{\n  n = normal;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 n;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n), 1.0);\n}\n",
-            },
-        ],
-        fix: "There is no fix: what computes the value would have to be removed as well.",
-        references: &["OpenGL Shading Language 1.50, section 4.3.6 (Outputs)"],
-        ja: Japanese {
-            summary: "次のステージが読まない出力です",
-            what: "次のステージで入力として宣言されていない出力を報告します。シェーダが複数のプログラムに属するとき、ホストのコードがその名前を使うとき（トランスフォームフィードバックなど）、対応する出力のない似た名前の入力があるとき（I001 が報告します）は報告しません。",
-            why: "値は計算されますが、読まれません。消し忘れか、使うはずの行が抜けていることが多いです。",
-            fix: "no fix（修正なし）: 値を計算する部分も消す必要があります。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Program(check),
 };
 

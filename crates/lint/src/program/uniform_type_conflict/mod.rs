@@ -1,7 +1,7 @@
 //! I006: a uniform with two types.
 
 use crate::project::Project;
-use crate::rule::{Check, Example, Findings, Japanese, Level, Page, Rule};
+use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
 
 use super::Program;
@@ -13,41 +13,7 @@ pub const RULE: Rule = Rule {
     name: "uniform-type-conflict",
     severity: Severity::Error,
     level: Level::Default,
-    summary: "a uniform has different types in two stages",
-    page: Page {
-        what: "Reports uniforms of one name that stages of one program declare with different types.",
-        why: "All stages share one set of uniforms: one name is one variable. The program does not link.",
-        bad: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nuniform float gain;\nout vec3 n;\nvoid main(void)\n{\n  n = normal * gain;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 n;\nuniform vec3 gain;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n) * gain, 1.0);\n}\n",
-            },
-        ],
-        good: &[
-            Example {
-                name: "lamp.vert",
-                text: "#version 150 core\nin vec4 position;\nin vec3 normal;\nuniform mat4 mc;\nuniform float gain;\nout vec3 n;\nvoid main(void)\n{\n  n = normal * gain;\n  gl_Position = mc * position;\n}\n",
-            },
-            Example {
-                name: "lamp.frag",
-                text: "#version 150 core\nin vec3 n;\nuniform float gain;\nout vec4 fc;\nvoid main(void)\n{\n  fc = vec4(normalize(n) * gain, 1.0);\n}\n",
-            },
-        ],
-        fix: "There is no fix: which type is meant is not known.",
-        references: &[
-            "OpenGL Shading Language 1.50, section 4.3.5 (Uniform): all stages share one name space of uniforms",
-        ],
-        ja: Japanese {
-            summary: "uniform の型が二つのステージで違います",
-            what: "同じプログラムのステージが、同じ名前の uniform を違う型で宣言しているものを報告します。",
-            why: "uniform はすべてのステージに共通で、一つの名前は一つの変数です。プログラムはリンクできません。",
-            fix: "no fix（修正なし）: どちらの型のつもりか分かりません。",
-        },
-    },
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
     check: Check::Program(check),
 };
 
