@@ -7,7 +7,7 @@ use base::text::{EditList, SourceFile};
 
 use super::host::HostFile;
 use super::project::{Input, Language, language_of};
-use super::registry::RULES;
+use super::registry::{RULES, with_name};
 use super::rule::Rule;
 use super::{Settings, run_rules};
 
@@ -38,7 +38,7 @@ pub struct Refusal {
 
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: fix of {} not applied ({}): {}", self.place, self.code, self.title, self.reason)
+        write!(f, "{}: fix of {} not applied ({}): {}", self.place, with_name(self.code), self.title, self.reason)
     }
 }
 
