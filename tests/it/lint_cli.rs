@@ -77,6 +77,35 @@ fn rules_are_left_out_for_files_that_match() {
 }
 
 #[test]
+fn a_rule_goes_by_its_name_wherever_it_goes_by_its_code() {
+    let silenced = LITERAL.replace("turn;\n  gl", "turn; // shadercheck: ignore[low-precision-pi] as on paper\n  gl");
+    let folder = folder(&[("a.vert", LITERAL), ("b.vert", WRONG), ("c.vert", &silenced)]);
+    let found = |args: &str| codes(&lint(folder.path(), &format!(". --format json {args}")));
+    let (literal, wrong) = ("./a.vert N014", "./b.vert T001");
+    assert_eq!(found(""), [literal, wrong]);
+    for name in ["low-precision-pi", "low_precision_pi", "LOW-Precision-Pi"] {
+        assert_eq!(found(&format!("--select {name}")), [literal]);
+        assert_eq!(found(&format!("--ignore {name}")), [wrong]);
+        write(&folder, "shadercheck.toml", format!("[lint]\nselect = [\"{name}\"]\n").as_bytes());
+        assert_eq!(found(""), [literal]);
+        write(&folder, "shadercheck.toml", format!("[lint.per-file-ignores]\n\"a.*\" = [\"{name}\"]\n").as_bytes());
+        assert_eq!(found(""), [wrong]);
+        write(&folder, "shadercheck.toml", b"");
+        lint(folder.path(), ". --write-baseline known.json").expect(0);
+        write(
+            &folder,
+            "known.json",
+            read(&folder, "known.json").replace("\"N014\"", &format!("\"{name}\"")).as_bytes(),
+        );
+        assert_eq!(found("--baseline known.json"), Vec::<String>::new());
+    }
+    for args in [". --select low-precison-pi", ". --ignore low-precison-pi"] {
+        let ran = lint(folder.path(), args).expect(2);
+        assert!(ran.err.contains("no rule is called `low-precison-pi` (did you mean N014 low-precision-pi"), "{ran:?}");
+    }
+}
+
+#[test]
 fn a_wrong_configuration_is_told_with_its_place() {
     let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nselct = [\"N\"]\nlevel = \"strikt\"\n")]);
     let ran = lint(folder.path(), "a.vert").expect(2);
@@ -128,7 +157,11 @@ fn a_baseline_hides_what_it_knows_and_tells_what_is_gone() {
     write(&folder, "s/a.vert", WRONG.replace("vec3", "vec4").as_bytes());
     let before = read(&folder, "known.json");
     let ran = lint(place, "s --baseline known.json").expect(0);
-    assert!(ran.err.contains("no longer found: T001 in s/a.vert: gl_Position = vec3"), "{}", ran.err);
+    assert!(
+        ran.err.contains("no longer found: T001 constructor-too-many-args in s/a.vert: gl_Position = vec3"),
+        "{}",
+        ran.err
+    );
     assert!(ran.err.contains("--prune-baseline"), "{}", ran.err);
     assert_eq!(read(&folder, "known.json"), before);
     let ran = lint(place, "s/b.vert --baseline known.json").expect(0);
@@ -138,7 +171,7 @@ fn a_baseline_hides_what_it_knows_and_tells_what_is_gone() {
     assert!(!lint(place, "s --baseline known.json").expect(0).err.contains("no longer"));
     // A file that does not exist any more takes its findings with it.
     fs::remove_file(place.join("s/b.vert")).unwrap();
-    assert!(lint(place, "s --baseline known.json").expect(0).err.contains("N014 in s/b.vert"));
+    assert!(lint(place, "s --baseline known.json").expect(0).err.contains("N014 low-precision-pi in s/b.vert"));
     let ran = lint(place, "s/a.vert --write-baseline no/such/known.json").expect(2);
     assert!(ran.err.contains("no/such/known.json: cannot be written"), "{}", ran.err);
     write(&folder, "known.json", b"{}");
@@ -149,7 +182,11 @@ fn a_baseline_hides_what_it_knows_and_tells_what_is_gone() {
 fn a_report_goes_to_a_file_besides() {
     let folder = folder(&[("a.vert", WRONG)]);
     let ran = lint(folder.path(), "a.vert --format sarif --output report.sarif").expect(1);
-    assert!(ran.out.contains("error[T001]") && ran.out.contains("a.vert:4:17"), "{}", ran.out);
+    assert!(
+        ran.out.contains("error[T001 constructor-too-many-args]") && ran.out.contains("a.vert:4:17"),
+        "{}",
+        ran.out
+    );
     let log: Value = serde_json::from_str(&read(&folder, "report.sarif")).unwrap();
     assert_eq!(log["runs"][0]["results"][0]["ruleId"], "T001");
     let place = &log["runs"][0]["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"];
@@ -215,7 +252,7 @@ fn files_are_repaired_in_their_own_encoding() {
     ] {
         write(&folder, name, &before);
         let ran = lint(folder.path(), &format!("{name} --format concise")).expect(0);
-        assert!(ran.out.starts_with(&format!("{name}:5:14: info[N014]")), "{ran:?}");
+        assert!(ran.out.starts_with(&format!("{name}:5:14: info[N014 low-precision-pi]")), "{ran:?}");
         lint(folder.path(), &format!("{name} --fix --unsafe-fixes")).expect(0);
         assert_eq!(fs::read(folder.path().join(name)).unwrap(), after, "{name}");
     }
@@ -230,7 +267,7 @@ fn what_would_not_be_written_back_as_it_was_is_left_alone() {
     write(&folder, "a.vert", &bytes);
     let ran = lint(folder.path(), "a.vert b.vert --fix --format concise").expect(2);
     assert!(ran.err.contains("a.vert: holds bytes that Shift_JIS has another way to write"), "{}", ran.err);
-    assert!(ran.out.contains("a.vert:5:17: error[T001]"), "it is still told: {}", ran.out);
+    assert!(ran.out.contains("a.vert:5:17: error[T001 constructor-too-many-args]"), "it is still told: {}", ran.out);
     assert!(ran.err.contains("1 could not be written"), "{}", ran.err);
     assert_eq!(fs::read(folder.path().join("a.vert")).unwrap(), bytes);
     assert!(read(&folder, "b.vert").contains("vec4(1.0"), "the other is repaired");
@@ -300,7 +337,7 @@ fn the_configuration_of_the_book_is_right() {
     let folder = folder(&files);
     let ran = run_in(folder.path(), "lint shaders/scene.vert").expect(0);
     assert!(!ran.err.contains("error:") && !ran.err.contains("warning:"), "{}", ran.err);
-    assert!(ran.out.contains("info[N014]"), "{}", ran.out);
+    assert!(ran.out.contains("info[N014 low-precision-pi]"), "{}", ran.out);
 }
 
 #[test]

@@ -119,7 +119,7 @@ fn pages(list: &str, explain: &dyn Fn(&str) -> Result<String>) -> Result<Pages> 
     for line in list.lines() {
         let Rule { code, name, severity, summary } =
             rule(line).with_context(|| format!("`explain` lists what is no rule: {line}"))?;
-        let (file, page) = (format!("{}.md", code.to_ascii_lowercase()), explain(code)?);
+        let (file, page) = (format!("{name}.md"), explain(code)?);
         let has_page = page.starts_with("# ");
         let shown = if has_page { format!("[{code}]({file})") } else { code.to_owned() };
         table += &format!("| {shown} | {name} | {severity} | {} |\n", summary.replace('|', "\\|"));
@@ -175,11 +175,14 @@ E001                      error    no `a | b`
             Ok(text.to_owned())
         };
         let (pages, lines) = pages(LIST, &explain).unwrap();
-        assert_eq!(pages[0], ("rules/d001.md".to_owned(), "# D001\n".to_owned()));
-        let table = "| [D001](d001.md) | uninitialised-read | warning | read before it has a value |\n\
+        assert_eq!(pages[0], ("rules/uninitialised-read.md".to_owned(), "# D001\n".to_owned()));
+        let table = "| [D001](uninitialised-read.md) | uninitialised-read | warning | read before it has a value |\n\
                      | E001 |  | error | no `a \\| b` |\n";
         assert!(pages[1].1.ends_with(table), "{}", pages[1].1);
-        assert_eq!(lines, "  - [All rules](rules/all.md)\n  - [D001 uninitialised-read](rules/d001.md)\n");
+        assert_eq!(
+            lines,
+            "  - [All rules](rules/all.md)\n  - [D001 uninitialised-read](rules/uninitialised-read.md)\n"
+        );
     }
 
     #[test]

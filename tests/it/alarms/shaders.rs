@@ -160,7 +160,7 @@ fn the_short_pi_of_the_printed_sphere_is_a_warning_and_exactly_a_deviation_of_th
     }
     run("check sphere --samples 8192").expect(0);
     let ran = run(&format!("lint {short} --format concise")).expect(0);
-    assert!(ran.out.contains(":11:14: info[N014]: `6.283185` stands for 2π"), "{}", ran.out);
+    assert!(ran.out.contains(":11:14: info[N014 low-precision-pi]: `6.283185` stands for 2π"), "{}", ran.out);
 }
 
 #[test]

@@ -133,6 +133,27 @@ fn the_options_in_pages_of_rules_exist() {
 }
 
 #[test]
+fn the_options_in_help_texts_exist() {
+    let list = help_of(&[]).expect("the program has help");
+    let below = list.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let commands: Vec<&str> = below.filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.len() > 8, "{list}");
+    let help: String = commands.iter().filter_map(|command| help_of(&[command])).collect();
+    assert_eq!(undeclared(&help), [""; 0]);
+}
+
+/// Options that a help text speaks of, and that it does not declare at the start of a line.
+fn undeclared(help: &str) -> Vec<&str> {
+    let options = |line| -> Vec<&str> {
+        let words = str::split(line, |c: char| !(c.is_ascii_alphanumeric() || c == '-'));
+        words.filter(|word| word.len() > 2 && word.starts_with("--")).collect()
+    };
+    let declaring = help.lines().filter(|line| line.trim_start().starts_with('-'));
+    let declared: Vec<&str> = declaring.filter_map(|line| options(line).first().copied()).collect();
+    help.lines().flat_map(options).filter(|option| !declared.contains(option)).collect()
+}
+
+#[test]
 fn the_readme_is_short() {
     let files = project();
     let lines = file(&files, "README.md").text.lines().count();
@@ -170,6 +191,12 @@ mod planted {
             |text: &str| unknown_options(&File::new("explain A001", text), "  --level <LEVEL>\n  --fix\n").len();
         assert_eq!(faults("With `--strict`, it says more; with `--level strict` too, and `--fix` repairs `x--`.\n"), 1);
         assert_eq!(faults("```glsl\n--i;\n```\n"), 0);
+    }
+
+    #[test]
+    fn an_option_of_a_help_text_that_does_not_exist_is_reported() {
+        let help = "  -o, --output <FILE>  With --fix, or --strict\n      --fix\n";
+        assert_eq!(undeclared(help), ["--strict"]);
     }
 
     #[test]
