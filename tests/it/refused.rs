@@ -31,7 +31,7 @@ fn every_command_refuses_what_the_language_refuses() {
                          [[inputs]]\nnames = [\"p\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]\n";
             fs::write(folder.path().join("a.suite.toml"), suite).unwrap();
             let lint = run_in(folder.path(), "lint a.vert").expect(1);
-            let told = format!("error[{code}]");
+            let told = format!("error[{}]", lint::with_name(code));
             assert!(lint.out.contains(&told), "{place}: {fault}\n{}", lint.out);
             let at = lint.out.lines().skip_while(|line| !line.contains(&told)).nth(1).unwrap().trim().to_owned();
             assert!(at.starts_with("--> a.vert:3:"), "{at}");

@@ -167,12 +167,9 @@ pub(crate) mod tests {
     fn every_page_has_its_title_and_its_sections_in_order() {
         for rule in RULES {
             let title = format!("# {} {} ({})\n", rule.code, rule.name, rule.severity.name());
-            let headings = |own: &dyn Fn(&(&'static str, &'static str, bool)) -> Option<&'static str>| -> Vec<&str> {
-                std::iter::once("").chain(SECTIONS.iter().filter_map(own)).collect()
-            };
-            let english = headings(&|(english, ..)| Some(english));
-            let japanese = headings(&|(_, japanese, shared)| (!shared).then_some(japanese));
-            for (text, wanted) in [(rule.pages.en, english), (rule.pages.ja, japanese)] {
+            let all = ["", "What", "Why", "Bad", "Good", "Fix", "References"];
+            let own = ["", "内容", "理由", "修正"];
+            for (text, wanted) in [(rule.pages.en, &all[..]), (rule.pages.ja, &own[..])] {
                 assert!(text.starts_with(&title), "{title}");
                 let found: Vec<_> = sections(text).into_iter().map(|(heading, _)| heading).collect();
                 assert_eq!(found, wanted, "{}", rule.name);
