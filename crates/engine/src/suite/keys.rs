@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::catalogue;
 use judge::verdict::Literals;
-use property::generators;
+use property::generators::Generator;
 use property::law::LawKind;
 
 /// What a value may be.
@@ -69,7 +69,7 @@ fn formulas() -> Vec<&'static str> {
 }
 
 fn generator_names() -> Vec<&'static str> {
-    generators::all().iter().map(|g| g.name()).collect()
+    catalogue::generators().map(Generator::name).collect()
 }
 
 fn literals() -> Vec<&'static str> {
@@ -257,7 +257,7 @@ pub(super) const SECTIONS: &[Section] = &[
     },
     Section {
         title: "[strands]",
-        about: "For a geometry stage on lines with adjacency, with the generator `node_run`.",
+        about: "For a geometry stage on lines with adjacency, with a generator of the nodes of strands.",
         keys: &[
             required("nodes", Form::Whole { least: 4, most: 1 << 20 }, "Nodes of a strand."),
             required("ends", Form::OneOf(ends), "Whether the host repeats the nodes at the ends."),
@@ -294,7 +294,7 @@ pub fn page() -> String {
         let _ = writeln!(text, "  {name}\n{}", wrapped(about, 6));
     }
     text.push_str("\nGenerators\n");
-    for generator in generators::all() {
+    for generator in catalogue::generators() {
         let _ = writeln!(text, "  {}\n{}", generator.name(), wrapped(generator.about(), 6));
     }
     text
@@ -468,7 +468,7 @@ mod tests {
         for key in SECTIONS.iter().flat_map(|section| section.keys) {
             assert!(page.contains(&format!("\n  {}: ", key.name)), "{}", key.name);
         }
-        for generator in generators::all() {
+        for generator in catalogue::generators() {
             assert!(page.contains(&format!("\n  {}\n", generator.name())), "{}", generator.name());
         }
         assert!(page.lines().all(|line| line.chars().count() <= 100), "{page}");

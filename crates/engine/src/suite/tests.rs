@@ -13,8 +13,8 @@ samples = 65536
 relations = ["equal_bones"]
 
 [[inputs]]
-names = ["numberOfBones", "p0", "p1", "blendMatrix"]
-generator = "bones"
+names = ["p0", "p1"]
+generator = "rigid"
 range = [-2.0, 2]
 
 [[inputs]]
@@ -58,13 +58,8 @@ fn a_suite_is_read_whole() {
 #[test]
 fn a_suite_fits_its_shader() {
     let field = |name: &str, shape| Field { name: name.into(), shape };
-    let points = Shape::VEC4.array_of(8);
-    let case = Arc::new(Record::new(vec![
-        field("numberOfBones", Shape::INT),
-        field("p0", points),
-        field("p1", points),
-        field("blendMatrix", Shape::MAT4.array_of(8)),
-    ]));
+    let parts = Shape::MAT4.array_of(8);
+    let case = Arc::new(Record::new(vec![field("p0", parts), field("p1", parts)]));
     let invocation = Arc::new(Record::new(vec![field("position", Shape::VEC4)]));
     let suite = read(GOOD).unwrap();
     assert_eq!(suite.plan(&invocation, &case).unwrap().sample(1, 2, 3).get("position")[3], 1.0);
@@ -75,14 +70,7 @@ fn a_suite_fits_its_shader() {
 #[test]
 fn geometry_and_function_suites_are_read() {
     let text = GOOD.replace("stage = \"vertex\"", "stage = \"geometry\"");
-    let strands = format!("{text}[strands]\nnodes = 8\nends = \"as-drawn\"\n");
-    assert!(
-        read(&strands).unwrap_err().to_string().contains("without an [[inputs]] group with generator = \"node_run\"")
-    );
-    let strands = strands.replace("\"point\"\ncomponents = 3", "\"node_run\"");
-    let suite = read(&strands).unwrap();
-    assert_eq!(suite.strands, Some(Strands { nodes: 8, ends: property::generators::Ends::AsDrawn }));
-    assert_eq!(suite.inputs[0].options.strands, suite.strands);
+    assert_eq!(read(&text).unwrap().stage, Stage::Geometry);
     let text = GOOD.replace("stage = \"vertex\"", "stage = \"function\"\nentry = \"f\"");
     assert_eq!(read(&text).unwrap().entry.as_deref(), Some("f"));
 }
@@ -142,7 +130,7 @@ fn missing_keys_are_named_with_an_example() {
         assert!(error.contains(&format!("missing key `{key}`")), "{line}: {error}");
     }
     assert!(broken("\"vertex\"", "\"function\"").contains("missing key `entry`"));
-    assert!(broken("\"bones\"\nrange = [-2.0, 2]", "\"interval\"").contains("9:1: missing key `range` in [[inputs]]"));
+    assert!(broken("\"rigid\"\nrange = [-2.0, 2]", "\"interval\"").contains("9:1: missing key `range` in [[inputs]]"));
 }
 
 #[test]
@@ -169,8 +157,8 @@ fn values_that_make_no_sense_are_refused() {
         ("range = [-2.0, 2]", "range = [0.0, inf]", "is not finite in binary32"),
         ("range = [-2.0, 2]", "range = [0.0, 1e39]", "is not finite in binary32"),
         ("range = [-2.0, 2]", "range = [1.0]", "12:9: `range` is [lo, hi], two numbers"),
-        ("range = [-2.0, 2]", "values = [1.0]", "12:10: generator `bones` takes no `values`"),
-        ("range = [-2.0, 2]", "components = 3", "generator `bones` takes no `components`"),
+        ("range = [-2.0, 2]", "values = [1.0]", "12:10: generator `rigid` takes no `values`"),
+        ("range = [-2.0, 2]", "components = 3", "generator `rigid` takes no `components`"),
         ("components = 3", "components = 5", "`components` is 5, which is not from 1 to 4"),
         ("judged = 60_000", "judged = 6\nundetermined = 1.5", "21:16: `undetermined` is 1.5; a share is from 0 to 1"),
         ("suite = \"skinning\"", "suite = \"Skin ning\"", "1:9: suite name `Skin ning` may hold lower case"),

@@ -4,7 +4,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DMat3, DMat4, DVec3};
+use glam::DVec3;
 
 use super::Range;
 
@@ -42,15 +42,9 @@ pub enum Role {
     Moves,
 }
 
-/// The middle of a range and what is left to its ends.
-fn middle(range: &Range) -> (f64, f64) {
-    let (lo, hi) = (f64::from(range.lo()), f64::from(range.hi()));
-    ((lo + hi) / 2.0, (hi - lo) / 2.0)
-}
-
 /// A point of the shape number `shape` at a place of the parameter square: along the x axis, and around it.
 pub fn shape(range: &Range, shape: usize, [u, v]: [f64; 2]) -> DVec3 {
-    let (center, half) = middle(range);
+    let (center, half) = range.middle();
     let around = TAU * v;
     let (x, radius, lift) = match shape % 5 {
         0 => (2.0 * u - 1.0, 0.24, 0.0),
@@ -61,31 +55,6 @@ pub fn shape(range: &Range, shape: usize, [u, v]: [f64; 2]) -> DVec3 {
     };
     let point = DVec3::new(0.92 * x, lift + radius * around.cos(), radius * around.sin());
     DVec3::splat(center) + point * half
-}
-
-/// The joint number `k` of an arm of `parts` parts along the x axis of the shapes.
-pub fn joint(range: &Range, k: usize, parts: usize) -> DVec3 {
-    let (center, half) = middle(range);
-    DVec3::new(center + 0.92 * half * (2.0 * k as f64 / parts as f64 - 1.0), center, center)
-}
-
-/// The transforms of the parts of an arm that bends at its joints as time goes on.
-pub fn bent(range: &Range, parts: usize, frame: f64) -> Vec<DMat4> {
-    let mut all = vec![DMat4::IDENTITY; parts];
-    for k in 1..parts {
-        let (turn, joint) = (DMat3::from_rotation_z(frame * 1.6 / (parts - 1) as f64), joint(range, k, parts));
-        all[k] = all[k - 1] * super::matrix::with_translation(turn, joint - turn * joint);
-    }
-    all
-}
-
-/// Node number `node` of `nodes` of a strand that hangs down.
-pub fn strand(range: &Range, (strand, strands): (usize, usize), (node, nodes): (usize, usize)) -> DVec3 {
-    let (center, half) = middle(range);
-    let part = |k: usize, n: usize| 2.0 * k as f64 / (n.max(2) - 1) as f64 - 1.0;
-    let (across, down) = (part(strand, strands), part(node, nodes));
-    let swing = 0.16 * (1.0 + down) * (2.2 * down + 4.0 * across).sin();
-    DVec3::splat(center) + half * DVec3::new(0.8 * across + 0.6 * swing, -0.9 * down, 0.35 * across * across + swing)
 }
 
 /// The `k`-th of `n` numbers at a time: one after the other rises and falls, inside of the range.
@@ -114,13 +83,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shapes_and_strands_stay_in_the_range() {
+    fn shapes_stay_in_the_range() {
         for range in [Range::new(-2.0, 2.0), Range::new(0.5, 4.0)] {
             let inside = |p: DVec3| p.to_array().iter().all(|&c| range.contains(c as f32));
             let place = |k: usize| f64::from(k as u8) / 24.0;
             for (u, v) in (0..25).flat_map(|u| (0..25).map(move |v| (u, v))) {
                 assert!((0..5).all(|s| inside(shape(&range, s, [place(u), place(v)]))));
-                assert!(inside(strand(&range, (u, 25), (v, 25))), "{u} {v}");
             }
         }
     }
@@ -132,17 +100,6 @@ mod tests {
                 assert_eq!(shares(n, f64::from(k as u8) / 32.0).iter().sum::<f64>(), 1.0);
             }
             assert_eq!((shares(n, 0.0)[0], shares(n, 1.0)[n - 1]), (1.0, 1.0));
-        }
-    }
-
-    #[test]
-    fn an_arm_is_straight_at_first_and_holds_together() {
-        let range = Range::new(-2.0, 2.0);
-        assert!(bent(&range, 3, 0.0).iter().all(|m| *m == DMat4::IDENTITY));
-        let arm = bent(&range, 3, 1.0);
-        for k in 1..3 {
-            let joint = joint(&range, k, 3);
-            assert!(arm[k].transform_point3(joint).distance(arm[k - 1].transform_point3(joint)) < 1e-12);
         }
     }
 }

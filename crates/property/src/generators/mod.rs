@@ -1,4 +1,4 @@
-//! Generators: named distributions of inputs, one a file and one line in [`all`].
+//! Generators: named distributions of inputs, one a file and one line in [`all`]. Crates with content add their own.
 //!
 //! A generator fills the words of a *group* of inputs for one sample. About one sample in eight is
 //! special: values where arithmetic has its edges, and structures (coincident nodes, a bone of
@@ -14,7 +14,6 @@ use super::stream::{Stream, mix};
 mod abreast;
 mod affine;
 mod arrange;
-mod bones;
 mod constant;
 mod direction;
 mod drawn;
@@ -22,24 +21,24 @@ mod edges;
 mod group;
 mod index;
 mod interval;
-mod matrix;
-mod node_run;
+pub mod matrix;
 mod nodes;
 mod point;
-mod posed;
 mod projection;
 mod range;
 mod raw_weights;
 mod rigid;
-mod rigid_parts;
 mod simplex;
-mod spatial;
+pub mod spatial;
+pub mod testing;
 mod vector;
 
 pub use arrange::{Role, View};
 pub use drawn::Drawn;
 pub use group::Group;
+pub use nodes::Nodes;
 pub use range::Range;
+pub use rigid::Rigid;
 
 /// One sample in this many is special.
 pub const SPECIAL: usize = 8;
@@ -47,7 +46,7 @@ pub const SPECIAL: usize = 8;
 /// One case in this many is exact: see [`Place::exact`].
 pub const EXACT: u64 = 32;
 
-/// All generators, in the order of the manual.
+/// The generators of this crate, in the order of the manual.
 pub fn all() -> &'static [&'static dyn Generator] {
     &[
         &interval::Interval,
@@ -59,9 +58,6 @@ pub fn all() -> &'static [&'static dyn Generator] {
         &rigid::Rigid,
         &affine::Affine,
         &projection::Projection,
-        &bones::Bones,
-        &rigid_parts::RigidParts,
-        &node_run::NodeRun,
         &nodes::Nodes,
         &index::Index,
         &constant::Constant,
@@ -71,7 +67,7 @@ pub fn all() -> &'static [&'static dyn Generator] {
 /// The generator of fixed values.
 pub static CONSTANT: constant::Constant = constant::Constant;
 
-/// The generator called `name`.
+/// The generator of this crate called `name`.
 pub fn by_name(name: &str) -> Option<&'static dyn Generator> {
     all().iter().copied().find(|g| g.name() == name)
 }
@@ -282,29 +278,36 @@ pub struct Rows<'a> {
     pub per_case: usize,
 }
 
-/// `float` as a word.
-fn word(value: f64) -> u32 {
+/// A number rounded to binary32, as the bits of that.
+#[inline]
+pub fn word(value: f64) -> u32 {
     (value as f32).to_bits()
 }
 
-/// A word as `float`.
-fn float(word: u32) -> f32 {
+/// The binary32 number with these bits.
+#[inline]
+pub fn float(word: u32) -> f32 {
     f32::from_bits(word)
 }
 
-/// Refuses shapes for which `fits` is false. `wanted` names those that fit.
-fn every_shape(name: &str, shapes: &[Shape], wanted: &str, fits: impl Fn(&Shape) -> bool) -> Result<(), String> {
+/// Refuses shapes for which `fits` is false.
+///
+/// # Errors
+/// A message that names the first such shape, the generator, and what it fills instead: `wanted`.
+pub fn every_shape(name: &str, shapes: &[Shape], wanted: &str, fits: impl Fn(&Shape) -> bool) -> Result<(), String> {
     match shapes.iter().find(|s| !fits(s)) {
         None => Ok(()),
         Some(shape) => Err(format!("generator `{name}` fills {wanted}, not {shape}")),
     }
 }
 
-fn is_vector(shape: &Shape) -> bool {
+/// True for `vec2`, `vec3`, `vec4` and arrays of them.
+pub fn is_vector(shape: &Shape) -> bool {
     shape.scalar == Scalar::F32 && shape.columns == 1 && shape.rows >= 2
 }
 
-fn is_mat4(shape: &Shape) -> bool {
+/// True for `mat4` and arrays of it.
+pub fn is_mat4(shape: &Shape) -> bool {
     shape.element() == Shape::MAT4
 }
 

@@ -51,6 +51,12 @@ impl Range {
         range
     }
 
+    /// Half the sum of the ends, and half their distance.
+    pub fn middle(&self) -> (f64, f64) {
+        let (lo, hi) = (f64::from(self.lo), f64::from(self.hi));
+        ((lo + hi) / 2.0, (hi - lo) / 2.0)
+    }
+
     /// The lower end.
     pub fn lo(&self) -> f32 {
         self.lo

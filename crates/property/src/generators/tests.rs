@@ -2,16 +2,13 @@
 
 use glam::DVec3;
 
+use super::testing::{SAMPLES, draw, floats, keeps_its_promises, refuses_odd_words};
 use super::*;
-use crate::stream::mix_text;
-
-const SAMPLES: usize = 1 << 14;
 
 /// Shapes and options on which the laws of all generators are tested.
 fn example(name: &str) -> (Vec<Shape>, Options) {
     let bare = Options::default();
     let ranged = |lo, hi| Options { range: Some([lo, hi]), ..Options::default() };
-    let points = Shape::VEC4.array_of(4);
     match name {
         "interval" => (vec![Shape::FLOAT, Shape::VEC2], ranged(0.0, 1.0)),
         "point" => (vec![Shape::VEC4, Shape::VEC3], bare),
@@ -19,9 +16,6 @@ fn example(name: &str) -> (Vec<Shape>, Options) {
         "simplex" => (vec![Shape::FLOAT.array_of(5)], bare),
         "raw_weights" => (vec![Shape::VEC4], bare),
         "rigid" | "affine" | "projection" => (vec![Shape::MAT4], bare),
-        "bones" => (vec![Shape::INT, points, points, Shape::MAT4.array_of(4)], bare),
-        "rigid_parts" => (vec![Shape::MAT4.array_of(3)], bare),
-        "node_run" => (vec![points], bare),
         "nodes" => (vec![Shape::VEC3; 3], bare),
         "index" => (vec![Shape::INT], ranged(-3.0, 7.0)),
         "constant" => (vec![Shape::VEC2], Options { values: vec![0.5, 2.0], ..bare }),
@@ -33,25 +27,6 @@ fn group(name: &str) -> (&'static dyn Generator, Group) {
     let generator = by_name(name).unwrap();
     let (shapes, options) = example(name);
     (generator, Group::new(generator, &shapes, options).unwrap())
-}
-
-/// Samples `0..n` of a group, each in a case of its own.
-fn draw(generator: &dyn Generator, group: &Group, n: usize) -> Vec<Vec<u32>> {
-    let mut words = vec![0; group.words() * n];
-    let whole = vec![std::ops::Range { start: 0, end: group.words() }];
-    let key = mix_text(1, generator.name());
-    let rows = Rows {
-        words: &mut words,
-        stride: group.words(),
-        spans: &whole,
-        key,
-        exact_key: key,
-        first_case: 0,
-        first_lane: 0,
-        per_case: 1,
-    };
-    generator.fill_rows(group, rows);
-    words.chunks(group.words()).map(<[u32]>::to_vec).collect()
 }
 
 #[test]
@@ -73,89 +48,27 @@ fn rows_side_by_side_are_those_one_by_one() {
     }
 }
 
-fn floats(words: &[u32]) -> Vec<f32> {
-    words.iter().map(|&w| float(w)).collect()
-}
-
-/// Whether a sample belongs to a class.
-type Class<'a> = &'a dyn Fn(&[f32]) -> bool;
-
-/// Draws from the example of a generator and asks that each named class has at least so many samples.
-fn reaches(name: &str, classes: &[(&str, usize, Class<'_>)]) {
+/// As [`super::testing::reaches`], for the example of a generator.
+fn reaches(name: &str, classes: &[(&str, usize, super::testing::Class<'_>)]) {
     let (generator, group) = group(name);
-    let samples: Vec<Vec<f32>> = draw(generator, &group, SAMPLES).iter().map(|s| floats(s)).collect();
-    for (class, least, holds) in classes {
-        let count = samples.iter().filter(|s| holds(s)).count();
-        assert!(count >= *least, "{name}: {count} samples of class `{class}`, wanted {least}");
-        assert!(count < SAMPLES / 2, "{name}: class `{class}` is not special, {count} samples");
-    }
+    super::testing::reaches(generator, &group, classes);
 }
 
 #[test]
-fn names_are_unique_and_everything_says_what_it_makes() {
+fn every_generator_keeps_its_promises_and_has_a_name_of_its_own() {
     for (i, generator) in all().iter().enumerate() {
         assert!(all()[..i].iter().all(|g| g.name() != generator.name()));
-        assert!(!generator.about().is_empty() && !generator.about().ends_with('.'));
+        let (shapes, options) = example(generator.name());
+        keeps_its_promises(*generator, &shapes, &options);
     }
     assert!(by_name("nothing").is_none());
 }
 
 #[test]
-fn what_is_made_is_admitted() {
-    for generator in all() {
-        let (_, group) = group(generator.name());
-        for sample in draw(*generator, &group, 2048) {
-            assert!(generator.admits(&group, &sample), "{}: {:?}", generator.name(), floats(&sample));
-        }
-    }
-}
-
-#[test]
-fn the_simplest_sample_is_admitted_for_every_range() {
-    for generator in all() {
-        let (shapes, mut options) = example(generator.name());
-        for range in [None, Some([1.0, 3.0]), Some([-5.0, -2.0]), Some([0.0, 0.0])] {
-            if range.is_some() && generator.range() != RangeRule::None {
-                options.range = range;
-            }
-            let Ok(group) = Group::new(*generator, &shapes, options.clone()) else { continue };
-            let mut words = vec![u32::MAX; group.words()];
-            generator.simplest(&group, &mut words);
-            assert!(generator.admits(&group, &words), "{} {range:?}: {:?}", generator.name(), floats(&words));
-        }
-    }
-}
-
-#[test]
-fn simpler_versions_come_to_an_end_and_some_are_admitted() {
-    for generator in all() {
-        let (_, group) = group(generator.name());
-        let (mut versions, mut admitted) = (0, 0);
-        for sample in draw(*generator, &group, 64) {
-            for k in 0.. {
-                assert!(k < 1000, "{} has no last version", generator.name());
-                let mut out = sample.clone();
-                if !generator.simpler(&group, &sample, k, &mut out) {
-                    break;
-                }
-                versions += 1;
-                admitted += usize::from(generator.admits(&group, &out));
-            }
-        }
-        assert!(versions == 0 || admitted * 4 > versions, "{}: {admitted} of {versions}", generator.name());
-    }
-}
-
-#[test]
 fn words_that_no_sample_has_are_not_admitted() {
-    for generator in all().iter().filter(|g| !["index", "bones"].contains(&g.name())) {
+    for generator in all().iter().filter(|g| g.name() != "index") {
         let (_, group) = group(generator.name());
-        let good = draw(*generator, &group, 1).remove(0);
-        for (i, bad) in (0..good.len()).flat_map(|i| [f32::NAN, f32::INFINITY, 1e6].map(|bad| (i, bad))) {
-            let mut words = good.clone();
-            words[i] = bad.to_bits();
-            assert!(!generator.admits(&group, &words) || generator.name() == "rigid_parts", "{}", generator.name());
-        }
+        refuses_odd_words(*generator, &group, 0..=group.words() - 1);
     }
     let (generator, group) = group("index");
     assert!(!generator.admits(&group, &[8]) && generator.admits(&group, &[-3i32 as u32]));
@@ -299,75 +212,6 @@ fn transforms_reach_their_special_cases() {
 }
 
 #[test]
-fn rigid_parts_hang_together_and_reach_the_collapse() {
-    let part = |v: &[f32], k: usize| v[16 * k..16 * k + 16].to_vec();
-    reaches(
-        "rigid_parts",
-        &[
-            ("all equal", 300, &|v| part(v, 0) == part(v, 1) && part(v, 1) == part(v, 2)),
-            ("all the identity", 300, &|v| (0..3).all(|k| identity(&part(v, k)))),
-            // A half turn about z mirrors x and y against the part before.
-            ("collapse", 300, &|v| (0..3).all(|i| v[16 + i] == -v[i] && v[20 + i] == -v[4 + i]) && v[0].abs() < 1.0),
-        ],
-    );
-    // Two neighbours agree about their joint: M_k and M_(k+1) map some point of the box to one place,
-    // which is so when M_k⁻¹ M_(k+1) has a fixed point.
-    let (generator, group) = group("rigid_parts");
-    let mut joined = 0;
-    for sample in draw(generator, &group, 256) {
-        let relative = matrix::read(&sample[..16]).inverse() * matrix::read(&sample[16..32]);
-        let axis = DVec3::new(
-            relative.y_axis.z - relative.z_axis.y,
-            relative.z_axis.x - relative.x_axis.z,
-            relative.x_axis.y - relative.y_axis.x,
-        );
-        // A rotation about a point moves nothing along its axis.
-        joined += usize::from(relative.w_axis.truncate().dot(axis.normalize_or_zero()).abs() < 1e-4);
-    }
-    assert!(joined > 240, "{joined}");
-}
-
-#[test]
-fn bones_reach_their_special_cases_and_turn_about_their_roots() {
-    let root = |v: &[f32], i: usize| v[1 + 4 * i..4 + 4 * i].to_vec();
-    let tip = |v: &[f32], i: usize| v[17 + 4 * i..20 + 4 * i].to_vec();
-    let blend = |v: &[f32], i: usize| v[33 + 16 * i..49 + 16 * i].to_vec();
-    let count = |v: &[f32]| v[0].to_bits() as usize;
-    reaches(
-        "bones",
-        &[
-            ("bone of length zero", 250, &|v| (0..count(v)).any(|i| root(v, i) == tip(v, i))),
-            ("short bone", 100, &|v| {
-                let length = |i| root(v, i).iter().zip(tip(v, i)).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt();
-                (0..count(v)).any(|i| (3e-4..8e-3).contains(&length(i)))
-            }),
-            ("all bones equal", 100, &|v| {
-                count(v) > 1
-                    && (1..4).all(|i| root(v, i) == root(v, 0) && blend(v, i) == blend(v, 0) && !identity(&blend(v, 0)))
-            }),
-            ("lattice", 200, &|v| {
-                (0..4).all(|i| root(v, i).iter().chain(&tip(v, i)).all(|c| [-1.0, 0.0, 1.0].contains(c)))
-            }),
-            ("rest pose", 200, &|v| (0..4).all(|i| identity(&blend(v, i)))),
-            ("one bone", 3000, &|v| count(v) == 1),
-            ("all bones", 3000, &|v| count(v) == 4),
-            ("chain", 7000, &|v| (1..4).all(|i| root(v, i) == tip(v, i - 1))),
-        ],
-    );
-    // B · M⁻¹ takes the root to where the pose has moved it: no further than the pose's translation.
-    let (generator, group) = group("bones");
-    for sample in draw(generator, &group, 512) {
-        let v = floats(&sample);
-        for i in 0..4 {
-            let r = root(&v, i);
-            let r = DVec3::new(r[0].into(), r[1].into(), r[2].into());
-            let moved = matrix::read(&sample[33 + 16 * i..49 + 16 * i]).transform_point3(r) - r;
-            assert!(moved.abs().max_element() <= 2.0 + 1e-5, "{moved}");
-        }
-    }
-}
-
-#[test]
 fn nodes_reach_coincidence_lines_and_points_on_a_segment() {
     let p = |v: &[f32], i: usize| DVec3::new(v[3 * i].into(), v[3 * i + 1].into(), v[3 * i + 2].into());
     let collinear = |v: &[f32]| (p(v, 1) - p(v, 0)).cross(p(v, 2) - p(v, 0)) == DVec3::ZERO;
@@ -384,60 +228,6 @@ fn nodes_reach_coincidence_lines_and_points_on_a_segment() {
             ("collinear, exactly", 300, &|v| collinear(v) && p(v, 0) != p(v, 1) && p(v, 1) != p(v, 2)),
             ("last in the middle of the segment", 50, &|v| p(v, 2) * 2.0 == p(v, 0) + p(v, 1) && p(v, 0) != p(v, 1)),
             ("last at the start", 40, &|v| p(v, 2) == p(v, 0) && p(v, 0) != p(v, 1)),
-        ],
-    );
-}
-
-#[test]
-fn neighbouring_primitives_share_nodes() {
-    let (generator, group) = group("node_run");
-    let at = |case_seed, lane| {
-        let mut out = vec![0; 16];
-        generator.fill(&group, Place { case_seed, lane, exact: false }, &mut Stream::new(lane as u64), &mut out);
-        out
-    };
-    for case in 0..200 {
-        for lane in 0..12 {
-            assert_eq!(at(case, lane)[4..], at(case, lane + 1)[..12]);
-        }
-    }
-    assert_ne!(at(0, 0), at(1, 0));
-}
-
-#[test]
-fn strands_end_as_the_host_draws_them() {
-    let generator = by_name("node_run").unwrap();
-    for (ends, primitives) in [(Ends::Repeat, 7), (Ends::AsDrawn, 5)] {
-        let strands = Strands { nodes: 8, ends };
-        assert_eq!(strands.primitives(), primitives);
-        let options = Options { strands: Some(strands), ..Options::default() };
-        let group = Group::new(generator, &[Shape::VEC4.array_of(4)], options).unwrap();
-        let at = |lane| {
-            let mut out = vec![0; 16];
-            generator.fill(&group, Place { case_seed: 3, lane, exact: false }, &mut Stream::new(0), &mut out);
-            out.chunks(4).map(<[u32]>::to_vec).collect::<Vec<_>>()
-        };
-        let repeats = ends == Ends::Repeat;
-        assert_eq!(at(0)[0] == at(0)[1], repeats, "the first node stands twice");
-        assert_eq!(at(primitives - 1)[2] == at(primitives - 1)[3], repeats, "the last node stands twice");
-        // Every segment of the strand in the repaired host, all but the outer two in the other.
-        assert!((1..primitives).all(|lane| at(lane)[1] == at(lane - 1)[2]));
-        assert_ne!(at(primitives)[0], at(primitives - 1)[1], "a new strand begins");
-    }
-}
-
-#[test]
-fn node_runs_reach_special_strands() {
-    let p = |v: &[f32], i: usize| DVec3::new(v[4 * i].into(), v[4 * i + 1].into(), v[4 * i + 2].into());
-    let cross = |v: &[f32], i: usize| (p(v, 1) - p(v, 0)).cross(p(v, i) - p(v, 0));
-    reaches(
-        "node_run",
-        &[
-            ("all in the origin", 200, &|v| (0..4).all(|i| p(v, i) == DVec3::ZERO)),
-            ("all coincident", 200, &|v| (1..4).all(|i| p(v, i) == p(v, 0)) && p(v, 0) != DVec3::ZERO),
-            ("neighbours coincident", 60, &|v| p(v, 1) == p(v, 2) && p(v, 2) != p(v, 3)),
-            ("collinear", 200, &|v| cross(v, 2) == DVec3::ZERO && cross(v, 3) == DVec3::ZERO && p(v, 0) != p(v, 2)),
-            ("to and fro", 200, &|v| p(v, 0) == p(v, 2) && p(v, 1) == p(v, 3) && p(v, 0) != p(v, 1)),
         ],
     );
 }
@@ -485,22 +275,16 @@ fn shapes_that_do_not_fit_are_refused_in_words() {
         let (_, options) = example(name);
         Group::new(generator, shapes, options).unwrap_err()
     };
-    let (v4, m4) = (Shape::VEC4.array_of(8), Shape::MAT4.array_of(8));
     assert_eq!(
         refuse("point", &[Shape::FLOAT]),
         "generator `point` fills vec2, vec3, vec4 and arrays of them, not float"
     );
     assert_eq!(refuse("rigid", &[Shape::VEC4]), "generator `rigid` fills mat4 and arrays of mat4, not vec4");
     assert!(refuse("interval", &[Shape::INT]).ends_with("not int"));
-    assert!(refuse("bones", &[v4, v4, m4]).contains("four inputs"));
-    assert!(refuse("bones", &[Shape::INT, v4, v4, Shape::MAT4.array_of(7)]).contains("all of one length"));
-    assert!(refuse("bones", &[v4, Shape::INT, v4, m4]).contains("in this order"));
     assert!(refuse("simplex", &[Shape::FLOAT]).contains("at least two"));
     assert!(refuse("simplex", &[Shape::FLOAT.array_of(65)]).contains("not 65"));
     assert!(refuse("nodes", &[Shape::VEC3]).contains("use `point`"));
     assert!(refuse("nodes", &[Shape::VEC3, Shape::VEC4]).contains("same number"));
-    assert!(refuse("rigid_parts", &[Shape::MAT4]).contains("use `rigid`"));
-    assert!(refuse("node_run", &[Shape::VEC4]).contains("not vec4"));
     assert!(refuse("index", &[Shape::vector(Scalar::U32, 1)]).contains("does not fit uint"));
     assert!(refuse("constant", &[Shape::VEC3]).contains("1 or 3 numbers, not 2"));
     assert!(refuse("constant", &[Shape::vector(Scalar::I32, 2)]).contains("0.5 cannot be held"));
@@ -523,14 +307,7 @@ fn ranges_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn edges_are_admitted_and_reach_the_ends_zeros_and_coincident_points() {
-    for generator in all() {
-        let (generator, group) = group(generator.name());
-        let base = draw(generator, &group, 1).remove(0);
-        let edges = generator.edges(&group, &base);
-        assert!(edges.iter().all(|words| generator.admits(&group, words)), "{}", generator.name());
-        assert_eq!(edges, generator.edges(&group, &base), "{}", generator.name());
-    }
+fn edges_reach_the_ends_zeros_and_coincident_points() {
     let floats = |name: &str| -> Vec<Vec<f32>> {
         let (generator, group) = group(name);
         let base = draw(generator, &group, 1).remove(0);
@@ -548,21 +325,4 @@ fn edges_are_admitted_and_reach_the_ends_zeros_and_coincident_points() {
     assert!(nodes.iter().any(|v| v[..3] == v[3..6]), "coincident points");
     let apart = |v: &[f32]| (0..3).map(|c| (v[c] - v[3 + c]).abs()).sum::<f32>();
     assert!(nodes.iter().any(|v| (1e-7..1e-5).contains(&apart(v))), "nearly coincident points");
-}
-
-#[test]
-fn edges_of_bones_have_none_and_all_and_bones_of_some_millionths() {
-    let (generator, group) = group("bones");
-    let base = draw(generator, &group, 1).remove(0);
-    let edges = generator.edges(&group, &base);
-    for count in [0, 1, 4] {
-        assert!(edges.iter().any(|words| words[0] == count), "{count}");
-    }
-    let length = |words: &[u32], bone: usize| {
-        let point = |at: usize| DVec3::from_array(std::array::from_fn(|c| f64::from(float(words[at + 4 * bone + c]))));
-        point(1).distance(point(17))
-    };
-    let last = |words: &&Vec<u32>| words[0] == 4 && (1e-7..1e-5).contains(&length(words, 3)) && length(words, 0) > 0.01;
-    assert!(edges.iter().any(|words| last(&words)), "the last bone alone is short");
-    assert!(edges.iter().any(|words| (0..4).all(|bone| length(words, bone) == 0.0)), "all have length zero");
 }

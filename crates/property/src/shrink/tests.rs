@@ -20,10 +20,12 @@ fn group(names: &[&str], generator: &str, range: Option<[f64; 2]>) -> InputGroup
     }
 }
 
-fn skinning() -> Plan {
+fn blending() -> Plan {
     let points = Shape::VEC4.array_of(8);
     let groups = [
-        group(&["n", "p0", "p1", "blend"], "bones", None),
+        group(&["n"], "index", Some([1.0, 8.0])),
+        group(&["p0", "p1"], "point", None),
+        group(&["blend"], "rigid", None),
         group(&["t"], "interval", Some([0.0, 1.0])),
         group(&["weights"], "simplex", None),
         group(&["axis"], "direction", None),
@@ -61,7 +63,7 @@ fn shrink_all(plan: &Plan, most: usize, fails: &dyn Fn(&Sample) -> bool) -> (Vec
 
 #[test]
 fn a_threshold_shrinks_to_a_plain_number_and_all_else_to_its_simplest() {
-    let plan = skinning();
+    let plan = blending();
     let (shrunk, calls) = shrink_all(&plan, 8, &|s| s.get("t")[0] > 0.5);
     for s in &shrunk {
         let mut expected = plan.simplest(&s.original);
@@ -73,7 +75,7 @@ fn a_threshold_shrinks_to_a_plain_number_and_all_else_to_its_simplest() {
 
 #[test]
 fn a_number_inside_a_narrow_window_gets_few_digits() {
-    let plan = skinning();
+    let plan = blending();
     let (shrunk, _) = shrink_all(&plan, 4, &|s| (0.6..0.7).contains(&s.get("t")[0]));
     for s in &shrunk {
         // 5/8 = 0.101b is the only number with so few bits in the window.
@@ -83,7 +85,7 @@ fn a_number_inside_a_narrow_window_gets_few_digits() {
 
 #[test]
 fn a_fault_of_two_inputs_keeps_both_and_nothing_else() {
-    let plan = skinning();
+    let plan = blending();
     let (shrunk, calls) = shrink_all(&plan, 8, &|s| s.get("n")[0] >= 2.0 && s.get("position")[0] != 0.0);
     for s in &shrunk {
         let mut expected = plan.simplest(&s.original);
@@ -98,7 +100,7 @@ fn a_fault_of_two_inputs_keeps_both_and_nothing_else() {
 
 #[test]
 fn one_entry_of_an_array_of_matrices_is_isolated() {
-    let plan = skinning();
+    let plan = blending();
     let fails = |s: &Sample| s.get("blend")[16 * 5 + 12] > 0.25;
     let (shrunk, calls) = shrink_all(&plan, 4, &fails);
     for s in &shrunk {
@@ -112,7 +114,7 @@ fn one_entry_of_an_array_of_matrices_is_isolated() {
 
 #[test]
 fn laws_between_words_are_kept() {
-    let plan = skinning();
+    let plan = blending();
     let (shrunk, _) = shrink_all(&plan, 4, &|s| s.get("weights")[1] > 0.3 && s.get("axis")[2] < -0.5);
     for s in &shrunk {
         assert_eq!(s.sample.get("weights"), [0.0, 1.0, 0.0]);
@@ -123,7 +125,7 @@ fn laws_between_words_are_kept() {
 #[test]
 fn dependent_words_shrink_together_or_not_at_all() {
     // Only samples with x > y fail: both may not become zero.
-    let plan = skinning();
+    let plan = blending();
     let (shrunk, _) = shrink_all(&plan, 4, &|s| s.get("position")[0] > s.get("position")[1]);
     for s in &shrunk {
         let p = s.sample.get("position");
@@ -133,7 +135,7 @@ fn dependent_words_shrink_together_or_not_at_all() {
 
 #[test]
 fn shrinking_is_deterministic_and_samples_do_not_influence_each_other() {
-    let plan = skinning();
+    let plan = blending();
     let fails = |s: &Sample| s.get("position")[1] > s.get("t")[0] && s.get("n")[0] > 3.0;
     let (together, _) = shrink_all(&plan, 6, &fails);
     let (again, _) = shrink_all(&plan, 6, &fails);
@@ -144,7 +146,7 @@ fn shrinking_is_deterministic_and_samples_do_not_influence_each_other() {
 
 #[test]
 fn a_sample_that_cannot_be_simpler_comes_back_as_it_is() {
-    let plan = skinning();
+    let plan = blending();
     let sample = plan.simplest(&plan.sample(1, 0, 0));
     let mut calls = 0;
     let shrunk = shrink::<Infallible>(vec![sample.clone()], &plan, &mut |s| {
@@ -160,7 +162,7 @@ fn a_sample_that_cannot_be_simpler_comes_back_as_it_is() {
 
 #[test]
 fn an_oracle_that_says_yes_to_all_ends_at_the_simplest_sample() {
-    let plan = skinning();
+    let plan = blending();
     let (shrunk, calls) = shrink_all(&plan, 3, &|_| true);
     for s in &shrunk {
         assert!(!simpler_than(&plan.simplest(&s.original), &s.sample, &plan.simplest(&s.sample)));
@@ -170,7 +172,7 @@ fn an_oracle_that_says_yes_to_all_ends_at_the_simplest_sample() {
 
 #[test]
 fn errors_of_the_oracle_come_through_and_short_answers_count_as_passing() {
-    let plan = skinning();
+    let plan = blending();
     let sample = plan.sample(1, 0, 0);
     let error = shrink(vec![sample.clone()], &plan, &mut |_| Err("device lost")).unwrap_err();
     assert_eq!(error, "device lost");

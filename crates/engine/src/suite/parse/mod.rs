@@ -8,7 +8,7 @@ use toml::de::DeTable;
 use crate::catalogue;
 use base::text::SourceFile;
 use judge::verdict::Literals;
-use property::generators::{self, Ends, Generator, Options, RangeRule, Strands};
+use property::generators::{Ends, Generator, Options, RangeRule, Role, Strands};
 use property::{InputGroup, Own};
 
 use super::expect::hint;
@@ -118,8 +118,11 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let textures = textures(root);
     let strands = strands(root, stage);
     let inputs = inputs(root, strands);
-    if root.has("strands") && inputs.iter().all(|group| group.generator.name() != "node_run") {
-        let message = "[strands] has no effect without an [[inputs]] group with generator = \"node_run\"";
+    if root.has("strands") && inputs.iter().all(|group| group.generator.role() != Role::Strand) {
+        let takers = catalogue::generators().filter(|generator| generator.role() == Role::Strand);
+        let takers: Vec<String> = takers.map(|generator| format!("{:?}", generator.name())).collect();
+        let message =
+            format!("[strands] has no effect without an [[inputs]] group with generator = {}", takers.join(" or "));
         root.reader.problem(root.offset_of("strands"), message);
     }
     Some(Suite {
@@ -333,8 +336,8 @@ fn input(table: Table<'_>, strands: Option<Strands>) -> Option<InputGroup> {
     }
     let generator = table.required_text("generator", "generator = \"point\"");
     let generator = generator.and_then(|given| {
-        let name = known(table, "generator", &given, generators::all().iter().map(|g| g.name()))?;
-        generators::by_name(&name)
+        let name = known(table, "generator", &given, catalogue::generators().map(Generator::name))?;
+        catalogue::generator(&name)
     });
     let range = range(table);
     if let Some(generator) = generator {

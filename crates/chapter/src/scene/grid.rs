@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::glb::{Buffer, Use};
 use super::{Channel, animation, evaluate, unit};
-use chapter::exact::Exact;
+use crate::exact::Exact;
 
 /// A grid of parameters: `around` steps of s, `along` steps of t.
 #[derive(Clone, Copy)]
@@ -70,9 +70,10 @@ impl Grid {
         })
     }
 
-    /// A mesh of a surface.
-    pub fn mesh(self, surface: Exact, buffer: &mut Buffer) -> Value {
-        json!({ "name": surface.name(), "primitives": [self.primitive(surface, buffer)] })
+    /// A surface as it is.
+    pub fn surface(self, surface: Exact, buffer: &mut Buffer) -> Value {
+        let (name, primitive) = (surface.name(), self.primitive(surface, buffer));
+        json!({ "meshes": [{ "name": name, "primitives": [primitive] }], "nodes": [{ "mesh": 0, "name": name }] })
     }
 
     /// A sphere that becomes other surfaces, each after the other; those after the first two are half as

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::glb::{Buffer, Use};
 use super::{Channel, animation, evaluate, unit};
-use chapter::exact::Exact;
+use crate::exact::Exact;
 use property::Stream;
 
 /// Nodes of a strand, and pieces of a segment, as in the suite and its shader.

@@ -4,9 +4,12 @@ use glam::{DMat3, DMat4, DVec3};
 
 use base::value::{Scalar, Shape};
 
-use super::matrix::{self, SIMPLER_RIGID, with_translation};
+use property::Stream;
+use property::generators::matrix::{self, SIMPLER_RIGID, with_translation};
+use property::generators::{Generator, Group, Options, Place, Range, RangeRule, Role, SPECIAL, View, float, word};
+
+use super::arm::{bent, joint};
 use super::posed::{self, Draws};
-use super::{Generator, Group, Options, Place, Range, RangeRule, Role, SPECIAL, Stream, View, arrange, float, word};
 
 /// A number of bones, their roots and tips, and B_i · inverse(M_i), where M_i is the frame of the
 /// bone at rest (origin at the root, y along the bone) and B_i the posed frame: turned about the
@@ -193,7 +196,7 @@ impl Generator for Bones {
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         let Parts { count, roots, matrices, rows, .. } = parts(group);
         // A turn about a root moves the origin by up to twice its distance, and the pose adds its own.
-        let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
+        let wide = Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
         let is_point = |p: &[u32]| {
             p[..3].iter().all(|&c| group.range().contains(float(c))) && p.get(3).is_none_or(|&w| float(w) == 1.0)
         };
@@ -251,13 +254,13 @@ impl Generator for Bones {
     fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
         let Parts { count, roots, tips, matrices, rows } = parts(group);
         let shown = count.min(SHOWN);
-        let blend = arrange::bent(group.range(), shown, view.frame);
+        let blend = bent(group.range(), shown, view.frame);
         out[0] = shown as u32;
         for bone in 0..count {
             // Those that do not count are like the last.
             let k = bone.min(shown - 1);
             for (at, k) in [(roots, k), (tips, k + 1)] {
-                let p = arrange::joint(group.range(), k, shown);
+                let p = joint(group.range(), k, shown);
                 let out = &mut out[at + bone * rows..][..rows];
                 for (word_out, c) in out.iter_mut().zip([p.x, p.y, p.z, 1.0]) {
                     *word_out = word(c);
@@ -299,7 +302,7 @@ impl Generator for Bones {
             return false;
         }
         let at = matrices + bone * 16..matrices + bone * 16 + 16;
-        let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
+        let wide = Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
         if let Some(m) = matrix::simpler_rigid(&matrix::read(&words[at.clone()]), &wide, k % SIMPLER_RIGID) {
             matrix::write(&m, &mut out[at]);
         }

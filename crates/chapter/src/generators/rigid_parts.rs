@@ -4,9 +4,13 @@ use glam::{DMat3, DMat4, DVec3};
 
 use base::value::Shape;
 
-use super::matrix::{self, with_translation};
-use super::rigid::Rigid;
-use super::{Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, every_shape, is_mat4};
+use property::Stream;
+use property::generators::matrix::{self, with_translation};
+use property::generators::{
+    Generator, Group, Options, Place, Range, RangeRule, Rigid, Role, SPECIAL, View, every_shape, is_mat4,
+};
+
+use super::arm::{bent, joint};
 
 /// Rigid transforms of parts that hang together: each part turns about a joint that it shares with
 /// the part before it. Special: all parts equal, all the identity, each part turned back by half a
@@ -64,7 +68,7 @@ impl Generator for RigidParts {
 
     fn admits(&self, group: &Group, words: &[u32]) -> bool {
         // A chain of parts leaves the box of its joints: only the sort of matrix is held.
-        let wide = super::Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
+        let wide = Range::new(f64::from(f32::MIN), f64::from(f32::MAX));
         group.elements().iter().all(|e| matrix::is_rigid(&matrix::read(&words[e.clone()]), &wide))
     }
 
@@ -73,7 +77,7 @@ impl Generator for RigidParts {
     }
 
     fn arrange(&self, group: &Group, view: &View, out: &mut [u32]) {
-        let parts = arrange::bent(group.range(), group.elements().len(), view.frame);
+        let parts = bent(group.range(), group.elements().len(), view.frame);
         for (element, part) in group.elements().iter().zip(parts) {
             matrix::write(&part, &mut out[element.clone()]);
         }
@@ -83,7 +87,7 @@ impl Generator for RigidParts {
         let parts = group.elements().len();
         let line = |(k, element): (usize, &std::ops::Range<usize>)| {
             let part = matrix::read(&words[element.clone()]);
-            [k, k + 1].map(|k| part.transform_point3(arrange::joint(group.range(), k, parts)).to_array())
+            [k, k + 1].map(|k| part.transform_point3(joint(group.range(), k, parts)).to_array())
         };
         group.elements().iter().enumerate().map(line).collect()
     }

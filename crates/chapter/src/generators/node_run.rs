@@ -1,10 +1,12 @@
 //! `node_run`: consecutive nodes of strands, as strips with adjacency hand them to a geometry stage.
 
 use base::value::Shape;
+use glam::DVec3;
 
-use super::{
-    Generator, Group, Options, Place, RangeRule, Role, SPECIAL, Stream, View, arrange, is_vector, mix, spatial, word,
+use property::generators::{
+    Generator, Group, Nodes, Options, Place, Range, RangeRule, Role, SPECIAL, View, is_vector, spatial, word,
 };
+use property::{Stream, mix};
 
 /// Windows of strands: primitive k of a case sees the nodes k to k + N - 1 of the case's run, so that
 /// neighbouring primitives share nodes. With `[strands]` the run consists of strands of that many
@@ -58,6 +60,15 @@ impl Strand {
             }
         }
     }
+}
+
+/// Node number `node` of `nodes` of a strand that hangs down.
+fn hanging(range: &Range, (strand, strands): (usize, usize), (node, nodes): (usize, usize)) -> DVec3 {
+    let (center, half) = range.middle();
+    let part = |k: usize, n: usize| 2.0 * k as f64 / (n.max(2) - 1) as f64 - 1.0;
+    let (across, down) = (part(strand, strands), part(node, nodes));
+    let swing = 0.16 * (1.0 + down) * (2.2 * down + 4.0 * across).sin();
+    DVec3::splat(center) + half * DVec3::new(0.8 * across + 0.6 * swing, -0.9 * down, 0.35 * across * across + swing)
 }
 
 impl Generator for NodeRun {
@@ -114,7 +125,7 @@ impl Generator for NodeRun {
         let Some(strands) = group.options().strands else { return };
         for (corner, element) in group.elements().iter().enumerate() {
             let node = (strands.node(view.primitive, corner), strands.nodes);
-            for (at, c) in element.clone().zip(arrange::strand(group.range(), view.strand, node).to_array()) {
+            for (at, c) in element.clone().zip(hanging(group.range(), view.strand, node).to_array()) {
                 out[at] = word(c);
             }
         }
@@ -126,6 +137,21 @@ impl Generator for NodeRun {
     }
 
     fn simpler(&self, group: &Group, words: &[u32], k: usize, out: &mut [u32]) -> bool {
-        super::nodes::Nodes.simpler(group, words, k, out)
+        Nodes.simpler(group, words, k, out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strands_of_a_picture_stay_in_the_range() {
+        for range in [Range::new(-2.0, 2.0), Range::new(0.5, 4.0)] {
+            for (u, v) in (0..25).flat_map(|u| (0..25).map(move |v| (u, v))) {
+                let node = hanging(&range, (u, 25), (v, 25));
+                assert!(node.to_array().iter().all(|&c| range.contains(c as f32)), "{u} {v}");
+            }
+        }
     }
 }

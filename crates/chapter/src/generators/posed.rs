@@ -6,8 +6,8 @@
 use glam::{DMat3, DVec3};
 
 use number::wide;
-
-use super::{Range, Stream, matrix, word};
+use property::Stream;
+use property::generators::{Range, matrix, word};
 
 /// Bones that are computed side by side.
 pub const ABREAST: usize = 8;

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::glb::{Buffer, Use};
 use super::grid::Grid;
 use super::{Channel, animation, evaluate, unit};
-use chapter::exact::Exact;
+use crate::exact::Exact;
 use number::twofold::{Real, Twofold};
 
 /// How vertices follow bones.

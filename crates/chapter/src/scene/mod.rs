@@ -10,20 +10,47 @@ mod line;
 
 use serde_json::{Value, json};
 
-use super::document::{SCHEMA, SCHEMA_VERSION};
-use chapter::exact::{Exact, Words};
+use engine::catalogue::Scene;
 use number::twofold::{Twofold, WIDTH};
 
+use crate::exact::{Exact, Words};
+use arm::{Weights, arm};
 use glb::{Buffer, Use};
 use grid::Grid;
 
-/// Why a formula has no scene.
-#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
-#[error(
-    "`{0}` is no geometry; scenes are made of sphere, cylinder, morph, morph_targets, joints, two_bones, skinning, \
-     hair, catmull_rom"
-)]
-pub struct NoScene(pub String);
+/// All scenes, in the order of the formulas.
+pub static ALL: &[Scene] = &[
+    Scene { formula: "sphere", glb: |vertices, asset| file(vertices, asset, |b, grid| grid.surface(Exact::Sphere, b)) },
+    Scene {
+        formula: "cylinder",
+        glb: |vertices, asset| file(vertices, asset, |b, grid| grid.surface(Exact::Cylinder, b)),
+    },
+    Scene {
+        formula: "morph",
+        glb: |vertices, asset| file(vertices, asset, |b, grid| grid.morph(b, "morph", &[Exact::Cylinder])),
+    },
+    Scene {
+        formula: "morph_targets",
+        glb: |vertices, asset| file(vertices, asset, |b, grid| grid.morph(b, "morph_targets", &TARGETS)),
+    },
+    Scene {
+        formula: "joints",
+        glb: |vertices, asset| file(vertices, asset, |b, grid| arm(b, grid, "joints", Weights::Rigid)),
+    },
+    Scene {
+        formula: "two_bones",
+        glb: |vertices, asset| file(vertices, asset, |b, grid| arm(b, grid, "two_bones", Weights::Distance)),
+    },
+    Scene {
+        formula: "skinning",
+        glb: |vertices, asset| file(vertices, asset, |b, grid| arm(b, grid, "skinning", Weights::Distance)),
+    },
+    Scene { formula: "hair", glb: |vertices, asset| file(vertices, asset, |b, _| line::hair(b, vertices)) },
+    Scene { formula: "catmull_rom", glb: |vertices, asset| file(vertices, asset, |b, _| line::spline(b, vertices)) },
+];
+
+/// What the sphere becomes with four targets.
+const TARGETS: [Exact; 4] = [Exact::Cylinder, Exact::Sphere, Exact::Cylinder, Exact::Sphere];
 
 /// Inputs of a single evaluation.
 struct Single<'a>(&'a [f64]);
@@ -52,43 +79,16 @@ fn unit() -> [f64; 16] {
     std::array::from_fn(|k| if k % 5 == 0 { 1.0 } else { 0.0 })
 }
 
-/// The scene of a formula with about this many vertices, as the bytes of a GLB file.
-///
-/// # Errors
-/// [`NoScene`] for a formula that is no geometry.
-pub fn scene(formula: &str, vertices: u64) -> Result<Vec<u8>, NoScene> {
-    let unknown = || NoScene(formula.to_owned());
-    let exact = Exact::by_name(formula).ok_or_else(unknown)?;
-    let grid = Grid::of(vertices);
+/// The GLB file with what `content` makes, over a grid of about this many vertices.
+fn file(vertices: u64, asset: Value, content: impl FnOnce(&mut Buffer, Grid) -> Value) -> Vec<u8> {
     let mut buffer = Buffer::default();
-    let mut content = match exact {
-        Exact::Sphere | Exact::Cylinder => {
-            let mesh = grid.mesh(exact, &mut buffer);
-            json!({ "meshes": [mesh], "nodes": [{ "mesh": 0, "name": formula }] })
-        }
-        Exact::Morph => grid.morph(&mut buffer, formula, &[Exact::Cylinder]),
-        Exact::MorphTargets => {
-            grid.morph(&mut buffer, formula, &[Exact::Cylinder, Exact::Sphere, Exact::Cylinder, Exact::Sphere])
-        }
-        Exact::Joints => arm::arm(&mut buffer, grid, formula, arm::Weights::Rigid),
-        Exact::TwoBones | Exact::Skinning => arm::arm(&mut buffer, grid, formula, arm::Weights::Distance),
-        Exact::Hair => line::hair(&mut buffer, vertices),
-        Exact::CatmullRom => line::spline(&mut buffer, vertices),
-        Exact::Hermite | Exact::Cardinal | Exact::KochanekBartels | Exact::SegmentDistance | Exact::BoneWeight => {
-            return Err(unknown());
-        }
-    };
-    let source = chapter::formula::by_name(formula).map_or("", |f| f.source);
-    content["asset"] = json!({
-        "version": "2.0",
-        "generator": concat!("shadercheck ", env!("CARGO_PKG_VERSION")),
-        "extras": { "schema": SCHEMA, "schema_version": SCHEMA_VERSION, "formula": formula, "source": source },
-    });
+    let mut content = content(&mut buffer, Grid::of(vertices));
+    content["asset"] = asset;
     content["scene"] = json!(0);
     if content.get("scenes").is_none() {
         content["scenes"] = json!([{ "nodes": [0] }]);
     }
-    Ok(buffer.finish(content))
+    buffer.finish(content)
 }
 
 /// One animated property of one node.
