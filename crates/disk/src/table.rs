@@ -55,7 +55,7 @@ impl<'a> Reader<'a> {
 /// A value with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct At<T> {
-    /// The value.
+    /// What the file says, converted to the type that the key has.
     pub value: T,
     /// Byte offset at which it begins.
     pub offset: usize,

@@ -24,7 +24,7 @@ pub struct Candidate {
     pub name: &'static str,
     /// What it is, in a few words.
     pub about: &'static str,
-    /// Opens it.
+    /// Looks for the device and opens it; says what is missing where there is none.
     pub open: Box<dyn Fn() -> Result<Box<dyn Lane>, Unavailable> + Send + Sync>,
     /// True for a lane that only stands in where no device is available; it runs beside devices when it
     /// is asked for by name.

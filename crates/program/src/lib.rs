@@ -64,7 +64,7 @@ pub enum ProgramError {
     /// Something that cannot be run here.
     #[error("not supported: {what}")]
     Unsupported {
-        /// What it is.
+        /// The construct or limit in words about the source.
         what: String,
     },
     /// A defect of shadercheck itself.
@@ -104,7 +104,7 @@ pub enum PortAt {
     Reference(u32),
     /// Several arguments, one for each vector of a matrix or array.
     Arguments {
-        /// The first one.
+        /// Index of the first of these arguments.
         first: u32,
         /// How many there are.
         count: u32,
@@ -119,7 +119,7 @@ pub enum PortAt {
     Member(Handle<GlobalVariable>, u32),
     /// A part of a global variable, further in.
     Part {
-        /// The variable.
+        /// The whole variable.
         global: Handle<GlobalVariable>,
         /// Indices of members, elements and columns on the way there.
         path: Vec<u32>,

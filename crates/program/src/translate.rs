@@ -114,7 +114,7 @@ pub enum TranslateError {
     /// The language cannot express the program.
     #[error("{language} cannot express this shader: {reason}")]
     Inexpressible {
-        /// The language.
+        /// Language of the translation.
         language: Language,
         /// What naga says.
         reason: String,
@@ -122,7 +122,7 @@ pub enum TranslateError {
     /// It is not read back.
     #[error("{}: {reason}", unread(*language))]
     ReadBack {
-        /// The language.
+        /// Language of the translation.
         language: Language,
         /// What naga says.
         reason: String,
@@ -130,7 +130,7 @@ pub enum TranslateError {
     /// The translation takes or gives something else than the shader.
     #[error("the {language} translation has another interface: {reason}")]
     Interface {
-        /// The language.
+        /// Language of the translation.
         language: Language,
         /// What differs.
         reason: String,

@@ -20,7 +20,7 @@ use base::nearest;
 pub struct InputGroup {
     /// Names of the inputs, in the order in which the generator takes them.
     pub names: Vec<String>,
-    /// The generator.
+    /// What makes their values.
     pub generator: Own<dyn Generator>,
     /// What the suite says beside that.
     pub options: Options,
@@ -47,7 +47,7 @@ pub enum PlanError {
     NoSuchInput {
         /// Where the suite says it.
         at: String,
-        /// The name.
+        /// The name as the suite has it.
         name: String,
         /// The input with the most similar name.
         suggestion: Option<String>,
@@ -59,7 +59,7 @@ pub enum PlanError {
     NotFilled {
         /// The input.
         name: String,
-        /// Its shape.
+        /// Shape that a generator has to fill.
         shape: Shape,
     },
     /// An input that two groups name, or one names twice.

@@ -59,7 +59,7 @@ pub enum RegressionError {
     NoInputs {
         /// Place.
         at: String,
-        /// The suite.
+        /// Name of the suite, as the line has it.
         suite: String,
     },
     /// An input named twice in a line.
@@ -87,7 +87,7 @@ pub enum RegressionError {
         at: String,
         /// The input.
         name: String,
-        /// Its shape.
+        /// Shape of the input in the shader.
         shape: Shape,
     },
     /// A number of words that is not that of the input.
@@ -97,7 +97,7 @@ pub enum RegressionError {
         at: String,
         /// The input.
         name: String,
-        /// Its shape.
+        /// Shape of the input in the shader.
         shape: Shape,
         /// Words that it has.
         wanted: usize,

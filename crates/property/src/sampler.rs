@@ -26,12 +26,12 @@ impl Sampler {
         Self { plan, seed }
     }
 
-    /// The plan.
+    /// Which generator fills which input.
     pub fn plan(&self) -> &Arc<Plan> {
         &self.plan
     }
 
-    /// The seed.
+    /// What the random bits of all samples follow from.
     pub fn seed(&self) -> u64 {
         self.seed
     }

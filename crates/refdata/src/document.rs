@@ -19,7 +19,7 @@ pub struct Document {
     pub schema_version: String,
     /// What wrote it.
     pub tool: Tool,
-    /// The suite.
+    /// Suite and shader whose inputs and outputs these are.
     pub suite: SuiteSource,
     /// What gives the expected values.
     pub expected: ExpectedSource,
@@ -100,7 +100,7 @@ pub struct ExpectedSource {
 /// Inputs that one generator fills.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Domain {
-    /// The inputs.
+    /// Names of inputs that one generator fills together.
     pub inputs: Vec<String>,
     /// Name of the generator.
     pub generator: String,
@@ -127,7 +127,7 @@ pub struct ProfileSource {
     pub rearranged: bool,
 }
 
-/// One bit of `flags`.
+/// What one bit of the array `flags` says of a sample.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlagBit {
     /// Name.

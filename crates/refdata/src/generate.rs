@@ -36,7 +36,7 @@ pub enum Unfit {
     Recorded {
         /// The suite.
         name: String,
-        /// Its rows.
+        /// How many rows it has.
         rows: u64,
     },
     /// The number of vertices depends on the inputs.
@@ -57,7 +57,7 @@ pub struct Block {
     pub rows: usize,
     /// Number of its first case.
     pub first_case: u64,
-    /// Cases.
+    /// Cases in the block: groups of samples that share uniforms.
     pub cases: usize,
     /// Samples of one case.
     pub per_case: usize,

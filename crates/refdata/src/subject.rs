@@ -35,7 +35,7 @@ pub struct Origin<'a> {
     pub name: &'a str,
     /// File name of the shader.
     pub shader: &'a str,
-    /// Its text.
+    /// The text of the file.
     pub text: &'a str,
     /// `function`, or the stage whose `main` it is.
     pub stage: &'static str,
@@ -73,7 +73,7 @@ impl Bare {
         })
     }
 
-    /// Its name.
+    /// Name of the suite, or what was given where there is none.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -101,7 +101,7 @@ impl<'a> From<&'a Bare> for Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// Its name.
+    /// Name of the suite, or what was given where there is none.
     pub fn name(self) -> &'a str {
         match self {
             Self::Suite(prepared) => &prepared.suite.name,

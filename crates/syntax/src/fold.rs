@@ -21,7 +21,7 @@ pub enum Const {
 }
 
 impl Const {
-    /// Its type.
+    /// The scalar type that an expression with this value has.
     pub fn ty(self) -> Type {
         Type::Scalar(match self {
             Self::Bool(_) => ScalarType::Bool,

@@ -80,7 +80,7 @@ pub enum Storage {
 /// A global variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Its name.
+    /// Name in the text; interfaces of stages are matched by it where there is no location.
     pub name: String,
     /// Place of the name.
     pub name_span: Span,
@@ -122,7 +122,7 @@ pub struct Block {
     pub storage: Storage,
     /// The qualifiers of the block.
     pub qualifiers: Qualifiers,
-    /// The members.
+    /// Members in the order of their layout.
     pub members: Vec<BlockMember>,
     /// The instance: name with place, if there is one.
     pub instance: Option<Ident>,
@@ -145,7 +145,7 @@ pub struct Block {
 pub struct BlockMember {
     /// Its name, with its place.
     pub name: Ident,
-    /// Its type.
+    /// Type with all dimensions; `Unsized` for the last array of a buffer.
     pub ty: Type,
     /// Its own qualifiers.
     pub qualifiers: Qualifiers,
@@ -162,7 +162,7 @@ pub struct BlockMember {
 /// A value with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Located<T> {
-    /// The value.
+    /// What the layout entry says.
     pub value: T,
     /// Its place: the layout entry.
     pub span: Span,
@@ -184,9 +184,9 @@ pub struct StageLayout {
 /// Layout of a geometry stage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeometryLayout {
-    /// Input primitive.
+    /// What one invocation takes; none where the text does not say.
     pub input: Option<Located<InputPrimitive>>,
-    /// Output primitive.
+    /// What is emitted; none where the text does not say.
     pub output: Option<Located<OutputPrimitive>>,
     /// Most vertices that one invocation may emit.
     pub max_vertices: Option<Located<u32>>,

@@ -117,7 +117,7 @@ pub enum Profile {
 pub struct Version {
     /// The number: 110 to 460; 110 without a directive.
     pub number: u32,
-    /// The profile.
+    /// Core, compatibility or ES.
     pub profile: Profile,
     /// From `#` to the last token of the directive, without blanks and comments around it; none
     /// without a directive.
@@ -171,7 +171,7 @@ pub enum TokenPlace {
 /// A token of the original text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Token {
-    /// Its kind.
+    /// Word, number, operator and the like.
     pub kind: TokenKind,
     /// Its place; `SourceFile::slice` gives the text.
     pub span: Span,

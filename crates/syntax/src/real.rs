@@ -27,7 +27,7 @@ pub struct Real {
 }
 
 impl Real {
-    /// Its type.
+    /// Type of the expression in GLSL; each component has a real number.
     pub fn ty(&self) -> &Type {
         &self.meant.ty
     }

@@ -31,11 +31,11 @@ impl FunctionId {
 /// A variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symbol {
-    /// Its name.
+    /// Name in the text, or of the built-in variable.
     pub name: String,
     /// Place of the name in its declaration; none for a built-in.
     pub span: Option<Span>,
-    /// Its type.
+    /// Type with all dimensions, sizes folded.
     pub ty: Type,
     /// What it is.
     pub kind: SymbolKind,
@@ -139,7 +139,7 @@ pub struct FunctionInfo {
 pub struct ParamInfo {
     /// Its name at the definition, if it has one.
     pub name: Option<Ident>,
-    /// Its type.
+    /// Type with all dimensions, sizes folded.
     pub ty: Type,
     /// Which way it carries its value.
     pub direction: Direction,

@@ -211,9 +211,9 @@ pub struct StructType {
 /// A member of a structure or block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StructField {
-    /// Its name.
+    /// Name by which `.name` selects it.
     pub name: String,
-    /// Its type.
+    /// Type with all dimensions, of the member and of its specifier.
     pub ty: Type,
     /// Place of the name.
     pub span: Span,

@@ -81,7 +81,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong: one sentence in words about the source, without a full stop.
     pub message: Message,
-    /// The file.
+    /// The file that the text is from, with its name and all its lines.
     pub file: SourceFile,
     /// The place in the file.
     pub span: Span,

@@ -95,16 +95,16 @@ pub struct EncodeError {
     pub name: String,
     /// Place of the character.
     pub position: Position,
-    /// The character.
+    /// What cannot be written as it is.
     pub character: char,
-    /// The encoding.
+    /// How characters become bytes in the file.
     pub encoding: Encoding,
 }
 
 /// What a file was read as, so that it can be written in the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Form {
-    /// The encoding.
+    /// How characters become bytes in the file.
     pub encoding: Encoding,
     /// True when a byte-order mark stood before the text.
     pub mark: bool,

@@ -89,7 +89,7 @@ pub enum TextError {
         name: String,
         /// Place of the first byte that is not UTF-8.
         position: Position,
-        /// That byte.
+        /// The byte at that place, shown in hexadecimal.
         byte: u8,
     },
     /// The bytes fit no encoding that is read.
@@ -101,7 +101,7 @@ pub enum TextError {
         name: String,
         /// Place of the first byte that is not UTF-8, or not UTF-16.
         position: Position,
-        /// That byte.
+        /// The byte at that place, shown in hexadecimal.
         byte: u8,
     },
 }

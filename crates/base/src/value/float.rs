@@ -15,7 +15,7 @@ impl F32Bits {
         Self(value.to_bits())
     }
 
-    /// The value.
+    /// The number with these bits; NaN keeps its payload.
     pub fn to_f32(self) -> f32 {
         f32::from_bits(self.0)
     }

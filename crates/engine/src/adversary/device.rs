@@ -52,7 +52,7 @@ impl Device {
         Self { fault: Some(fault), ..self }
     }
 
-    /// The profile.
+    /// What the device promises, and how it errs within that.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }

@@ -56,7 +56,7 @@ pub enum CalibrateError {
     Odd {
         /// What was probed.
         what: &'static str,
-        /// The result.
+        /// What the device gave.
         found: f32,
     },
     /// A state was made by another request.
@@ -204,7 +204,7 @@ impl State {
         self.request.operations().into_iter().zip(&self.tallies).collect()
     }
 
-    /// The request.
+    /// What is measured, and how densely.
     pub fn request(&self) -> &Request {
         &self.request
     }

@@ -40,7 +40,7 @@ const LEAST_EXPONENT: u64 = 1023 - 126;
 pub struct Worst {
     /// The value, as bits of a binary64: text keeps them.
     bits: u64,
-    /// Arguments.
+    /// Arguments of the operation with which the value came about.
     pub at: Arguments,
     /// Result of the device.
     pub result: u32,

@@ -73,7 +73,7 @@ pub fn declaration(known: Known, name: &str) -> String {
     format!("{} {name}{dims};\n", known.ty)
 }
 
-/// Its type.
+/// Type of a variable: an array where the table says how many elements there are.
 pub fn type_of(known: Known) -> Type {
     let element = Type::from_name(known.ty).unwrap_or(Type::Scalar(ScalarType::Float));
     match known.array {

@@ -209,7 +209,7 @@ pub struct LaneReport {
     /// Name of the lane.
     #[serde(with = "lanes::known")]
     pub lane: LaneName,
-    /// Verdicts.
+    /// How many samples agree, deviate and are undetermined, and the first that deviate.
     pub verdicts: BatchVerdict,
     /// Why it did not run.
     pub not_run: Option<String>,
@@ -238,14 +238,14 @@ pub struct FunctionReport {
     /// The largest error of strict binary32 on samples that count, as part of the output's size.
     #[serde(with = "base::value::exact")]
     pub max_error: f64,
-    /// The lanes.
+    /// What each lane gave, in the order of the run.
     pub lanes: Vec<LaneReport>,
     /// What was found, the worst first.
     pub findings: Vec<Finding>,
 }
 
 impl FunctionReport {
-    /// Findings of this severity.
+    /// Findings of one severity, the worst first.
     pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(move |f| f.severity == severity)
     }

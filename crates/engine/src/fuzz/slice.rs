@@ -18,7 +18,7 @@ pub struct Global {
     pub name: String,
     /// Its name as the author knows it.
     pub shown: String,
-    /// Its type.
+    /// Type with the sizes of its arrays, as the author declares it.
     pub ty: Type,
     /// Its value is used.
     pub reads: bool,

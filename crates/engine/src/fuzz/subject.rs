@@ -26,9 +26,9 @@ pub struct Subject {
 
 /// A function that can be run.
 pub struct Ready {
-    /// The program.
+    /// The sliced text with the function as its entry.
     pub program: Program,
-    /// Its kernel.
+    /// The program with outputs captured, for lanes.
     pub kernel: Kernel,
     /// What the interpreter runs.
     pub executable: Executable,

@@ -24,7 +24,7 @@ pub enum AutoError {
     /// A variable that should be there as well.
     #[error("{system}: {present} is set and {missing} is not{hint}")]
     Missing {
-        /// The system.
+        /// Name of the job system, such as `Slurm`.
         system: &'static str,
         /// A variable that is set.
         present: &'static str,
@@ -59,7 +59,7 @@ pub enum AutoError {
     /// The numbers are there and name no shard.
     #[error("{system}: {error}")]
     Shard {
-        /// The system.
+        /// Name of the job system, such as `Slurm`.
         system: &'static str,
         /// Why not.
         error: ShardError,

@@ -12,7 +12,7 @@ use property::regressions::RegressionError;
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{}", .problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct SuiteError {
-    /// The problems.
+    /// Each with its place in the file; at least one.
     pub problems: Vec<Problem>,
 }
 

@@ -50,7 +50,7 @@ const NEAR: f64 = 1.0 / 65536.0;
 pub struct Row {
     /// First and last bin.
     pub bins: (usize, usize),
-    /// Samples.
+    /// How many samples were measured in these binades.
     pub samples: u64,
     /// Largest error in ULP at the exact value.
     pub ulp: f64,

@@ -89,7 +89,7 @@ impl<'p> Tape<'p> {
         self
     }
 
-    /// The model.
+    /// What operations are promised to be off by, for the profile and stage of this tape.
     pub fn model(&self) -> &Model<'p> {
         &self.model
     }

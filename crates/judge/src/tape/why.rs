@@ -23,7 +23,7 @@ pub enum Why {
 /// The operation that is to blame for a value or a bound that is not finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
-    /// Why.
+    /// The reason why there is no finite number.
     pub why: Why,
     /// The operation; `None` for what is not one, an input that is NaN for example.
     pub op: Option<Op>,

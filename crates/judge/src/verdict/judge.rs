@@ -246,7 +246,7 @@ pub struct Value {
     pub meaning: f64,
     /// The word that the lane wrote.
     pub actual: u32,
-    /// Its type.
+    /// As what the word is read: a binary32 number, an integer or a truth value.
     pub scalar: Scalar,
     /// How far the side to blame may be off.
     #[serde(with = "base::value::exact")]

@@ -49,7 +49,7 @@ pub struct Rounded {
     pub written: f64,
     /// The constant in words, such as `2π`.
     pub name: &'static str,
-    /// Its value.
+    /// The constant rounded to binary64.
     pub meant: f64,
     /// Significant digits that are written.
     pub digits: usize,

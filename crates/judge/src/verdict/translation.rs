@@ -62,7 +62,7 @@ pub enum Unread {
 /// What came of one language on a batch.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// The language.
+    /// Language of the translation.
     pub language: Language,
     /// Invocations that agree.
     pub agreed: u64,
@@ -70,14 +70,14 @@ pub struct Comparison {
     pub deviating: Vec<usize>,
     /// Invocations that differ where the shader leaves the range of a type, which has no meaning to keep.
     pub undetermined: u64,
-    /// The first deviation.
+    /// The deviation of the invocation with the lowest index.
     pub first: Option<TranslationDeviation>,
 }
 
 /// Where a translation and its shader differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TranslationDeviation {
-    /// The language.
+    /// Language of the translation.
     pub language: Language,
     /// Invocation of the batch.
     pub invocation: usize,

@@ -90,7 +90,7 @@ fn find() -> Result<Translator, Unavailable> {
 /// What is run, and what it takes.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The stage.
+    /// The stage with what it takes and gives.
     pub stage: Kinds,
     /// Its module of SPIR-V.
     pub module: Arc<[u32]>,

@@ -21,7 +21,7 @@ pub struct Emitted {
 /// What cannot be told from captured primitives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Incomplete {
-    /// The vertex.
+    /// Index of the vertex in its strip.
     pub vertex: usize,
     /// Vertices of its strip.
     pub of: usize,

@@ -77,7 +77,7 @@ pub struct Device {
     pub name: LaneName,
     /// True for the first.
     pub first: bool,
-    /// Opens it.
+    /// Makes a device of its own; says what is missing where that fails.
     pub open: Open,
 }
 
@@ -195,7 +195,7 @@ impl Engine for Vulkan {
 /// A kernel without the program that it was made of: what a device has to know.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The module.
+    /// The shader with outputs captured, as naga has it.
     pub module: naga::Module,
     /// How it runs.
     pub form: Form,

@@ -36,7 +36,7 @@ pub struct Job {
     pub stride: usize,
     /// Buffers that are read.
     pub inputs: Vec<Input>,
-    /// Textures.
+    /// Textures that the shader samples, with where they are bound.
     pub textures: Vec<Bound>,
 }
 

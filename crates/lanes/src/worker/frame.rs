@@ -16,7 +16,7 @@ const MOST: u32 = 1 << 26;
 /// A message with its words.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Frame<M> {
-    /// The message.
+    /// What is asked or answered, sent as JSON.
     pub message: M,
     /// The words behind it.
     pub words: Vec<u32>,

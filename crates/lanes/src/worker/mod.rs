@@ -43,7 +43,7 @@ const LOOK: Duration = Duration::from_millis(200);
 pub struct Program {
     /// The executable.
     pub path: PathBuf,
-    /// Its arguments.
+    /// What the executable is started with, its own name left out.
     pub arguments: Vec<OsString>,
 }
 

@@ -55,7 +55,7 @@ pub enum InterpError {
     /// A construct that is not interpreted.
     #[error("not interpreted: {what}")]
     Unsupported {
-        /// What it is.
+        /// The construct in words about the source.
         what: String,
         /// Its bytes in the text that was parsed.
         span: naga::Span,

@@ -111,9 +111,9 @@ pub struct Applied<W> {
     pub step: usize,
     /// Name as profiles list it.
     pub name: &'static str,
-    /// The operands.
+    /// Operands, from left to right.
     pub operands: Vec<W>,
-    /// The result.
+    /// What the side that was traced made of the operands.
     pub result: W,
 }
 

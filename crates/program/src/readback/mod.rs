@@ -40,7 +40,7 @@ pub struct Place {
 /// A translation as it is read.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
-    /// The language.
+    /// Language that was read.
     pub language: Language,
     /// The module; variables and functions that have a meaning by their name bear the author's.
     pub module: Module,

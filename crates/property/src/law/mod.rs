@@ -25,17 +25,17 @@ pub struct Law {
 pub enum LawKind {
     /// With the sign of these inputs changed, outputs change their sign.
     Odd {
-        /// The inputs.
+        /// Names of inputs that change together.
         inputs: Vec<String>,
     },
     /// With the sign of these inputs changed, outputs stay.
     Even {
-        /// The inputs.
+        /// Names of inputs that change together.
         inputs: Vec<String>,
     },
     /// With the period added to every component of these inputs, outputs stay.
     Periodic {
-        /// The inputs.
+        /// Names of inputs that change together.
         inputs: Vec<String>,
         /// The period, in real numbers; it need not be a binary32 number.
         period: f64,
@@ -71,7 +71,7 @@ pub enum LawKind {
     },
     /// Inputs times k give outputs times k to the power of `degree`.
     Scales {
-        /// The inputs.
+        /// Names of inputs that change together.
         inputs: Vec<String>,
         /// The power.
         degree: i32,

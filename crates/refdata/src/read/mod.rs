@@ -98,7 +98,7 @@ impl InputFormat {
 /// A reference file.
 #[derive(Clone, Debug)]
 pub struct Dataset {
-    /// Its document.
+    /// Provenance, as the file has it.
     pub document: Document,
     /// Bytes by array, in the order of the document.
     pub arrays: Vec<Vec<u8>>,

@@ -92,7 +92,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// Rows.
+    /// Number of rows, the same in every column.
     pub fn rows(&self) -> usize {
         self.numbers.len() / self.width.max(1)
     }

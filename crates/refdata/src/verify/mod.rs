@@ -64,7 +64,7 @@ pub enum VerifyError {
     Rows {
         /// A column.
         name: String,
-        /// Its rows.
+        /// How many rows it has.
         rows: usize,
         /// Another column.
         other: String,
@@ -121,7 +121,7 @@ pub struct Element {
     pub bits: u32,
     /// How far it may be off.
     pub bound: f64,
-    /// The verdict.
+    /// How the two sides compare.
     pub verdict: Verdict,
 }
 
@@ -142,7 +142,7 @@ impl Element {
 /// A case that is shown: an element with the inputs of its sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// The element.
+    /// The component that is farthest off, with both sides.
     pub element: Element,
     /// What is special about its sample.
     pub flags: Flags,

@@ -46,11 +46,11 @@ pub struct Totals {
     pub run: usize,
     /// Functions that were not.
     pub not_run: usize,
-    /// Findings.
+    /// Findings of the severity `Finding`.
     pub findings: usize,
-    /// Warnings.
+    /// Findings of the severity `Warning`.
     pub warnings: usize,
-    /// Notes.
+    /// Findings of the severity `Note`.
     pub notes: usize,
     /// Files that do not compile.
     pub broken: usize,

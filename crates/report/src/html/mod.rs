@@ -40,7 +40,7 @@ pub struct Page<'a> {
 /// A suite of a run.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// Its name.
+    /// Name, as suites and reports have it.
     pub name: String,
     /// What it is about, in a few words.
     pub title: String,

@@ -192,7 +192,7 @@ pub enum ExprKind {
     Comma {
         /// Evaluated first, value dropped.
         left: ExprId,
-        /// The value.
+        /// Evaluated second; the value of the whole.
         right: ExprId,
     },
     /// `{ a, b }`, an initialiser list (4.20 and later).

@@ -90,7 +90,7 @@ pub struct Declarator {
 pub struct Initializer {
     /// Place of `=`.
     pub equals: Span,
-    /// The value.
+    /// The expression behind `=`, or the list in `{ }`.
     pub value: ExprId,
 }
 

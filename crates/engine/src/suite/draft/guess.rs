@@ -8,7 +8,7 @@ use property::generators::{self, Options};
 pub struct Guess {
     /// Name of the generator.
     pub generator: &'static str,
-    /// Its range.
+    /// Both ends for `range`; none for a generator that needs none.
     pub range: Option<[f64; 2]>,
     /// What the input is taken for.
     pub taken_for: &'static str,

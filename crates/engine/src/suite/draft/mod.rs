@@ -33,7 +33,7 @@ pub struct Subject {
 /// A suite that was written and tried.
 #[derive(Clone, Debug)]
 pub struct Draft {
-    /// Its text.
+    /// The suite file, in TOML.
     pub text: String,
     /// Inputs that are filled.
     pub inputs: usize,

@@ -40,7 +40,7 @@ pub enum RunError {
     Reference {
         /// Name of the suite.
         suite: String,
-        /// The shader.
+        /// File name of the shader, as the suite names it.
         shader: String,
         /// Why.
         source: Box<ReferenceError>,
@@ -64,7 +64,7 @@ pub enum RunError {
     Law {
         /// Name of the suite.
         suite: String,
-        /// The shader.
+        /// File name of the shader, as the suite names it.
         shader: String,
         /// Why.
         source: LawError,
@@ -82,7 +82,7 @@ pub enum RunError {
     Plan {
         /// Name of the suite.
         suite: String,
-        /// The shader.
+        /// File name of the shader, as the suite names it.
         shader: String,
         /// Why.
         source: Box<PlanError>,

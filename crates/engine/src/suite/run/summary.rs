@@ -207,7 +207,7 @@ impl fmt::Display for Expectation {
 /// A finding that is expected.
 #[derive(Clone, Debug)]
 pub struct Known {
-    /// The finding.
+    /// What was found, as it would be reported without the entry.
     pub finding: Finding,
     /// What expects it.
     pub expectation: Expectation,

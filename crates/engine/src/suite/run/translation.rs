@@ -17,7 +17,7 @@ const SHRUNK: usize = 4;
 /// What one translation of a shader, or naga's reading of it, means.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Translated {
-    /// The language.
+    /// Language of the translation.
     pub language: Language,
     /// Samples on which it means what the shader means.
     pub agreed: u64,

@@ -17,7 +17,7 @@ const MOVED: usize = Among::ALL[0].behind;
 /// A lane of the run, with what its results are held against.
 #[derive(Clone, Copy)]
 pub struct Peer<'a> {
-    /// The lane.
+    /// Where samples are run once more.
     pub lane: &'a dyn Lane,
     /// What its results are held against.
     pub promises: &'a Promises,

@@ -18,7 +18,7 @@ const WORDS: u32 = 1 << 11;
 
 /// A lane and the sample on which it deviates.
 pub struct Suspected<'a> {
-    /// The lane.
+    /// What ran the sample.
     pub lane: &'a dyn Lane,
     /// The stage in which it ran.
     pub stage: Stage,

@@ -109,14 +109,14 @@ pub struct CrossCheck {
 pub enum Fault {
     /// Nothing else ran: one witness cannot tell.
     OneGroup {
-        /// The executor.
+        /// What executes the shader, such as a driver.
         executor: String,
-        /// The front end.
+        /// What translates the text for the executor.
         front_end: String,
     },
     /// One executor deviates, whatever is in front of it.
     Executor {
-        /// The executor.
+        /// What executes the shader, such as a driver.
         executor: String,
         /// Front ends through which it deviates.
         through: Vec<String>,
@@ -125,7 +125,7 @@ pub enum Fault {
     },
     /// What went through one front end deviates, whatever executes it.
     Translator {
-        /// The front end.
+        /// What translates the text for the executor.
         front_end: String,
         /// Executors on which it deviates.
         on: Vec<String>,
@@ -136,23 +136,23 @@ pub enum Fault {
     },
     /// Other lanes are right, and none of them shares the executor or the front end.
     Either {
-        /// The executor.
+        /// What executes the shader, such as a driver.
         executor: String,
-        /// The front end.
+        /// What translates the text for the executor.
         front_end: String,
     },
     /// The executor is right behind another front end, and the front end before another executor.
     Pair {
-        /// The executor.
+        /// What executes the shader, such as a driver.
         executor: String,
-        /// The front end.
+        /// What translates the text for the executor.
         front_end: String,
     },
     /// It would be so on any device.
     Shader,
     /// The same inputs are right in other places of the batch.
     Position {
-        /// The executor.
+        /// What executes the shader, such as a driver.
         executor: String,
         /// Front ends through which it deviates.
         through: Vec<String>,
@@ -163,9 +163,9 @@ pub enum Fault {
     },
     /// The lane that deviates did not when it was asked again.
     Unsteady {
-        /// The executor.
+        /// What executes the shader, such as a driver.
         executor: String,
-        /// The front end.
+        /// What translates the text for the executor.
         front_end: String,
     },
     /// Every group deviates.

@@ -12,7 +12,7 @@ pub enum ReferenceError {
         by: String,
         /// Name of the input.
         name: String,
-        /// Its type.
+        /// Type, as GLSL writes it, such as `vec4[8]`.
         ty: String,
         /// What the shader has.
         has: String,
@@ -24,7 +24,7 @@ pub enum ReferenceError {
         by: String,
         /// Name of the output.
         name: String,
-        /// Its type.
+        /// Type, as GLSL writes it, such as `vec4[8]`.
         ty: String,
         /// What the shader has.
         has: String,
@@ -56,7 +56,7 @@ pub enum ReferenceError {
     Interpreter {
         /// What gives the expectation.
         by: String,
-        /// Why.
+        /// What the interpreter says.
         why: String,
     },
     /// Two rows of recorded values are about the same inputs.

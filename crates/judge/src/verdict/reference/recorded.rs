@@ -8,10 +8,10 @@ use base::value::Batch;
 use program::Program;
 use property::Sample;
 
-/// One row.
+/// What a file records for one set of inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedRow {
-    /// The inputs.
+    /// Inputs, laid out as the program takes them.
     pub sample: Sample,
     /// The outputs, one variable after the other; NaN where none is recorded.
     pub outputs: Vec<f64>,
@@ -46,7 +46,7 @@ impl Recorded {
         Ok(Self { by, outputs, rows, find })
     }
 
-    /// The rows.
+    /// All rows, in the order of the file.
     pub fn rows(&self) -> &[RecordedRow] {
         &self.rows
     }
