@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::ast::{BinaryOp, UnaryOp};
+use super::builtin::BuiltinFunction as F;
 use super::types::{ScalarType, Type};
 
 /// A folded scalar.
@@ -208,7 +209,7 @@ fn same_type(left: Const, right: Const) -> Option<(Const, Const)> {
 
 /// A built-in function of scalars, where the result is exact or, for the transcendental ones,
 /// binary64 rounded once.
-pub(crate) fn call(name: &str, args: &[Const]) -> Option<Const> {
+pub(crate) fn call(name: F, args: &[Const]) -> Option<Const> {
     let floats: Option<Vec<f64>> = args.iter().map(|a| a.as_f64()).collect();
     let floats = floats?;
     let of = |v: f64| -> Option<Const> {
@@ -222,31 +223,31 @@ pub(crate) fn call(name: &str, args: &[Const]) -> Option<Const> {
         convert(*args.get(i)?, &Type::Scalar(highest))
     };
     match (name, floats.as_slice()) {
-        ("radians", [x]) => of(x.to_radians()),
-        ("degrees", [x]) => of(x.to_degrees()),
-        ("sin", [x]) => of(x.sin()),
-        ("cos", [x]) => of(x.cos()),
-        ("tan", [x]) => of(x.tan()),
-        ("atan", [x]) => of(x.atan()),
-        ("acos", [x]) if x.abs() <= 1.0 => of(x.acos()),
-        ("asin", [x]) if x.abs() <= 1.0 => of(x.asin()),
-        ("exp", [x]) => of(x.exp()),
-        ("exp2", [x]) => of(x.exp2()),
-        ("log", [x]) if *x > 0.0 => of(x.ln()),
-        ("log2", [x]) if *x > 0.0 => of(x.log2()),
-        ("sqrt", [x]) if *x >= 0.0 => of(x.sqrt()),
-        ("inversesqrt", [x]) if *x > 0.0 => of(1.0 / x.sqrt()),
-        ("pow", [x, y]) if *x > 0.0 => of(x.powf(*y)),
-        ("floor", [x]) => of(x.floor()),
-        ("ceil", [x]) => of(x.ceil()),
-        ("abs", [_]) => match args[0] {
+        (F::Radians, [x]) => of(x.to_radians()),
+        (F::Degrees, [x]) => of(x.to_degrees()),
+        (F::Sin, [x]) => of(x.sin()),
+        (F::Cos, [x]) => of(x.cos()),
+        (F::Tan, [x]) => of(x.tan()),
+        (F::Atan, [x]) => of(x.atan()),
+        (F::Acos, [x]) if x.abs() <= 1.0 => of(x.acos()),
+        (F::Asin, [x]) if x.abs() <= 1.0 => of(x.asin()),
+        (F::Exp, [x]) => of(x.exp()),
+        (F::Exp2, [x]) => of(x.exp2()),
+        (F::Log, [x]) if *x > 0.0 => of(x.ln()),
+        (F::Log2, [x]) if *x > 0.0 => of(x.log2()),
+        (F::Sqrt, [x]) if *x >= 0.0 => of(x.sqrt()),
+        (F::Inversesqrt, [x]) if *x > 0.0 => of(1.0 / x.sqrt()),
+        (F::Pow, [x, y]) if *x > 0.0 => of(x.powf(*y)),
+        (F::Floor, [x]) => of(x.floor()),
+        (F::Ceil, [x]) => of(x.ceil()),
+        (F::Abs, [_]) => match args[0] {
             Const::Int(v) => Some(Const::Int(v.wrapping_abs())),
             Const::Float(v) => Some(Const::Float(v.abs())),
             Const::Double(v) => Some(Const::Double(v.abs())),
             Const::Bool(_) | Const::Uint(_) => None,
         },
-        ("min", [a, b]) => pick(usize::from(b < a)),
-        ("max", [a, b]) => pick(usize::from(a < b)),
+        (F::Min, [a, b]) => pick(usize::from(b < a)),
+        (F::Max, [a, b]) => pick(usize::from(a < b)),
         _ => None,
     }
 }
@@ -281,7 +282,7 @@ mod tests {
         assert_eq!(convert(Const::Float(3.9), &Type::INT), Some(Const::Int(3)));
         assert_eq!(convert(Const::Float(3e10), &Type::INT), None);
         assert_eq!(convert(Const::Float(f32::NAN), &Type::INT), None);
-        assert_eq!(call("max", &[Const::Int(2), Const::Float(1.0)]), Some(Const::Float(2.0)));
-        assert_eq!(call("sqrt", &[Const::Float(-1.0)]), None);
+        assert_eq!(call(F::Max, &[Const::Int(2), Const::Float(1.0)]), Some(Const::Float(2.0)));
+        assert_eq!(call(F::Sqrt, &[Const::Float(-1.0)]), None);
     }
 }

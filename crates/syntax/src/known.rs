@@ -1,6 +1,7 @@
 //! Values of constant expressions of any type (GLSL 4.60, 4.3.3), one operation at a time.
 
 use super::ast::{BinaryOp, UnaryOp};
+use super::builtin::BuiltinFunction as F;
 use super::swizzle;
 use super::types::{ArraySize, ScalarType, Type};
 
@@ -253,14 +254,14 @@ fn product(a: &Known, b: &Known) -> Option<Known> {
 }
 
 /// What a built-in function gives.
-pub fn function(name: &str, values: Vec<Known>) -> Option<Known> {
+pub fn function(name: F, values: Vec<Known>) -> Option<Known> {
     let first = values.first()?.clone();
     let truth =
         |ty: Type, parts: Vec<bool>| Known { ty, parts: parts.into_iter().map(|v| f64::from(u8::from(v))).collect() };
     match name {
-        "any" => return Some(truth(Type::BOOL, vec![first.parts.iter().any(|&v| v != 0.0)])),
-        "all" => return Some(truth(Type::BOOL, vec![first.parts.iter().all(|&v| v != 0.0)])),
-        "not" => return Some(truth(first.ty, first.parts.iter().map(|&v| v == 0.0).collect())),
+        F::Any => return Some(truth(Type::BOOL, vec![first.parts.iter().any(|&v| v != 0.0)])),
+        F::All => return Some(truth(Type::BOOL, vec![first.parts.iter().all(|&v| v != 0.0)])),
+        F::Not => return Some(truth(first.ty, first.parts.iter().map(|&v| v == 0.0).collect())),
         _ => {}
     }
     if let Some(f) = compare(name) {
@@ -269,11 +270,11 @@ pub fn function(name: &str, values: Vec<Known>) -> Option<Known> {
         let parts = a.parts.iter().zip(&b.parts).map(|(x, y)| f(*x, *y)).collect();
         return Some(truth(a.ty.with_scalar(ScalarType::Bool), parts));
     }
-    if name == "mix" && values.get(2)?.ty.scalar() == Some(ScalarType::Bool) {
+    if name == F::Mix && values.get(2)?.ty.scalar() == Some(ScalarType::Bool) {
         let pick = |k: usize| if values[2].parts[k] != 0.0 { values[1].parts[k] } else { first.parts[k] };
         return Some(Known { ty: first.ty.clone(), parts: (0..first.parts.len()).map(pick).collect() });
     }
-    let keeps = matches!(name, "abs" | "sign" | "min" | "max" | "clamp");
+    let keeps = matches!(name, F::Abs | F::Sign | F::Min | F::Max | F::Clamp);
     let widest = values.iter().filter_map(|v| v.ty.scalar()).max()?;
     let to = if keeps || widest == ScalarType::Double { widest } else { ScalarType::Float };
     let values: Vec<Known> = values.into_iter().map(|v| with(v, to)).collect();
@@ -282,44 +283,46 @@ pub fn function(name: &str, values: Vec<Known>) -> Option<Known> {
     let a = &values[0];
     let b = values.get(1);
     let geometric = match (name, b) {
-        ("length", _) => Some((scalar, vec![dot(&a.parts, &a.parts).sqrt()])),
-        ("normalize", _) => {
+        (F::Length, _) => Some((scalar, vec![dot(&a.parts, &a.parts).sqrt()])),
+        (F::Normalize, _) => {
             let length = dot(&a.parts, &a.parts).sqrt();
             Some((a.ty.clone(), a.parts.iter().map(|v| v / length).collect()))
         }
-        ("dot", Some(b)) => Some((scalar, vec![dot(&a.parts, &b.parts)])),
-        ("distance", Some(b)) => {
+        (F::Dot, Some(b)) => Some((scalar, vec![dot(&a.parts, &b.parts)])),
+        (F::Distance, Some(b)) => {
             let d: Vec<f64> = a.parts.iter().zip(&b.parts).map(|(x, y)| x - y).collect();
             Some((scalar, vec![dot(&d, &d).sqrt()]))
         }
-        ("cross", Some(b)) => {
+        (F::Cross, Some(b)) => {
             let (p, q) = (&a.parts, &b.parts);
             let at = |i: usize, j: usize| p[i] * q[j] - p[j] * q[i];
             Some((a.ty.clone(), vec![at(1, 2), at(2, 0), at(0, 1)]))
         }
-        ("reflect", Some(b)) => {
+        (F::Reflect, Some(b)) => {
             let d = 2.0 * dot(&b.parts, &a.parts);
             Some((a.ty.clone(), a.parts.iter().zip(&b.parts).map(|(i, n)| i - d * n).collect()))
         }
-        ("refract", Some(b)) => {
+        (F::Refract, Some(b)) => {
             let eta = values.get(2)?.parts[0];
             let d = dot(&b.parts, &a.parts);
             let k = 1.0 - eta * eta * (1.0 - d * d);
             let each = |(i, n): (&f64, &f64)| if k < 0.0 { 0.0 } else { eta * i - (eta * d + k.sqrt()) * n };
             Some((a.ty.clone(), a.parts.iter().zip(&b.parts).map(each).collect()))
         }
-        ("faceforward", Some(b)) => {
+        (F::Faceforward, Some(b)) => {
             let sign = if dot(&values.get(2)?.parts, &b.parts) < 0.0 { 1.0 } else { -1.0 };
             Some((a.ty.clone(), a.parts.iter().map(|v| sign * v).collect()))
         }
-        ("matrixCompMult", Some(b)) => Some((a.ty.clone(), a.parts.iter().zip(&b.parts).map(|(x, y)| x * y).collect())),
-        ("outerProduct", Some(b)) => {
+        (F::MatrixCompMult, Some(b)) => {
+            Some((a.ty.clone(), a.parts.iter().zip(&b.parts).map(|(x, y)| x * y).collect()))
+        }
+        (F::OuterProduct, Some(b)) => {
             let ty = Type::Matrix(to, u8::try_from(b.parts.len()).ok()?, u8::try_from(a.parts.len()).ok()?);
             Some((ty, b.parts.iter().flat_map(|y| a.parts.iter().map(move |x| x * y)).collect()))
         }
-        ("determinant", _) => Some((scalar, vec![eliminated(&a.parts)?.0])),
-        ("inverse", _) => Some((a.ty.clone(), eliminated(&a.parts)?.1)),
-        ("transpose", _) => {
+        (F::Determinant, _) => Some((scalar, vec![eliminated(&a.parts)?.0])),
+        (F::Inverse, _) => Some((a.ty.clone(), eliminated(&a.parts)?.1)),
+        (F::Transpose, _) => {
             let Type::Matrix(_, columns, rows) = a.ty else { return None };
             let (c, r) = (usize::from(columns), usize::from(rows));
             let parts = (0..r).flat_map(|i| (0..c).map(move |j| (i, j))).map(|(i, j)| a.parts[j * r + i]).collect();
@@ -375,66 +378,66 @@ fn eliminated(parts: &[f64]) -> Option<(f64, Vec<f64>)> {
     Some((determinant, inverse.concat()))
 }
 
-fn compare(name: &str) -> Option<fn(f64, f64) -> bool> {
+fn compare(name: F) -> Option<fn(f64, f64) -> bool> {
     Some(match name {
-        "lessThan" => |x, y| x < y,
-        "lessThanEqual" => |x, y| x <= y,
-        "greaterThan" => |x, y| x > y,
-        "greaterThanEqual" => |x, y| x >= y,
+        F::LessThan => |x, y| x < y,
+        F::LessThanEqual => |x, y| x <= y,
+        F::GreaterThan => |x, y| x > y,
+        F::GreaterThanEqual => |x, y| x >= y,
         #[expect(clippy::float_cmp, reason = "the function compares exactly")]
-        "equal" => |x, y| x == y,
+        F::Equal => |x, y| x == y,
         #[expect(clippy::float_cmp, reason = "the function compares exactly")]
-        "notEqual" => |x, y| x != y,
+        F::NotEqual => |x, y| x != y,
         _ => return None,
     })
 }
 
 /// Functions of single numbers.
-fn of_numbers(name: &str, a: &[f64]) -> Option<f64> {
+fn of_numbers(name: F, a: &[f64]) -> Option<f64> {
     let x = *a.first()?;
     Some(match (name, a) {
-        ("sin", _) => number::SIN.value(x),
-        ("cos", _) => number::COS.value(x),
-        ("tan", _) => number::TAN.value(x),
-        ("asin", _) => number::ASIN.value(x),
-        ("acos", _) => number::ACOS.value(x),
-        ("atan", [y, x]) => number::ATAN2.value(*y, *x),
-        ("atan", _) => number::ATAN.value(x),
-        ("sinh", _) => x.sinh(),
-        ("cosh", _) => x.cosh(),
-        ("tanh", _) => x.tanh(),
-        ("asinh", _) => x.asinh(),
-        ("acosh", _) => x.acosh(),
-        ("atanh", _) => x.atanh(),
-        ("radians", _) => x.to_radians(),
-        ("degrees", _) => x.to_degrees(),
-        ("exp", _) => number::EXP.value(x),
-        ("log", _) => number::LN.value(x),
-        ("exp2", _) => number::EXP2.value(x),
-        ("log2", _) => number::LOG2.value(x),
-        ("sqrt", _) => x.sqrt(),
-        ("inversesqrt", _) => 1.0 / x.sqrt(),
-        ("abs", _) => x.abs(),
-        ("sign", _) => {
+        (F::Sin, _) => number::SIN.value(x),
+        (F::Cos, _) => number::COS.value(x),
+        (F::Tan, _) => number::TAN.value(x),
+        (F::Asin, _) => number::ASIN.value(x),
+        (F::Acos, _) => number::ACOS.value(x),
+        (F::Atan, [y, x]) => number::ATAN2.value(*y, *x),
+        (F::Atan, _) => number::ATAN.value(x),
+        (F::Sinh, _) => x.sinh(),
+        (F::Cosh, _) => x.cosh(),
+        (F::Tanh, _) => x.tanh(),
+        (F::Asinh, _) => x.asinh(),
+        (F::Acosh, _) => x.acosh(),
+        (F::Atanh, _) => x.atanh(),
+        (F::Radians, _) => x.to_radians(),
+        (F::Degrees, _) => x.to_degrees(),
+        (F::Exp, _) => number::EXP.value(x),
+        (F::Log, _) => number::LN.value(x),
+        (F::Exp2, _) => number::EXP2.value(x),
+        (F::Log2, _) => number::LOG2.value(x),
+        (F::Sqrt, _) => x.sqrt(),
+        (F::Inversesqrt, _) => 1.0 / x.sqrt(),
+        (F::Abs, _) => x.abs(),
+        (F::Sign, _) => {
             if x == 0.0 {
                 0.0
             } else {
                 x.signum()
             }
         }
-        ("floor", _) => x.floor(),
-        ("ceil", _) => x.ceil(),
-        ("trunc", _) => x.trunc(),
-        ("round" | "roundEven", _) => x.round_ties_even(),
-        ("fract", _) => x - x.floor(),
-        ("pow", [x, y]) => number::POW.value(*x, *y),
-        ("mod", [x, y]) => x - y * (x / y).floor(),
-        ("min", [x, y]) => x.min(*y),
-        ("max", [x, y]) => x.max(*y),
-        ("clamp", [x, low, high]) => x.max(*low).min(*high),
-        ("mix", [x, y, t]) => x * (1.0 - t) + y * t,
-        ("step", [edge, x]) => f64::from(u8::from(x >= edge)),
-        ("smoothstep", [low, high, x]) => {
+        (F::Floor, _) => x.floor(),
+        (F::Ceil, _) => x.ceil(),
+        (F::Trunc, _) => x.trunc(),
+        (F::Round | F::RoundEven, _) => x.round_ties_even(),
+        (F::Fract, _) => x - x.floor(),
+        (F::Pow, [x, y]) => number::POW.value(*x, *y),
+        (F::Mod, [x, y]) => x - y * (x / y).floor(),
+        (F::Min, [x, y]) => x.min(*y),
+        (F::Max, [x, y]) => x.max(*y),
+        (F::Clamp, [x, low, high]) => x.max(*low).min(*high),
+        (F::Mix, [x, y, t]) => x * (1.0 - t) + y * t,
+        (F::Step, [edge, x]) => f64::from(u8::from(x >= edge)),
+        (F::Smoothstep, [low, high, x]) => {
             let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         }

@@ -32,6 +32,7 @@ pub mod types;
 use ast::{Arena, Expr, ExprId, Unit};
 use base::diagnostic::Diagnostic;
 use base::text::{SourceFile, Span};
+pub use builtin::BuiltinFunction;
 pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::fitting;
 pub use fold::Const;

@@ -7,7 +7,8 @@
 use std::sync::Arc;
 
 use super::Shader;
-use super::ast::{Callee, ExprId, ExprKind, Literal};
+use super::ast::{ExprId, ExprKind, Literal};
+use super::builtin::BuiltinFunction as F;
 use super::fold::Const;
 use super::known::{self, Known};
 use super::symbols::CallTarget;
@@ -154,17 +155,17 @@ impl Reals {
             ExprKind::Field { base, field } => {
                 Real::of(&[of(*base)?], none, |args| known::field(&args[0], &field.name))
             }
-            ExprKind::Call { callee, args } => {
+            ExprKind::Call { args, .. } => {
                 let values: Option<Vec<&Real>> = args.iter().map(|&arg| of(arg)).collect();
                 let values = values?;
-                match (shader.callee(id)?, callee) {
-                    (CallTarget::Constructor(ty), _) => Real::of(&values, none, |args| known::constructed(ty, args)),
-                    (CallTarget::Builtin(_), Callee::Name(name)) => {
+                match shader.callee(id)? {
+                    CallTarget::Constructor(ty) => Real::of(&values, none, |args| known::constructed(ty, args)),
+                    CallTarget::Builtin(call) => {
                         let round = is_round(&values);
-                        let own = |value: f64| error_of(&name.name, round, value);
-                        Real::of(&values, own, |args| known::function(&name.name, args.to_vec()))
+                        let own = |value: f64| error_of(call.function, round, value);
+                        Real::of(&values, own, |args| known::function(call.function, args.to_vec()))
                     }
-                    (CallTarget::Builtin(_), Callee::Type(_)) | (CallTarget::User(_), _) => None,
+                    CallTarget::User(_) => None,
                 }
             }
             ExprKind::Literal(_)
@@ -213,11 +214,21 @@ fn is_round(args: &[&Real]) -> bool {
 
 /// How far the functions of a front end may be off. Most take those of a library in C; Mesa approximates the inverse
 /// functions of angles as it does on a device.
-fn error_of(name: &str, round: bool, value: f64) -> f64 {
+fn error_of(name: F, round: bool, value: f64) -> f64 {
     match name {
-        "abs" | "sign" | "floor" | "ceil" | "trunc" | "round" | "roundEven" | "min" | "max" | "clamp" | "step"
-        | "transpose" => 0.0,
-        "asin" | "acos" | "atan" | "asinh" | "acosh" | "atanh" if !round => value.abs().max(1.0) / 2048.0,
+        F::Abs
+        | F::Sign
+        | F::Floor
+        | F::Ceil
+        | F::Trunc
+        | F::Round
+        | F::RoundEven
+        | F::Min
+        | F::Max
+        | F::Clamp
+        | F::Step
+        | F::Transpose => 0.0,
+        F::Asin | F::Acos | F::Atan | F::Asinh | F::Acosh | F::Atanh if !round => value.abs().max(1.0) / 2048.0,
         _ => 4.0 * ULP * value.abs(),
     }
 }

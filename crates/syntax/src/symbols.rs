@@ -1,6 +1,7 @@
 //! Variables and functions of a shader, and where they are used.
 
 use super::ast::{ExprId, Ident};
+use super::builtin::BuiltinFunction;
 use super::fold::Const;
 use super::interface::Storage;
 use super::types::Type;
@@ -156,6 +157,15 @@ pub enum CallTarget {
     Constructor(Type),
     /// A function of the shader.
     User(FunctionId),
-    /// A built-in function: direction of each parameter.
-    Builtin(Vec<Direction>),
+    /// A built-in function.
+    Builtin(BuiltinCall),
+}
+
+/// A call of a built-in function, as one of its overloads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuiltinCall {
+    /// The function.
+    pub function: BuiltinFunction,
+    /// Which way each parameter carries its value.
+    pub directions: Vec<Direction>,
 }

@@ -265,7 +265,7 @@ impl<'a> Code<'a> {
     /// Which way argument `k` of a call carries its value.
     pub fn direction(&self, call: ExprId, k: usize) -> Direction {
         match self.shader.callee(call) {
-            Some(CallTarget::Builtin(directions)) => directions.get(k).copied().unwrap_or_default(),
+            Some(CallTarget::Builtin(call)) => call.directions.get(k).copied().unwrap_or_default(),
             Some(CallTarget::User(id)) => {
                 self.shader.function_info(*id).params.get(k).map_or(Direction::In, |p| p.direction)
             }

@@ -1,6 +1,7 @@
 //! What evaluating an expression does: reads, writes and calls in their order.
 
-use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, Literal, UnaryOp};
+use syntax::BuiltinFunction as F;
+use syntax::ast::{BinaryOp, ExprId, ExprKind, Literal, UnaryOp};
 use syntax::symbols::{CallTarget, Direction, FunctionId};
 
 use super::build::{Builder, Frame};
@@ -42,7 +43,7 @@ impl<'s> Builder<'s> {
             },
             // Only the length of the array is asked for.
             ExprKind::Method { base, method: _, args: _ } => self.indices(*base),
-            ExprKind::Call { callee, args } => self.call(id, callee, args),
+            ExprKind::Call { args, .. } => self.call(id, args),
             ExprKind::Unary { op: UnaryOp::Increment | UnaryOp::Decrement, op_span: _, operand }
             | ExprKind::Postfix { increment: _, op_span: _, operand } => {
                 self.compute(*operand, |this| this.value(*operand));
@@ -126,12 +127,13 @@ impl<'s> Builder<'s> {
         self.event(Kind::Write { exact: place.exact, store }, slot, place.mask, span, Some(by));
     }
 
-    fn call(&mut self, id: ExprId, callee: &'s Callee, args: &[ExprId]) {
+    fn call(&mut self, id: ExprId, args: &[ExprId]) {
         let shader = self.shader;
         match shader.callee(id) {
             None => self.failed = true,
             Some(CallTarget::Constructor(_)) => args.iter().for_each(|a| self.value(*a)),
-            Some(CallTarget::Builtin(directions)) => {
+            Some(CallTarget::Builtin(call)) => {
+                let directions = &call.directions;
                 for (&arg, direction) in args.iter().zip(directions) {
                     match direction {
                         Direction::In => self.value(arg),
@@ -145,10 +147,9 @@ impl<'s> Builder<'s> {
                         self.write(arg, Store::Passed, id);
                     }
                 }
-                let Callee::Name(name) = callee else { return };
-                let kind = match name.name.as_str() {
-                    "EmitVertex" | "EmitStreamVertex" => Kind::Emit,
-                    "EndPrimitive" | "EndStreamPrimitive" => Kind::EndPrimitive,
+                let kind = match call.function {
+                    F::EmitVertex | F::EmitStreamVertex => Kind::Emit,
+                    F::EndPrimitive | F::EndStreamPrimitive => Kind::EndPrimitive,
                     _ => return,
                 };
                 self.event(kind, 0, 0, shader.expr(id).span, Some(id));

@@ -372,9 +372,9 @@ impl<'s> Machine<'s> {
         match (shader.callee(id), callee) {
             (Some(CallTarget::Constructor(to)), _) => self.construct(to, args, &values),
             (Some(CallTarget::User(function)), _) => self.user(id, *function, args, values),
-            (Some(CallTarget::Builtin(ways)), Callee::Name(name)) => {
+            (Some(CallTarget::Builtin(built_in)), Callee::Name(name)) => {
                 let sources = values.iter().fold(Sources::NONE, |all, v| all.and(v.sources()));
-                for (arg, _) in args.iter().zip(ways).filter(|(_, way)| **way != Direction::In) {
+                for (arg, _) in args.iter().zip(&built_in.directions).filter(|(_, way)| **way != Direction::In) {
                     let out = unknown_of(shader.type_of(*arg), sources);
                     self.assign(*arg, out);
                 }

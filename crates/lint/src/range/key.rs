@@ -1,7 +1,7 @@
 //! Spellings of expressions by which equal ones are recognised.
 
 use syntax::Shader;
-use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, UnaryOp};
+use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
 use syntax::symbols::{CallTarget, Direction, SymbolId};
 
 /// How a variable is spelt in a key.
@@ -52,12 +52,12 @@ fn write(shader: &Shader, id: ExprId, into: &mut String) -> Option<()> {
             write(shader, *right, &mut sides[1])?;
             into.push_str(&of_binary(*op, &sides[0], &sides[1]));
         }
-        ExprKind::Call { callee, args } => {
-            match (callee, shader.callee(id)) {
-                (Callee::Name(name), Some(CallTarget::Builtin(ways))) if ways.iter().all(|d| *d == Direction::In) => {
-                    into.push_str(&name.name);
+        ExprKind::Call { args, .. } => {
+            match shader.callee(id) {
+                Some(CallTarget::Builtin(call)) if call.directions.iter().all(|d| *d == Direction::In) => {
+                    into.push_str(call.function.name());
                 }
-                (_, Some(CallTarget::Constructor(ty))) => into.push_str(&ty.to_string()),
+                Some(CallTarget::Constructor(ty)) => into.push_str(&ty.to_string()),
                 _ => return None,
             }
             into.push('(');

@@ -9,10 +9,10 @@ use naga::{
 };
 
 use super::function::{Fun, Val};
-use super::image::plain_atomic;
 use super::texture::Opaque;
 use super::{Build, Expr, Result};
 use base::text::Span;
+use syntax::BuiltinFunction as F;
 use syntax::ast::{Callee, ExprKind, Qualifiers};
 use syntax::types::{OpaqueKind, OpaqueType, ScalarType, StructField, StructType, TextureDim, Type};
 
@@ -157,7 +157,7 @@ impl Fun<'_, '_> {
     /// the first.
     pub(super) fn buffer_call(
         &mut self,
-        name: &str,
+        function: F,
         opaque: &Opaque,
         ty: OpaqueType,
         rest: &[Option<Val>],
@@ -167,15 +167,15 @@ impl Fun<'_, '_> {
         let whole = self.add(Expression::GlobalVariable(buffer.variable));
         let value = |k: usize| rest.get(k).cloned().flatten();
         if ty.kind == OpaqueKind::AtomicCounter {
-            return self.counter(name, whole, rest, span).map(Some);
+            return self.counter(function, whole, rest, span).map(Some);
         }
         let texels = if buffer.sized { self.add(Expression::AccessIndex { base: whole, index: 1 }) } else { whole };
-        match name {
-            "textureSize" | "imageSize" if !buffer.sized => {
+        match function {
+            F::TextureSize | F::ImageSize if !buffer.sized => {
                 let e = self.array_length(texels);
                 self.cast(Val { e, ty: Type::UINT }, ScalarType::Uint, ScalarType::Int).map(Some)
             }
-            "imageSize" => {
+            F::ImageSize => {
                 let size = self.buffer_size(whole);
                 let n = if ty.dim == TextureDim::Cube { 2 } else { ty.coordinates() };
                 let mut parts: Vec<Expr> = (0..u32::from(n)).map(|k| self.part(size, k)).collect();
@@ -193,13 +193,13 @@ impl Fun<'_, '_> {
                 };
                 self.cast(found, ScalarType::Uint, ScalarType::Int).map(Some)
             }
-            "imageSamples" => {
+            F::ImageSamples => {
                 let size = self.buffer_size(whole);
                 let e = self.part(size, 3);
                 self.cast(Val { e, ty: Type::UINT }, ScalarType::Uint, ScalarType::Int).map(Some)
             }
-            "texelFetch" | "imageLoad" => {
-                let Some(at) = value(0) else { return Err(self.odd(name, span)) };
+            F::TexelFetch | F::ImageLoad => {
+                let Some(at) = value(0) else { return Err(self.odd(function, span)) };
                 let sample = value(1);
                 let (index, inside) = self.texel_index(whole, &buffer, ty, &at, sample)?;
                 let want = Type::Vector(ty.scalar, 4);
@@ -220,9 +220,9 @@ impl Fun<'_, '_> {
                 )?;
                 self.load(&place).map(Some)
             }
-            "imageStore" => {
+            F::ImageStore => {
                 let (Some(at), Some(texel)) = (value(0), rest.last().cloned().flatten()) else {
-                    return Err(self.odd(name, span));
+                    return Err(self.odd(function, span));
                 };
                 let sample = value(1).filter(|_| rest.len() > 2);
                 let texel = self.convert(texel, &Type::Vector(ty.scalar, 4))?;
@@ -235,12 +235,12 @@ impl Fun<'_, '_> {
                 }
                 Ok(None)
             }
-            _ => self.image_atomic(name, (whole, texels), &buffer, ty, rest, span).map(Some),
+            _ => self.image_atomic(function, (whole, texels), &buffer, ty, rest, span).map(Some),
         }
     }
 
-    fn odd(&self, name: &str, span: Span) -> Box<base::diagnostic::Diagnostic> {
-        self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate and a value")
+    fn odd(&self, function: impl std::fmt::Display, span: Span) -> Box<base::diagnostic::Diagnostic> {
+        self.build.unsupported(span, format!("`{function}` like this"), "give it a coordinate and a value")
     }
 
     fn buffer_size(&mut self, whole: Expr) -> Expr {
@@ -349,7 +349,7 @@ impl Fun<'_, '_> {
 
     fn image_atomic(
         &mut self,
-        name: &str,
+        function: F,
         (whole, texels): (Expr, Expr),
         buffer: &Buffer,
         ty: OpaqueType,
@@ -357,12 +357,12 @@ impl Fun<'_, '_> {
         span: Span,
     ) -> Result<Val> {
         let value = |k: usize| rest.get(k).cloned().flatten();
-        let unknown = |f: &Self| f.build.unsupported(span, format!("`{name}` of a `{ty}`"), "use a storage buffer");
-        let plain = plain_atomic(name);
+        let unknown = |f: &Self| f.build.unsupported(span, format!("`{function}` of a `{ty}`"), "use a storage buffer");
         let first = 1 + usize::from(ty.multisampled);
-        let (Some(at), Some(plain), true) = (value(0), plain, buffer.atomic) else { return Err(unknown(self)) };
+        let atomic = buffer.atomic && function.name().starts_with("imageAtomic");
+        let (Some(at), true) = (value(0), atomic) else { return Err(unknown(self)) };
         let float = ty.scalar == ScalarType::Float;
-        if float && plain != "atomicExchange" {
+        if float && function != F::ImageAtomicExchange {
             return Err(unknown(self));
         }
         let mut values = Vec::new();
@@ -388,7 +388,7 @@ impl Fun<'_, '_> {
             |f| {
                 let pointer = f.add(Expression::Access { base: texels, index });
                 let number = if float { Type::UINT } else { result_ty.clone() };
-                let mut before = f.atomic_at(&plain, pointer, &number, &values, span)?;
+                let mut before = f.atomic_at(function, pointer, &number, &values, span)?;
                 if float {
                     let e = f.add(Expression::As { expr: before.e, kind: ScalarKind::Float, convert: None });
                     before = Val { e, ty: Type::FLOAT };
@@ -401,7 +401,7 @@ impl Fun<'_, '_> {
     }
 
     /// A function of an atomic counter (GLSL 4.60, 8.10). All but the decrement give the value before.
-    fn counter(&mut self, name: &str, pointer: Expr, rest: &[Option<Val>], span: Span) -> Result<Val> {
+    fn counter(&mut self, function: F, pointer: Expr, rest: &[Option<Val>], span: Span) -> Result<Val> {
         let one = |f: &mut Self| f.number(ScalarType::Uint, 1.0);
         let step = |f: &mut Self, fun: AtomicFunction| -> Result<Expr> {
             let value = one(f);
@@ -410,21 +410,20 @@ impl Fun<'_, '_> {
             f.push(Statement::Atomic { pointer, fun, value, result: Some(result) });
             Ok(result)
         };
-        let e = match name {
-            "atomicCounter" => self.add(Expression::Load { pointer }),
-            "atomicCounterIncrement" => step(self, AtomicFunction::Add)?,
-            "atomicCounterDecrement" => {
+        let e = match function {
+            F::AtomicCounter => self.add(Expression::Load { pointer }),
+            F::AtomicCounterIncrement => step(self, AtomicFunction::Add)?,
+            F::AtomicCounterDecrement => {
                 let before = step(self, AtomicFunction::Subtract)?;
                 let one = one(self);
                 self.add(Expression::Binary { op: B::Subtract, left: before, right: one })
             }
             _ => {
-                let plain = name.trim_end_matches("ARB").replacen("atomicCounter", "atomic", 1);
                 let mut values = Vec::new();
                 for value in rest.iter().flatten() {
                     values.push(self.convert(value.clone(), &Type::UINT)?.e);
                 }
-                return self.atomic_at(&plain, pointer, &Type::UINT, &values, span);
+                return self.atomic_at(function, pointer, &Type::UINT, &values, span);
             }
         };
         Ok(Val { e, ty: Type::UINT })

@@ -7,7 +7,7 @@ use super::{Expr, Result};
 use crate::UNSUPPORTED;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::Span;
-use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, Literal, UnaryOp};
+use syntax::ast::{BinaryOp, ExprId, ExprKind, Literal, UnaryOp};
 use syntax::symbols::CallTarget;
 use syntax::types::{ArraySize, ScalarType, Type};
 use syntax::{Const, Fit};
@@ -49,7 +49,7 @@ impl Fun<'_, '_> {
             ExprKind::Name(_) | ExprKind::Index { .. } | ExprKind::Field { .. } => self.read(id)?,
             ExprKind::Paren(inner) => return self.statement_expression(*inner),
             ExprKind::Method { base, .. } => self.length(*base)?,
-            ExprKind::Call { callee, args } => return self.call(id, callee, args),
+            ExprKind::Call { args, .. } => return self.call(id, args),
             ExprKind::Unary { op: op @ (UnaryOp::Increment | UnaryOp::Decrement), operand, .. } => {
                 self.step(*operand, *op == UnaryOp::Increment)?.1
             }
@@ -278,18 +278,16 @@ impl Fun<'_, '_> {
     }
 
     /// A call: a constructor, a function of the shader or a built-in one.
-    fn call(&mut self, id: ExprId, callee: &Callee, args: &[ExprId]) -> Result<Option<Val>> {
+    fn call(&mut self, id: ExprId, args: &[ExprId]) -> Result<Option<Val>> {
         let span = self.shader.expr(id).span;
-        match (self.shader.callee(id), callee) {
-            (Some(CallTarget::Constructor(ty)), _) => {
+        match self.shader.callee(id) {
+            Some(CallTarget::Constructor(ty)) => {
                 self.check_components(id, span)?;
                 self.constructor(&ty.clone(), args).map(Some)
             }
-            (Some(CallTarget::User(function)), _) => self.user_call(*function, args, span),
-            (Some(CallTarget::Builtin(_)), Callee::Name(name)) => self.builtin(id, &name.name, args, span),
-            (Some(CallTarget::Builtin(_)), Callee::Type(_)) | (None, _) => {
-                Err(self.build.unsupported(span, "a call of something that is no function", "declare it"))
-            }
+            Some(CallTarget::User(function)) => self.user_call(*function, args, span),
+            Some(CallTarget::Builtin(call)) => self.builtin(id, call.function, args, span),
+            None => Err(self.build.unsupported(span, "a call of something that is no function", "declare it")),
         }
     }
 

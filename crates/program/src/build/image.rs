@@ -5,6 +5,7 @@ use naga::Expression;
 use super::function::{Fun, Val};
 use super::{Expr, Result};
 use base::text::Span;
+use syntax::BuiltinFunction as F;
 use syntax::ast::{QualifierKind, Qualifiers};
 use syntax::types::{OpaqueType, Type};
 
@@ -73,29 +74,28 @@ pub(super) fn storage_format(name: &str) -> Option<naga::StorageFormat> {
     })
 }
 
-/// The function of numbers in memory that does what an atomic function of images does.
-pub(super) fn plain_atomic(name: &str) -> Option<String> {
-    name.strip_prefix("imageAtomic").map(|rest| format!("atomic{rest}"))
-}
-
 impl Fun<'_, '_> {
     pub(super) fn image_call(
         &mut self,
-        name: &str,
+        function: F,
         ty: OpaqueType,
         image: Expr,
         rest: &[Option<Val>],
         span: Span,
     ) -> Result<Option<Option<Val>>> {
         let value = |k: usize| rest.get(k).cloned().flatten();
-        match name {
-            "imageSize" => Ok(Some(Some(self.size(ty, image, None)?))),
-            "imageLoad" | "imageStore" => {
+        match function {
+            F::ImageSize => Ok(Some(Some(self.size(ty, image, None)?))),
+            F::ImageLoad | F::ImageStore => {
                 let Some(at) = value(0) else {
-                    return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate"));
+                    return Err(self.build.unsupported(
+                        span,
+                        format!("`{function}` like this"),
+                        "give it a coordinate",
+                    ));
                 };
                 let (at, array_index) = self.texel(ty, &at)?;
-                if name == "imageLoad" {
+                if function == F::ImageLoad {
                     let load =
                         Expression::ImageLoad { image, coordinate: at.e, array_index, sample: None, level: None };
                     return Ok(Some(Some(Val { e: self.add(load), ty: Type::Vector(ty.scalar, 4) })));
@@ -108,7 +108,7 @@ impl Fun<'_, '_> {
                 self.push(store);
                 Ok(Some(None))
             }
-            _ => Err(self.build.unsupported(span, format!("`{name}`"), "use a storage buffer")),
+            _ => Err(self.build.unsupported(span, format!("`{function}`"), "use a storage buffer")),
         }
     }
 }

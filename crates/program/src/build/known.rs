@@ -3,7 +3,7 @@
 
 use super::Build;
 use super::texture::argument_of;
-use syntax::ast::{ArrayDim, Callee, ExprId, ExprKind, Literal};
+use syntax::ast::{ArrayDim, ExprId, ExprKind, Literal};
 use syntax::known::{self, Known};
 use syntax::symbols::CallTarget;
 use syntax::types::{ArraySize, ScalarType, Type};
@@ -67,12 +67,12 @@ impl Build<'_> {
                 known::element(&of(*base)?, usize::try_from(self.constant_number(*index)?).ok()?)
             }
             ExprKind::Field { base, field } => known::field(&of(*base)?, &field.name),
-            ExprKind::Call { callee, args } => {
+            ExprKind::Call { args, .. } => {
                 let values: Option<Vec<Known>> = args.iter().map(|&a| of(a)).collect();
-                match (self.shader.callee(id)?, callee) {
-                    (CallTarget::Constructor(ty), _) => known::constructed(ty, &values?),
-                    (CallTarget::Builtin(_), Callee::Name(name)) => known::function(&name.name, values?),
-                    (CallTarget::Builtin(_), Callee::Type(_)) | (CallTarget::User(_), _) => None,
+                match self.shader.callee(id)? {
+                    CallTarget::Constructor(ty) => known::constructed(ty, &values?),
+                    CallTarget::Builtin(call) => known::function(call.function, values?),
+                    CallTarget::User(_) => None,
                 }
             }
             ExprKind::Method { base, .. } => {

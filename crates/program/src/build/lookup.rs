@@ -5,6 +5,7 @@ use naga::{BinaryOperator as B, Expression, MathFunction, SampleLevel, ScalarKin
 use super::function::{Fun, Val};
 use super::{Expr, Result};
 use base::text::Span;
+use syntax::BuiltinFunction as F;
 use syntax::Stage;
 use syntax::types::{OpaqueType, ScalarType, TextureDim, Type};
 
@@ -23,7 +24,7 @@ impl Fun<'_, '_> {
     #[expect(clippy::too_many_arguments, reason = "they are the parts of one call")]
     pub(super) fn sample(
         &mut self,
-        name: &str,
+        function: F,
         ty: OpaqueType,
         image: Expr,
         sampler: Option<Expr>,
@@ -31,13 +32,13 @@ impl Fun<'_, '_> {
         offset: Option<Expr>,
         span: Span,
     ) -> Result<Val> {
-        let has = |part: &str| name.contains(part);
+        let has = |part: &str| function.name().contains(part);
         let floats = |f: &mut Self, v: Val| {
             let from = v.ty.scalar().unwrap_or(ScalarType::Float);
             f.cast(v, from, ScalarType::Float)
         };
         let Some(at) = rest.first().cloned().flatten() else {
-            return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate"));
+            return Err(self.build.unsupported(span, format!("`{function}` like this"), "give it a coordinate"));
         };
         let at = floats(self, at)?;
         let mut next = 1;
@@ -76,7 +77,7 @@ impl Fun<'_, '_> {
         } else if has("Grad") {
             let (x, y) = (take(self)?, take(self)?);
             let (Some(x), Some(y)) = (x, y) else {
-                return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it two derivatives"));
+                return Err(self.build.unsupported(span, format!("`{function}` like this"), "give it two derivatives"));
             };
             level = SampleLevel::Gradient { x: x.e, y: y.e };
         } else if has("Lod") {
@@ -92,7 +93,7 @@ impl Fun<'_, '_> {
             }
         }
         if ty.scalar != ScalarType::Float && !gather {
-            let message = format!("`{name}` of a `{ty}`");
+            let message = format!("`{function}` of a `{ty}`");
             return Err(self.build.unsupported(span, message, "use `texelFetch`"));
         }
         if lookup.reference.is_some() && !matches!(level, SampleLevel::Auto | SampleLevel::Zero) {
@@ -103,13 +104,13 @@ impl Fun<'_, '_> {
                 _ => false,
             };
             if !zero {
-                let message = format!("a level of detail in a lookup with comparison (`{name}`)");
+                let message = format!("a level of detail in a lookup with comparison (`{function}`)");
                 return Err(self.build.unsupported(span, message, "compare without one"));
             }
             level = SampleLevel::Zero;
         }
         let Some(sampler) = lookup.sampler else {
-            return Err(self.build.unsupported(span, format!("`{name}` of a `{ty}`"), "use `texelFetch`"));
+            return Err(self.build.unsupported(span, format!("`{function}` of a `{ty}`"), "use `texelFetch`"));
         };
         let compares = lookup.reference.is_some();
         let e = self.add(Expression::ImageSample {

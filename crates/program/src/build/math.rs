@@ -9,55 +9,68 @@ use super::function::{Fun, Val};
 use super::types::{scalar, size};
 use super::{Expr, Result};
 use base::text::Span;
+use syntax::BuiltinFunction as F;
 use syntax::ast::{BinaryOp, ExprId};
 use syntax::types::{ScalarType, Type};
 
 /// Functions of one argument that naga has under another name or the same.
-fn one(name: &str) -> Option<M> {
-    Some(match name {
-        "sin" => M::Sin,
-        "cos" => M::Cos,
-        "tan" => M::Tan,
-        "asin" => M::Asin,
-        "acos" => M::Acos,
-        "sinh" => M::Sinh,
-        "cosh" => M::Cosh,
-        "tanh" => M::Tanh,
-        "asinh" => M::Asinh,
-        "acosh" => M::Acosh,
-        "atanh" => M::Atanh,
-        "radians" => M::Radians,
-        "degrees" => M::Degrees,
-        "exp" => M::Exp,
-        "log" => M::Log,
-        "exp2" => M::Exp2,
-        "log2" => M::Log2,
-        "sqrt" => M::Sqrt,
-        "inversesqrt" => M::InverseSqrt,
-        "abs" => M::Abs,
-        "sign" => M::Sign,
-        "floor" => M::Floor,
-        "ceil" => M::Ceil,
-        "trunc" => M::Trunc,
+fn one(function: F) -> Option<M> {
+    Some(match function {
+        F::Sin => M::Sin,
+        F::Cos => M::Cos,
+        F::Tan => M::Tan,
+        F::Asin => M::Asin,
+        F::Acos => M::Acos,
+        F::Sinh => M::Sinh,
+        F::Cosh => M::Cosh,
+        F::Tanh => M::Tanh,
+        F::Asinh => M::Asinh,
+        F::Acosh => M::Acosh,
+        F::Atanh => M::Atanh,
+        F::Radians => M::Radians,
+        F::Degrees => M::Degrees,
+        F::Exp => M::Exp,
+        F::Log => M::Log,
+        F::Exp2 => M::Exp2,
+        F::Log2 => M::Log2,
+        F::Sqrt => M::Sqrt,
+        F::Inversesqrt => M::InverseSqrt,
+        F::Abs => M::Abs,
+        F::Sign => M::Sign,
+        F::Floor => M::Floor,
+        F::Ceil => M::Ceil,
+        F::Trunc => M::Trunc,
         // Where a half goes is up to the implementation; `roundEven` is one choice for both.
-        "round" | "roundEven" => M::Round,
-        "fract" => M::Fract,
-        "transpose" => M::Transpose,
-        "determinant" => M::Determinant,
-        "inverse" => M::Inverse,
-        "bitfieldReverse" => M::ReverseBits,
-        "packSnorm4x8" => M::Pack4x8snorm,
-        "packUnorm4x8" => M::Pack4x8unorm,
-        "packSnorm2x16" => M::Pack2x16snorm,
-        "packUnorm2x16" => M::Pack2x16unorm,
-        "packHalf2x16" => M::Pack2x16float,
-        "unpackSnorm4x8" => M::Unpack4x8snorm,
-        "unpackUnorm4x8" => M::Unpack4x8unorm,
-        "unpackSnorm2x16" => M::Unpack2x16snorm,
-        "unpackUnorm2x16" => M::Unpack2x16unorm,
-        "unpackHalf2x16" => M::Unpack2x16float,
+        F::Round | F::RoundEven => M::Round,
+        F::Fract => M::Fract,
+        F::Transpose => M::Transpose,
+        F::Determinant => M::Determinant,
+        F::Inverse => M::Inverse,
+        F::BitfieldReverse => M::ReverseBits,
+        F::PackSnorm4x8 => M::Pack4x8snorm,
+        F::PackUnorm4x8 => M::Pack4x8unorm,
+        F::PackSnorm2x16 => M::Pack2x16snorm,
+        F::PackUnorm2x16 => M::Pack2x16unorm,
+        F::PackHalf2x16 => M::Pack2x16float,
+        F::UnpackSnorm4x8 => M::Unpack4x8snorm,
+        F::UnpackUnorm4x8 => M::Unpack4x8unorm,
+        F::UnpackSnorm2x16 => M::Unpack2x16snorm,
+        F::UnpackUnorm2x16 => M::Unpack2x16unorm,
+        F::UnpackHalf2x16 => M::Unpack2x16float,
         _ => return None,
     })
+}
+
+/// The type of a function's value, with the component type of its argument where they go together: not where bits are
+/// packed.
+fn kept(ty: &Type, argument: &Type, fun: M) -> Type {
+    let packs = matches!(fun, M::Pack4x8snorm | M::Pack4x8unorm | M::Pack2x16snorm | M::Pack2x16unorm)
+        || matches!(fun, M::Pack2x16float | M::Unpack2x16float | M::Unpack4x8snorm | M::Unpack4x8unorm)
+        || matches!(fun, M::Unpack2x16snorm | M::Unpack2x16unorm);
+    match (ty.scalar(), argument.scalar()) {
+        (Some(_), Some(s)) if !packs => ty.with_scalar(s),
+        _ => ty.clone(),
+    }
 }
 
 impl Fun<'_, '_> {
@@ -71,11 +84,11 @@ impl Fun<'_, '_> {
     }
 
     /// A built-in function; none for one without a value.
-    pub(super) fn builtin(&mut self, id: ExprId, name: &str, args: &[ExprId], span: Span) -> Result<Option<Val>> {
-        if let Some(value) = self.texture_call(id, name, args, span)? {
+    pub(super) fn builtin(&mut self, id: ExprId, function: F, args: &[ExprId], span: Span) -> Result<Option<Val>> {
+        if let Some(value) = self.texture_call(id, function, args, span)? {
             return Ok(value);
         }
-        if let Some(value) = self.effect(name, args, span)? {
+        if let Some(value) = self.effect(function, args, span)? {
             return Ok(value);
         }
         let ty = self.shader.type_of(id).clone();
@@ -83,7 +96,7 @@ impl Fun<'_, '_> {
         for &arg in args {
             values.push(self.expression(arg)?);
         }
-        self.function_of_numbers(name, &ty, values, span).map(Some)
+        self.function_of_numbers(function, &ty, values, span).map(Some)
     }
 
     /// All values with the widest component type, scalars in every component.
@@ -112,71 +125,63 @@ impl Fun<'_, '_> {
         Ok(all)
     }
 
-    fn function_of_numbers(&mut self, name: &str, ty: &Type, values: Vec<Val>, span: Span) -> Result<Val> {
-        if let Some(value) = self.bits(name, &values)? {
+    fn function_of_numbers(&mut self, function: F, ty: &Type, values: Vec<Val>, span: Span) -> Result<Val> {
+        if let Some(value) = self.bits(function, &values)? {
             return Ok(value);
         }
-        if let Some(value) = self.comparison(name, &values)? {
+        if let Some(value) = self.comparison(function, &values)? {
             return Ok(value);
         }
-        if let Some(fun) = one(name) {
-            let whole = matches!(name, "abs" | "sign") && values[0].ty.scalar() == Some(ScalarType::Int);
-            let words = name.starts_with("unpack") || name == "bitfieldReverse";
+        if let Some(fun) = one(function) {
+            let whole = matches!(function, F::Abs | F::Sign) && values[0].ty.scalar() == Some(ScalarType::Int);
+            let words = matches!(fun, M::ReverseBits | M::Unpack4x8snorm | M::Unpack4x8unorm)
+                || matches!(fun, M::Unpack2x16snorm | M::Unpack2x16unorm | M::Unpack2x16float);
             let values = if whole || words { values } else { self.floating(values)? };
             let e = self.math(fun, &[values[0].e]);
-            return Ok(Val {
-                e,
-                ty: if ty.is_error() { values[0].ty.clone() } else { self.kept(ty, &values[0].ty, name) },
-            });
+            return Ok(Val { e, ty: if ty.is_error() { values[0].ty.clone() } else { kept(ty, &values[0].ty, fun) } });
         }
-        let fun = match name {
-            "min" => Some(M::Min),
-            "max" => Some(M::Max),
-            "clamp" => Some(M::Clamp),
-            _ => None,
-        };
-        if let Some(fun) = fun {
-            let values = self.alike(values)?;
-            let ty = values[0].ty.clone();
-            let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
-            return Ok(Val { e: self.math(fun, &e), ty });
-        }
-        if name == "mix" && values[2].ty.scalar() == Some(ScalarType::Bool) {
+        if function == F::Mix && values[2].ty.scalar() == Some(ScalarType::Bool) {
             let condition = values[2].clone();
             let pair = self.alike(vec![values[0].clone(), values[1].clone()])?;
             let e = self.add(Expression::Select { condition: condition.e, accept: pair[1].e, reject: pair[0].e });
             return Ok(Val { e, ty: pair[0].ty.clone() });
         }
-        let fun = match name {
-            "pow" => Some(M::Pow),
-            "mix" => Some(M::Mix),
-            "step" => Some(M::Step),
-            "smoothstep" => Some(M::SmoothStep),
-            "fma" => Some(M::Fma),
+        let fun = match function {
+            F::Min => Some(M::Min),
+            F::Max => Some(M::Max),
+            F::Clamp => Some(M::Clamp),
+            F::Pow => Some(M::Pow),
+            F::Mix => Some(M::Mix),
+            F::Step => Some(M::Step),
+            F::Smoothstep => Some(M::SmoothStep),
+            F::Fma => Some(M::Fma),
             _ => None,
         };
         if let Some(fun) = fun {
-            let values = self.floating(values)?;
+            let values = match function {
+                F::Min | F::Max | F::Clamp => values,
+                _ => self.floating(values)?,
+            };
             let values = self.alike(values)?;
             let ty = values[0].ty.clone();
             let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
             return Ok(Val { e: self.math(fun, &e), ty });
         }
-        if name == "ldexp" {
+        if function == F::Ldexp {
             let exponent = values[1].clone();
             let values = self.floating(vec![values[0].clone()])?;
             let e = self.math(M::Ldexp, &[values[0].e, exponent.e]);
             return Ok(Val { e, ty: values[0].ty.clone() });
         }
-        match name {
-            "atan" => {
+        match function {
+            F::Atan => {
                 let values = self.floating(values)?;
                 let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
                 let fun = if e.len() == 2 { M::Atan2 } else { M::Atan };
                 Ok(Val { e: self.math(fun, &e), ty: values[0].ty.clone() })
             }
             // x − y⌊x/y⌋ (GLSL 4.60, 8.3).
-            "mod" => {
+            F::Mod => {
                 let values = self.floating(values)?;
                 let values = self.alike(values)?;
                 let (x, y) = (values[0].e, values[1].e);
@@ -185,37 +190,42 @@ impl Fun<'_, '_> {
                 let whole = self.op(B::Multiply, y, floor);
                 Ok(Val { e: self.op(B::Subtract, x, whole), ty: values[0].ty.clone() })
             }
-            "dFdx" | "dFdxCoarse" | "dFdxFine" | "dFdy" | "dFdyCoarse" | "dFdyFine" | "fwidth" | "fwidthCoarse"
-            | "fwidthFine" => {
+            F::DFdx
+            | F::DFdxCoarse
+            | F::DFdxFine
+            | F::DFdy
+            | F::DFdyCoarse
+            | F::DFdyFine
+            | F::Fwidth
+            | F::FwidthCoarse
+            | F::FwidthFine => {
                 let values = self.floating(values)?;
-                let axis = match &name[..4] {
-                    "dFdx" => DerivativeAxis::X,
-                    "dFdy" => DerivativeAxis::Y,
+                let axis = match function {
+                    F::DFdx | F::DFdxCoarse | F::DFdxFine => DerivativeAxis::X,
+                    F::DFdy | F::DFdyCoarse | F::DFdyFine => DerivativeAxis::Y,
                     _ => DerivativeAxis::Width,
                 };
-                let ctrl = if name.ends_with("Coarse") {
-                    DerivativeControl::Coarse
-                } else if name.ends_with("Fine") {
-                    DerivativeControl::Fine
-                } else {
-                    DerivativeControl::None
+                let ctrl = match function {
+                    F::DFdxCoarse | F::DFdyCoarse | F::FwidthCoarse => DerivativeControl::Coarse,
+                    F::DFdxFine | F::DFdyFine | F::FwidthFine => DerivativeControl::Fine,
+                    _ => DerivativeControl::None,
                 };
                 if self.build.makes_quads() {
                     return self.quad_derivative(axis, values[0].clone(), span);
                 }
                 if self.build.run {
                     self.build.differs = true;
-                    self.build.unfed.push((format!("`{name}` outside of the `main` of a fragment shader"), span));
+                    self.build.unfed.push((format!("`{function}` outside of the `main` of a fragment shader"), span));
                 }
                 let expr = values[0].e;
                 Ok(Val { e: self.add(Expression::Derivative { axis, ctrl, expr }), ty: values[0].ty.clone() })
             }
-            "isnan" | "isinf" => {
-                let fun = if name == "isnan" { RelationalFunction::IsNan } else { RelationalFunction::IsInf };
+            F::Isnan | F::Isinf => {
+                let fun = if function == F::Isnan { RelationalFunction::IsNan } else { RelationalFunction::IsInf };
                 let e = self.add(Expression::Relational { fun, argument: values[0].e });
                 Ok(Val { e, ty: values[0].ty.with_scalar(ScalarType::Bool) })
             }
-            "matrixCompMult" => {
+            F::MatrixCompMult => {
                 let Type::Matrix(s, columns, rows) = values[0].ty else {
                     return Err(self.build.unsupported(span, "`matrixCompMult` of this", "use matrices"));
                 };
@@ -226,7 +236,7 @@ impl Fun<'_, '_> {
                 }
                 self.compose(&Type::Matrix(s, columns, rows), parts)
             }
-            "outerProduct" => {
+            F::OuterProduct => {
                 let values = self.floating(values)?;
                 let (Type::Vector(s, rows), Type::Vector(_, columns)) = (&values[0].ty, &values[1].ty) else {
                     return Err(self.build.unsupported(span, "`outerProduct` of this", "use vectors"));
@@ -239,65 +249,57 @@ impl Fun<'_, '_> {
                 }
                 self.compose(&Type::Matrix(s, columns, rows), parts)
             }
-            "ftransform" => {
+            F::Ftransform => {
                 let matrix = self.state("gl_ModelViewProjectionMatrix", span)?;
                 let vertex = self.state("gl_Vertex", span)?;
                 self.binary(BinaryOp::Mul, matrix, vertex)
             }
-            "dot" | "length" | "distance" | "normalize" | "cross" | "reflect" | "refract" | "faceforward" => {
-                self.geometric(name, values)
+            F::Dot | F::Length | F::Distance | F::Normalize | F::Cross | F::Reflect | F::Refract | F::Faceforward => {
+                self.geometric(function, values)
             }
-            _ => Err(self.build.unsupported(span, format!("the function `{name}`"), "write it out")),
-        }
-    }
-
-    /// The type of a function's value, with the component type of its argument where they go together.
-    fn kept(&self, ty: &Type, argument: &Type, name: &str) -> Type {
-        match (ty.scalar(), argument.scalar()) {
-            (Some(_), Some(s)) if !name.contains("pack") => ty.with_scalar(s),
-            _ => ty.clone(),
+            _ => Err(self.build.unsupported(span, format!("the function `{function}`"), "write it out")),
         }
     }
 
     /// Functions of vectors, which take numbers too (GLSL 4.60, 8.5).
-    fn geometric(&mut self, name: &str, values: Vec<Val>) -> Result<Val> {
+    fn geometric(&mut self, function: F, values: Vec<Val>) -> Result<Val> {
         let values = self.floating(values)?;
         let first = values[0].ty.clone();
         let scalar = Type::Scalar(first.scalar().unwrap_or(ScalarType::Float));
         let e: Vec<Expr> = values.iter().map(|v| v.e).collect();
         if !first.is_scalar() {
-            let (fun, ty) = match name {
-                "dot" => (M::Dot, scalar),
-                "length" => (M::Length, scalar),
-                "distance" => (M::Distance, scalar),
-                "normalize" => (M::Normalize, first),
-                "cross" => (M::Cross, first),
-                "reflect" => (M::Reflect, first),
-                "refract" => (M::Refract, first),
+            let (fun, ty) = match function {
+                F::Dot => (M::Dot, scalar),
+                F::Length => (M::Length, scalar),
+                F::Distance => (M::Distance, scalar),
+                F::Normalize => (M::Normalize, first),
+                F::Cross => (M::Cross, first),
+                F::Reflect => (M::Reflect, first),
+                F::Refract => (M::Refract, first),
                 _ => (M::FaceForward, first),
             };
             return Ok(Val { e: self.math(fun, &e), ty });
         }
-        let value = match name {
-            "dot" => self.op(B::Multiply, e[0], e[1]),
-            "length" => self.math(M::Abs, &[e[0]]),
-            "distance" => {
+        let value = match function {
+            F::Dot => self.op(B::Multiply, e[0], e[1]),
+            F::Length => self.math(M::Abs, &[e[0]]),
+            F::Distance => {
                 let difference = self.op(B::Subtract, e[0], e[1]);
                 self.math(M::Abs, &[difference])
             }
             // x/|x|, which is not a number for 0.
-            "normalize" => {
+            F::Normalize => {
                 let length = self.math(M::Abs, &[e[0]]);
                 self.op(B::Divide, e[0], length)
             }
-            "reflect" => {
+            F::Reflect => {
                 let dot = self.op(B::Multiply, e[1], e[0]);
                 let two = self.all(&scalar, 2.0)?.e;
                 let twice = self.op(B::Multiply, two, dot);
                 let part = self.op(B::Multiply, twice, e[1]);
                 self.op(B::Subtract, e[0], part)
             }
-            "faceforward" => {
+            F::Faceforward => {
                 let dot = self.op(B::Multiply, e[2], e[1]);
                 let zero = self.all(&scalar, 0.0)?.e;
                 let condition = self.op(B::Less, dot, zero);
@@ -328,20 +330,20 @@ impl Fun<'_, '_> {
     }
 
     /// Comparisons of vectors, and what is made of them (GLSL 4.60, 8.7).
-    fn comparison(&mut self, name: &str, values: &[Val]) -> Result<Option<Val>> {
-        let op = match name {
-            "lessThan" => B::Less,
-            "lessThanEqual" => B::LessEqual,
-            "greaterThan" => B::Greater,
-            "greaterThanEqual" => B::GreaterEqual,
-            "equal" => B::Equal,
-            "notEqual" => B::NotEqual,
-            "any" | "all" => {
-                let fun = if name == "any" { RelationalFunction::Any } else { RelationalFunction::All };
+    fn comparison(&mut self, function: F, values: &[Val]) -> Result<Option<Val>> {
+        let op = match function {
+            F::LessThan => B::Less,
+            F::LessThanEqual => B::LessEqual,
+            F::GreaterThan => B::Greater,
+            F::GreaterThanEqual => B::GreaterEqual,
+            F::Equal => B::Equal,
+            F::NotEqual => B::NotEqual,
+            F::Any | F::All => {
+                let fun = if function == F::Any { RelationalFunction::Any } else { RelationalFunction::All };
                 let e = self.add(Expression::Relational { fun, argument: values[0].e });
                 return Ok(Some(Val { e, ty: Type::BOOL }));
             }
-            "not" => {
+            F::Not => {
                 let e = self.add(Expression::Unary { op: UnaryOperator::LogicalNot, expr: values[0].e });
                 return Ok(Some(Val { e, ty: values[0].ty.clone() }));
             }
@@ -353,29 +355,29 @@ impl Fun<'_, '_> {
     }
 
     /// Bits and integers (GLSL 4.60, 8.3 and 8.8).
-    fn bits(&mut self, name: &str, values: &[Val]) -> Result<Option<Val>> {
+    fn bits(&mut self, function: F, values: &[Val]) -> Result<Option<Val>> {
         let first = values.first().map_or(Type::Void, |v| v.ty.clone());
-        let value = match name {
-            "floatBitsToInt" | "floatBitsToUint" | "intBitsToFloat" | "uintBitsToFloat" => {
-                let to = match name {
-                    "floatBitsToInt" => ScalarType::Int,
-                    "floatBitsToUint" => ScalarType::Uint,
+        let value = match function {
+            F::FloatBitsToInt | F::FloatBitsToUint | F::IntBitsToFloat | F::UintBitsToFloat => {
+                let to = match function {
+                    F::FloatBitsToInt => ScalarType::Int,
+                    F::FloatBitsToUint => ScalarType::Uint,
                     _ => ScalarType::Float,
                 };
                 let e = self.add(Expression::As { expr: values[0].e, kind: scalar(to).kind, convert: None });
                 Val { e, ty: first.with_scalar(to) }
             }
-            "bitCount" | "findLSB" | "findMSB" => {
-                let fun = match name {
-                    "bitCount" => M::CountOneBits,
-                    "findLSB" => M::FirstTrailingBit,
+            F::BitCount | F::FindLSB | F::FindMSB => {
+                let fun = match function {
+                    F::BitCount => M::CountOneBits,
+                    F::FindLSB => M::FirstTrailingBit,
                     _ => M::FirstLeadingBit,
                 };
                 let e = self.math(fun, &[values[0].e]);
                 let from = first.scalar().unwrap_or(ScalarType::Int);
                 self.cast(Val { e, ty: first }, from, ScalarType::Int)?
             }
-            "bitfieldExtract" | "bitfieldInsert" => {
+            F::BitfieldExtract | F::BitfieldInsert => {
                 let split = values.len() - 2;
                 let mut e: Vec<Expr> = values[..split].iter().map(|v| v.e).collect();
                 for value in &values[split..] {
@@ -390,9 +392,9 @@ impl Fun<'_, '_> {
     }
 
     /// Functions that write through their arguments: `modf`, `frexp`, carries and wide products.
-    pub(super) fn several_values(&mut self, name: &str, args: &[ExprId]) -> Result<Option<Val>> {
-        match name {
-            "modf" | "frexp" => {
+    pub(super) fn several_values(&mut self, function: F, args: &[ExprId]) -> Result<Option<Val>> {
+        match function {
+            F::Modf | F::Frexp => {
                 let value = self.expression(args[0])?;
                 let value = self.floating(vec![value])?.remove(0);
                 let target = self.target(args[1])?;
@@ -401,7 +403,7 @@ impl Fun<'_, '_> {
                     other => (None, other.scalar().unwrap_or(ScalarType::Float)),
                 };
                 let number = scalar(number);
-                let (fun, structure) = if name == "modf" {
+                let (fun, structure) = if function == F::Modf {
                     (M::Modf, PredeclaredType::ModfResult { size: vector, scalar: number })
                 } else {
                     (M::Frexp, PredeclaredType::FrexpResult { size: vector, scalar: number })
@@ -412,16 +414,17 @@ impl Fun<'_, '_> {
                     self.add(Expression::AccessIndex { base: both, index: 0 }),
                     self.add(Expression::AccessIndex { base: both, index: 1 }),
                 );
-                let second_ty = if name == "modf" { value.ty.clone() } else { value.ty.with_scalar(ScalarType::Int) };
+                let second_ty =
+                    if function == F::Modf { value.ty.clone() } else { value.ty.with_scalar(ScalarType::Int) };
                 let second = self.convert(Val { e: second, ty: second_ty }, &target.ty)?;
                 self.store(&target, &second)?;
                 Ok(Some(Val { e: fraction, ty: value.ty }))
             }
-            "uaddCarry" | "usubBorrow" => {
+            F::UaddCarry | F::UsubBorrow => {
                 let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
                 let target = self.target(args[2])?;
                 let (op, compare) =
-                    if name == "uaddCarry" { (B::Add, (None, x.e)) } else { (B::Subtract, (Some(x.e), y.e)) };
+                    if function == F::UaddCarry { (B::Add, (None, x.e)) } else { (B::Subtract, (Some(x.e), y.e)) };
                 let result = self.op(op, x.e, y.e);
                 // A sum that is smaller than its part has wrapped, and so has x − y where x < y.
                 let over = self.op(B::Less, compare.0.unwrap_or(result), compare.1);
@@ -429,7 +432,7 @@ impl Fun<'_, '_> {
                 self.store(&target, &Val { e: carry, ty: x.ty.clone() })?;
                 Ok(Some(Val { e: result, ty: x.ty }))
             }
-            "umulExtended" | "imulExtended" => {
+            F::UmulExtended | F::ImulExtended => {
                 let (x, y) = (self.expression(args[0])?, self.expression(args[1])?);
                 let (high, low) = (self.target(args[2])?, self.target(args[3])?);
                 let (h, l) = self.wide_product(&x, &y)?;

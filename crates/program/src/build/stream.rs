@@ -9,6 +9,7 @@ use super::{Build, Result};
 use crate::{Port, PortAt};
 use base::text::Span;
 use base::value::Field;
+use syntax::BuiltinFunction as F;
 use syntax::Const;
 use syntax::ast::{Callee, ExprId, ExprKind, Qualifiers};
 use syntax::interface::Storage;
@@ -86,11 +87,11 @@ impl Build<'_> {
 
 impl Fun<'_, '_> {
     /// `EmitStreamVertex` and `EndStreamPrimitive`.
-    pub(super) fn stream(&mut self, name: &str, args: &[ExprId], span: Span) -> Result<()> {
+    pub(super) fn stream(&mut self, function: F, args: &[ExprId], span: Span) -> Result<()> {
         let Some(stream) = args.first().and_then(|&a| self.build.stream_number(a)) else {
-            return Err(self.build.unsupported(span, format!("`{name}` of a computed stream"), "write a number"));
+            return Err(self.build.unsupported(span, format!("`{function}` of a computed stream"), "write a number"));
         };
-        self.emit(name == "EndStreamPrimitive", stream, span)
+        self.emit(function == F::EndStreamPrimitive, stream, span)
     }
 
     /// Emits a vertex to a stream, or ends its primitive.

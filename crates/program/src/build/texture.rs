@@ -14,6 +14,7 @@ use super::{Build, Expr, Result};
 use crate::texture::{Image, TextureKind};
 use crate::{Texture as Supplied, binding};
 use base::text::Span;
+use syntax::BuiltinFunction as F;
 use syntax::ast::{ExprId, ExprKind};
 use syntax::types::{OpaqueKind, OpaqueType, ScalarType, TextureDim, Type};
 
@@ -193,17 +194,17 @@ impl Fun<'_, '_> {
     pub(super) fn texture_call(
         &mut self,
         id: ExprId,
-        name: &str,
+        function: F,
         args: &[ExprId],
         span: Span,
     ) -> Result<Option<Option<Val>>> {
         let family = ["texture", "texel", "shadow", "image", "atomicCounter"];
-        if !family.iter().any(|f| name.starts_with(f)) {
+        if !family.iter().any(|f| function.name().starts_with(f)) {
             return Ok(None);
         }
         let Some(&first) = args.first() else { return Ok(None) };
         if let Some((index, count)) = self.computed_index(first) {
-            return self.choose(id, (name, args), index, count, span).map(Some);
+            return self.choose(id, (function, args), index, count, span).map(Some);
         }
         let Some(opaque) = self.opaque(first)? else { return Ok(None) };
         let Type::Opaque(ty) = opaque.ty else { return Ok(None) };
@@ -212,33 +213,33 @@ impl Fun<'_, '_> {
             for &arg in &args[1..] {
                 rest.push(Some(self.expression(arg)?));
             }
-            return self.buffer_call(&plain_name(name), &opaque, ty, &rest, self.shader.expr(first).span).map(Some);
+            return self.buffer_call(plain_name(function), &opaque, ty, &rest, self.shader.expr(first).span).map(Some);
         }
         let texture = self.build.texture(&opaque, ty, self.shader.expr(first).span)?;
         let image = self.add(Expression::GlobalVariable(texture.image));
         let sampler = texture.sampler.map(|s| self.add(Expression::GlobalVariable(s)));
         let mut rest = Vec::new();
-        let offset_at = offset_argument(name, ty.shadow, args.len());
+        let offset_at = offset_argument(function, ty.shadow, args.len());
         for (k, &arg) in args.iter().enumerate().skip(1) {
             // Offsets are constants, and are read as such.
-            let constant = Some(k) == offset_at && !name.starts_with("texelFetch");
+            let constant = Some(k) == offset_at && function != F::TexelFetchOffset;
             rest.push(if constant { None } else { Some(self.expression(arg)?) });
         }
         let value = |k: usize| rest.get(k).cloned().flatten();
         let want = self.shader.type_of(id).clone();
-        let plain = plain_name(name);
-        if plain.starts_with("image") {
-            return self.image_call(&plain, ty, image, &rest, span);
+        let plain = plain_name(function);
+        if plain.name().starts_with("image") {
+            return self.image_call(plain, ty, image, &rest, span);
         }
-        let result = match plain.as_str() {
-            "textureSize" => self.size(ty, image, value(0))?,
-            "textureQueryLevels" => self.query(image, ImageQuery::NumLevels)?,
-            "textureSamples" => self.query(image, ImageQuery::NumSamples)?,
-            "textureQueryLod" => {
+        let result = match plain {
+            F::TextureSize => self.size(ty, image, value(0))?,
+            F::TextureQueryLevels => self.query(image, ImageQuery::NumLevels)?,
+            F::TextureSamples => self.query(image, ImageQuery::NumSamples)?,
+            F::TextureQueryLod => {
                 return Err(self.build.unsupported(span, "`textureQueryLod`", "compute the level of detail"));
             }
-            n if n.starts_with("texelFetch") => self.fetch(n, ty, image, &rest, span)?,
-            "textureGatherOffsets" => {
+            F::TexelFetch | F::TexelFetchOffset => self.fetch(plain, ty, image, &rest, span)?,
+            F::TextureGatherOffsets => {
                 let Some(offsets) = offset_at.and_then(|k| self.four_offsets(args[k])) else {
                     return Err(self.build.unsupported(span, "offsets that are computed", "write numbers"));
                 };
@@ -246,17 +247,17 @@ impl Fun<'_, '_> {
                 let mut parts = Vec::new();
                 for offset in offsets {
                     let offset = Some(self.offset_of(&offset)?);
-                    let texels = self.sample("textureGatherOffset", ty, image, sampler, &rest, offset, span)?;
+                    let texels = self.sample(F::TextureGatherOffset, ty, image, sampler, &rest, offset, span)?;
                     parts.push(self.part(texels.e, 3));
                 }
                 self.compose(&Type::Vector(ty.scalar, 4), parts)?
             }
-            n => {
+            _ => {
                 let offset = match offset_at {
                     Some(k) => Some(self.constant_offset(args[k])?),
                     None => None,
                 };
-                self.sample(n, ty, image, sampler, &rest, offset, span)?
+                self.sample(plain, ty, image, sampler, &rest, offset, span)?
             }
         };
         // The old functions give four numbers where the new ones give one.
@@ -289,7 +290,7 @@ impl Fun<'_, '_> {
     fn choose(
         &mut self,
         id: ExprId,
-        (name, args): (&str, &[ExprId]),
+        (function, args): (F, &[ExprId]),
         index: ExprId,
         count: u32,
         span: Span,
@@ -306,7 +307,7 @@ impl Fun<'_, '_> {
                 condition,
                 |f| {
                     f.chosen.insert(index, k);
-                    let value = f.builtin(id, name, args, span);
+                    let value = f.builtin(id, function, args, span);
                     f.chosen.remove(&index);
                     match (result, value?) {
                         (Some(place), Some(value)) => f.store(&place, &value),
@@ -350,13 +351,13 @@ impl Fun<'_, '_> {
         Ok((coordinates, layer))
     }
 
-    fn fetch(&mut self, name: &str, ty: OpaqueType, image: Expr, rest: &[Option<Val>], span: Span) -> Result<Val> {
+    fn fetch(&mut self, function: F, ty: OpaqueType, image: Expr, rest: &[Option<Val>], span: Span) -> Result<Val> {
         let value = |k: usize| rest.get(k).cloned().flatten();
         let Some(at) = value(0) else {
-            return Err(self.build.unsupported(span, format!("`{name}` like this"), "give it a coordinate"));
+            return Err(self.build.unsupported(span, format!("`{function}` like this"), "give it a coordinate"));
         };
         let (mut at, array_index) = self.texel(ty, &at)?;
-        if name.ends_with("Offset")
+        if function == F::TexelFetchOffset
             && let Some(offset) = value(rest.len() - 1)
         {
             let e = self.add(Expression::Binary { op: B::Add, left: at.e, right: offset.e });
@@ -441,21 +442,23 @@ pub(super) fn argument_of(build: &Build<'_>, id: ExprId) -> Option<Type> {
 }
 
 /// `texture2DProjLodEXT` and the like without dimension and suffix.
-fn plain_name(name: &str) -> String {
+fn plain_name(function: F) -> F {
+    let name = function.name();
     let name = name.strip_suffix("ARB").or_else(|| name.strip_suffix("EXT")).unwrap_or(name);
     for old in ["texture", "shadow"] {
         let Some(rest) = name.strip_prefix(old) else { continue };
         for dim in ["1DArray", "2DArray", "2DRect", "1D", "2D", "3D", "Cube"] {
             if let Some(rest) = rest.strip_prefix(dim) {
-                return format!("texture{rest}");
+                return F::from_name(&format!("texture{rest}")).unwrap_or(function);
             }
         }
     }
-    name.to_owned()
+    function
 }
 
 /// Which argument is a constant offset.
-fn offset_argument(name: &str, shadow: bool, count: usize) -> Option<usize> {
+fn offset_argument(function: F, shadow: bool, count: usize) -> Option<usize> {
+    let name = function.name();
     if !name.contains("Offset") {
         return None;
     }
@@ -485,12 +488,12 @@ mod tests {
             ("texture2D", "texture"),
             ("shadow2DProj", "textureProj"),
             ("textureCubeLodEXT", "textureLod"),
-            ("texture2DArrayLod", "textureLod"),
+            ("texture2DArray", "texture"),
             ("texture2DGradARB", "textureGrad"),
             ("textureProjOffset", "textureProjOffset"),
             ("texelFetch", "texelFetch"),
         ] {
-            assert_eq!(plain_name(name), plain);
+            assert_eq!(plain_name(F::from_name(name).unwrap()).name(), plain);
         }
     }
 }

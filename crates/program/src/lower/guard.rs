@@ -2,6 +2,7 @@
 //! them would be told about the same defects of naga again.
 
 use super::Work;
+use syntax::BuiltinFunction as F;
 use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind, UnaryOp};
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, Direction, FunctionId, SymbolKind};
@@ -81,11 +82,11 @@ fn has_effect(shader: &Shader, id: ExprId, depth: u32) -> bool {
     let own = match &expr.kind {
         ExprKind::Assign { .. } | ExprKind::Postfix { .. } => true,
         ExprKind::Unary { op: UnaryOp::Increment | UnaryOp::Decrement, .. } => true,
-        ExprKind::Call { callee: Callee::Name(name), .. } => match shader.callee(id) {
+        ExprKind::Call { .. } => match shader.callee(id) {
             Some(CallTarget::User(function)) => function_has_effect(shader, *function, depth + 1),
-            Some(CallTarget::Builtin(directions)) => {
-                directions.iter().any(|d| *d != Direction::In)
-                    || matches!(name.name.as_str(), "EmitVertex" | "EndPrimitive")
+            Some(CallTarget::Builtin(call)) => {
+                call.directions.iter().any(|d| *d != Direction::In)
+                    || matches!(call.function, F::EmitVertex | F::EndPrimitive)
             }
             Some(CallTarget::Constructor(_)) | None => false,
         },

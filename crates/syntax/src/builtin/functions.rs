@@ -1,6 +1,7 @@
 //! Built-in functions as a table, spread into concrete signatures once.
 
 use std::collections::HashMap;
+use std::fmt;
 use std::sync::OnceLock;
 
 use super::super::symbols::Direction;
@@ -16,112 +17,167 @@ pub(crate) struct Signature {
     pub bias: bool,
 }
 
-/// Name, component types, sizes, form. In the form `T` is the vector of the size and component
-/// type, `S` its component, `B`, `I`, `U`, `F` the `bvec`, `ivec`, `uvec`, `vec` of that size;
+/// Functions with what their overloads look like: component types, sizes, form. In the form `T` is the vector of the
+/// size and component type, `S` its component, `B`, `I`, `U`, `F` the `bvec`, `ivec`, `uvec`, `vec` of that size;
 /// anything else is a type by its name. Component types: f(loat) d(ouble) i(nt) u(int) b(ool).
-const TABLE: &[(&str, &str, &str, &str)] = &[
+macro_rules! functions {
+    ($($($variant:ident $name:literal),* : $([$kinds:literal $sizes:literal $form:literal])*;)*) => {
+        /// A built-in function, with all its overloads. What a call of one means is decided by this, and not by a name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum BuiltinFunction {
+            $($(#[doc = concat!("`", $name, "`")] $variant,)*)*
+        }
+
+        impl BuiltinFunction {
+            /// All of them, in the order of the specification; those of textures come last.
+            pub const ALL: &'static [Self] = &[$($(Self::$variant,)*)*];
+
+            /// The name in GLSL.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $($(Self::$variant => $name,)*)*
+                }
+            }
+        }
+
+        /// Names, and the overloads that they share.
+        const TABLE: &[(&[&str], &[[&str; 3]])] = &[$((&[$($name),*], &[$([$kinds, $sizes, $form]),*]),)*];
+    };
+}
+
+functions! {
     // 8.1 angles and trigonometry
-    ("radians degrees sin cos tan asin acos sinh cosh tanh asinh acosh atanh", "f", "1234", "T(T)"),
-    ("atan", "f", "1234", "T(T)"),
-    ("atan", "f", "1234", "T(T,T)"),
+    Radians "radians", Degrees "degrees", Sin "sin", Cos "cos", Tan "tan", Asin "asin", Acos "acos", Sinh "sinh",
+    Cosh "cosh", Tanh "tanh", Asinh "asinh", Acosh "acosh", Atanh "atanh": ["f" "1234" "T(T)"];
+    Atan "atan": ["f" "1234" "T(T)"] ["f" "1234" "T(T,T)"];
     // 8.2 exponentials
-    ("pow", "f", "1234", "T(T,T)"),
-    ("exp log exp2 log2", "f", "1234", "T(T)"),
-    ("sqrt inversesqrt", "fd", "1234", "T(T)"),
+    Pow "pow": ["f" "1234" "T(T,T)"];
+    Exp "exp", Log "log", Exp2 "exp2", Log2 "log2": ["f" "1234" "T(T)"];
+    Sqrt "sqrt", Inversesqrt "inversesqrt": ["fd" "1234" "T(T)"];
     // 8.3 common functions
-    ("abs sign", "fdi", "1234", "T(T)"),
-    ("floor trunc round roundEven ceil fract", "fd", "1234", "T(T)"),
-    ("mod", "fd", "1234", "T(T,T)"),
-    ("mod", "fd", "234", "T(T,S)"),
-    ("modf", "fd", "1234", "T(T,out T)"),
-    ("min max", "fdiu", "1234", "T(T,T)"),
-    ("min max", "fdiu", "234", "T(T,S)"),
-    ("clamp", "fdiu", "1234", "T(T,T,T)"),
-    ("clamp", "fdiu", "234", "T(T,S,S)"),
-    ("mix", "fd", "1234", "T(T,T,T)"),
-    ("mix", "fd", "234", "T(T,T,S)"),
-    ("mix", "fdiub", "1234", "T(T,T,B)"),
-    ("step", "fd", "1234", "T(T,T)"),
-    ("step", "fd", "234", "T(S,T)"),
-    ("smoothstep", "fd", "1234", "T(T,T,T)"),
-    ("smoothstep", "fd", "234", "T(S,S,T)"),
-    ("isnan isinf", "fd", "1234", "B(T)"),
-    ("floatBitsToInt", "f", "1234", "I(T)"),
-    ("floatBitsToUint", "f", "1234", "U(T)"),
-    ("intBitsToFloat", "i", "1234", "F(T)"),
-    ("uintBitsToFloat", "u", "1234", "F(T)"),
-    ("fma", "fd", "1234", "T(T,T,T)"),
-    ("frexp", "fd", "1234", "T(T,out I)"),
-    ("ldexp", "fd", "1234", "T(T,I)"),
+    Abs "abs", Sign "sign": ["fdi" "1234" "T(T)"];
+    Floor "floor", Trunc "trunc", Round "round", RoundEven "roundEven", Ceil "ceil",
+    Fract "fract": ["fd" "1234" "T(T)"];
+    Mod "mod": ["fd" "1234" "T(T,T)"] ["fd" "234" "T(T,S)"];
+    Modf "modf": ["fd" "1234" "T(T,out T)"];
+    Min "min", Max "max": ["fdiu" "1234" "T(T,T)"] ["fdiu" "234" "T(T,S)"];
+    Clamp "clamp": ["fdiu" "1234" "T(T,T,T)"] ["fdiu" "234" "T(T,S,S)"];
+    Mix "mix": ["fd" "1234" "T(T,T,T)"] ["fd" "234" "T(T,T,S)"] ["fdiub" "1234" "T(T,T,B)"];
+    Step "step": ["fd" "1234" "T(T,T)"] ["fd" "234" "T(S,T)"];
+    Smoothstep "smoothstep": ["fd" "1234" "T(T,T,T)"] ["fd" "234" "T(S,S,T)"];
+    Isnan "isnan", Isinf "isinf": ["fd" "1234" "B(T)"];
+    FloatBitsToInt "floatBitsToInt": ["f" "1234" "I(T)"];
+    FloatBitsToUint "floatBitsToUint": ["f" "1234" "U(T)"];
+    IntBitsToFloat "intBitsToFloat": ["i" "1234" "F(T)"];
+    UintBitsToFloat "uintBitsToFloat": ["u" "1234" "F(T)"];
+    Fma "fma": ["fd" "1234" "T(T,T,T)"];
+    Frexp "frexp": ["fd" "1234" "T(T,out I)"];
+    Ldexp "ldexp": ["fd" "1234" "T(T,I)"];
     // 8.4 packing
-    ("packUnorm2x16 packSnorm2x16 packHalf2x16", "f", "1", "uint(vec2)"),
-    ("packUnorm4x8 packSnorm4x8", "f", "1", "uint(vec4)"),
-    ("unpackUnorm2x16 unpackSnorm2x16 unpackHalf2x16", "f", "1", "vec2(uint)"),
-    ("unpackUnorm4x8 unpackSnorm4x8", "f", "1", "vec4(uint)"),
-    ("packDouble2x32", "f", "1", "double(uvec2)"),
-    ("unpackDouble2x32", "f", "1", "uvec2(double)"),
+    PackUnorm2x16 "packUnorm2x16", PackSnorm2x16 "packSnorm2x16", PackHalf2x16 "packHalf2x16": ["f" "1" "uint(vec2)"];
+    PackUnorm4x8 "packUnorm4x8", PackSnorm4x8 "packSnorm4x8": ["f" "1" "uint(vec4)"];
+    UnpackUnorm2x16 "unpackUnorm2x16", UnpackSnorm2x16 "unpackSnorm2x16",
+    UnpackHalf2x16 "unpackHalf2x16": ["f" "1" "vec2(uint)"];
+    UnpackUnorm4x8 "unpackUnorm4x8", UnpackSnorm4x8 "unpackSnorm4x8": ["f" "1" "vec4(uint)"];
+    PackDouble2x32 "packDouble2x32": ["f" "1" "double(uvec2)"];
+    UnpackDouble2x32 "unpackDouble2x32": ["f" "1" "uvec2(double)"];
     // 8.5 geometric functions
-    ("length", "fd", "1234", "S(T)"),
-    ("distance dot", "fd", "1234", "S(T,T)"),
-    ("cross", "fd", "3", "T(T,T)"),
-    ("normalize", "fd", "1234", "T(T)"),
-    ("faceforward", "fd", "1234", "T(T,T,T)"),
-    ("reflect", "fd", "1234", "T(T,T)"),
-    ("refract", "fd", "1234", "T(T,T,S)"),
-    ("ftransform", "f", "1", "vec4()"),
+    Length "length": ["fd" "1234" "S(T)"];
+    Distance "distance", Dot "dot": ["fd" "1234" "S(T,T)"];
+    Cross "cross": ["fd" "3" "T(T,T)"];
+    Normalize "normalize": ["fd" "1234" "T(T)"];
+    Faceforward "faceforward": ["fd" "1234" "T(T,T,T)"];
+    Reflect "reflect": ["fd" "1234" "T(T,T)"];
+    Refract "refract": ["fd" "1234" "T(T,T,S)"];
+    Ftransform "ftransform": ["f" "1" "vec4()"];
+    // 8.6 matrices; their forms follow from the sizes
+    MatrixCompMult "matrixCompMult", OuterProduct "outerProduct", Transpose "transpose", Determinant "determinant",
+    Inverse "inverse":;
     // 8.7 vector relations
-    ("lessThan lessThanEqual greaterThan greaterThanEqual", "fdiu", "234", "B(T,T)"),
-    ("equal notEqual", "fdiub", "234", "B(T,T)"),
-    ("any all", "b", "234", "bool(T)"),
-    ("not", "b", "234", "T(T)"),
+    LessThan "lessThan", LessThanEqual "lessThanEqual", GreaterThan "greaterThan",
+    GreaterThanEqual "greaterThanEqual": ["fdiu" "234" "B(T,T)"];
+    Equal "equal", NotEqual "notEqual": ["fdiub" "234" "B(T,T)"];
+    Any "any", All "all": ["b" "234" "bool(T)"];
+    Not "not": ["b" "234" "T(T)"];
     // 8.8 integers
-    ("uaddCarry usubBorrow", "u", "1234", "T(T,T,out T)"),
-    ("umulExtended", "u", "1234", "void(T,T,out T,out T)"),
-    ("imulExtended", "i", "1234", "void(T,T,out T,out T)"),
-    ("bitfieldExtract", "iu", "1234", "T(T,int,int)"),
-    ("bitfieldInsert", "iu", "1234", "T(T,T,int,int)"),
-    ("bitfieldReverse", "iu", "1234", "T(T)"),
-    ("bitCount findLSB findMSB", "iu", "1234", "I(T)"),
+    UaddCarry "uaddCarry", UsubBorrow "usubBorrow": ["u" "1234" "T(T,T,out T)"];
+    UmulExtended "umulExtended": ["u" "1234" "void(T,T,out T,out T)"];
+    ImulExtended "imulExtended": ["i" "1234" "void(T,T,out T,out T)"];
+    BitfieldExtract "bitfieldExtract": ["iu" "1234" "T(T,int,int)"];
+    BitfieldInsert "bitfieldInsert": ["iu" "1234" "T(T,T,int,int)"];
+    BitfieldReverse "bitfieldReverse": ["iu" "1234" "T(T)"];
+    BitCount "bitCount", FindLSB "findLSB", FindMSB "findMSB": ["iu" "1234" "I(T)"];
     // 8.10 and 8.11 atomics
-    ("atomicCounter atomicCounterIncrement atomicCounterDecrement", "u", "1", "uint(atomic_uint)"),
-    ("atomicAdd atomicMin atomicMax atomicAnd atomicOr atomicXor atomicExchange", "iu", "1", "T(inout T,T)"),
-    ("atomicCompSwap", "iu", "1", "T(inout T,T,T)"),
-    (
-        "atomicCounterAdd atomicCounterSubtract atomicCounterMin atomicCounterMax atomicCounterAnd atomicCounterOr \
-         atomicCounterXor atomicCounterExchange",
-        "u",
-        "1",
-        "uint(atomic_uint,uint)",
-    ),
-    ("atomicCounterCompSwap", "u", "1", "uint(atomic_uint,uint,uint)"),
+    AtomicCounter "atomicCounter", AtomicCounterIncrement "atomicCounterIncrement",
+    AtomicCounterDecrement "atomicCounterDecrement": ["u" "1" "uint(atomic_uint)"];
+    AtomicAdd "atomicAdd", AtomicMin "atomicMin", AtomicMax "atomicMax", AtomicAnd "atomicAnd", AtomicOr "atomicOr",
+    AtomicXor "atomicXor", AtomicExchange "atomicExchange": ["iu" "1" "T(inout T,T)"];
+    AtomicCompSwap "atomicCompSwap": ["iu" "1" "T(inout T,T,T)"];
+    AtomicCounterAdd "atomicCounterAdd", AtomicCounterSubtract "atomicCounterSubtract",
+    AtomicCounterMin "atomicCounterMin", AtomicCounterMax "atomicCounterMax", AtomicCounterAnd "atomicCounterAnd",
+    AtomicCounterOr "atomicCounterOr", AtomicCounterXor "atomicCounterXor",
+    AtomicCounterExchange "atomicCounterExchange": ["u" "1" "uint(atomic_uint,uint)"];
+    AtomicCounterCompSwap "atomicCounterCompSwap": ["u" "1" "uint(atomic_uint,uint,uint)"];
     // 8.13 fragments
-    ("dFdx dFdy fwidth dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse", "f", "1234", "T(T)"),
-    ("interpolateAtCentroid", "f", "1234", "T(T)"),
-    ("interpolateAtSample", "f", "1234", "T(T,int)"),
-    ("interpolateAtOffset", "f", "1234", "T(T,vec2)"),
+    DFdx "dFdx", DFdy "dFdy", Fwidth "fwidth", DFdxFine "dFdxFine", DFdyFine "dFdyFine", FwidthFine "fwidthFine",
+    DFdxCoarse "dFdxCoarse", DFdyCoarse "dFdyCoarse", FwidthCoarse "fwidthCoarse": ["f" "1234" "T(T)"];
+    InterpolateAtCentroid "interpolateAtCentroid": ["f" "1234" "T(T)"];
+    InterpolateAtSample "interpolateAtSample": ["f" "1234" "T(T,int)"];
+    InterpolateAtOffset "interpolateAtOffset": ["f" "1234" "T(T,vec2)"];
     // 8.14 noise
-    ("noise1", "f", "1234", "float(T)"),
-    ("noise2", "f", "1234", "vec2(T)"),
-    ("noise3", "f", "1234", "vec3(T)"),
-    ("noise4", "f", "1234", "vec4(T)"),
+    Noise1 "noise1": ["f" "1234" "float(T)"];
+    Noise2 "noise2": ["f" "1234" "vec2(T)"];
+    Noise3 "noise3": ["f" "1234" "vec3(T)"];
+    Noise4 "noise4": ["f" "1234" "vec4(T)"];
     // 8.15 geometry, 8.16 and 8.17 barriers
-    ("EmitVertex EndPrimitive", "f", "1", "void()"),
-    ("EmitStreamVertex EndStreamPrimitive", "f", "1", "void(int)"),
-    (
-        "barrier memoryBarrier memoryBarrierAtomicCounter memoryBarrierBuffer memoryBarrierShared memoryBarrierImage \
-         groupMemoryBarrier",
-        "f",
-        "1",
-        "void()",
-    ),
+    EmitVertex "EmitVertex", EndPrimitive "EndPrimitive": ["f" "1" "void()"];
+    EmitStreamVertex "EmitStreamVertex", EndStreamPrimitive "EndStreamPrimitive": ["f" "1" "void(int)"];
+    Barrier "barrier", MemoryBarrier "memoryBarrier", MemoryBarrierAtomicCounter "memoryBarrierAtomicCounter",
+    MemoryBarrierBuffer "memoryBarrierBuffer", MemoryBarrierShared "memoryBarrierShared",
+    MemoryBarrierImage "memoryBarrierImage", GroupMemoryBarrier "groupMemoryBarrier": ["f" "1" "void()"];
     // 8.19 group votes
-    (
-        "anyInvocation allInvocations allInvocationsEqual anyInvocationARB allInvocationsARB allInvocationsEqualARB",
-        "f",
-        "1",
-        "bool(bool)",
-    ),
-];
+    AnyInvocation "anyInvocation", AllInvocations "allInvocations", AllInvocationsEqual "allInvocationsEqual",
+    AnyInvocationARB "anyInvocationARB", AllInvocationsARB "allInvocationsARB",
+    AllInvocationsEqualARB "allInvocationsEqualARB": ["f" "1" "bool(bool)"];
+    // 8.9 textures and 8.12 images; their forms follow from the types of samplers and images
+    TextureSize "textureSize", TextureQueryLevels "textureQueryLevels", TextureQueryLod "textureQueryLod",
+    TextureSamples "textureSamples", TexelFetch "texelFetch", TexelFetchOffset "texelFetchOffset", Texture "texture",
+    TextureOffset "textureOffset", TextureLod "textureLod", TextureLodOffset "textureLodOffset",
+    TextureGrad "textureGrad", TextureGradOffset "textureGradOffset", TextureProj "textureProj",
+    TextureProjOffset "textureProjOffset", TextureProjLod "textureProjLod",
+    TextureProjLodOffset "textureProjLodOffset", TextureProjGrad "textureProjGrad",
+    TextureProjGradOffset "textureProjGradOffset", TextureGather "textureGather",
+    TextureGatherOffset "textureGatherOffset", TextureGatherOffsets "textureGatherOffsets", Texture1D "texture1D",
+    Texture1DProj "texture1DProj", Texture2D "texture2D", Texture2DProj "texture2DProj", Texture3D "texture3D",
+    Texture3DProj "texture3DProj", TextureCube "textureCube", Texture1DLod "texture1DLod",
+    Texture1DProjLod "texture1DProjLod", Texture2DLod "texture2DLod", Texture2DLodEXT "texture2DLodEXT",
+    Texture2DProjLod "texture2DProjLod", Texture3DLod "texture3DLod", Texture3DProjLod "texture3DProjLod",
+    TextureCubeLod "textureCubeLod", TextureCubeLodEXT "textureCubeLodEXT", Texture1DGradARB "texture1DGradARB",
+    Texture2DGradARB "texture2DGradARB", Texture2DGradEXT "texture2DGradEXT", Texture3DGradARB "texture3DGradARB",
+    TextureCubeGradARB "textureCubeGradARB", TextureCubeGradEXT "textureCubeGradEXT", Texture2DRect "texture2DRect",
+    Texture2DRectProj "texture2DRectProj", Texture2DArray "texture2DArray", Texture1DArray "texture1DArray",
+    Shadow1D "shadow1D", Shadow1DProj "shadow1DProj", Shadow2D "shadow2D", Shadow2DProj "shadow2DProj",
+    Shadow1DLod "shadow1DLod", Shadow1DProjLod "shadow1DProjLod", Shadow2DLod "shadow2DLod",
+    Shadow2DProjLod "shadow2DProjLod", Shadow2DRect "shadow2DRect", Shadow2DRectProj "shadow2DRectProj",
+    ImageSamples "imageSamples", ImageSize "imageSize", ImageLoad "imageLoad", ImageStore "imageStore",
+    ImageAtomicExchange "imageAtomicExchange", ImageAtomicAdd "imageAtomicAdd", ImageAtomicMin "imageAtomicMin",
+    ImageAtomicMax "imageAtomicMax", ImageAtomicAnd "imageAtomicAnd", ImageAtomicOr "imageAtomicOr",
+    ImageAtomicXor "imageAtomicXor", ImageAtomicCompSwap "imageAtomicCompSwap":;
+}
+
+impl BuiltinFunction {
+    /// The function of that name, in whichever version has one.
+    pub fn from_name(name: &str) -> Option<Self> {
+        static NAMES: OnceLock<HashMap<&'static str, BuiltinFunction>> = OnceLock::new();
+        NAMES.get_or_init(|| Self::ALL.iter().map(|&function| (function.name(), function)).collect()).get(name).copied()
+    }
+}
+
+impl fmt::Display for BuiltinFunction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
 
 /// Functions by name.
 pub(super) type Table = HashMap<&'static str, Vec<Signature>>;
@@ -130,13 +186,11 @@ fn table() -> &'static Table {
     static TABLE_CELL: OnceLock<Table> = OnceLock::new();
     TABLE_CELL.get_or_init(|| {
         let mut all = Table::new();
-        for (names, kinds, sizes, form) in TABLE {
-            for kind in kinds.chars() {
-                for size in sizes.bytes() {
+        for (names, forms) in TABLE {
+            for [kinds, sizes, form] in *forms {
+                for (kind, size) in kinds.chars().flat_map(|kind| sizes.bytes().map(move |size| (kind, size))) {
                     let signature = spread(form, scalar(kind), size - b'0');
-                    for name in names.split_whitespace() {
-                        all.entry(name).or_default().push(signature.clone());
-                    }
+                    names.iter().for_each(|name| all.entry(name).or_default().push(signature.clone()));
                 }
             }
         }
@@ -154,7 +208,7 @@ pub(crate) fn functions(name: &str) -> &'static [Signature] {
 
 /// Names of all built-in functions.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    table().keys().copied()
+    BuiltinFunction::ALL.iter().map(|function| function.name())
 }
 
 fn scalar(kind: char) -> ScalarType {
@@ -227,6 +281,15 @@ mod tests {
             }
         }
         assert!(count > 150, "{count}");
+    }
+
+    #[test]
+    fn every_function_has_overloads_and_is_found_by_its_name() {
+        for &function in BuiltinFunction::ALL {
+            assert!(!functions(function.name()).is_empty(), "{function}");
+            assert_eq!(BuiltinFunction::from_name(function.name()), Some(function));
+        }
+        assert_eq!(table().len(), BuiltinFunction::ALL.len());
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod since;
 mod textures;
 mod variables;
 
+pub use functions::BuiltinFunction;
 pub(crate) use functions::{Signature, functions, names as function_names};
 pub(crate) use since::{Absent, function as function_absent, in_per_vertex, type_since, variable as variable_absent};
 pub(crate) use variables::{Builtin, names as variable_names, structure_type, variable};

@@ -1,13 +1,13 @@
 //! Calls: constructors, functions of the shader, built-in functions.
 
 use super::super::ast::{Callee, ExprId, Ident, ItemKind};
-use super::super::builtin::{self, Signature};
+use super::super::builtin::{self, BuiltinFunction, Signature};
 use super::super::constructor::{Constructor, Fit};
 use super::super::errors;
 use super::super::fold::{self, Const};
 use super::super::language::{Feature, Language};
 use super::super::names::nearest;
-use super::super::symbols::{CallTarget, Direction, FunctionId};
+use super::super::symbols::{BuiltinCall, CallTarget, Direction, FunctionId};
 use super::super::types::{ArraySize, Conversions, OpaqueKind, ScalarType, Type};
 use super::expression::{article, with_near};
 use super::{Checker, Entry};
@@ -296,17 +296,22 @@ impl Checker<'_> {
         if let (Some(callee), Some((caller, _))) = (user, &self.current) {
             self.calls.push((*caller, callee, name.span));
         }
+        let function = BuiltinFunction::from_name(&name.name);
         let value = match user {
             None => {
                 let values: Option<Vec<Const>> = args.iter().map(|a| self.value_of(*a)).collect();
-                values.and_then(|v| fold::call(&name.name, &v)).filter(|v| v.ty() == result)
+                values.and_then(|v| fold::call(function?, &v)).filter(|v| v.ty() == result)
             }
             Some(_) => None,
         };
-        self.out.calls[id.index()] = Some(match user {
-            Some(f) => CallTarget::User(f),
-            None => CallTarget::Builtin(params.into_iter().map(|p| p.0).collect()),
-        });
+        self.out.calls[id.index()] = match (user, function) {
+            (Some(f), _) => Some(CallTarget::User(f)),
+            (None, Some(function)) => {
+                let directions = params.into_iter().map(|p| p.0).collect();
+                Some(CallTarget::Builtin(BuiltinCall { function, directions }))
+            }
+            (None, None) => None,
+        };
         (if certain { result } else { Type::Error }, value)
     }
 

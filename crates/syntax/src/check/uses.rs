@@ -41,7 +41,7 @@ impl Checker<'_> {
                         Some(CallTarget::User(f)) => {
                             self.out.functions[f.index()].params.iter().map(|p| p.direction).collect()
                         }
-                        Some(CallTarget::Builtin(directions)) => directions.clone(),
+                        Some(CallTarget::Builtin(call)) => call.directions.clone(),
                         Some(CallTarget::Constructor(_)) | None => Vec::new(),
                     };
                     for (i, arg) in args.iter().enumerate() {
