@@ -3,6 +3,7 @@
 mod blocks;
 mod csv;
 mod json;
+mod npy;
 mod npz;
 mod parquet;
 mod raw;

@@ -3,18 +3,15 @@
 use std::io::{self, ErrorKind, Read};
 
 use flate2::read::DeflateDecoder;
-use npyz::{Endianness, NpyHeader, Order, TypeChar, TypeStr};
 use zip::{CompressionMethod, ZipArchive};
 
 use super::blocks::Numbers as Where;
+use super::npy::{Head, Plain};
 use super::shared::Shared;
 use super::windows::Windows;
 use super::{Column, MOST_TEXT, Numbers, ReadError, Table, Wanted};
 use crate::array::{Array, WordType};
 use crate::document::Document;
-
-/// Bytes of the head of an array, at most: NumPy reads 10,000.
-const HEAD: usize = 1 << 16;
 
 fn damaged(error: impl std::fmt::Display) -> ReadError {
     ReadError::Damaged(format!("it is no archive of arrays, cut off or damaged: {error}"))
@@ -99,28 +96,24 @@ pub(super) struct Stored {
     from: Member,
     width: usize,
     rows: u64,
-    plain: TypeStr,
+    plain: Plain,
 }
 
 impl Stored {
     fn open(name: String, mut from: Member) -> Result<Self, ReadError> {
         let wrong = |why: String| ReadError::Damaged(format!("the array `{name}`: {why}"));
-        let header = head(&mut from).map_err(|error| wrong(error.to_string()))?;
-        let shape = header.shape().to_vec();
-        if header.order() == Order::Fortran && shape.len() > 1 {
+        let Head { plain, by_columns, shape } = Head::read(&mut from).map_err(|error| wrong(error.to_string()))?;
+        if by_columns && shape.len() > 1 {
             return Err(wrong("it is stored column by column; write numpy.ascontiguousarray of it".into()));
         }
-        let npyz::DType::Plain(plain) = header.dtype() else {
+        let Some(plain) = plain else {
             return Err(wrong("it has records; write one array for each of their members".into()));
         };
-        let known = matches!(
-            (plain.type_char(), plain.num_bytes()),
-            (TypeChar::Float | TypeChar::Int | TypeChar::Uint, Some(4 | 8)) | (TypeChar::Uint, Some(1 | 2))
-        );
+        let known = matches!((plain.letter, plain.bytes), ('f' | 'i' | 'u', 4 | 8) | ('u', 1 | 2));
         if !known {
-            return Err(wrong(format!("numbers of type `{plain}` are not read; float32 and float64 are")));
+            return Err(wrong(format!("numbers of type `{}` are not read; float32 and float64 are", plain.text)));
         }
-        let bytes = plain.num_bytes().unwrap_or(0) as u64;
+        let bytes = plain.bytes as u64;
         let product = |from: u64, sizes: &[u64]| sizes.iter().try_fold(from, |all, &n| all.checked_mul(n));
         let wanted = product(bytes, &shape);
         let (found, size) = (from.left, from.size);
@@ -139,7 +132,7 @@ impl Stored {
     fn bytes(&mut self, rows: u64) -> Result<Vec<u8>, ReadError> {
         let rows = self.rows.min(rows);
         self.rows -= rows;
-        let count = rows * (self.width * self.plain.num_bytes().unwrap_or(0)) as u64;
+        let count = rows * (self.width * self.plain.bytes) as u64;
         let mut bytes = Vec::new();
         let wrong = |why: String| ReadError::Damaged(format!("the array `{}`: {why}", self.name));
         let end = self.rows == 0;
@@ -161,7 +154,7 @@ impl Stored {
     /// The next rows as the words of an array of a reference, whatever their type in the file is.
     pub fn words(&mut self, rows: u64, kind: WordType) -> Result<Vec<u8>, ReadError> {
         let bytes = self.bytes(rows)?;
-        if self.plain.to_string() == kind.name() {
+        if self.plain.text == kind.name() {
             return Ok(bytes);
         }
         let numbers = numbers(&self.plain, &bytes);
@@ -171,40 +164,18 @@ impl Stored {
     }
 }
 
-/// The head of an array, in any version of the format.
-fn head(from: &mut dyn Read) -> io::Result<NpyHeader> {
-    let mut head = vec![0; 10];
-    from.read_exact(&mut head)?;
-    let mut length = usize::from(u16::from_le_bytes([head[8], head[9]]));
-    if head[6] > 1 {
-        let mut high = [0; 2];
-        from.read_exact(&mut high)?;
-        length |= usize::from(u16::from_le_bytes(high)) << 16;
-        head.extend(high);
-    }
-    if length > HEAD {
-        let why = format!("its head has {length} bytes, and at most {HEAD} are read");
-        return Err(io::Error::new(ErrorKind::InvalidData, why));
-    }
-    let begin = head.len();
-    head.resize(begin + length, 0);
-    from.read_exact(&mut head[begin..])?;
-    NpyHeader::from_reader(&head[..])
-}
-
 /// Bytes as the numbers that they are.
-fn numbers(plain: &TypeStr, bytes: &[u8]) -> Numbers {
-    let big = plain.endianness() == Endianness::Big;
-    let size = plain.num_bytes().unwrap_or(1).max(1);
+fn numbers(plain: &Plain, bytes: &[u8]) -> Numbers {
+    let (big, size) = (plain.big, plain.bytes);
     let whole = |b: &[u8]| -> u64 {
         let join = |n: u64, &byte: &u8| n << 8 | u64::from(byte);
         if big { b.iter().fold(0, join) } else { b.iter().rev().fold(0, join) }
     };
     let words = bytes.chunks_exact(size).map(whole);
-    match (plain.type_char(), size) {
-        (TypeChar::Float, 4) => Numbers::F4(words.map(|n| n as u32).collect()),
-        (TypeChar::Float, _) => Numbers::F8(words.map(f64::from_bits).collect()),
-        (TypeChar::Int, 4) => Numbers::Whole(words.map(|n| i64::from((n as u32).cast_signed())).collect()),
+    match (plain.letter, size) {
+        ('f', 4) => Numbers::F4(words.map(|n| n as u32).collect()),
+        ('f', _) => Numbers::F8(words.map(f64::from_bits).collect()),
+        ('i', 4) => Numbers::Whole(words.map(|n| i64::from((n as u32).cast_signed())).collect()),
         _ => Numbers::Whole(words.map(u64::cast_signed).collect()),
     }
 }
