@@ -2,7 +2,6 @@
 //! installed: on the shaders of this repository, on a table of programs, and on generated ones.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -12,6 +11,7 @@ use lint::{Input, run};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use syntax::{Shader, Stage};
+use testing::not_run;
 
 /// A program, whether it is right, and where the reference compiler thinks otherwise, why.
 struct Case {
@@ -104,8 +104,7 @@ fn reference(texts: &BTreeMap<String, String>) -> Option<BTreeMap<String, bool>>
     let out = Command::new("glslangValidator").args(texts.keys()).current_dir(folder.path()).output();
     let Ok(out) = out else {
         // A test may not fail for what is not installed, but has to say so.
-        let told = b"glslangValidator is not installed: only the expectations of the table are checked\n";
-        std::io::stderr().write_all(told).unwrap();
+        not_run("glslangValidator is not on PATH: only the expectations of the table are checked");
         return None;
     };
     let mut verdicts = BTreeMap::new();

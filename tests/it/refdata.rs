@@ -9,8 +9,9 @@ use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
+use testing::not_run;
 
-use crate::binary::{Ran, root, run_in, say};
+use crate::binary::{Ran, root, run_in};
 use crate::schema::conforms;
 
 fn folder() -> TempDir {
@@ -26,12 +27,6 @@ fn names(folder: &Path) -> Vec<String> {
 
 fn generate(folder: &Path, args: &str) -> Ran {
     run_in(folder, &format!("refdata generate {args}"))
-}
-
-/// Says loudly that a test did not run, where it cannot: it has shown nothing then. The set-up of the tests
-/// says so too.
-fn not_run(what: &str) {
-    say(&format!("NOT RUN: {what}"));
 }
 
 #[test]
@@ -199,7 +194,7 @@ fn the_examples_in_cpp_read_what_is_written() {
         .into_iter()
         .find(|name| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success()))
     else {
-        return not_run("examples/*.cpp: there is no C++ compiler (c++, g++, clang++)");
+        return not_run("there is no C++ compiler (c++, g++, clang++): examples/*.cpp");
     };
     let folder = folder();
     let at = folder.path();
@@ -250,7 +245,7 @@ fn the_example_in_python_reads_what_is_written() {
     };
     if !has("numpy") {
         return not_run(
-            "examples/read_refdata.py: python3 has no numpy; SHADERCHECK_PYTHON names an interpreter that has",
+            "python3 has no numpy (SHADERCHECK_PYTHON names an interpreter that has): examples/read_refdata.py",
         );
     }
     let folder = folder();
@@ -270,7 +265,7 @@ fn the_example_in_python_reads_what_is_written() {
     generate(at, "hair --samples 500 -o h.npz").expect(0);
     read("h.npz").expect(0);
     if !has("pyarrow") {
-        return not_run("examples/read_refdata.py with Parquet: python3 has no pyarrow");
+        return not_run("python3 has no pyarrow: examples/read_refdata.py with Parquet");
     }
     generate(at, "skinning --samples 500 --format parquet -o s.parquet").expect(0);
     read("s.parquet").expect(0);

@@ -2,7 +2,9 @@
 
 use std::process::{Command, Stdio};
 
-use crate::binary::{root, run, say};
+use testing::not_run;
+
+use crate::binary::{root, run};
 
 /// What the program writes to a terminal of this width, and its status; `None` without `script`, which makes one.
 fn on_terminal(columns: usize, args: &str) -> Option<(String, i32)> {
@@ -12,7 +14,7 @@ fn on_terminal(columns: usize, args: &str) -> Option<(String, i32)> {
     script.args(["-qec", &line, "/dev/null"]).current_dir(root()).env_remove("NO_COLOR").env("TERM", "xterm-256color");
     let output = script.stdin(Stdio::null()).output();
     let Ok(output) = output else {
-        say("NOT RUN: terminals: there is no `script`; it is part of bsdutils on Debian and Ubuntu");
+        not_run("there is no `script`, which is part of bsdutils on Debian and Ubuntu: terminals");
         return None;
     };
     Some((String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code().unwrap_or(-1)))

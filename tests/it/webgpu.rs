@@ -11,38 +11,53 @@ use std::process::{Command, Stdio};
 use program::Language;
 use serde_json::Value;
 use shadercheck::cli::node;
+use testing::not_run;
 
-use crate::binary::{Ran, command, root, say};
+use crate::binary::{self, Ran, root, say};
 use crate::lowering::{UNIFORMS, names, shipped, stage};
 
-/// The package, where Node and it are there; else says what is not run.
+/// SwiftShader as Debian installs it.
+const SWIFTSHADER: &str = "/usr/lib/chromium/vk_swiftshader_icd.json";
+
+/// The binary, with SwiftShader beside the drivers that are found anyway: Dawn takes no lavapipe before Mesa 25.
+fn command(folder: &Path, args: &str) -> Command {
+    let mut command = binary::command(folder, args);
+    if std::env::var_os("VK_ADD_DRIVER_FILES").is_none() && Path::new(SWIFTSHADER).exists() {
+        command.env("VK_ADD_DRIVER_FILES", SWIFTSHADER);
+    }
+    command
+}
+
+/// The package, where Node and it are there; else records what is not run.
 fn package(what: &str) -> Option<PathBuf> {
     let folder = node::package();
     let there = folder.is_some() && Command::new("node").arg("--version").output().is_ok();
     if !there {
-        say(&format!(
-            "NOT RUN: {what}: it needs Node and the package `webgpu` (`npm install webgpu`, or NODE_PATH that leads to it)"
+        not_run(&format!(
+            "there is no Node or no package `webgpu` (`npm install webgpu`, or NODE_PATH that leads to it): {what}"
         ));
     }
     folder.filter(|_| there)
 }
 
-/// What `lanes` says of the lane, from the project's root.
-fn lane() -> Value {
-    let ran = Ran::from(command(root(), "lanes --format json").output().unwrap()).expect(0);
-    let lanes = ran.json();
-    let mut all = lanes["lanes"].as_array().unwrap().iter();
-    all.find(|lane| lane["name"] == "webgpu").expect("the lane is listed").clone()
+/// What `lanes` says of all lanes, from the project's root.
+fn lanes() -> Value {
+    Ran::from(command(root(), "lanes --format json").output().unwrap()).expect(0).json()["lanes"].take()
 }
 
-/// The package, where the lane is available; else says what is not run.
+fn lane_named<'a>(lanes: &'a Value, name: &str) -> Option<&'a Value> {
+    lanes.as_array().unwrap().iter().find(|lane| lane["name"] == name)
+}
+
+/// The package, where the lane is available; else records what is not run.
 fn device(what: &str) -> Option<PathBuf> {
     let folder = package(what)?;
-    let lane = lane();
+    let lanes = lanes();
+    let lane = lane_named(&lanes, "webgpu").expect("the lane is listed");
     if lane["available"] == true {
         return Some(folder);
     }
-    say(&format!("NOT RUN: {what}: {}; {}", lane["why"], lane["remedy"]));
+    not_run(&format!("{}; {}: {what}", lane["why"], lane["remedy"]));
     None
 }
 
@@ -121,11 +136,9 @@ fn a_compiler_that_takes_another_sense_is_blamed() {
     let fault = fault.unwrap_or_else(|| panic!("nobody is blamed: {}", ran.out));
     let said = fault["message"].as_str().unwrap();
     // Beside lavapipe alone, the device of Dawn may be the one that is wrong; with SwiftShader as a lane it is Tint.
-    let lanes = Ran::from(command(root(), "lanes --format json").output().unwrap()).expect(0);
-    let swiftshader = lanes.out.contains("\"vulkan-swiftshader\"");
     assert!(said.contains("the translator `Tint`"), "{said}");
-    if !swiftshader {
-        return say("NOT RUN: blame of Tint beside the same device through naga: SwiftShader is no lane here");
+    if lane_named(&lanes(), "vulkan-swiftshader").is_none() {
+        return not_run("SwiftShader is no lane: blame of Tint beside the same device through naga");
     }
     let args = "morph --samples 256 --lane webgpu --lane vulkan --lane vulkan-swiftshader";
     let ran = check(folder.path(), args).expect(1);

@@ -1,7 +1,7 @@
 //! Runs cargo.
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
 
 use anyhow::{Context, Result};
@@ -12,6 +12,13 @@ pub fn workspace() -> Result<PathBuf> {
         std::env::var_os("CARGO_MANIFEST_DIR").context("start it as `cargo xtask`: CARGO_MANIFEST_DIR is unset")?;
     let package = PathBuf::from(package);
     Ok(package.parent().context("CARGO_MANIFEST_DIR has no parent folder")?.to_owned())
+}
+
+/// The build folder of the workspace, which is made where it is missing.
+pub fn target(workspace: &Path) -> Result<PathBuf> {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
+    std::fs::create_dir_all(&target).with_context(|| format!("cannot make {}", target.display()))?;
+    Ok(std::path::absolute(target)?)
 }
 
 /// A command of the cargo that runs this program.
@@ -28,7 +35,7 @@ pub fn status(command: &mut Command) -> Result<u8> {
 }
 
 /// The exit status as a shell gives it: 128 and the signal's number for a program that was killed.
-fn code(status: ExitStatus) -> u8 {
+pub fn code(status: ExitStatus) -> u8 {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
         return u8::try_from(signal).map_or(u8::MAX, |signal| signal.saturating_add(128));

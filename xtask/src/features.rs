@@ -8,12 +8,14 @@ use anyhow::{Result, ensure};
 
 use crate::cargo::cargo;
 
-/// A line for each dependency whose features differ between `cargo build` and `cargo test`.
+/// A line for each dependency whose features differ between `cargo build` and `cargo test`, or between `cargo xtask`, which
+/// is built first, and `cargo build`.
 pub fn compiled_twice() -> Result<Vec<String>> {
     let build = tree(&["--package", "shadercheck", "--edges", "normal"])?;
     // The tests are those of all crates, whose own test dependencies and default features count as well.
     let test = tree(&["--workspace", "--edges", "normal,dev"])?;
-    Ok(differing(&build, &test))
+    let xtask = tree(&["--package", "xtask", "--edges", "normal"])?;
+    Ok([differing(&build, &test), differing(&xtask, &build)].concat())
 }
 
 fn tree(of: &[&str]) -> Result<String> {
@@ -28,7 +30,7 @@ fn differing(build: &str, test: &str) -> Vec<String> {
     let (build, test) = (features(build), features(test));
     let twice = build.iter().filter_map(|(package, features)| {
         let other = test.get(package).filter(|other| *other != features)?;
-        Some(format!("{package} is built twice: with features {features}, and for tests with {other}"))
+        Some(format!("{package} is built twice: with features {features}, and above that with {other}"))
     });
     twice.collect()
 }
@@ -49,7 +51,7 @@ mod tests {
         let test = "naga v30.0.1 [std]\nonce_cell v1.21.4 [alloc,default,std]\n\ninsta v1.49.0 [default]\n";
         assert_eq!(
             differing(build, test),
-            ["once_cell v1.21.4 is built twice: with features [alloc,std], and for tests with [alloc,default,std]"]
+            ["once_cell v1.21.4 is built twice: with features [alloc,std], and above that with [alloc,default,std]"]
         );
     }
 

@@ -5,6 +5,7 @@ mod book;
 mod cargo;
 mod features;
 mod host;
+mod not_run;
 mod opengl;
 mod setup;
 #[cfg(unix)]
@@ -22,9 +23,13 @@ use anyhow::Result;
 const USAGE: &str = "\
 usage: cargo xtask <task> [arguments]
 
-  check [ARGS]...   set the machine up, then run the gate: `shadercheck check ARGS`
-  test [ARGS]...    set the machine up, then run the whole suite of tests; ARGS go to the test runner
-                    (without any, documentation tests run as well and unreferenced snapshots fail)
+  check [ARGS]...   build, set the machine up, then run the gate: `shadercheck check ARGS`; without any, the lane
+                    `vulkan` gives its verdict first, and then all lanes run
+  test [--install] [ARGS]...
+                    set the machine up, then run the whole suite of tests; ARGS go to the test runner
+                    (without any, documentation tests and the checks of `tidy` run as well); tests that
+                    are left out because something is not installed are listed; --install installs what they need
+                    (Chromium, Node, Python, validators), and where it could, a test that is left out fails
   tidy              tests of the project's own structure, unreferenced snapshots, shared builds
   bench [ARGS]...   set the machine up, then print how fast gate and linter are; with --against-script
                     [--samples N] [--rounds N] [--program FILE], beside a test written by hand with

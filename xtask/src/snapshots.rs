@@ -15,11 +15,8 @@ pub struct References {
 
 impl References {
     /// Starts an empty list under the build folder.
-    pub fn start(workspace: &Path) -> Result<Self> {
-        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
-        fs::create_dir_all(&target).with_context(|| format!("cannot make {}", target.display()))?;
-        // Test programs run in the folders of their packages, so that the path has to be absolute.
-        let file = std::path::absolute(target.join("snapshot-references.txt"))?;
+    pub fn start(target: &Path) -> Result<Self> {
+        let file = target.join("snapshot-references.txt");
         fs::write(&file, "").with_context(|| format!("cannot write {}", file.display()))?;
         Ok(Self { file })
     }

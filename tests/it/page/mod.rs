@@ -6,8 +6,9 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
+use testing::not_run;
 
-use crate::binary::{Ran, command, root, say};
+use crate::binary::{Ran, command, root};
 use browser::Browser;
 
 /// A folder with the sphere as it should be, the sphere with a turn that is too long, and a function.
@@ -156,7 +157,9 @@ fn is_drawn(picture: &Value) -> bool {
 #[test]
 fn a_browser_shows_pictures_filters_and_takes_keys() {
     let Some(browser) = Browser::find() else {
-        return say("chromium is not on PATH: the page of a report was not looked at in a browser");
+        return not_run(
+            "no browser is on PATH (chromium, google-chrome): the page of a report was not looked at in a browser",
+        );
     };
     let folder = project();
     let (_, page) = run(folder.path(), "");
@@ -179,7 +182,9 @@ fn a_browser_shows_pictures_filters_and_takes_keys() {
 #[test]
 fn a_fault_in_the_script_is_seen() {
     let Some(browser) = Browser::find() else {
-        return say("chromium is not on PATH: faults planted in a page were not looked for in a browser");
+        return not_run(
+            "no browser is on PATH (chromium, google-chrome): faults planted in a page were not looked for in a browser",
+        );
     };
     let folder = project();
     let (_, page) = run(folder.path(), "");

@@ -249,9 +249,7 @@ fn what_is_missing_is_told_with_the_command_that_brings_it() {
 #[test]
 fn the_script_speaks_the_protocol() {
     if Command::new("node").arg("--version").output().is_err() {
-        use std::io::Write as _;
-        let said = "NOT RUN: the script of the lane `webgpu`: there is no `node`; `apt-get install nodejs` brings it\n";
-        return std::io::stderr().write_all(said.as_bytes()).unwrap();
+        return testing::not_run("there is no `node`: the script of the lane `webgpu`");
     }
     let missing = |index: &str| {
         let folder = tempfile::tempdir().unwrap();

@@ -1,66 +1,15 @@
-//! Makes a machine able to run shaders: installs lavapipe where it is missing and where that needs
-//! no password, and says in one sentence what is missing where it cannot.
+//! Makes a machine able to run shaders and tests: installs what is missing where that needs no password, and says in one
+//! sentence what is missing where it cannot.
+
+mod needs;
+mod readers;
 
 use std::io::{self, Write};
 
 use crate::host::{Host, on_path};
-use crate::opengl;
 use crate::vulkan::{self, Found};
-
-/// Something that a lane needs.
-struct Need {
-    /// Debian's and Ubuntu's packages of it.
-    packages: &'static [&'static str],
-    /// The command of other distributions, by their package manager.
-    elsewhere: [(&'static str, &'static str); 3],
-    /// What it is, for a system without any of these package managers.
-    what: &'static str,
-    /// The lane.
-    lane: &'static str,
-    /// What is said when it was installed.
-    ready: &'static str,
-    /// Whether it is there.
-    there: fn(&dyn Host) -> bool,
-}
-
-const DRIVER: Need = Need {
-    packages: &["mesa-vulkan-drivers", "libvulkan1"],
-    elsewhere: [
-        ("dnf", "sudo dnf install mesa-vulkan-drivers vulkan-loader"),
-        ("pacman", "sudo pacman -S vulkan-swrast vulkan-icd-loader"),
-        ("apk", "sudo apk add mesa-vulkan-swrast vulkan-loader"),
-    ],
-    what: "Mesa's lavapipe and the Vulkan loader",
-    lane: "vulkan",
-    ready: "Vulkan is ready",
-    there: |host| vulkan::find(host).complete(),
-};
-
-const TRANSLATOR: Need = Need {
-    packages: &["glslang-tools"],
-    elsewhere: [
-        ("dnf", "sudo dnf install glslang"),
-        ("pacman", "sudo pacman -S glslang"),
-        ("apk", "sudo apk add glslang"),
-    ],
-    what: "glslang",
-    lane: "vulkan-glslang",
-    ready: "glslangValidator is ready",
-    there: |host| on_path(host, "glslangValidator").is_some(),
-};
-
-const OPENGL: Need = Need {
-    packages: &opengl::PACKAGES,
-    elsewhere: [
-        ("dnf", "sudo dnf install mesa-libEGL mesa-dri-drivers"),
-        ("pacman", "sudo pacman -S mesa libglvnd"),
-        ("apk", "sudo apk add mesa-egl mesa-dri-gallium"),
-    ],
-    what: "Mesa's EGL and its DRI drivers",
-    lane: "opengl",
-    ready: "OpenGL is ready",
-    there: opengl::is_there,
-};
+use needs::{DRIVER, FOR_TESTS, Need, OPENGL, TRANSLATOR};
+pub use readers::{Packages, prepare_packages};
 
 /// How apt-get can be run as the administrator.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -70,9 +19,25 @@ enum Rights {
     None,
 }
 
-/// Installs a Vulkan driver when there is none and it is permitted. Whatever happens, the run goes
-/// on: the gate itself reports a lane that is absent.
-pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+/// Installs what the lanes of a usual run need, as far as it is missing and permitted. Whatever happens, the run goes on:
+/// it reports a lane that is absent itself.
+pub fn prepare_lanes(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    prepare(host, messages)?;
+    prepare_translator(host, messages)?;
+    prepare_opengl(host, messages)
+}
+
+/// Installs what single tests need beside the lanes; whether all of it is there.
+pub fn prepare_tests(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<bool> {
+    let mut all = true;
+    for (missing, need) in &FOR_TESTS {
+        all &= (need.there)(host) || provide(host, messages, need, missing)?;
+    }
+    Ok(all)
+}
+
+/// Installs a Vulkan driver when there is none.
+fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
     let found = vulkan::find(host);
     if !cfg!(target_os = "linux") || found.complete() {
         return Ok(());
@@ -84,26 +49,27 @@ pub fn prepare(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> 
             "xtask: {name} names no usable Vulkan driver, so no shader can run on the lane `vulkan`: unset it or point it to a manifest"
         );
     }
-    provide(host, messages, &DRIVER, missing(&found))
+    provide(host, messages, &DRIVER, missing(&found)).map(drop)
 }
 
 /// The same for the translator that the lane `vulkan-glslang` runs.
-pub fn prepare_translator(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+fn prepare_translator(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
     if !cfg!(target_os = "linux") || (TRANSLATOR.there)(host) {
         return Ok(());
     }
-    provide(host, messages, &TRANSLATOR, "glslangValidator")
+    provide(host, messages, &TRANSLATOR, "glslangValidator").map(drop)
 }
 
 /// The same for the drivers of the lanes `opengl`, `opengl-softpipe` and `opengl-zink`.
-pub fn prepare_opengl(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
-    if !cfg!(target_os = "linux") || opengl::is_there(host) {
+fn prepare_opengl(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
+    if !cfg!(target_os = "linux") || (OPENGL.there)(host) {
         return Ok(());
     }
-    provide(host, messages, &OPENGL, "Mesa's OpenGL")
+    provide(host, messages, &OPENGL, "Mesa's OpenGL").map(drop)
 }
 
-fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: &str) -> io::Result<()> {
+/// Installs it; whether it is there now.
+fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: &str) -> io::Result<bool> {
     let apt = on_path(host, "apt-get").is_some();
     let rights = if apt { rights(host) } else { Rights::None };
     let forbidden = host.var("SHADERCHECK_NO_INSTALL").is_some_and(|value| value != "0");
@@ -115,7 +81,8 @@ fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: 
             writeln!(messages, "xtask: {missing} is missing: installing {} with apt-get", need.packages.join(" and "))?;
             match install(host, rights, need.packages) {
                 Ok(()) if (need.there)(host) => {
-                    return writeln!(messages, "xtask: installed; {}", need.ready);
+                    writeln!(messages, "xtask: installed; {}", need.ready)?;
+                    return Ok(true);
                 }
                 Ok(()) => Some("apt-get reported success and it is still not found".to_owned()),
                 Err(failure) => Some(failure),
@@ -125,10 +92,11 @@ fn provide(host: &mut dyn Host, messages: &mut dyn Write, need: &Need, missing: 
     let because = failure.map(|failure| format!(" ({failure})")).unwrap_or_default();
     writeln!(
         messages,
-        "xtask: {missing} is missing{because}, so no shader can run on the lane `{}`: {}",
-        need.lane,
+        "xtask: {missing} is missing{because}, so {}: {}",
+        need.without,
         advice(host, apt, rights, need)
-    )
+    )?;
+    Ok(false)
 }
 
 fn missing(found: &Found) -> &'static str {
@@ -180,28 +148,6 @@ fn install(host: &mut dyn Host, rights: Rights, packages: &[&str]) -> Result<(),
         }
     }
     Ok(())
-}
-
-/// One line on the programs that check translations besides the project's own checks.
-pub fn report_validators(host: &dyn Host, messages: &mut dyn Write) -> io::Result<()> {
-    let state = |program| match on_path(host, program) {
-        Some(_) => format!("{program} found"),
-        None => format!("{program} not on PATH"),
-    };
-    let states = ["spirv-val", "glslangValidator"].map(state);
-    writeln!(messages, "xtask: validators of translations: {}", states.join(", "))
-}
-
-/// One line on what the examples that read reference data are tried with.
-pub fn report_readers(host: &mut dyn Host, messages: &mut dyn Write) -> io::Result<()> {
-    let compiler = ["c++", "g++", "clang++"].into_iter().find(|name| on_path(host, name).is_some());
-    let compiler = compiler.map_or("no C++ compiler".to_owned(), |name| format!("{name} found"));
-    let python = host.var("SHADERCHECK_PYTHON").unwrap_or_else(|| "python3".to_owned());
-    let modules = ["numpy", "pyarrow"].map(|module| {
-        let there = host.run(&[&python, "-c", &format!("import {module}")]).is_some_and(|outcome| outcome.success);
-        format!("{module} {}", if there { "found" } else { "missing, so its reader is not tried" })
-    });
-    writeln!(messages, "xtask: readers of reference data: {compiler}; {python}: {}", modules.join(", "))
 }
 
 #[cfg(all(test, target_os = "linux"))]
@@ -360,31 +306,24 @@ mod tests {
     }
 
     #[test]
-    fn validators_are_reported_one_by_one() {
+    fn what_tests_need_is_installed_and_what_cannot_be_is_told_once_each() {
+        let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
+        let mut host = debian().program("id -u", true, "0\n").program(start, true, "");
+        for program in ["spirv-val", "chromium", "node", "npm", "python3", "shellcheck", "g++"] {
+            host.appear.push((start, format!("/usr/bin/{program}").leak(), ""));
+        }
+        host.appear.push((start, "/usr/lib/python3.11/ensurepip/__init__.py", ""));
+        host.appear.push((start, "/usr/lib/chromium/vk_swiftshader_icd.json", ""));
         let mut messages = Vec::new();
-        let host = Fake::default().var("PATH", "/bin:/usr/bin").file("/usr/bin/spirv-val", "");
-        report_validators(&host, &mut messages).unwrap();
+        assert!(prepare_tests(&mut host, &mut messages).unwrap());
+        assert!(prepare_tests(&mut host, &mut messages).unwrap());
         let text = String::from_utf8(messages).unwrap();
-        assert_eq!(text, "xtask: validators of translations: spirv-val found, glslangValidator not on PATH\n");
-    }
-
-    #[test]
-    fn readers_that_are_not_tried_are_named() {
+        assert_eq!(text.matches("installed; ").count(), 1, "{text}");
         let mut messages = Vec::new();
-        let mut host = Fake::default().var("PATH", "/usr/bin").file("/usr/bin/g++", "").program(
-            "python3 -c import numpy",
-            true,
-            "",
-        );
-        report_readers(&mut host, &mut messages).unwrap();
-        let mut other = Fake::default().var("SHADERCHECK_PYTHON", "/opt/python");
-        report_readers(&mut other, &mut messages).unwrap();
+        let mut host = debian().var("SHADERCHECK_NO_INSTALL", "1").file("/usr/bin/g++", "");
+        assert!(!prepare_tests(&mut host, &mut messages).unwrap());
         let text = String::from_utf8(messages).unwrap();
-        assert_eq!(
-            text,
-            "xtask: readers of reference data: g++ found; python3: numpy found, pyarrow missing, so its reader is not \
-             tried\nxtask: readers of reference data: no C++ compiler; /opt/python: numpy missing, so its reader is \
-             not tried, pyarrow missing, so its reader is not tried\n"
-        );
+        assert_eq!(text.lines().count(), FOR_TESTS.len() - 1, "{text}");
+        assert!(text.contains("shellcheck is missing (SHADERCHECK_NO_INSTALL forbids"), "{text}");
     }
 }
