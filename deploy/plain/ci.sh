@@ -62,6 +62,8 @@ has() {
     esac
 }
 
+# Called by `try`, by name.
+# shellcheck disable=SC2317
 lint() {
     rm -f "$reports/lint.sarif"
     # Options are lists of words.
@@ -72,6 +74,7 @@ lint() {
     return "$found"
 }
 
+# shellcheck disable=SC2317
 check() {
     rm -f "$reports/summary.md"
     # shellcheck disable=SC2086
