@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
-use testing::not_run;
+use test_record::not_run;
 
 use crate::binary::{Ran, root};
 use runner::{Event, Runner};

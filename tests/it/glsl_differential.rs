@@ -11,7 +11,7 @@ use lint::{Input, run};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use syntax::{Shader, Stage};
-use testing::not_run;
+use test_record::not_run;
 
 /// A program, whether it is right, and where the reference compiler thinks otherwise, why.
 struct Case {

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
-use testing::not_run;
+use test_record::not_run;
 
 use crate::binary::{Ran, root, run_in};
 use crate::schema::conforms;

@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use testing::not_run;
+use test_record::not_run;
 
 use crate::binary::{root, run};
 

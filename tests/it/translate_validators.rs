@@ -7,7 +7,7 @@ use base::text::SourceFile;
 use program::lower::{Role, Target};
 use program::{Language, Program};
 use syntax::Stage;
-use testing::not_run;
+use test_record::not_run;
 
 use crate::binary::say;
 use crate::lowering::{UNIFORMS, names, shipped, stage};

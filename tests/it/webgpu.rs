@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use program::Language;
 use serde_json::Value;
 use shadercheck::cli::node;
-use testing::not_run;
+use test_record::not_run;
 
 use crate::binary::{self, Ran, root, say};
 use crate::lowering::{UNIFORMS, names, shipped, stage};

@@ -1,4 +1,4 @@
-//! Tests that did not run, or ran in part: each adds a line to a record (`tests/testing`). They are listed before the
+//! Tests that did not run, or ran in part: each adds a line to a record (`tests/record`). They are listed before the
 //! runner's own summary, which closes the output.
 
 use std::fs;
@@ -129,7 +129,7 @@ mod tests {
         assert_eq!(listed(&[]), "xtask: 0 tests left out\n");
     }
 
-    /// A runner whose tests leave something out, as the crate `testing` records it.
+    /// A runner whose tests leave something out, as the crate `test_record` records it.
     #[cfg(unix)]
     #[test]
     fn what_tests_record_is_listed_and_a_run_without_any_is_empty() {

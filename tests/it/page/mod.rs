@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use testing::not_run;
+use test_record::not_run;
 
 use crate::binary::{Ran, command, root};
 use browser::Browser;

@@ -207,7 +207,7 @@ fn complaint(words: &[u32]) -> Option<String> {
 fn what_is_added_keeps_modules_valid() {
     let translator = Translator::find().expect(NEEDED);
     if complaint(&[]).is_none() {
-        return testing::not_run("spirv-val is not on PATH: modules with captures are not validated");
+        return test_record::not_run("spirv-val is not on PATH: modules with captures are not validated");
     }
     let strips = STRIPS.replace("OUTPUT", "triangle_strip");
     for (kind, name, text) in [(TextStage::Vertex, "t.vert", SCALED), (TextStage::Geometry, "t.geom", strips.as_str())]

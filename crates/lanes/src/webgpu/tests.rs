@@ -249,7 +249,7 @@ fn what_is_missing_is_told_with_the_command_that_brings_it() {
 #[test]
 fn the_script_speaks_the_protocol() {
     if Command::new("node").arg("--version").output().is_err() {
-        return testing::not_run("there is no `node`: the script of the lane `webgpu`");
+        return test_record::not_run("there is no `node`: the script of the lane `webgpu`");
     }
     let missing = |index: &str| {
         let folder = tempfile::tempdir().unwrap();

@@ -227,7 +227,7 @@ mod tests {
     /// What Python makes of a file; none, and told so, where it is not there.
     fn python(path: &std::path::Path, program: &str) -> Option<String> {
         let Ok(output) = Command::new("python3").arg("-c").arg(program).arg(path).output() else {
-            testing::not_run("there is no python3: large archives were not read by it");
+            test_record::not_run("there is no python3: large archives were not read by it");
             return None;
         };
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
