@@ -57,9 +57,9 @@ pub enum Earlier {
     /// Nothing: it runs from the start.
     Nothing,
     /// It goes on from here.
-    Begun(Sampled),
+    Begun(Box<Sampled>),
     /// It is done.
-    Done(Part),
+    Done(Box<Part>),
 }
 
 /// Who sets a session up suite by suite, and is told what comes of it.
@@ -157,9 +157,9 @@ impl<'a> Session<'a> {
                 let job = Job { suite, prepared, peer, way, request: &request, samples };
                 let resume = match observer.begin(&job) {
                     Earlier::Nothing => None,
-                    Earlier::Begun(sampled) => Some(sampled),
+                    Earlier::Begun(sampled) => Some(*sampled),
                     Earlier::Done(part) => {
-                        parts.push(part);
+                        parts.push(*part);
                         continue;
                     }
                 };

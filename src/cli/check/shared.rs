@@ -149,11 +149,11 @@ impl Observer for Stored<'_> {
         self.of.push(job.suite);
         let place = self.of.len();
         if let Some(part) = self.state.done.get(place - 1) {
-            return Earlier::Done(part.clone());
+            return Earlier::Done(Box::new(part.clone()));
         }
         self.progress.start((job.suite, &job.prepared.suite.name), job.peer.name(), job.way.0, job.samples);
         match self.state.under_way.take().filter(|(at, _)| *at == place) {
-            Some((_, sampled)) => Earlier::Begun(sampled),
+            Some((_, sampled)) => Earlier::Begun(Box::new(sampled)),
             None => Earlier::Nothing,
         }
     }
