@@ -1,6 +1,6 @@
 //! Values that the language leaves undefined, and whether an output depends on them.
 //!
-//! The machine notes where an operation is undefined ([`Kind::is_undefined`]) and goes on with one of the values
+//! The machine notes where an operation is undefined ([`HazardKind::is_undefined`]) and goes on with one of the values
 //! that the operation may have. Whether that matters is found out by running the same invocation with others in
 //! its place: an output that changes depends on it. What is not selected, multiplied by 0 or never read does not.
 
@@ -21,7 +21,7 @@ pub struct Undefined {
     pub kind: HazardKind,
     /// Where.
     pub site: Site,
-    /// The function, for [`Kind::Argument`].
+    /// The function, for [`HazardKind::Argument`].
     pub what: Option<Guarded>,
 }
 
