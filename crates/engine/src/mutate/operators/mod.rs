@@ -31,27 +31,30 @@ pub struct Operator {
     pub make: fn(&Code<'_>, &mut Vec<Draft>),
 }
 
+/// One address for each operator: of a constant each use may have a copy of its own.
+static OPERATORS: [Operator; 17] = [
+    Operator { name: "arithmetic", about: "+ ↔ -, * ↔ /, also before =", make: arithmetic::make },
+    Operator { name: "comparison", about: "< ↔ <=, > ↔ >=, == ↔ !=", make: comparison::make },
+    Operator { name: "logic", about: "&& ↔ ||, ! dropped", make: logic::make },
+    Operator { name: "sign", about: "a leading - dropped", make: sign::make },
+    Operator { name: "condition", about: "a condition negated", make: condition::make },
+    Operator { name: "loop-bound", about: "the bound of a loop moved by one", make: loop_bound::make },
+    Operator { name: "drop-statement", about: "an assignment or EmitVertex dropped", make: drop_statement::make },
+    Operator { name: "operand-order", about: "operands of -, / and matrix products", make: operand_order::make },
+    Operator { name: "matrix", about: "rows taken for columns", make: matrix::make },
+    Operator { name: "swizzle", about: "components permuted or replaced", make: swizzle::make },
+    Operator { name: "swap-input", about: "another input or uniform of the type", make: swap_input::make },
+    Operator { name: "swap-argument", about: "two arguments of one type swapped", make: swap_argument::make },
+    Operator { name: "mix", about: "mix replaced by one of its ends", make: mix::make },
+    Operator { name: "built-in", about: "a built-in replaced by a near one, or left out", make: built_in::make },
+    Operator { name: "integer", about: "an integer literal moved by one", make: integer::make },
+    Operator { name: "constant", about: "a literal by ±1e-4, ±1 %, ±10 %, 0, negated", make: constant::make },
+    Operator { name: CONSTANT_ULP, about: "a literal moved by one ULP of binary32", make: constant_ulp::make },
+];
+
 /// All operators. Of two mutants with the same text the first operator's counts.
 pub fn registry() -> &'static [Operator] {
-    &[
-        Operator { name: "arithmetic", about: "+ ↔ -, * ↔ /, also before =", make: arithmetic::make },
-        Operator { name: "comparison", about: "< ↔ <=, > ↔ >=, == ↔ !=", make: comparison::make },
-        Operator { name: "logic", about: "&& ↔ ||, ! dropped", make: logic::make },
-        Operator { name: "sign", about: "a leading - dropped", make: sign::make },
-        Operator { name: "condition", about: "a condition negated", make: condition::make },
-        Operator { name: "loop-bound", about: "the bound of a loop moved by one", make: loop_bound::make },
-        Operator { name: "drop-statement", about: "an assignment or EmitVertex dropped", make: drop_statement::make },
-        Operator { name: "operand-order", about: "operands of -, / and matrix products", make: operand_order::make },
-        Operator { name: "matrix", about: "rows taken for columns", make: matrix::make },
-        Operator { name: "swizzle", about: "components permuted or replaced", make: swizzle::make },
-        Operator { name: "swap-input", about: "another input or uniform of the type", make: swap_input::make },
-        Operator { name: "swap-argument", about: "two arguments of one type swapped", make: swap_argument::make },
-        Operator { name: "mix", about: "mix replaced by one of its ends", make: mix::make },
-        Operator { name: "built-in", about: "a built-in replaced by a near one, or left out", make: built_in::make },
-        Operator { name: "integer", about: "an integer literal moved by one", make: integer::make },
-        Operator { name: "constant", about: "a literal by ±1e-4, ±1 %, ±10 %, 0, negated", make: constant::make },
-        Operator { name: CONSTANT_ULP, about: "a literal moved by one ULP of binary32", make: constant_ulp::make },
-    ]
+    &OPERATORS
 }
 
 /// The operator whose mutants are no farther off than a literal that is rounded the other way. A score
