@@ -23,7 +23,7 @@ use lanes::{LaneError, interrupt};
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ShardResult {
     lanes: Vec<LaneUsed>,
-    /// Lanes that were wanted and could not be had, on some machine.
+    /// Lanes that were wanted and not available, on some machine.
     unavailable: Absent,
     /// Lanes that were asked for by name, and those that have to judge something.
     #[serde(default)]
@@ -173,11 +173,10 @@ impl Observer for Stored<'_> {
         self.store.save(&StateRef { done: &self.state.done, under_way: None })
     }
 
-    fn suite(&mut self, _: usize, _: &Prepared, parts: Vec<Part>) -> anyhow::Result<()> {
-        // They now hold what other lanes say of a deviation.
-        let first = self.state.done.len() - parts.len();
-        self.state.done.truncate(first);
-        self.state.done.extend(parts);
+    fn suite(&mut self, suite: usize, _: &Prepared, parts: Vec<Part>) -> anyhow::Result<()> {
+        // They now hold what other lanes say of a deviation. Parts of later suites may be there from an earlier run.
+        let first = self.of.partition_point(|&of| of < suite);
+        self.state.done.splice(first..first + parts.len(), parts);
         Ok(())
     }
 }
@@ -222,5 +221,39 @@ impl Joined for ShardResult {
         summary.stale = expectations.stale();
         super::print(&summary, json, color, out)?;
         super::concluded(&summary, err)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use judge::profile::Promises;
+
+    /// Runs the first of two shards of two suites from a state on; gives the parts at the end.
+    fn parts(done: Vec<Part>) -> Vec<Part> {
+        let folder = tempfile::tempdir().unwrap();
+        let shard: Shard = "0/2".parse().unwrap();
+        let store = Store::new(folder.path(), shard, Identity::new("check", 1, 2)).unwrap();
+        let args = CheckArgs { samples: Some(64), seed: 1, ..CheckArgs::default() };
+        let selected = super::super::select::select(&["sphere".to_owned(), "morph".to_owned()]).unwrap();
+        let lane = lanes::embedded::open().unwrap();
+        let promises = Promises::of_lane(lane.description());
+        let peers = vec![Peer { lane: lane.as_ref(), promises: &promises }];
+        let session = Session { shard: Some(shard), ..Session::new(peers) };
+        let (state, progress) = (State { done, under_way: None }, Progress::new(false, 2, Vec::new()));
+        let mut stored = Stored { args: &args, selected: &selected, store: &store, state, progress, of: Vec::new() };
+        session.run(selected.len(), &mut stored).unwrap();
+        assert_eq!(stored.of, [0, 1]);
+        stored.state.done
+    }
+
+    #[test]
+    fn a_shard_that_goes_on_keeps_the_parts_of_every_suite_in_their_places() {
+        let text = |parts: &[Part]| serde_json::to_string(parts).unwrap();
+        let whole = parts(Vec::new());
+        assert_eq!(whole.iter().map(|part| &*part.suite).collect::<Vec<_>>(), ["sphere", "morph"]);
+        for kept in 1..=whole.len() {
+            assert_eq!(text(&parts(whole[..kept].to_vec())), text(&whole), "{kept} kept");
+        }
     }
 }
