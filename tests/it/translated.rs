@@ -4,7 +4,10 @@
 use std::fmt::Write as _;
 
 use base::value::Batch;
-use engine::suite::run::{FindingKind, Prepared, Report, Request, check_translations, check_translations_with, run};
+use engine::shard::Shard;
+use engine::suite::run::{
+    FindingKind, Part, Prepared, Request, Share, check_translations, check_translations_with, run_part,
+};
 use engine::suite::shipped;
 use judge::profile::Promises;
 use judge::verdict::{Comparison, Difference, Translations, Unread};
@@ -302,9 +305,12 @@ fn the_number_of_the_vertex_is_the_same_in_every_language() {
     }
 }
 
-/// A report of a suite that passes, before its translations are looked at.
-fn report(prepared: &Prepared, request: &Request) -> Report {
-    run(prepared, &*embedded::open().unwrap(), Stage::Compute, request, &mut |_| {}).unwrap()
+/// What a run of a suite that passes found, before its translations are looked at.
+fn part(prepared: &Prepared, request: &Request) -> Part {
+    let mut save = |_: &_| std::ops::ControlFlow::Continue(());
+    let share = Share { shard: Shard::WHOLE, resume: None, save: &mut save, partial: false };
+    let lane = embedded::open().unwrap();
+    run_part(prepared, &*lane, (Stage::Compute, None), request, share, &mut |_| {}).unwrap().unwrap()
 }
 
 fn request(prepared: &Prepared) -> Request {
@@ -316,13 +322,15 @@ fn a_wrong_translation_is_a_finding_with_a_shrunk_case() {
     for (suite, from, to) in [("sphere", "6.2831855f", "6.283186f"), ("hair", "4f, 1f) - (_e98", "4f, 1f) + (_e98")] {
         let prepared = prepared(suite);
         let request = request(&prepared);
-        let mut report = report(&prepared, &request);
-        assert!(report.findings.is_empty() && report.translations.is_empty());
+        let mut part = part(&prepared, &request);
+        let before = part.clone().report();
+        assert!(before.findings.is_empty() && before.translations.is_empty());
         let wrong = edited(&prepared.program, Language::Wgsl, from, to);
         let right = |language| (language, prepared.program.retranslate(language));
         let mut all = vec![right(Language::SpirV), right(Language::Glsl450)];
         all.push((Language::Wgsl, prepared.program.read_back(&wrong, Language::Wgsl)));
-        check_translations_with(&prepared, &Translations::new(&prepared.program, all), &request, &mut report);
+        check_translations_with(&prepared, &Translations::new(&prepared.program, all), &request, &mut part);
+        let report = part.report();
         let told: Vec<_> = report.translations.iter().map(|t| (t.language, t.deviated > 0, t.agreed >= 2048)).collect();
         let [spirv, wgsl, glsl] = told[..] else { panic!("{told:?}") };
         assert_eq!((spirv, glsl), ((Language::SpirV, false, true), (Language::Glsl450, false, true)));
@@ -334,9 +342,10 @@ fn a_wrong_translation_is_a_finding_with_a_shrunk_case() {
         // The case is given back as a saved one, and shows the same by itself.
         let again = Request { replay: report.failing.clone(), replay_only: true, ..request };
         assert_eq!(again.replay.len(), 1);
-        let mut second = self::report(&prepared, &again);
+        let mut second = self::part(&prepared, &again);
         let wrong = vec![(Language::Wgsl, prepared.program.read_back(&wrong, Language::Wgsl))];
         check_translations_with(&prepared, &Translations::new(&prepared.program, wrong), &again, &mut second);
+        let second = second.report();
         assert!(second.findings.iter().any(|f| f.message == finding.message), "{:?}", second.findings);
         let command = finding.reproduce.as_ref().unwrap();
         assert!(command.starts_with(&format!("shadercheck check {suite} --lane embedded --stage compute --case '")));
@@ -359,9 +368,10 @@ fn another_reading_of_naga_is_a_finding_that_names_it() {
         let wrong = [&right[..body], &right[body..].replacen(from, to, 1)].concat();
         for (text, deviates) in [(wrong, true), (right, false)] {
             let read = program.read_back(&Translation::Text(text), Language::NagaGlsl);
-            let mut report = report(&prepared, &request);
+            let mut part = part(&prepared, &request);
             let translations = Translations::new(program, vec![(Language::NagaGlsl, read)]);
-            check_translations_with(&prepared, &translations, &request, &mut report);
+            check_translations_with(&prepared, &translations, &request, &mut part);
+            let report = part.report();
             assert_eq!(report.findings.len(), usize::from(deviates), "{suite}: {:?}", report.findings);
             for finding in &report.findings {
                 assert_eq!(finding.kind, FindingKind::Translation);
@@ -378,8 +388,9 @@ fn another_reading_of_naga_is_a_finding_that_names_it() {
 fn right_translations_are_no_finding() {
     let prepared = prepared("sphere");
     let request = request(&prepared);
-    let mut report = report(&prepared, &request);
-    check_translations(&prepared, &request, &mut report);
+    let mut part = part(&prepared, &request);
+    check_translations(&prepared, &request, &mut part);
+    let report = part.report();
     assert!(report.findings.is_empty() && report.failing.is_empty());
     assert!(report.translations.len() == 4 && report.translations.iter().all(|t| t.unsupported.is_none()));
 }
@@ -388,10 +399,11 @@ fn right_translations_are_no_finding() {
 fn another_interface_is_a_finding_without_a_case() {
     let prepared = prepared("sphere");
     let request = request(&prepared);
-    let mut report = report(&prepared, &request);
+    let mut part = part(&prepared, &request);
     let moved = edited(&prepared.program, Language::Wgsl, "@location(0)", "@location(1)");
     let translations = beside(&prepared.program, Language::Wgsl, &moved);
-    check_translations_with(&prepared, &translations, &request, &mut report);
+    check_translations_with(&prepared, &translations, &request, &mut part);
+    let report = part.report();
     let [finding] = &report.findings[..] else { panic!("{:?}", report.findings) };
     assert!(finding.kind == FindingKind::Translation && finding.message.contains("has another interface"));
     assert!(report.translations[0].unsupported.as_ref().is_some_and(|why| why.contains("location 1")));
@@ -401,13 +413,14 @@ fn another_interface_is_a_finding_without_a_case() {
 #[ignore = "a measurement, for release builds: cargo test --release --test it -- --ignored --nocapture time_of_all"]
 fn time_of_all_shipped_suites() {
     let prepared: Vec<Prepared> = shipped().map(|suite| prepared(suite.name)).collect();
-    let mut reports: Vec<_> = prepared.iter().map(|p| (p, request(p), report(p, &request(p)))).collect();
+    let mut parts: Vec<_> = prepared.iter().map(|p| (p, request(p), part(p, &request(p)))).collect();
     let start = std::time::Instant::now();
-    for (prepared, request, report) in &mut reports {
-        check_translations(prepared, request, report);
+    for (prepared, request, part) in &mut parts {
+        check_translations(prepared, request, part);
     }
     let time = start.elapsed();
-    let samples: u64 = reports.iter().flat_map(|(.., report)| &report.translations).map(|t| t.agreed).sum();
+    let reports: Vec<_> = parts.into_iter().map(|(.., part)| part.report()).collect();
+    let samples: u64 = reports.iter().flat_map(|report| &report.translations).map(|t| t.agreed).sum();
     let message = format!("translations of all suites: {samples} samples in {time:.1?}\n");
     assert!(time.as_secs() < 10, "{message}");
     std::io::Write::write_all(&mut std::io::stderr(), message.as_bytes()).unwrap();

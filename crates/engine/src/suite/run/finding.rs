@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::part::{Failing, Shown, Terms};
 use super::position::{self, Place, Tied};
 use super::trial::Trial;
-use super::{Report, Request, repeat};
+use super::{Part, Report, Request, Way, repeat};
 use crate::suite::Suite;
 use judge::verdict::diagnosis::{self, Diagnosis, Suspected};
 use judge::verdict::{Blame, Deviation, Reason, Verdict, What, judge_each};
@@ -178,16 +178,16 @@ pub(super) fn case(shrunk: &Shrunk, deviation: Option<Deviation>) -> Case {
 }
 
 /// The command that runs one sample again.
-pub(super) fn reproduce(request: &Request, report: &Report, sample: &Sample) -> String {
+pub(super) fn reproduce(request: &Request, (lane, way): (&str, Way), sample: &Sample) -> String {
     let inputs = regressions::inputs_text(sample);
-    format!("shadercheck check {} --lane {} {} --case '{inputs}'", request.arguments, report.lane, way(report))
+    format!("shadercheck check {} --lane {lane} {} --case '{inputs}'", request.arguments, argument(way))
 }
 
 /// The arguments that choose the stage or the source of inputs.
-fn way(report: &Report) -> String {
-    match report.source {
+fn argument((stage, source): Way) -> String {
+    match source {
         Some(source) if source != InputSource::Storage => format!("--sources {}", source.name()),
-        Some(_) | None => format!("--stage {}", report.stage),
+        Some(_) | None => format!("--stage {stage}"),
     }
 }
 
@@ -198,7 +198,7 @@ const FLAKY: &str = "flaky";
 const POSITION: &str = "position";
 
 /// A finding about a sample that deviates by its place in a buffer. It takes the whole batch to show it again.
-pub(super) fn tied(request: &Request, report: &Report, sample: &Sample, tied: Tied, against: &'static str) -> Finding {
+pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, against: &'static str) -> Finding {
     let Tied { position, deviation, .. } = tied;
     let message = deviation.told(against);
     let shrunk = unshrunk(sample.clone());
@@ -213,8 +213,8 @@ pub(super) fn tied(request: &Request, report: &Report, sample: &Sample, tied: Ti
         reproduce: Some(format!(
             "shadercheck check {} --lane {} {} --seed {}{samples}{quick}",
             request.arguments,
-            report.lane,
-            way(report),
+            part.lane,
+            argument((part.stage, part.source)),
             request.seed
         )),
     }
@@ -236,7 +236,7 @@ pub(super) fn deviations(
     lane: &dyn Lane,
     failing: &[Failing],
     request: &Request,
-    report: &Report,
+    part: &Part,
 ) -> Result<Vec<Shown>, LaneError> {
     if failing.is_empty() {
         return Ok(Vec::new());
@@ -263,7 +263,7 @@ pub(super) fn deviations(
             let found = place.map(|place| position::probe(trial, request, sample, place)).transpose()?.flatten();
             if let Some(found) = found {
                 let words = [&sample.case[..], &sample.invocation[..]].concat();
-                let finding = self::tied(request, report, sample, found.clone(), against);
+                let finding = self::tied(request, part, sample, found.clone(), against);
                 shown.push(Shown { number, alike: Some(POSITION.to_owned()), words, finding, sample: None });
                 tied = Some(found);
                 continue;
@@ -271,7 +271,7 @@ pub(super) fn deviations(
         }
         if again.is_flaky() {
             let words = [&sample.case[..], &sample.invocation[..]].concat();
-            let finding = again.finding(request, report, &unshrunk(sample.clone()));
+            let finding = again.finding(request, part, &unshrunk(sample.clone()));
             shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
         }
     }
@@ -298,7 +298,7 @@ pub(super) fn deviations(
                     .to_owned(),
                 case: Some(case(shrunk, None)),
                 count: 1,
-                reproduce: Some(reproduce(request, report, &shrunk.sample)),
+                reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),
             };
             let told = shown.iter().any(|s| s.alike.as_deref() == Some(FLAKY));
             if !told {
@@ -317,7 +317,7 @@ pub(super) fn deviations(
             message: deviation.told(against),
             // Known when all parts of the run are.
             count: 0,
-            reproduce: Some(reproduce(request, report, &shrunk.sample)),
+            reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),
             case: Some(Case { diagnosis, against: against.into(), ..case(shrunk, Some(deviation)) }),
         };
         shown.push(Shown { number, alike: Some(what), words, finding, sample: Some(shrunk.sample.clone()) });

@@ -278,11 +278,11 @@ fn on_kernel(
     let name = lane.description().name;
     let makes_samples = prepared.plan.makes_samples();
     let mut trial = trial::Trial::new(prepared, lane, kernel, &request.promises)?.in_stage(stage);
-    let mut report = Report::empty(prepared, name, (stage, source));
+    let mut part = Part::new(prepared, name, (stage, source), 0);
     let mut counted = Counted::default();
     let given = request.replay.len() as u64;
     if once {
-        report.replayed = given;
+        part.replayed = given;
         counted = sampling::replay(&mut trial, &request.replay, 0)?;
     }
     if !request.replay_only {
@@ -301,24 +301,24 @@ fn on_kernel(
             let first = given + prepared.rows.len() as u64 + wanted.next_multiple_of(1 << 20);
             let (deviations, reach) = edges::judge(&mut trial, request, (wanted, first))?;
             counted.join(deviations);
-            report.reach = Some(reach);
+            part.reach = Some(reach);
         }
         if let Some(strands) = prepared.suite.strands.filter(|_| once && whole) {
-            report.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
+            part.coverage = Some(coverage::check(&mut trial, strands, request.seed)?);
         }
     }
     if share.partial && interrupt::asked() {
-        return Ok(Some(interrupted(&mut trial, lane, (report, counted), request)));
+        return Ok(Some(interrupted(&mut trial, lane, (part, counted), request)));
     }
     if once {
         let related = if request.quick { relate::QUICK_SAMPLES } else { relate::SAMPLES };
-        relate::check(&mut trial, request, related, &mut report)?;
-        repeat::check(&mut trial, request, &mut report)?;
+        relate::check(&mut trial, request, related, &mut part)?;
+        repeat::check(&mut trial, request, &mut part)?;
     }
-    let rounded = if once { rounded::look(&trial, request, &report)? } else { Vec::new() };
+    let rounded = if once { rounded::look(&trial, request, &part)? } else { Vec::new() };
     let shown = [
-        finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
-        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &report),
+        finding::deviations(&mut trial, lane, &counted.failing, request, &part)?,
+        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &part),
     ];
     let suite = &prepared.suite;
     let terms = part::Terms {
@@ -327,7 +327,7 @@ fn on_kernel(
         makes_samples,
         replay_only: request.replay_only,
     };
-    Ok(Some(Part::new(prepared, name, (stage, source), 0).of(report, counted, (shown, rounded), Some(terms))))
+    Ok(Some(part.end(counted, (shown, rounded), Some(terms))))
 }
 
 /// What a run found until it was interrupted. Failing samples are reported as they are, and what a whole run has to
@@ -335,20 +335,19 @@ fn on_kernel(
 fn interrupted(
     trial: &mut Trial<'_>,
     lane: &dyn Lane,
-    (mut report, counted): (Report, Counted),
+    (mut part, counted): (Part, Counted),
     request: &Request,
 ) -> Part {
-    let part = Part::new(trial.prepared, report.lane, (report.stage, report.source), 0);
     let request = Request { replay_only: true, ..request.clone() };
-    let shown = finding::deviations(trial, lane, &counted.failing, &request, &report).unwrap_or_else(|_| {
+    let shown = finding::deviations(trial, lane, &counted.failing, &request, &part).unwrap_or_else(|_| {
         let deviated = counted.verdicts.deviated;
         let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
         let kind = FindingKind::Deviation;
-        report.findings.push(Finding { kind, message, case: None, count: deviated, reproduce: None });
+        part.findings.push(Finding { kind, message, case: None, count: deviated, reproduce: None });
         Vec::new()
     });
-    let shown = [shown, undefined::findings((trial.prepared, trial.fenced()), &counted.undefined, &request, &report)];
+    let shown = [shown, undefined::findings((trial.prepared, trial.fenced()), &counted.undefined, &request, &part)];
     let terms = part::Terms { least: 0, undetermined: 1.0, makes_samples: false, replay_only: true };
     let terms = (counted.verdicts.agreed + counted.verdicts.deviated > 0).then_some(terms);
-    part.of(report, counted, (shown, Vec::new()), terms)
+    part.end(counted, (shown, Vec::new()), terms)
 }

@@ -37,15 +37,15 @@ pub struct Part {
     unsupported: u64,
     #[serde(default)]
     unsupported_because: Option<String>,
-    replayed: u64,
+    pub(super) replayed: u64,
     /// What is looked at once for a run, by its first part.
-    relations: Vec<(String, u64)>,
-    coverage: Option<Coverage>,
+    pub(super) relations: Vec<(String, u64)>,
+    pub(super) coverage: Option<Coverage>,
     #[serde(default)]
-    reach: Option<Reach>,
-    translations: Vec<Translated>,
-    repeated: Option<Repeated>,
-    findings: Vec<Finding>,
+    pub(super) reach: Option<Reach>,
+    pub(super) translations: Vec<Translated>,
+    pub(super) repeated: Option<Repeated>,
+    pub(super) findings: Vec<Finding>,
     /// Failing samples, shrunk.
     shown: Vec<Shown>,
     /// Samples that depend on undefined values, shrunk.
@@ -56,14 +56,14 @@ pub struct Part {
     rounded: Vec<Finding>,
     /// Samples of relations that hold with these constants alone.
     #[serde(default)]
-    reread: u64,
+    pub(super) reread: u64,
     /// None where the lane cannot run the suite.
     terms: Option<Terms>,
     /// What is bound to samplers.
     textures: Vec<String>,
     /// Failing samples of `findings`, to be saved; they stay where they were found.
     #[serde(skip)]
-    failing: Vec<Sample>,
+    pub(super) failing: Vec<Sample>,
 }
 
 /// What the suite asks of a whole run.
@@ -242,6 +242,11 @@ impl Part {
         }
     }
 
+    /// The lane and the way in which it was run.
+    pub(super) fn on(&self) -> (LaneName, Way) {
+        (self.lane, (self.stage, self.source))
+    }
+
     /// Whether any sample was looked at.
     pub(super) fn has_seen(&self) -> bool {
         self.counted.verdicts.seen() > 0
@@ -252,36 +257,21 @@ impl Part {
         Self { unsupported_because: Some(why), ..self }
     }
 
-    /// What a run has found once it is through: `report` holds what is looked at once.
-    pub(super) fn of(
-        mut self,
-        report: Report,
+    /// The part once its samples are through: their verdicts, those that are shown with the literals that round
+    /// constants, and what the suite asks of the whole run.
+    pub(super) fn end(
+        self,
         counted: Counted,
         (shown, rounded): ([Vec<Shown>; 2], Vec<Finding>),
         terms: Option<Terms>,
     ) -> Self {
-        self.replayed = report.replayed;
-        self.add_once(report);
         let [shown, undefined] = shown;
         Self { counted, shown, undefined, rounded, terms, ..self }
     }
 
-    fn add_once(&mut self, report: Report) {
-        self.relations.extend(report.relations);
-        self.coverage = self.coverage.take().or(report.coverage);
-        self.reach = self.reach.take().or(report.reach);
-        self.translations.extend(report.translations);
-        self.repeated = self.repeated.or(report.repeated);
-        self.findings.extend(report.findings);
-        self.failing.extend(report.failing);
-        self.reread += report.reread;
-    }
-
     /// Compares the shader's translations as well, which is done once for a suite.
     pub fn check_translations(&mut self, prepared: &Prepared, request: &Request) {
-        let mut report = Report::empty(prepared, self.lane, (self.stage, self.source));
-        super::check_translations(prepared, request, &mut report);
-        self.add_once(report);
+        super::check_translations(prepared, request, self);
     }
 
     /// True for a part of the same suite on the same stage of the same lane.

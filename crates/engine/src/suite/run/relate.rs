@@ -4,7 +4,7 @@
 use super::finding::{self, Finding, FindingKind};
 use super::position::{self, Place, Tied};
 use super::trial::{Among, Trial};
-use super::{Prepared, Report, Request};
+use super::{Part, Prepared, Request};
 use base::value::Batch;
 use judge::verdict::diagnosis::{CrossCheck, Diagnosis, Stand};
 use judge::verdict::{JudgeContext, dependences, meaning, observe};
@@ -28,7 +28,7 @@ const SHRUNK: usize = 4;
 
 /// Checks every relation of the suite, on the replayed samples and then on `many` generated ones: a saved
 /// sample may have failed a relation alone.
-pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, report: &mut Report) -> Result<(), LaneError> {
+pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, part: &mut Part) -> Result<(), LaneError> {
     let prepared = trial.prepared;
     if prepared.relations.is_empty() {
         return Ok(());
@@ -42,8 +42,8 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, report: &mut R
         let relation = &**relation;
         let outcomes = outcomes(trial, relation, &samples, None)?;
         let checked = outcomes.iter().filter(|o| !matches!(o, Outcome::Silent)).count() as u64;
-        report.reread += outcomes.iter().filter(|o| matches!(o, Outcome::HoldsAsMeant)).count() as u64;
-        report.relations.push((relation.name().to_owned(), checked));
+        part.reread += outcomes.iter().filter(|o| matches!(o, Outcome::HoldsAsMeant)).count() as u64;
+        part.relations.push((relation.name().to_owned(), checked));
         let failing: Vec<Sample> = samples
             .iter()
             .zip(&outcomes)
@@ -52,7 +52,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, report: &mut R
             .collect();
         // A handful of samples may well miss what a relation is about.
         if checked == 0 && !request.replay_only && many >= QUICK_SAMPLES {
-            report.findings.push(Finding {
+            part.findings.push(Finding {
                 kind: FindingKind::Vacuous,
                 message: format!("the relation `{}` applied to none of {} samples", relation.name(), samples.len()),
                 case: None,
@@ -61,7 +61,7 @@ pub fn check(trial: &mut Trial<'_>, request: &Request, many: u64, report: &mut R
             });
         }
         if !failing.is_empty() {
-            fail(trial, relation, failing, request, report)?;
+            fail(trial, relation, failing, request, part)?;
         }
     }
     Ok(())
@@ -310,7 +310,7 @@ fn fail(
     relation: &dyn Relation,
     failing: Vec<Sample>,
     request: &Request,
-    report: &mut Report,
+    part: &mut Part,
 ) -> Result<(), LaneError> {
     let count = failing.len() as u64;
     let plan = trial.prepared.plan.clone();
@@ -342,17 +342,17 @@ fn fail(
         // The same inputs gave another answer: nothing that was found may get lost over it.
         if let Some(tied) = by_place(trial, relation, request, &simplest.sample)? {
             let against = trial.prepared.reference.noun();
-            report.findings.push(finding::tied(request, report, &simplest.sample, tied, against));
+            part.findings.push(finding::tied(request, part, &simplest.sample, tied, against));
             return Ok(());
         }
-        report.findings.push(Finding {
+        part.findings.push(Finding {
             kind: FindingKind::Flaky,
             message: format!(
                 "flaky: the relation `{}` failed, and held when it was checked again: the lane is not deterministic",
                 relation.name()
             ),
             count,
-            reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
+            reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
             case: Some(finding::case(&simplest, None)),
         });
         return Ok(());
@@ -365,7 +365,7 @@ fn fail(
         cross_check: of_the_shader.then(CrossCheck::of_the_shader),
         ..Diagnosis::default()
     };
-    report.findings.push(Finding {
+    part.findings.push(Finding {
         kind: FindingKind::Relation,
         message: format!(
             "the relation `{}` does not hold: {}; {} is {:?} on one side and {:?} on the other, ± {:.1e}",
@@ -377,9 +377,9 @@ fn fail(
             claim.slack
         ),
         count,
-        reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
+        reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
         case: Some(finding::Case { diagnosis, ..finding::case(&simplest, None) }),
     });
-    report.failing.push(simplest.sample);
+    part.failing.push(simplest.sample);
     Ok(())
 }

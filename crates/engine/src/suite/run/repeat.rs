@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::finding::{self, Finding, FindingKind};
 use super::position::{self, Place};
 use super::trial::{Among, Trial};
-use super::{Report, Request};
+use super::{Part, Request};
 use base::value::{Batch, Scalar};
 use judge::verdict::{Blame, Deviation, Verdict, dependences, judge_at};
 use lanes::{Actual, LaneError};
@@ -76,7 +76,7 @@ impl Again {
     }
 
     /// The finding about a flaky sample.
-    pub(super) fn finding(self, request: &Request, report: &Report, shrunk: &Shrunk) -> Finding {
+    pub(super) fn finding(self, request: &Request, part: &Part, shrunk: &Shrunk) -> Finding {
         Finding {
             kind: FindingKind::Flaky,
             message: format!(
@@ -85,7 +85,7 @@ impl Again {
             ),
             case: Some(finding::case(shrunk, self.deviation)),
             count: 0,
-            reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+            reproduce: Some(finding::reproduce(request, part.on(), &shrunk.sample)),
         }
     }
 }
@@ -122,7 +122,7 @@ pub(super) fn again(trial: &mut Trial<'_>, samples: &[Sample], first: &[u64]) ->
 ///
 /// # Errors
 /// [`LaneError`] when the lane fails.
-pub(super) fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Report) -> Result<(), LaneError> {
+pub(super) fn check(trial: &mut Trial<'_>, request: &Request, part: &mut Part) -> Result<(), LaneError> {
     let prepared = trial.prepared;
     let few = |samples: &[Sample]| Sample::batch(&samples[..samples.len().min(CHECKED).min(trial.capacity())]);
     let batch: Batch = if request.replay_only && !request.replay.is_empty() {
@@ -150,17 +150,17 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Repor
         let undefined = dependences(&prepared.oracle, &batch);
         other.retain(|&k| undefined[k].is_none());
     }
-    report.repeated = Some(Repeated { samples: count as u64, different: other.len() as u64 });
+    part.repeated = Some(Repeated { samples: count as u64, different: other.len() as u64 });
     let Some(&first) = other.first() else { return Ok(()) };
     let sample = Sample::of(&batch, first);
     let place = Place { at: first, count, per_case: batch.per_case };
     if let Some(tied) = position::probe(trial, request, &sample, place)? {
         let against = prepared.reference.noun();
-        report.findings.push(finding::tied(request, report, &sample, tied, against));
+        part.findings.push(finding::tied(request, part, &sample, tied, against));
         return Ok(());
     }
     let shrunk = finding::unshrunk(sample);
-    report.findings.push(Finding {
+    part.findings.push(Finding {
         kind: FindingKind::Flaky,
         message: format!(
             "flaky: {} of {count} samples gave other bits when the same batch ran again: the lane is not deterministic",
@@ -168,7 +168,7 @@ pub(super) fn check(trial: &mut Trial<'_>, request: &Request, report: &mut Repor
         ),
         case: Some(finding::case(&shrunk, None)),
         count: other.len() as u64,
-        reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+        reproduce: Some(finding::reproduce(request, part.on(), &shrunk.sample)),
     });
     Ok(())
 }

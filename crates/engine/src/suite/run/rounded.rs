@@ -2,7 +2,7 @@
 
 use super::finding::{self, Finding, FindingKind};
 use super::trial::Trial;
-use super::{Report, Request, relate};
+use super::{Part, Request, relate};
 use judge::verdict::diagnosis::{Diagnosis, Place, ShortLiteral};
 use judge::verdict::{Effect, Rounded, effects};
 use lanes::LaneError;
@@ -17,7 +17,7 @@ const SHRUNK: usize = 4;
 
 /// What each literal of the suite's shader that rounds a constant does to the outputs. Whether that is told follows from
 /// the whole run: where the shader is right with the digits that are written, nobody needs to know.
-pub(super) fn look(trial: &Trial<'_>, request: &Request, report: &Report) -> Result<Vec<Finding>, LaneError> {
+pub(super) fn look(trial: &Trial<'_>, request: &Request, part: &Part) -> Result<Vec<Finding>, LaneError> {
     let prepared = trial.prepared;
     let literals = prepared.oracle.rounded_constants();
     if literals.is_empty() {
@@ -30,7 +30,7 @@ pub(super) fn look(trial: &Trial<'_>, request: &Request, report: &Report) -> Res
     }
     let mut found = Vec::new();
     for literal in literals.iter().filter(|literal| literal.is_seen()) {
-        found.extend(one(trial, request, report, literal, &samples)?);
+        found.extend(one(trial, request, part, literal, &samples)?);
     }
     Ok(found)
 }
@@ -38,7 +38,7 @@ pub(super) fn look(trial: &Trial<'_>, request: &Request, report: &Report) -> Res
 fn one(
     trial: &Trial<'_>,
     request: &Request,
-    report: &Report,
+    part: &Part,
     literal: &Rounded,
     samples: &[Sample],
 ) -> Result<Option<Finding>, LaneError> {
@@ -78,7 +78,7 @@ fn one(
     Ok(Some(Finding {
         kind: FindingKind::RoundedLiteral,
         message,
-        reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
+        reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
         case: Some(case),
         // Known when all parts of the run are.
         count: 0,

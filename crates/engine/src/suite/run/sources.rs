@@ -3,7 +3,7 @@
 
 use super::part::{Part, Terms};
 use super::trial::{Trial, stage_of, weight};
-use super::{Prepared, Report, Request, Share, finding, relate, sampling, undefined};
+use super::{Prepared, Request, Share, finding, relate, sampling, undefined};
 use base::value::{Batch, Scalar, ulp_distance};
 use lanes::{Actual, Lane, LaneError};
 use program::InputSource;
@@ -82,7 +82,7 @@ fn other(
     progress: &mut dyn FnMut(u64),
 ) -> Result<Option<Part>, LaneError> {
     let (name, way) = (lane.description().name, (stage_of(source), Some(source)));
-    let mut report = Report::empty(prepared, name, way);
+    let mut part = Part::new(prepared, name, way, 0);
     let makes_samples = prepared.plan.makes_samples();
     let all = if makes_samples { request.samples_of(&prepared.suite) } else { prepared.rows.len() as u64 };
     let wanted = all.min(most(prepared, source));
@@ -97,7 +97,7 @@ fn other(
         Err(error) => return Err(error),
     };
     let given = request.replay.len() as u64;
-    report.replayed = given;
+    part.replayed = given;
     let mut counted = sampling::replay(&mut trial, &request.replay, 0)?;
     if !request.replay_only {
         let rows = &prepared.rows[..prepared.rows.len().min(wanted as usize)];
@@ -112,14 +112,14 @@ fn other(
     // How tight the bounds are is told of the usual run.
     counted.survey = None;
     let related = if source == InputSource::Constants { (wanted / 16).clamp(1, 4) } else { RELATED };
-    relate::check(&mut trial, request, related, &mut report)?;
+    relate::check(&mut trial, request, related, &mut part)?;
     let shown = [
-        finding::deviations(&mut trial, lane, &counted.failing, request, &report)?,
-        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &report),
+        finding::deviations(&mut trial, lane, &counted.failing, request, &part)?,
+        undefined::findings((prepared, trial.fenced()), &counted.undefined, request, &part),
     ];
     // A handful of samples need not keep the shares of a whole run; but something has to be judged.
     let terms = Terms { least: wanted.min(1), undetermined: 1.0, makes_samples, replay_only: request.replay_only };
-    Ok(Some(Part::new(prepared, name, way, 0).of(report, counted, (shown, Vec::new()), Some(terms))))
+    Ok(Some(part.end(counted, (shown, Vec::new()), Some(terms))))
 }
 
 /// Compares the outputs with those of the same inputs in storage.

@@ -1,7 +1,7 @@
 //! The translations of a suite's shader, and what naga's own GLSL reader makes of it, on samples of the suite.
 
 use super::finding::{self, Finding, FindingKind};
-use super::{Prepared, Report, Request};
+use super::{Part, Prepared, Request};
 use base::value::Batch;
 use judge::verdict::{CompareError, Comparison, Translations, Unread};
 use program::Language;
@@ -29,49 +29,49 @@ pub struct Translated {
     pub unsupported: Option<String>,
 }
 
-/// Compares the translations of a suite's shader with the shader, and adds what came of it to a report.
-pub fn check(prepared: &Prepared, request: &Request, report: &mut Report) {
-    check_with(prepared, &Translations::of(&prepared.program), request, report);
+/// Compares the translations of a suite's shader with the shader, and adds what came of it to a part.
+pub fn check(prepared: &Prepared, request: &Request, part: &mut Part) {
+    check_with(prepared, &Translations::of(&prepared.program), request, part);
 }
 
-/// Compares given translations with the shader, and adds what came of it to a report.
-pub fn check_with(prepared: &Prepared, translations: &Translations, request: &Request, report: &mut Report) {
+/// Compares given translations with the shader, and adds what came of it to a part.
+pub fn check_with(prepared: &Prepared, translations: &Translations, request: &Request, part: &mut Part) {
     for (language, why) in translations.unread() {
         match why {
-            Unread::Unsupported(why) => unsupported(report, [language], why),
+            Unread::Unsupported(why) => unsupported(part, [language], why),
             Unread::Interface(reason) => {
                 let message = match language {
                     Language::NagaGlsl => format!("naga's GLSL reader gives the shader another interface: {reason}"),
                     _ => format!("the {language} translation has another interface than the shader: {reason}"),
                 };
-                add(report, Finding { kind: FindingKind::Translation, message, case: None, count: 0, reproduce: None });
-                unsupported(report, [language], reason);
+                add(part, Finding { kind: FindingKind::Translation, message, case: None, count: 0, reproduce: None });
+                unsupported(part, [language], reason);
             }
         }
     }
-    if let Err(error) = compare(prepared, translations, request, report) {
-        unsupported(report, Language::READABLE, &error.to_string());
+    if let Err(error) = compare(prepared, translations, request, part) {
+        unsupported(part, Language::READABLE, &error.to_string());
     }
 }
 
-fn unsupported(report: &mut Report, languages: impl IntoIterator<Item = Language>, why: &str) {
+fn unsupported(part: &mut Part, languages: impl IntoIterator<Item = Language>, why: &str) {
     for language in languages {
         let unsupported = Some(why.to_owned());
-        report.translations.push(Translated { language, agreed: 0, deviated: 0, undetermined: 0, unsupported });
+        part.translations.push(Translated { language, agreed: 0, deviated: 0, undetermined: 0, unsupported });
     }
 }
 
 /// Findings stay sorted, worst first.
-fn add(report: &mut Report, finding: Finding) {
-    report.findings.push(finding);
-    report.findings.sort_by_key(|finding| finding.kind);
+fn add(part: &mut Part, finding: Finding) {
+    part.findings.push(finding);
+    part.findings.sort_by_key(|finding| finding.kind);
 }
 
 fn compare(
     prepared: &Prepared,
     translations: &Translations,
     request: &Request,
-    report: &mut Report,
+    part: &mut Part,
 ) -> Result<(), CompareError> {
     let mut batches = Vec::new();
     if !request.replay.is_empty() {
@@ -102,12 +102,12 @@ fn compare(
     }
     for (told, failing) in all {
         let (language, count) = (told.language, told.deviated);
-        report.translations.push(told);
+        part.translations.push(told);
         if !failing.is_empty() {
-            fail(prepared, translations, (language, failing, count), request, report)?;
+            fail(prepared, translations, (language, failing, count), request, part)?;
         }
     }
-    report.translations.sort_by_key(|told| told.language);
+    part.translations.sort_by_key(|told| told.language);
     Ok(())
 }
 
@@ -121,7 +121,7 @@ fn fail(
     translations: &Translations,
     (language, failing, count): (Language, Vec<Sample>, u64),
     request: &Request,
-    report: &mut Report,
+    part: &mut Part,
 ) -> Result<(), CompareError> {
     let mut oracle = |samples: &[Sample]| translations.deviates(language, &Sample::batch(samples));
     let shrunk = if request.replay_only {
@@ -142,10 +142,10 @@ fn fail(
             |deviation| deviation.to_string(),
         ),
         count,
-        reproduce: Some(finding::reproduce(request, report, &simplest.sample)),
+        reproduce: Some(finding::reproduce(request, part.on(), &simplest.sample)),
         case: Some(finding::case(&simplest, None)),
     };
-    add(report, finding);
-    report.failing.push(simplest.sample);
+    add(part, finding);
+    part.failing.push(simplest.sample);
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use super::finding::{self, Finding, FindingKind};
 use super::part::{Failing, Shown};
-use super::{Prepared, Report, Request};
+use super::{Part, Prepared, Request};
 use judge::verdict::diagnosis::Place;
 use judge::verdict::{Fenced, dependences};
 use program::interp::{Dependence, author_span};
@@ -20,10 +20,9 @@ pub(super) fn findings(
     (prepared, fenced): (&Prepared, Option<&Fenced>),
     failing: &[Failing],
     request: &Request,
-    report: &Report,
+    part: &Part,
 ) -> Vec<Shown> {
-    let mut shown: Vec<Shown> =
-        fenced.into_iter().map(|fenced| at_failure(prepared, fenced, request, report)).collect();
+    let mut shown: Vec<Shown> = fenced.into_iter().map(|fenced| at_failure(prepared, fenced, request, part)).collect();
     if failing.is_empty() {
         return shown;
     }
@@ -47,7 +46,7 @@ pub(super) fn findings(
             case: Some(case),
             // Known when all parts of the run are.
             count: 0,
-            reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+            reproduce: Some(finding::reproduce(request, part.on(), &shrunk.sample)),
         };
         shown.push(Shown { number: failing.number, alike, words, finding, sample: Some(shrunk.sample) });
     }
@@ -56,7 +55,7 @@ pub(super) fn findings(
 
 /// A failure of the executor where the shader's behaviour is undefined. Which smaller sample would bring it about, only
 /// more failures could tell.
-fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, report: &Report) -> Shown {
+fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, part: &Part) -> Shown {
     let shrunk = finding::unshrunk(fenced.sample.clone());
     let words = [&shrunk.sample.case[..], &shrunk.sample.invocation[..]].concat();
     let mut case = finding::case(&shrunk, None);
@@ -66,7 +65,7 @@ fn at_failure(prepared: &Prepared, fenced: &Fenced, request: &Request, report: &
         message: format!("{}; {}", message(prepared, &fenced.because), fenced.error.at_undefined()),
         case: Some(case),
         count: 0,
-        reproduce: Some(finding::reproduce(request, report, &shrunk.sample)),
+        reproduce: Some(finding::reproduce(request, part.on(), &shrunk.sample)),
     };
     let alike = Some(format!("{:?}", fenced.because.of));
     Shown { number: 0, alike, words, finding, sample: Some(shrunk.sample) }

@@ -163,10 +163,11 @@ pub(super) fn scene(trial: &mut Trial<'_>, request: &Request, report: &Report) -
         }
     }
     scene.axes = grid.axes.clone();
+    let on = (report.lane, (report.stage, report.source));
     scene.worst = best
         .taken()
         .into_iter()
-        .map(|(found, sample)| found.worst(&scene, &record, finding::reproduce(request, report, &sample)))
+        .map(|(found, sample)| found.worst(&scene, &record, finding::reproduce(request, on, &sample)))
         .collect();
     Ok(Some(scene))
 }
