@@ -5,6 +5,7 @@
 
 pub mod baseline;
 mod config;
+mod context;
 mod embedded;
 pub mod fix;
 mod flow;
@@ -30,8 +31,10 @@ pub use registry::{RULES, by_code, nearest, with_name};
 pub use rule::{Level, Rule};
 pub use select::{PerFile, SelectError, Selection};
 
+use std::collections::{HashMap, HashSet};
+
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};
-use project::Project;
+use project::{Project, ShaderFile};
 use suppress::Suppressions;
 use syntax::errors;
 
@@ -95,6 +98,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
             }
         }
     }
+    leave_doubtful_to_strict(&project, &mut told);
     for (_, diagnostic) in &mut told {
         let cut = |fix: &Fix| fix.edits.iter().any(|edit| diagnostic.file.cuts_expansion(edit.span));
         if diagnostic.fix.as_ref().is_some_and(cut) {
@@ -117,6 +121,23 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     sort(&mut found);
     found.dedup_by(|a, b| a.code == b.code && a.span == b.span && a.file.name() == b.file.name());
     found
+}
+
+/// Errors that the host may take away by what it puts around a text are told on request.
+fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)]) {
+    let shaders: HashMap<&str, &ShaderFile> = project.shaders().map(|s| (s.file.name(), s)).collect();
+    let mut in_front: Option<HashSet<String>> = None;
+    for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
+        let Some(shader) = shaders.get(error.file.name()) else { continue };
+        let mut may_be_in_front = || {
+            let names = in_front.get_or_insert_with(|| context::names_in_front(project));
+            names.contains(error.file.slice(error.span))
+        };
+        let of_front_end = shader.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
+        if of_front_end && (shader.is_doubtful(error) || (context::is_about_a_name(error) && may_be_in_front())) {
+            *level = Level::Strict;
+        }
+    }
 }
 
 /// Hosts resolve `#include` and other directives of their own, and put macros in front of a text: what may be

@@ -11,6 +11,7 @@ use syntax::ast::ItemKind;
 use syntax::{Shader, Stage};
 
 use super::config::Config;
+use super::context;
 use super::embedded::Origin;
 use super::flow::Flow;
 use super::host::{HostFile, HostTree, Literal, ShaderRef, named_shaders};
@@ -38,6 +39,16 @@ pub const SHADER_EXTENSIONS: &[&str] = &[
     "vertexshader",
     "fragmentshader",
     "geometryshader",
+    "vshader",
+    "fshader",
+    "gshader",
+    "glslv",
+    "glslf",
+    "glslg",
+    "vp",
+    "fp",
+    "cont",
+    "eval",
     "shader",
 ];
 
@@ -133,6 +144,8 @@ pub struct ShaderFile {
     pub shader: Shader,
     /// Errors of the front end.
     pub front_end: Vec<Diagnostic>,
+    /// For each of them, whether what the host puts around the text may take it away.
+    doubtful: Vec<bool>,
     /// True when an `#if` or `#include` makes the interface depend on more than this text.
     pub conditional: bool,
     /// Where the text stands when it is a literal of a host file.
@@ -146,8 +159,10 @@ impl ShaderFile {
     fn new(input: &Input, stage: Stage) -> Self {
         let parsed = version::read(&input.file, stage);
         let claimed = |d| super::glsl::hlsl_name::claim(&parsed.shader, d);
-        let front_end = parsed.diagnostics.into_iter().map(claimed).collect();
+        let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
+        let doubtful = context::doubtful(&parsed.shader, &front_end);
         Self {
+            doubtful,
             file: parsed.shader.file().clone(),
             reported: input.reported,
             shader: parsed.shader,
@@ -173,6 +188,12 @@ impl ShaderFile {
     pub fn is_plain(&self) -> bool {
         let complete = self.shader.version().span.is_some() || !self.shader.has_unknown_names();
         complete && !self.conditional && self.front_end.iter().all(|d| self.is_inside(d))
+    }
+
+    /// True for an error of the front end that what the host puts around the text may take away.
+    pub fn is_doubtful(&self, error: &Diagnostic) -> bool {
+        let same = |d: &Diagnostic| d.code == error.code && d.span == error.span;
+        self.front_end.iter().zip(&self.doubtful).any(|(d, doubtful)| *doubtful && same(d))
     }
 
     /// True for an error in the body of a function that does not keep the rest from being read.
@@ -271,6 +292,8 @@ impl Read {
                     // Other tools write other languages under this ending.
                     None
                 } else {
+                    let told = || Stage::of_text(&path, input.file.text()).unwrap_or(Stage::Library);
+                    let stage = if stage == Stage::Library { told() } else { stage };
                     Some(Self::Shader(Box::new(ShaderFile::new(input, stage))))
                 }
             }

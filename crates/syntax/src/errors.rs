@@ -71,6 +71,8 @@ pub const VARIABLE_TYPE: Code = Code("E047");
 pub const ARRAY: Code = Code("E048");
 /// A block or a redeclaration of a built-in variable against the rules.
 pub const REDECLARATION: Code = Code("E049");
+/// An argument that must be a constant expression and is not.
+pub const CONSTANT_ARGUMENT: Code = Code("E050");
 
 // Codes of rules of the lint tool: the rule has the page and adds the fix.
 
@@ -152,4 +154,5 @@ pub const ALL: &[(Code, &str)] = &[
     (VARIABLE_TYPE, "a variable, parameter or member of a type that it cannot have"),
     (ARRAY, "an array whose size is not known where it must be, or that is used against the rules"),
     (REDECLARATION, "a block or a redeclaration of a built-in variable against the rules"),
+    (CONSTANT_ARGUMENT, "an argument that must be a constant expression and is not"),
 ];

@@ -23,6 +23,7 @@ mod preprocess;
 mod reach;
 pub mod real;
 mod sink;
+mod stage;
 pub mod swizzle;
 pub mod symbols;
 #[cfg(test)]
@@ -37,70 +38,9 @@ pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::fitting;
 pub use fold::Const;
 use interface::Interface;
+pub use stage::Stage;
 use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
 use types::Type;
-
-/// Pipeline stage of a shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// Vertex shader.
-    Vertex,
-    /// Tessellation control shader.
-    TessControl,
-    /// Tessellation evaluation shader.
-    TessEvaluation,
-    /// Geometry shader.
-    Geometry,
-    /// Fragment shader.
-    Fragment,
-    /// Compute shader.
-    Compute,
-    /// Functions without `main`, to be put before a shader.
-    Library,
-}
-
-impl Stage {
-    /// The stage that a file name says: by its last extension, or the one before `.glsl`
-    /// (`a.vert.glsl`). A bare `.glsl` is a library.
-    pub fn from_path(name: &str) -> Option<Self> {
-        let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
-        let mut parts = file.rsplit('.');
-        let of = |part: &str| {
-            Some(match part.to_ascii_lowercase().as_str() {
-                "vert" | "vs" | "vsh" | "vertex" | "vertexshader" => Self::Vertex,
-                "tesc" | "tcs" => Self::TessControl,
-                "tese" | "tes" => Self::TessEvaluation,
-                "geom" | "gs" | "gsh" | "geo" | "geometry" | "geometryshader" => Self::Geometry,
-                "frag" | "fs" | "fsh" | "fragment" | "fragmentshader" => Self::Fragment,
-                "comp" | "cs" | "compute" => Self::Compute,
-                _ => return None,
-            })
-        };
-        let last = parts.next()?;
-        let before = parts.next()?;
-        if last.eq_ignore_ascii_case("glsl") {
-            // The first part of the name is no extension: `vs.glsl` is a library called `vs`. The whole
-            // word for a stage is clear: `vertex.glsl`.
-            let whole = ["vertex", "geometry", "fragment"].iter().any(|w| before.eq_ignore_ascii_case(w));
-            let stage = if parts.next().is_some() || whole { of(before) } else { None };
-            return Some(stage.unwrap_or(Self::Library));
-        }
-        of(last)
-    }
-
-    /// `vertex`, `geometry`, …
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Vertex => "vertex",
-            Self::TessControl => "tessellation control",
-            Self::TessEvaluation => "tessellation evaluation",
-            Self::Geometry => "geometry",
-            Self::Fragment => "fragment",
-            Self::Compute => "compute",
-            Self::Library => "library",
-        }
-    }
-}
 
 /// Profile of a `#version` line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -296,6 +296,9 @@ impl Checker<'_> {
         if let (Some(callee), Some((caller, _))) = (user, &self.current) {
             self.calls.push((*caller, callee, name.span));
         }
+        if user.is_none() {
+            self.texel_offset(name, &params, args);
+        }
         let function = BuiltinFunction::from_name(&name.name);
         let value = match user {
             None => {
@@ -313,6 +316,32 @@ impl Checker<'_> {
             (None, None) => None,
         };
         (if certain { result } else { Type::Error }, value)
+    }
+
+    /// Offsets of texels are part of the instruction: they have to be constant expressions (GLSL 4.60
+    /// specification, section 8.9). Only `textureGatherOffset` takes others.
+    fn texel_offset(&mut self, name: &Ident, params: &[(Direction, Type)], args: &[ExprId]) {
+        let text = name.name.as_str();
+        let fixed = text.ends_with("Offset") && !text.starts_with("textureGather") || text == "textureGatherOffsets";
+        if !fixed || !text.starts_with("te") || self.language.enabled("EXT_texture_offset_non_const") {
+            return;
+        }
+        // The offset is the last integer behind the coordinate.
+        let integer = |ty: &Type| {
+            let element = if ty.scalar().is_none() { ty.indexed() } else { None };
+            element.as_ref().unwrap_or(ty).scalar().is_some_and(ScalarType::is_integer)
+        };
+        let Some(at) = (2..params.len()).rev().find(|&k| integer(&params[k].1)) else { return };
+        let Some(&offset) = args.get(at).filter(|&&a| !self.is_constant(a) && !self.type_of(a).is_error()) else {
+            return;
+        };
+        let message = format!("the offset of `{text}` must be a constant expression");
+        let d = self
+            .sink
+            .start(errors::CONSTANT_ARGUMENT, self.arena.get(offset).span, message)
+            .with_label("this is no constant expression")
+            .with_help("add the offset to the coordinate instead, or write one call for each offset");
+        self.sink.push(d);
     }
 
     fn unknown_function(&mut self, name: &Ident) {

@@ -65,6 +65,11 @@ impl Checker<'_> {
         let mut last = 0;
         for q in &qualifiers.list {
             let (rank, single) = match &q.kind {
+                // The grammar before 4.20 has `layout` in front of what says where a variable lives.
+                QualifierKind::Layout(_) if last >= 4 => {
+                    self.need(Feature::MixedQualifiers, q.span);
+                    continue;
+                }
                 QualifierKind::Layout(_) | QualifierKind::Memory(_) | QualifierKind::Subroutine(_) => continue,
                 QualifierKind::Precise => (0, true),
                 QualifierKind::Invariant => (1, true),

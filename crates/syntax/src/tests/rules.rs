@@ -148,6 +148,11 @@ fn qualifiers_and_layouts_have_their_place() {
     one(Stage::Vertex, &v("float f(float a[]) { return a[0]; }"), "E048 an array parameter needs a size");
     one(Stage::Vertex, &v("in B { vec4 a; };"), "E049 this stage has no `in` block");
     one(Stage::Fragment, &v("in int a;"), "I005 a `int` input of a fragment shader must be `flat`");
+    let ordered = |version: &str, line: &str| format!("#version {version}\n{line}\nvoid main() {{}}\n");
+    let order = "V002 this order of qualifiers";
+    assert!(errors(&ordered("330", "in layout(location = 0) vec4 a;"), Stage::Vertex)[0].starts_with(&order[..4]));
+    clean(&ordered("420", "in layout(location = 0) vec4 a;"), Stage::Vertex);
+    clean(&ordered("330", "layout(location = 0) in vec4 a;"), Stage::Vertex);
     clean(&v("flat in int a; smooth in vec4 b; centroid in vec2 c;"), Stage::Fragment);
     clean(&v("in vec4 a; uniform mat4 m[3]; out B { vec4 c; flat int d; } b; uniform U { vec4 e; };"), Stage::Vertex);
 }
@@ -261,4 +266,39 @@ fn texts_in_quotes_come_with_an_extension() {
         let errors = errors(&of(name, call), Stage::Fragment);
         assert!(errors.iter().any(|e| e.starts_with("E002")), "{errors:?}");
     }
+}
+
+#[test]
+fn offsets_of_texels_are_constant() {
+    let text = |body: &str| {
+        format!(
+            "#version 330\nuniform sampler2D t;\nuniform ivec2 u;\nout vec4 c;\n\
+            const ivec2 all[] = ivec2[](ivec2(1, 0), ivec2(0, 1));\n\
+            void main() {{ const ivec2 o = ivec2(1); int i = 1; c = {body}; }}\n"
+        )
+    };
+    let told = "E050 the offset of `textureOffset` must be a constant expression";
+    one(Stage::Fragment, &text("textureOffset(t, vec2(0.5), all[i])"), told);
+    for wrong in [
+        "textureOffset(t, vec2(0.5), u)",
+        "texelFetchOffset(t, ivec2(1), 0, ivec2(i))",
+        "textureGradOffset(t, vec2(0.5), vec2(0.0), vec2(0.0), u)",
+        "textureLodOffset(t, vec2(0.5), 1.0, u)",
+    ] {
+        let found = parse(&text(wrong), Stage::Fragment).diagnostics;
+        let told: Vec<&str> = found.iter().map(|d| d.code.0).collect();
+        assert_eq!(told, ["E050"], "{wrong}: {found:?}");
+    }
+    for right in [
+        "textureOffset(t, vec2(0.5), all[1])",
+        "textureOffset(t, vec2(0.5), o)",
+        "textureOffset(t, vec2(0.5), ivec2(-1, 1), 0.5)",
+        "texelFetchOffset(t, ivec2(i), i, ivec2(1))",
+        "texture(t, vec2(0.5) + vec2(u))",
+    ] {
+        assert_eq!(parse(&text(right), Stage::Fragment).diagnostics, [], "{right}");
+    }
+    let gathered = "#version 400\nuniform sampler2D t;\nuniform ivec2 u;\nout vec4 c;\n\
+        void main() { c = textureGatherOffset(t, vec2(0.5), u); }\n";
+    assert_eq!(parse(gathered, Stage::Fragment).diagnostics, []);
 }

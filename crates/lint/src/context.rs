@@ -1,0 +1,305 @@
+//! What a host puts around a text: errors that may be right with its help are told on request.
+//!
+//! A text without `main` and `#version` is a piece of a shader; one with an `#include`, or with characters of another
+//! preprocessor, is put together before it is compiled; what an `#if` asks may be set from outside; and a name that
+//! nothing declares may be declared in a piece, or in a text that host code writes.
+
+use std::collections::{BTreeSet, HashSet};
+
+use base::diagnostic::{Code, Diagnostic};
+use base::text::{SourceFile, Span};
+use syntax::ast::ItemKind;
+use syntax::{Shader, Stage, TokenKind, TokenPlace, errors};
+
+use super::project::Project;
+
+/// Errors about names, which something in front of the text can declare.
+const NAMES: &[Code] = &[errors::UNKNOWN_NAME, errors::UNKNOWN_FUNCTION, errors::UNKNOWN_TYPE];
+
+/// Errors that a text in front of this one can repair: names, macros, extensions and versions.
+const REPAIRED_IN_FRONT: &[Code] = &[
+    errors::TOKEN,
+    errors::UNKNOWN_DIRECTIVE,
+    errors::ERROR_DIRECTIVE,
+    errors::UNKNOWN_NAME,
+    errors::UNKNOWN_FUNCTION,
+    errors::UNKNOWN_TYPE,
+    errors::MISSING_MAIN,
+    errors::LAYOUT,
+    errors::VARIABLE_TYPE,
+    errors::NEEDS_VERSION,
+    errors::EXTENSION,
+    errors::IMPLICIT_FLOAT,
+    errors::FLOAT_SUFFIX,
+    errors::PRECISION,
+];
+
+/// Errors that depend on the stage.
+const OF_THE_STAGE: &[Code] =
+    &[errors::QUALIFIER, errors::LAYOUT, errors::NEEDS_VERSION, errors::EXTENSION, errors::PLACEMENT];
+
+/// Errors inside of functions that hold in every shader that the function is put into.
+const OF_A_FUNCTION: &[Code] = &[
+    errors::NO_OVERLOAD,
+    errors::ASSIGN_TYPE,
+    errors::OPERAND_TYPE,
+    errors::INDEX,
+    errors::CONDITION_TYPE,
+    errors::RETURN_TYPE,
+    errors::NOT_A_PLACE,
+    errors::TOO_MANY,
+    errors::TOO_FEW,
+    errors::ASSIGN_SIZE,
+    errors::MATRIX_SIZE,
+    errors::SCALAR_SWIZZLE,
+    errors::SWIZZLE,
+    errors::VECTOR_RELATION,
+    errors::INDEX_RANGE,
+    errors::READ_ONLY,
+];
+
+/// Those of the errors of a text that its host may take away.
+pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
+    if found.is_empty() {
+        return Vec::new();
+    }
+    let file = shader.file();
+    let has_main = shader.tokens().iter().any(|t| t.kind == TokenKind::Word && file.slice(t.span) == "main");
+    let versioned = shader.version().span.is_some();
+    // What holds nothing of a shader under the name of one is told as it is.
+    if shader.stage() != Stage::Library && !shader.unit().items.iter().any(|i| i.kind != ItemKind::Error) {
+        return vec![false; found.len()];
+    }
+    if !has_main && !versioned {
+        // Where a piece is not whole by itself, everything may have another meaning.
+        let whole = found.iter().all(|d| OF_A_FUNCTION.contains(&d.code));
+        return vec![!whole; found.len()];
+    }
+    let joined = found.iter().any(|d| is_foreign(file, d));
+    let replaced = found.iter().any(|d| d.code != errors::INCLUDE && is_foreign(file, d));
+    let kept = under_conditions(shader, found);
+    let unknown_stage = shader.stage() == Stage::Library;
+    let of = |(error, kept): (&Diagnostic, bool)| {
+        !kept
+            || (joined && (REPAIRED_IN_FRONT.contains(&error.code) || is_bindless(file, error)))
+            || (joined && error.code == errors::SYNTAX && (replaced || at_macro(file, error)))
+            || (unknown_stage && OF_THE_STAGE.contains(&error.code))
+            // Who puts a version in front may put more there; a slip comes with what was meant.
+            || (!versioned && NAMES.contains(&error.code) && error.help.is_none())
+    };
+    found.iter().zip(kept).map(of).collect()
+}
+
+/// True for what another preprocessor than that of GLSL reads.
+fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
+    match error.code {
+        errors::INCLUDE => true,
+        errors::UNKNOWN_DIRECTIVE => error.help.is_none(),
+        errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\', '"', '\'', '#']),
+        errors::SYNTAX => {
+            let before = file.text()[..error.span.start].trim_end();
+            file.text()[error.span.start..].starts_with("{{") || before.ends_with(['$', '@', '#'])
+        }
+        _ => false,
+    }
+}
+
+/// True for an error at a word in capitals: a macro that another text defines.
+fn at_macro(file: &SourceFile, error: &Diagnostic) -> bool {
+    let before = file.text()[..error.span.start].trim_end();
+    let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or("");
+    is_macro(file.slice(error.span)) || is_macro(last)
+}
+
+/// True for a word in capitals.
+fn is_macro(word: &str) -> bool {
+    word.len() > 1 && word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_')
+}
+
+/// True for a sampler that is made of a handle, which an extension in front brings.
+fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
+    error.code == errors::CONSTRUCTOR && file.text()[error.span.start..].starts_with(|c: char| "siu".contains(c))
+}
+
+/// For each error, whether it stays where everything that an `#if` asks and the text does not define is defined from
+/// outside. What is left out then is judged as it stands.
+fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
+    let asked = asked(shader);
+    if asked.is_empty() {
+        return vec![true; found.len()];
+    }
+    let defines: Vec<(String, String)> = asked.into_iter().map(|name| (name, "1".to_owned())).collect();
+    let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
+    let same = |a: &Diagnostic| other.diagnostics.iter().any(|b| a.code == b.code && a.span.start == b.span.start);
+    let left_out = |span: Span| {
+        let all = other.shader.tokens();
+        let at = all.partition_point(|t| t.span.end <= span.start);
+        all.get(at).is_some_and(|t| t.place == TokenPlace::Inactive)
+    };
+    found.iter().map(|d| same(d) || left_out(d.span)).collect()
+}
+
+/// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for and no `#define` of the text sets.
+fn asked(shader: &Shader) -> BTreeSet<String> {
+    let (mut asked, mut set) = (BTreeSet::new(), BTreeSet::new());
+    for line in shader.file().text().lines() {
+        let Some(directive) = line.trim_start().strip_prefix('#') else { continue };
+        let mut words = directive.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|w| !w.is_empty());
+        match words.next() {
+            Some("define") => set.extend(words.next().map(str::to_owned)),
+            Some("if" | "ifdef" | "ifndef" | "elif") => {
+                let name = |w: &&str| !w.starts_with(|c: char| c.is_ascii_digit()) && *w != "defined";
+                asked.extend(words.filter(name).map(str::to_owned));
+            }
+            _ => {}
+        }
+    }
+    // What the language defines is known.
+    asked
+        .into_iter()
+        .filter(|name| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__"))
+        .collect()
+}
+
+/// Names that hosts can put in front of the shaders of a project: words of pieces, and those of texts that host code
+/// writes and that are no whole shader.
+pub fn names_in_front(project: &Project) -> HashSet<String> {
+    let mut names = HashSet::new();
+    let mut add = |text: &str| {
+        let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+        names.extend(words.filter(|w| w.len() > 1).map(str::to_owned));
+    };
+    for (_, shader) in project.shader_files() {
+        if shader.shader.version().span.is_none() && shader.shader.function("main").is_none() {
+            let shader = &shader.shader;
+            let code =
+                shader.tokens().iter().filter(|t| t.kind == TokenKind::Word).map(|t| shader.file().slice(t.span));
+            code.for_each(&mut add);
+        }
+    }
+    for host in project.hosts() {
+        let mut at = 0;
+        for line in host.file.text().split_inclusive('\n') {
+            // What a whole shader in a literal declares is its own.
+            if let Some(text) = written(line).filter(|_| !host.embedded().iter().any(|e| e.place.contains(at))) {
+                add(text);
+            }
+            at += line.len();
+        }
+    }
+    names
+}
+
+/// The part of a line of host code that is GLSL in quotes: a definition or a declaration.
+fn written(line: &str) -> Option<&str> {
+    let quoted = &line[line.find('"')? + 1..];
+    let starts =
+        ["#define ", "uniform ", "const ", "in ", "out ", "varying ", "attribute ", "layout", "struct ", "\\n#define "];
+    let declares = |start: &&str| quoted.trim_start().starts_with(*start) && quoted.len() > start.len();
+    starts.iter().any(|s| declares(&s)).then_some(quoted)
+}
+
+/// True for an error that is about a name, or at a macro: something in front may declare it.
+pub fn is_about_a_name(error: &Diagnostic) -> bool {
+    NAMES.contains(&error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
+}
+
+#[cfg(test)]
+mod tests {
+    use base::text::SourceFile;
+
+    use crate::{Input, Level, Selection, Settings, run_with};
+
+    /// Codes of what is found by default in files, and of what is found beyond it.
+    fn found(files: &[(&str, &str)]) -> (Vec<String>, Vec<String>) {
+        let inputs: Vec<Input> = files.iter().map(|(name, text)| Input::new(SourceFile::new(*name, *text))).collect();
+        let codes = |level: Level| -> Vec<String> {
+            let selection = Selection::new(&[], &[]).unwrap().at(level);
+            let found = run_with(&inputs, &Settings { selection, ..Settings::default() });
+            found
+                .iter()
+                .filter(|d| d.severity == base::diagnostic::Severity::Error)
+                .map(|d| d.code.0.to_owned())
+                .collect()
+        };
+        let default = codes(Level::Default);
+        let mut strict = codes(Level::Strict);
+        for code in &default {
+            strict.remove(strict.iter().position(|c| c == code).unwrap());
+        }
+        (default, strict)
+    }
+
+    fn only_on_request(files: &[(&str, &str)], code: &str) {
+        let (default, strict) = found(files);
+        assert!(default.is_empty() && strict.iter().any(|c| c == code), "{files:?}: {default:?}, {strict:?}");
+    }
+
+    fn by_default(files: &[(&str, &str)], code: &str) {
+        let (default, _) = found(files);
+        assert!(default.iter().any(|c| c == code), "{files:?}: {default:?}");
+    }
+
+    #[test]
+    fn a_piece_is_judged_where_it_is_whole() {
+        only_on_request(&[("light.glsl", "color += shade(n, l) * lamps[i].color;\n")], "E001");
+        only_on_request(&[("noise.glsl", "float f(vec2 p) { return hash(p); }\n")], "E021");
+        only_on_request(&[("facade.vert", "#define varying out\n")], "E025");
+        by_default(&[("noise.glsl", "vec2 f(vec2 p) { vec3 q = p; return q.xy; }\n")], "T003");
+        by_default(&[("junk.frag", "no shader at all")], "E001");
+    }
+
+    #[test]
+    fn what_another_preprocessor_reads_is_left_to_it() {
+        let shader =
+            |line: &str, body: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
+        only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");
+        only_on_request(&[("a.frag", &shader("#include \"light.glsl\"\nHIGH_PRECISION;", "vec4(1.0)"))], "E001");
+        only_on_request(&[("a.frag", &shader("const int n = $COUNT;", "vec4(n)"))], "E002");
+        by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");
+        by_default(&[("a.frag", &shader("", "light()"))], "E021");
+        by_default(&[("a.frag", &shader("#include \"light.glsl\"\nout vec2 d", "vec4(1.0)"))], "E001");
+    }
+
+    #[test]
+    fn an_error_that_a_definition_from_outside_takes_away_is_told_on_request() {
+        let shader = |condition: &str| {
+            format!("#version 330\n{condition}\nin vec3 t;\n#endif\nout vec4 c;\nvoid main() {{ c = vec4(t, 1.0); }}\n")
+        };
+        only_on_request(&[("a.frag", &shader("#ifdef TANGENTS"))], "E020");
+        by_default(&[("a.frag", &shader("#define TANGENTS 0\n#if TANGENTS"))], "E020");
+        // What the definition leaves out stays wrong.
+        let other =
+            "#version 330\nout vec4 c;\nvoid main() {\n#ifdef FLAT\nc = vec4(1.0);\n#else\nc = vec3(1.0);\n#endif\n}\n";
+        by_default(&[("a.frag", other)], "T003");
+    }
+
+    #[test]
+    fn names_of_pieces_and_of_texts_in_host_code_may_stand_in_front() {
+        let shader = "#version 330\nout vec4 c;\n//%lamps%\nvoid main() { c = vec4(ambient); }\n";
+        by_default(&[("a.frag", shader)], "E020");
+        only_on_request(&[("a.frag", shader), ("lamps.glsl", "uniform float ambient;\n")], "E020");
+        let host = "void f() { text = \"uniform float ambient;\\n\" + text; }\n";
+        only_on_request(&[("a.frag", shader), ("a.cpp", host)], "E020");
+        // Another whole shader declares its names for itself, in a file or in a literal.
+        let whole = "#version 330\nuniform float ambient;\nvoid main() { gl_Position = vec4(ambient); }\n";
+        by_default(&[("a.frag", shader), ("b.vert", whole)], "E020");
+        let literal = format!("const char* t = R\"({whole})\";\nvoid f() {{ glShaderSource(s, 1, &t, 0); }}\n");
+        by_default(&[("a.frag", shader), ("b.cpp", &literal)], "E020");
+    }
+
+    #[test]
+    fn nothing_is_said_that_depends_on_an_unknown_stage() {
+        let text = "#version 330\nlayout(location = 0) in vec3 p;\nout vec3 q;\nvoid main() { q = p; }\n";
+        only_on_request(&[("shader.glsl", text)], "V002");
+        by_default(&[("shader_fs.glsl", text)], "V002");
+        assert!(found(&[("shader_vs.glsl", text)]).0.is_empty());
+    }
+
+    #[test]
+    fn a_name_in_a_text_without_a_version_is_told_where_it_is_a_slip() {
+        let text = |name: &str| format!("varying vec3 normal;\nvoid main() {{ gl_FragColor = vec4({name}, 1.0); }}\n");
+        only_on_request(&[("a.frag", &text("sceneTint"))], "E020");
+        by_default(&[("a.frag", &text("normol"))], "E020");
+    }
+}
