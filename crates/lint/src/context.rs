@@ -67,7 +67,8 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     let has_main = shader.tokens().iter().any(|t| t.kind == TokenKind::Word && file.slice(t.span) == "main");
     let versioned = shader.version().span.is_some();
     // What holds nothing of a shader under the name of one is told as it is.
-    if shader.stage() != Stage::Library && !shader.unit().items.iter().any(|i| i.kind != ItemKind::Error) {
+    let is_empty = shader.unit().items.iter().all(|i| i.kind == ItemKind::Error);
+    if shader.stage() != Stage::Library && is_empty && found.iter().any(|d| d.code == errors::SYNTAX) {
         return vec![false; found.len()];
     }
     if !has_main && !versioned {
@@ -95,7 +96,7 @@ fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
     match error.code {
         errors::INCLUDE => true,
         errors::UNKNOWN_DIRECTIVE => error.help.is_none(),
-        errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\', '"', '\'', '#']),
+        errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
         errors::SYNTAX => {
             let before = file.text()[..error.span.start].trim_end();
             file.text()[error.span.start..].starts_with("{{") || before.ends_with(['$', '@', '#'])
@@ -111,8 +112,17 @@ fn at_macro(file: &SourceFile, error: &Diagnostic) -> bool {
     is_macro(file.slice(error.span)) || is_macro(last)
 }
 
+/// True for a text in a shader's file that is C++: shaders in raw strings, which host code includes.
+pub fn is_raw_string_file(text: &str) -> bool {
+    let opens =
+        |at: usize| text[at + 2..].find(['(', '"', '\n']).is_some_and(|end| text[at + 2 + end..].starts_with('('));
+    let in_front = |at: usize| text[..at].rsplit('\n').next().unwrap_or("").trim();
+    text.match_indices("R\"")
+        .any(|(at, _)| opens(at) && (in_front(at).is_empty() || in_front(at).ends_with(['=', '('])))
+}
+
 /// True for a word in capitals.
-fn is_macro(word: &str) -> bool {
+pub fn is_macro(word: &str) -> bool {
     word.len() > 1 && word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_')
 }
 
@@ -246,7 +256,7 @@ mod tests {
         only_on_request(&[("noise.glsl", "float f(vec2 p) { return hash(p); }\n")], "E021");
         only_on_request(&[("facade.vert", "#define varying out\n")], "E025");
         by_default(&[("noise.glsl", "vec2 f(vec2 p) { vec3 q = p; return q.xy; }\n")], "T003");
-        by_default(&[("junk.frag", "no shader at all")], "E001");
+        by_default(&[("junk.frag", "placeholder")], "E001");
     }
 
     #[test]
@@ -286,6 +296,31 @@ mod tests {
         by_default(&[("a.frag", shader), ("b.vert", whole)], "E020");
         let literal = format!("const char* t = R\"({whole})\";\nvoid f() {{ glShaderSource(s, 1, &t, 0); }}\n");
         by_default(&[("a.frag", shader), ("b.cpp", &literal)], "E020");
+    }
+
+    #[test]
+    fn a_file_of_raw_strings_is_host_code() {
+        let shader = |value: &str| {
+            format!(
+                "static const char a_frag[] = R\"(\n#version 330\nout vec4 c;\nvoid main() {{ c = {value}; }}\n)\";\n"
+            )
+        };
+        let two = shader("vec4(1.0)").repeat(2);
+        assert!(found(&[("shaders.glsl", &two)]).0.is_empty());
+        assert!(
+            found(&[("shader.frag", "R\"zz(\nvarying vec2 p;\nvoid main() { gl_FragColor = vec4(p, p); }\n)zz\"\n")])
+                .0
+                .is_empty()
+        );
+        by_default(&[("quoted.frag", "#version 330\nout vec4 c;\nvoid main() { c = R\"; }\n")], "E002");
+    }
+
+    #[test]
+    fn a_macro_may_be_defined_in_front_and_a_slip_in_one_is_told() {
+        let text = |name: &str| {
+            format!("#version 330\n#define LAMP_COUNT 4\nout vec4 c;\nvoid main() {{ c = vec4({name}); }}\n")
+        };
+        only_on_request(&[("a.frag", &text("FOG_LIMIT"))], "E020");
     }
 
     #[test]

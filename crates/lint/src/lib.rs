@@ -78,7 +78,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     let mut told: Vec<(Level, Diagnostic)> = project
         .shaders()
         .filter(|s| s.reported)
-        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, d), d.clone())))
+        .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, s, d), d.clone())))
         .collect();
     let programs = project.programs();
     // A rule that is not asked for is of use only where the front end tells its code.
@@ -141,22 +141,18 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
 }
 
 /// Hosts resolve `#include` and other directives of their own, and put macros in front of a text: what may be
-/// right with their help is told on request.
-fn front_end_level(project: &Project, error: &Diagnostic) -> Level {
+/// right with their help is told on request. A slip comes with what was meant.
+fn front_end_level(project: &Project, shader: &ShaderFile, error: &Diagnostic) -> Level {
     let name = error.file.slice(error.span);
-    let macro_like = name.len() > 1 && name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
-    // A shader in a literal is itself a part of its host file.
+    // A shader in a literal is itself a part of its host file: only what stands beside it can be put in front.
     let count = |text: &str| text.matches(name).count();
-    let of_the_host = || {
-        let is_file = project.shader_files().any(|(_, s)| s.file.name() == error.file.name());
-        let own = if is_file { 0 } else { count(error.file.text()) };
-        project.hosts().any(|h| count(h.file.text()) > own)
-    };
+    let beside = || project.hosts().any(|h| count(h.file.text()) > count(error.file.text()));
     match error.code {
         errors::INCLUDE => Level::Strict,
-        // A slip comes with what was meant.
         errors::UNKNOWN_DIRECTIVE if error.help.is_none() => Level::Strict,
-        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION | errors::UNKNOWN_TYPE if macro_like && of_the_host() => {
+        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION | errors::UNKNOWN_TYPE
+            if error.help.is_none() && context::is_macro(name) && (shader.origin.is_none() || beside()) =>
+        {
             Level::Strict
         }
         _ => Level::Default,

@@ -284,6 +284,9 @@ impl Read {
     fn new(input: &Input) -> (String, Option<Self>) {
         let path = normalise(input.file.name());
         let read = match language_of(&path) {
+            Some(Language::Shader(_)) if context::is_raw_string_file(input.file.text()) => {
+                Some(Self::Host(Box::new(input.host())))
+            }
             Some(Language::Shader(stage)) => {
                 let parts = sections(&input.file);
                 if !parts.is_empty() {
@@ -292,7 +295,7 @@ impl Read {
                     // Other tools write other languages under this ending.
                     None
                 } else {
-                    let told = || Stage::of_text(&path, input.file.text()).unwrap_or(Stage::Library);
+                    let told = || super::host::stage_of_file(&path, input.file.text()).unwrap_or(Stage::Library);
                     let stage = if stage == Stage::Library { told() } else { stage };
                     Some(Self::Shader(Box::new(ShaderFile::new(input, stage))))
                 }

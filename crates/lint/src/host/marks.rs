@@ -66,6 +66,33 @@ pub fn stage_of_name(name: &str) -> Option<Stage> {
     }
 }
 
+/// The stage of a shader's file whose ending says none: what its text has, or else a word of its name
+/// (`skin_vs.glsl`, `TubeFrag.glsl`). None for a text without `main`, and for one that has marks of two stages.
+pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
+    if !has_main(text) {
+        return None;
+    }
+    let file = name.rsplit('/').next().unwrap_or(name);
+    let words = words(file.split('.').next().unwrap_or(file));
+    let named = || {
+        let of = |word: &String| {
+            Some(match word.as_str() {
+                "vertex" | "vert" | "vtx" | "vs" | "vsh" => Stage::Vertex,
+                "fragment" | "frag" | "pixel" | "fs" | "fsh" | "ps" => Stage::Fragment,
+                "geometry" | "geom" | "gs" | "gsh" => Stage::Geometry,
+                "tesc" | "tcs" => Stage::TessControl,
+                "tese" | "tes" => Stage::TessEvaluation,
+                "compute" | "comp" | "cs" => Stage::Compute,
+                _ => return None,
+            })
+        };
+        let mut said: Vec<Stage> = words.iter().filter_map(of).collect();
+        said.dedup();
+        said.first().copied().filter(|_| said.len() == 1)
+    };
+    stage(text).ok()?.or_else(named)
+}
+
 /// The words of a name, in small letters: `vsSource`, `VS_SOURCE` and `vs2` have the word `vs`.
 fn words(name: &str) -> Vec<String> {
     let mut found = vec![String::new()];
@@ -116,6 +143,28 @@ fn without_comments(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_word_of_a_files_name_tells_the_stage() {
+        for (name, expected) in [
+            ("a/test_vs.glsl", Some(Stage::Vertex)),
+            ("TubeFrag.glsl", Some(Stage::Fragment)),
+            ("modelFS.glsl", Some(Stage::Fragment)),
+            ("GrassVertex.glsl", Some(Stage::Vertex)),
+            ("vert_sky.glsl", Some(Stage::Vertex)),
+            ("VertexShader.glsl", Some(Stage::Vertex)),
+            ("invert.glsl", None),
+            ("canvas.glsl", None),
+            ("vs_and_fs.glsl", None),
+        ] {
+            assert_eq!(stage_of_file(name, "void main() {}"), expected, "{name}");
+        }
+        assert_eq!(stage_of_file("noise_vs.glsl", "float f() { return 1.0; }"), None, "it has no main");
+        let other = stage_of_file("blur_vs.glsl", "void main() { gl_FragColor = vec4(1.0); }");
+        assert_eq!(other, Some(Stage::Fragment), "the text goes before the name");
+        let both = "#ifdef V\nvoid main() { gl_Position = x; }\n#else\nvoid main() { gl_FragColor = x; }\n#endif";
+        assert_eq!(stage_of_file("a_vs.glsl", both), None, "two stages in one file");
+    }
 
     #[test]
     fn contents_tell_the_stage() {

@@ -57,6 +57,7 @@ use lookup::Lookup;
 use programs::HostPrograms;
 
 pub(super) use literal::Literal;
+pub(super) use marks::stage_of_file;
 pub(super) use program::{ShaderRef, named_shaders};
 pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use syntax::quoted_includes;
