@@ -1,5 +1,6 @@
 //! Charts of errors: drawn once by `plotters`, as SVG for the page and as pixels for files.
 
+use maud::html;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
@@ -42,7 +43,8 @@ impl Chart<'_> {
             let hex = format!("#{:02X}{:02X}{:02X}", color.0, color.1, color.2);
             text = text.replace(&format!("\"{hex}\""), &format!("\"var(--{name},{})\"", hex.to_lowercase()));
         }
-        text.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", super::escape::Escaped(title)), 1)
+        let title = html! { (title) }.into_string();
+        text.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1)
     }
 
     /// As pixels.

@@ -1,10 +1,10 @@
 //! A finding with all that is known about it.
 
-use std::fmt::Write;
+use maud::{Markup, html};
 
-use super::escape::{Escaped, Message, count, number};
+use super::text::{Message, count, number};
 use base::value::{F32Bits, Scalar};
-use engine::suite::run::{Case, Finding, FindingKind, Report};
+use engine::suite::run::{Case, Finding, FindingKind, InputValue, Report};
 use judge::verdict::diagnosis::{Diagnosis, Divergence, Fault, Stand};
 use judge::verdict::{Blame, Deviation, Value};
 
@@ -84,67 +84,64 @@ pub(super) fn how_many(finding: &Finding) -> Option<String> {
 }
 
 /// A finding, with a name of its own for what can be copied.
-pub(super) fn finding(text: &mut String, finding: &Finding, lane: &str, name: &str) {
-    let class = if finding.kind.is_warning() { " warning" } else { "" };
-    let _ = write!(
-        text,
-        "<section class=\"finding{class}\"><h4>{}</h4><p>{}</p>",
-        Escaped(who(finding, lane)),
-        Message(&finding.message)
-    );
-    if let Some(many) = how_many(finding) {
-        let _ = write!(text, "<p class=\"quiet\">{many}</p>");
-    }
-    if let Some(case) = &finding.case {
-        sides(text, case);
-        because(text, &case.diagnosis);
-        inputs(text, case);
-    }
-    if let Some(command) = &finding.reproduce {
-        if let Some((_, line)) = command.split_once("--case '") {
-            copied(text, "Inputs as bits", &format!("{name}-inputs"), line.trim_end_matches('\''));
+pub(super) fn finding(finding: &Finding, lane: &str, name: &str) -> Markup {
+    html! {
+        section.finding.warning[finding.kind.is_warning()] {
+            h4 { (who(finding, lane)) }
+            p { (Message(&finding.message)) }
+            @if let Some(many) = how_many(finding) { p.quiet { (many) } }
+            @if let Some(case) = &finding.case {
+                (sides(case))
+                (because(&case.diagnosis))
+                (inputs(case))
+            }
+            @if let Some(command) = &finding.reproduce {
+                @if let Some((_, line)) = command.split_once("--case '") {
+                    (copied("Inputs as bits", &format!("{name}-inputs"), line.trim_end_matches('\'')))
+                }
+                (copied("Run it again", &format!("{name}-command"), command))
+            }
         }
-        copied(text, "Run it again", &format!("{name}-command"), command);
     }
-    text.push_str("</section>\n");
 }
 
 /// Text with a button that copies it.
-pub(super) fn copied(text: &mut String, title: &str, name: &str, content: &str) {
-    let _ = write!(
-        text,
-        "<h5>{title}</h5><div class=\"copy\"><code id=\"{0}\">{1}</code>\
-         <button type=\"button\" data-copy=\"{0}\">Copy</button></div>",
-        Escaped(name),
-        Escaped(content)
-    );
+pub(super) fn copied(title: &str, name: &str, content: &str) -> Markup {
+    html! {
+        h5 { (title) }
+        div.copy { code id=(name) { (content) } button type="button" data-copy=(name) { "Copy" } }
+    }
+}
+
+/// A row of a table with its name in front.
+fn row(name: &str, shown: &str) -> Markup {
+    html! { tr { th scope="row" { (name) } td.mono { (shown) } } }
 }
 
 /// The component that deviates, on all sides.
-fn sides(text: &mut String, case: &Case) {
-    let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?))) else { return };
-    let Value { component, vertex, expected, meaning, actual, scalar, bound } = value;
-    let on = vertex.map_or_else(String::new, |vertex| format!(" of vertex {vertex}"));
-    let _ = write!(text, "<h5>{}{on}</h5><table>", Escaped(component));
-    let mut row = |side: &str, shown: String| {
-        let _ =
-            write!(text, "<tr><th scope=\"row\">{}</th><td class=\"mono\">{}</td></tr>", Escaped(side), Escaped(shown));
+fn sides(case: &Case) -> Markup {
+    let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?))) else {
+        return Markup::default();
     };
-    if let Some(expected) = expected {
-        row(if case.against == "expectation" { "expected" } else { &case.against }, format!("{expected:?}"));
-    }
+    let Value { component, vertex, expected, meaning, actual, scalar, bound } = value;
     let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
-    row("shader means", format!("{meaning:?}{allowed}"));
-    if *scalar == Scalar::F32 {
-        let bits = F32Bits(*actual);
-        row("lane gave", format!("{bits}   0x{actual:08x}   {}", bits.to_hex_float()));
-        if let Some(off) = off(deviation, value) {
-            row("off by", off);
+    let bits = F32Bits(*actual);
+    html! {
+        h5 { (component) @if let Some(vertex) = vertex { " of vertex " (vertex) } }
+        table {
+            @if let Some(expected) = expected {
+                @let against = if case.against == "expectation" { "expected" } else { &case.against };
+                (row(against, &format!("{expected:?}")))
+            }
+            (row("shader means", &format!("{meaning:?}{allowed}")))
+            @if *scalar == Scalar::F32 {
+                (row("lane gave", &format!("{bits}   0x{actual:08x}   {}", bits.to_hex_float())))
+                @if let Some(off) = off(deviation, value) { (row("off by", &off)) }
+            } @else {
+                (row("lane gave", &format!("0x{actual:08x}")))
+            }
         }
-    } else {
-        row("lane gave", format!("0x{actual:08x}"));
     }
-    text.push_str("</table>");
 }
 
 /// How far the side to blame is off.
@@ -164,74 +161,73 @@ fn off(deviation: &Deviation, value: &Value) -> Option<String> {
 }
 
 /// Where a deviation comes from.
-fn because(text: &mut String, diagnosis: &Diagnosis) {
+fn because(diagnosis: &Diagnosis) -> Markup {
     let Diagnosis { literals, no_value, origin, divergence, written, relation: _, position: _, cross_check } =
         diagnosis;
     let reasons = literals.iter().map(ToString::to_string).chain(no_value.iter().map(ToString::to_string));
     let reasons: Vec<String> = reasons.chain(origin.iter().map(ToString::to_string)).collect();
-    if !reasons.is_empty() {
-        text.push_str("<h5>Because</h5>");
-        for reason in reasons {
-            let _ = write!(text, "<div>{}</div>", Message(reason));
+    html! {
+        @if !reasons.is_empty() {
+            h5 { "Because" }
+            @for reason in reasons { div { (Message(reason)) } }
         }
-    }
-    if let (Some(written), None) = (written, divergence) {
-        let _ = write!(text, "<h5>Written at</h5><div>{}</div>", Message(written));
-    }
-    if let Some(cross_check) = cross_check {
-        let _ = write!(text, "<h5>Whose fault, by all lanes</h5><p>{}</p>", Message(cross_check.fault.to_string()));
-        for stand in Stand::ALL {
-            let lanes = cross_check.with(stand);
-            if !lanes.is_empty() {
-                let _ = write!(text, "<div class=\"mono\">{}: {}</div>", stand.name(), Escaped(lanes.join(", ")));
+        @if let (Some(written), None) = (written, divergence) {
+            h5 { "Written at" }
+            div { (Message(written)) }
+        }
+        @if let Some(cross_check) = cross_check {
+            h5 { "Whose fault, by all lanes" }
+            p { (Message(&cross_check.fault)) }
+            @for stand in Stand::ALL {
+                @let lanes = cross_check.with(stand);
+                @if !lanes.is_empty() { div.mono { (stand.name()) ": " (lanes.join(", ")) } }
             }
         }
-    }
-    let Some(Divergence { place, args, meaning, bound, actual, condition, path }) = divergence else { return };
-    let _ = write!(text, "<h5>Where lane and shader part first</h5><table>");
-    let mut row = |side: &str, shown: String| {
-        let _ = write!(text, "<tr><th scope=\"row\">{side}</th><td class=\"mono\">{}</td></tr>", Escaped(shown));
-    };
-    row("operation", place.to_string());
-    if *path {
-        row("lane", "goes another way here".to_owned());
-    } else {
-        if !args.is_empty() {
-            row("arguments", args.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", "));
-        }
-        row("means", format!("{meaning:?} ± {bound:.1e}"));
-        row("lane has", format!("{:?}", F32Bits(*actual)));
-        if condition.is_finite() {
-            row("condition number", number(*condition));
+        @if let Some(divergence) = divergence {
+            h5 { "Where lane and shader part first" }
+            table { (parting(divergence)) }
         }
     }
-    text.push_str("</table>");
+}
+
+/// The rows about the first operation after which lane and shader differ.
+fn parting(divergence: &Divergence) -> Markup {
+    let Divergence { place, args, meaning, bound, actual, condition, path } = divergence;
+    html! {
+        (row("operation", &place.to_string()))
+        @if *path {
+            (row("lane", "goes another way here"))
+        } @else {
+            @if !args.is_empty() {
+                (row("arguments", &args.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ")))
+            }
+            (row("means", &format!("{meaning:?} ± {bound:.1e}")))
+            (row("lane has", &format!("{:?}", F32Bits(*actual))))
+            @if condition.is_finite() { (row("condition number", &number(*condition))) }
+        }
+    }
 }
 
 /// Words of an input that are shown; the command has all.
 const SHOWN: usize = 16;
 
-fn inputs(text: &mut String, case: &Case) {
-    let title = if case.tried > 0 { "Smallest inputs that show it" } else { "Inputs" };
-    let _ = write!(text, "<h5>{title}</h5><table>");
-    for input in &case.inputs {
-        let shown = if is_identity(&input.name, &input.bits) {
-            "identity".to_owned()
-        } else {
-            let more = input.decimal.len().saturating_sub(SHOWN);
-            let rest = if more > 0 { format!(", … {more} more") } else { String::new() };
-            format!("{}{rest}", input.decimal[..input.decimal.len().min(SHOWN)].join(", "))
-        };
-        let _ = write!(
-            text,
-            "<tr><th scope=\"row\" class=\"mono\">{}</th><td class=\"mono\">{}</td></tr>",
-            Escaped(&input.name),
-            Escaped(shown)
-        );
-    }
-    text.push_str("</table>");
-    if case.tried > 0 {
-        let _ = write!(text, "<p class=\"quiet\">Shrunk in {} rounds from {} candidates.</p>", case.rounds, case.tried);
+fn inputs(case: &Case) -> Markup {
+    let shown = |input: &InputValue| {
+        if is_identity(&input.name, &input.bits) {
+            return "identity".to_owned();
+        }
+        let more = input.decimal.len().saturating_sub(SHOWN);
+        let rest = if more > 0 { format!(", … {more} more") } else { String::new() };
+        format!("{}{rest}", input.decimal[..input.decimal.len().min(SHOWN)].join(", "))
+    };
+    html! {
+        h5 { @if case.tried > 0 { "Smallest inputs that show it" } @else { "Inputs" } }
+        table {
+            @for input in &case.inputs { tr { th.mono scope="row" { (input.name) } td.mono { (shown(input)) } } }
+        }
+        @if case.tried > 0 {
+            p.quiet { "Shrunk in " (case.rounds) " rounds from " (case.tried) " candidates." }
+        }
     }
 }
 

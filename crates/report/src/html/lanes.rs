@@ -1,59 +1,63 @@
 //! What each lane is, and what is promised of its operations beside what was measured.
 
-use std::fmt::Write;
+use engine::suite::run::Promised;
+use maud::{Markup, html};
 
 use super::Page;
-use super::escape::Escaped;
 
 /// Lanes with their tables of operations.
-pub(super) fn lanes(text: &mut String, page: &Page<'_>) {
-    if page.summary.lanes.is_empty() {
-        return;
+pub(super) fn lanes(page: &Page<'_>) -> Markup {
+    html! {
+        @if !page.summary.lanes.is_empty() { h2 id="lanes" { "Lanes" } }
+        @for used in &page.summary.lanes {
+            @let (lane, against) = (&used.description, &used.against);
+            @let promises: Vec<&str> =
+                [&against.promise].into_iter().chain(&against.conformance).map(String::as_str).collect();
+            h3 { (lane.name) }
+            dl.facts {
+                div { dt { "driver" } dd { (lane.driver) } }
+                div { dt { "executes" } dd { (lane.executor) } }
+                div { dt { "reads shaders" } dd { (lane.front_end) } }
+                div { dt { "promises" } dd { (promises.join(", ")) } }
+                div { dt { "measured" } dd { (against.measured.as_deref().unwrap_or("not")) } }
+            }
+            @if let Some((_, rows)) = page.promises.iter().find(|(name, _)| name == lane.name) {
+                (operations(rows, &against.promise, against.conformance.as_deref()))
+            }
+        }
     }
-    text.push_str("<h2 id=\"lanes\">Lanes</h2>\n");
-    for used in &page.summary.lanes {
-        let (lane, against) = (&used.description, &used.against);
-        let promises: Vec<&str> =
-            [&against.promise].into_iter().chain(&against.conformance).map(String::as_str).collect();
-        let _ = writeln!(
-            text,
-            "<h3>{}</h3><dl class=\"facts\"><div><dt>driver</dt><dd>{}</dd></div><div><dt>executes</dt><dd>{}</dd></div>\
-             <div><dt>reads shaders</dt><dd>{}</dd></div><div><dt>promises</dt><dd>{}</dd></div>\
-             <div><dt>measured</dt><dd>{}</dd></div></dl>",
-            Escaped(lane.name),
-            Escaped(&lane.driver),
-            Escaped(&lane.executor),
-            Escaped(&lane.front_end),
-            Escaped(promises.join(", ")),
-            Escaped(against.measured.as_deref().unwrap_or("not"))
-        );
-        let Some((_, rows)) = page.promises.iter().find(|(name, _)| name == lane.name) else { continue };
-        let measured = rows.iter().any(|row| row.measured.is_some());
-        let _ = write!(
-            text,
-            "<details class=\"plain\"><summary>What is promised of {} operations{}</summary><div class=\"wide\"><table><thead><tr>\
-             <th>operation</th><th>promised by {}</th>",
-            rows.len(),
-            if measured { ", and what was measured" } else { "" },
-            Escaped(&against.promise)
-        );
-        if let Some(suite) = &against.conformance {
-            let _ = write!(text, "<th>accepted by {}</th>", Escaped(suite));
-        }
-        if measured {
-            text.push_str("<th>largest error measured</th>");
-        }
-        text.push_str("</tr></thead><tbody>");
-        for row in rows {
-            let _ = write!(text, "<tr><td class=\"mono\">{}</td><td>{}</td>", Escaped(row.op), Escaped(&row.text));
-            if against.conformance.is_some() {
-                let _ = write!(text, "<td>{}</td>", Escaped(row.conformance.as_deref().unwrap_or("the same")));
+}
+
+/// What a lane promises of each operation.
+fn operations(rows: &[Promised], promise: &str, conformance: Option<&str>) -> Markup {
+    let measured = rows.iter().any(|row| row.measured.is_some());
+    html! {
+        details.plain {
+            summary {
+                "What is promised of " (rows.len()) " operations" @if measured { ", and what was measured" }
             }
-            if measured {
-                let _ = write!(text, "<td>{}</td>", Escaped(row.measured.as_deref().unwrap_or("–")));
+            div.wide {
+                table {
+                    thead {
+                        tr {
+                            th { "operation" }
+                            th { "promised by " (promise) }
+                            @if let Some(suite) = conformance { th { "accepted by " (suite) } }
+                            @if measured { th { "largest error measured" } }
+                        }
+                    }
+                    tbody {
+                        @for row in rows {
+                            tr {
+                                td.mono { (row.op) }
+                                td { (row.text) }
+                                @if conformance.is_some() { td { (row.conformance.as_deref().unwrap_or("the same")) } }
+                                @if measured { td { (row.measured.as_deref().unwrap_or("–")) } }
+                            }
+                        }
+                    }
+                }
             }
-            text.push_str("</tr>");
         }
-        text.push_str("</tbody></table></div></details>\n");
     }
 }

@@ -3,7 +3,6 @@
 
 mod charts;
 mod data;
-mod escape;
 mod finding;
 mod known;
 mod lanes;
@@ -13,6 +12,7 @@ mod page;
 mod raster;
 mod source;
 mod suite;
+mod text;
 
 use serde_json::Value;
 
@@ -21,7 +21,7 @@ use engine::suite::run::{Entry, Gallery, Outcome, Promised, Summary};
 use program::InputSource;
 
 use charts::Chart;
-use escape::slug;
+use text::slug;
 
 /// What a page is made of.
 pub struct Page<'a> {

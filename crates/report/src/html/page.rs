@@ -1,9 +1,9 @@
 //! The page as a whole: its head, what is wrong, and what comes after.
 
-use std::fmt::Write;
+use maud::{DOCTYPE, Markup, PreEscaped, display, html};
 
-use super::escape::{Escaped, Message, count, script};
 use super::finding::{how_many, who};
+use super::text::{Message, commas, count, printable, script};
 use super::{Page, anchor, fails, suites, way};
 use engine::suite::run::{Finding, FindingKind, Outcome, RunError, Status};
 
@@ -11,100 +11,97 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 4] =
     [include_str!("script.js"), include_str!("scene.js"), include_str!("viewer.js"), include_str!("map.js")];
 
+/// Nothing outside of the page is ever asked for.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+
 /// The whole page.
 pub(super) fn page(page: &Page<'_>) -> String {
-    let mut text = String::new();
-    let title = match page.summary.status() {
+    let status = match page.summary.status() {
         Status::Pass => "passed",
         Status::Fail => "failed",
         Status::Broken if page.summary.totals().judged > 0 => "is incomplete",
         Status::Broken => "could not run",
     };
-    // Writing into a String does not fail. Nothing outside of the page is ever asked for.
-    let _ = write!(
-        text,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-         script-src 'unsafe-inline'; img-src data:\">\n<title>shadercheck {title}</title>\n<style>\n{STYLE}</style>\n\
-         </head>\n<body>\n<a class=\"skip\" href=\"#matrix\">To the table of suites</a>\n"
-    );
-    hero(&mut text, page);
-    wrongs(&mut text, page);
-    super::known::known(&mut text, page);
-    super::matrix::matrix(&mut text, page);
-    let _ = writeln!(text, "<h2 id=\"suites\">Suites</h2>");
-    let all = suites(page.summary);
-    let first_failing = all.iter().position(|(_, numbers)| numbers.iter().any(|&n| fails(&page.summary.entries[n])));
-    for (k, (name, numbers)) in all.iter().enumerate() {
-        super::suite::suite(&mut text, page, name, numbers, k == first_failing.unwrap_or(0));
-    }
-    super::lanes::lanes(&mut text, page);
-    if let Some(mutations) = page.mutations {
-        super::mutations::mutations(&mut text, mutations);
-    }
-    let _ = write!(
-        text,
-        "<footer>shadercheck {}, seed {}. The charts are beside this page in <code>plots</code>; the same run for \
-         programs is in <code>report.json</code>.</footer>\n<script type=\"application/json\" id=\"data\">{}</script>\n\
-         <script>\n",
-        env!("CARGO_PKG_VERSION"),
-        page.summary.seed,
-        script(&super::data::data(page))
-    );
-    for part in SCRIPTS {
-        text.push_str(part);
-    }
-    text.push_str("</script>\n</body>\n</html>\n");
-    text
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                title { "shadercheck " (status) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                (printable(text(page)))
+                script type="application/json" id="data" { (script(&super::data::data(page))) }
+                script { @for part in SCRIPTS { (PreEscaped(part)) } }
+            }
+        }
+    };
+    page.into_string()
 }
 
-fn hero(text: &mut String, page: &Page<'_>) {
+/// What is read on the page, from its top to its end.
+fn text(page: &Page<'_>) -> Markup {
+    let all = suites(page.summary);
+    let first_failing = all.iter().position(|(_, numbers)| numbers.iter().any(|&n| fails(&page.summary.entries[n])));
+    html! {
+        a.skip href="#matrix" { "To the table of suites" }
+        (hero(page))
+        (wrongs(page))
+        (super::known::known(page))
+        (super::matrix::matrix(page))
+        h2 id="suites" { "Suites" }
+        @for (k, (name, numbers)) in all.iter().enumerate() {
+            (super::suite::suite(page, name, numbers, k == first_failing.unwrap_or(0)))
+        }
+        (super::lanes::lanes(page))
+        @if let Some(mutations) = page.mutations { (super::mutations::mutations(mutations)) }
+        footer {
+            "shadercheck " (env!("CARGO_PKG_VERSION")) ", seed " (page.summary.seed)
+            ". The charts are beside this page in " code { "plots" } "; the same run for programs is in "
+            code { "report.json" } "."
+        }
+    }
+}
+
+fn hero(page: &Page<'_>) -> Markup {
     let summary = page.summary;
     let totals = summary.totals();
     let all = suites(summary);
     let failing = all.iter().filter(|(_, numbers)| numbers.iter().any(|&n| fails(&summary.entries[n]))).count();
     let suites = |n: usize| if n == 1 { "suite" } else { "suites" };
-    let (class, headline) = match (summary.status(), failing) {
-        (Status::Pass, _) if all.len() == 1 => ("", "The suite passes".to_owned()),
-        (Status::Pass, _) => ("", format!("All {} suites pass", all.len())),
-        (Status::Fail, 1) if all.len() == 1 => (" fail", "The suite fails".to_owned()),
-        (Status::Fail, 1) => (" fail", format!("1 of {} {} fails", all.len(), suites(all.len()))),
-        (Status::Fail, n) => (" fail", format!("{n} of {} {} fail", all.len(), suites(all.len()))),
-        (Status::Broken, _) if !summary.shortcomings().is_empty() => (" fail", "The run is incomplete".to_owned()),
-        (Status::Broken, 0) => (" fail", "Nothing was judged".to_owned()),
-        (Status::Broken, n) => (" fail", format!("{n} of {} {} could not run", all.len(), suites(all.len()))),
+    let headline = match (summary.status(), failing) {
+        (Status::Pass, _) if all.len() == 1 => "The suite passes".to_owned(),
+        (Status::Pass, _) => format!("All {} suites pass", all.len()),
+        (Status::Fail, 1) if all.len() == 1 => "The suite fails".to_owned(),
+        (Status::Fail, 1) => format!("1 of {} {} fails", all.len(), suites(all.len())),
+        (Status::Fail, n) => format!("{n} of {} {} fail", all.len(), suites(all.len())),
+        (Status::Broken, _) if !summary.shortcomings().is_empty() => "The run is incomplete".to_owned(),
+        (Status::Broken, 0) => "Nothing was judged".to_owned(),
+        (Status::Broken, n) => format!("{n} of {} {} could not run", all.len(), suites(all.len())),
     };
-    let lanes: Vec<String> = summary
-        .lanes
-        .iter()
-        .map(|used| format!("<b>{}</b> ({})", Escaped(used.description.name), Escaped(&used.description.driver)))
-        .collect();
-    let _ = write!(
-        text,
-        "<div class=\"top\"><span><b>shadercheck</b></span><button id=\"theme\" type=\"button\" \
-         aria-label=\"Light or dark page\">Dark</button></div>\n<header class=\"hero{class}\">\n<h1>{headline}</h1>\n\
-         <p class=\"quiet\">on {}</p>\n<dl class=\"figures\">",
-        lanes.join(", ")
-    );
-    for (name, n, bad) in [
-        ("samples judged", totals.judged, false),
-        ("agree", totals.agreed, false),
-        ("deviate", totals.deviated, totals.deviated > 0),
-        ("undetermined", totals.undetermined, false),
-        ("not supported", totals.unsupported, false),
-    ] {
-        if n > 0 || name != "not supported" {
-            let class = if bad { " class=\"bad\"" } else { "" };
-            let _ = write!(text, "<div{class}><dt>{name}</dt><dd>{}</dd></div>", count(n));
+    let lanes = summary.lanes.iter().map(|used| &used.description);
+    let lanes: Vec<Markup> = lanes.map(|lane| html! { b { (lane.name) } " (" (lane.driver) ")" }).collect();
+    html! {
+        div.top {
+            span { b { "shadercheck" } }
+            button id="theme" type="button" aria-label="Light or dark page" { "Dark" }
         }
-    }
-    text.push_str("</dl>\n</header>\n");
-    for (name, why) in &summary.unavailable {
-        let _ = writeln!(text, "<p class=\"quiet\">Lane <b>{}</b> did not run: {}.</p>", Escaped(name), Escaped(why));
-    }
-    for (_, shortcoming) in summary.shortcomings() {
-        let _ = writeln!(text, "<p><b>Incomplete</b>: {}.</p>", Escaped(shortcoming));
+        header.hero.fail[summary.status() != Status::Pass] {
+            h1 { (headline) }
+            p.quiet { "on " (commas(&lanes)) }
+            dl.figures {
+                div { dt { "samples judged" } dd { (count(totals.judged)) } }
+                div { dt { "agree" } dd { (count(totals.agreed)) } }
+                div class=[(totals.deviated > 0).then_some("bad")] { dt { "deviate" } dd { (count(totals.deviated)) } }
+                div { dt { "undetermined" } dd { (count(totals.undetermined)) } }
+                @if totals.unsupported > 0 { div { dt { "not supported" } dd { (count(totals.unsupported)) } } }
+            }
+        }
+        @for (name, why) in &summary.unavailable { p.quiet { "Lane " b { (name) } " did not run: " (display(why)) "." } }
+        @for (_, shortcoming) in summary.shortcomings() { p { b { "Incomplete" } ": " (shortcoming) "." } }
     }
 }
 
@@ -122,7 +119,7 @@ struct Wrong {
 }
 
 /// What is wrong, each thing once, errors first.
-fn wrongs(text: &mut String, page: &Page<'_>) {
+fn wrongs(page: &Page<'_>) -> Markup {
     let mut all: Vec<Wrong> = Vec::new();
     let mut add = |new: Wrong| {
         let same = |old: &&mut Wrong| (&old.suite, &old.who, &old.message) == (&new.suite, &new.who, &new.message);
@@ -167,45 +164,39 @@ fn wrongs(text: &mut String, page: &Page<'_>) {
             Outcome::KnownFailure { .. } => {}
         }
     }
-    for (warning, follows) in [(false, false), (false, true), (true, false)] {
+    let part = |warning: bool, follows: bool| {
         let some: Vec<&Wrong> = all.iter().filter(|w| (w.warning, w.follows) == (warning, follows)).collect();
-        let heading = match (some.len(), warning, follows) {
-            (0, _, _) => continue,
-            (_, false, false) => "<h2>What is wrong</h2>".to_owned(),
-            (1, false, true) => "<summary>1 relation does not hold for outputs that deviate</summary>".to_owned(),
-            (n, false, true) => format!("<summary>{n} relations do not hold for outputs that deviate</summary>"),
-            (1, true, _) => "<summary>1 warning</summary>".to_owned(),
-            (n, true, _) => format!("<summary>{n} warnings</summary>"),
+        let list = html! { ul.wrongs { @for wrong in &some { (item(wrong)) } } };
+        let summary = match (some.len(), warning, follows) {
+            (0, _, _) => return Markup::default(),
+            (_, false, false) => return html! { h2 { "What is wrong" } (list) },
+            (1, false, true) => "1 relation does not hold for outputs that deviate".to_owned(),
+            (n, false, true) => format!("{n} relations do not hold for outputs that deviate"),
+            (1, true, _) => "1 warning".to_owned(),
+            (n, true, _) => format!("{n} warnings"),
         };
-        let folded = warning || follows;
-        let open = if folded { "<details class=\"plain\">" } else { "" };
-        let _ = writeln!(text, "{open}{heading}\n<ul class=\"wrongs\">");
-        for wrong in some {
-            let class = if warning { "who warning" } else { "who" };
-            let _ = write!(
-                text,
-                "<li><span class=\"{class}\">{}</span><div><p><b>{}</b>: {}</p><p class=\"more\">",
-                Escaped(&wrong.who),
-                Escaped(&wrong.suite),
-                Message(&wrong.message)
-            );
-            if let Some(at) = &wrong.at {
-                let _ = write!(text, "at <code>{}</code>; ", Escaped(at));
+        html! { details.plain { summary { (summary) } (list) } }
+    };
+    html! { (part(false, false)) (part(false, true)) (part(true, false)) }
+}
+
+fn item(wrong: &Wrong) -> Markup {
+    let link = |(way, anchor): &(String, String)| {
+        let way = if way.is_empty() { "details" } else { way };
+        html! { a href={ "#" (anchor) } { (way) } }
+    };
+    html! {
+        li {
+            span.who.warning[wrong.warning] { (wrong.who) }
+            div {
+                p { b { (wrong.suite) } ": " (Message(&wrong.message)) }
+                p.more {
+                    @if let Some(at) = &wrong.at { "at " code { (at) } "; " }
+                    @if let Some(many) = &wrong.many { (many) "; " }
+                    (commas(&wrong.on.iter().map(link).collect::<Vec<_>>()))
+                }
             }
-            if let Some(many) = &wrong.many {
-                let _ = write!(text, "{many}; ");
-            }
-            let links: Vec<String> = wrong
-                .on
-                .iter()
-                .map(|(way, anchor)| {
-                    let way = if way.is_empty() { "details" } else { way };
-                    format!("<a href=\"#{}\">{}</a>", Escaped(anchor), Escaped(way))
-                })
-                .collect();
-            let _ = writeln!(text, "{}</p></div></li>", links.join(", "));
         }
-        text.push_str(if folded { "</ul></details>\n" } else { "</ul>\n" });
     }
 }
 

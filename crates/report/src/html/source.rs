@@ -1,9 +1,9 @@
 //! A shader with the places that findings are about.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
-use super::escape::Escaped;
+use maud::{Markup, html};
+
 use base::text::{Location, Position};
 use engine::suite::run::Finding;
 use judge::verdict::diagnosis::{Origin, Place};
@@ -63,44 +63,34 @@ pub(super) fn note(notes: &mut Notes, file: &str, at: &Location, meant: &str, to
 
 /// A text with its lines numbered, and notes below the lines that they are about; the whole of it, or only lines
 /// so near to a note.
-pub(super) fn listing(out: &mut String, text: &str, notes: &Notes, near: Option<usize>) {
-    out.push_str("<div class=\"source mono\" tabindex=\"0\" role=\"region\" aria-label=\"Source\">");
+pub(super) fn listing(text: &str, notes: &Notes, near: Option<usize>) -> Markup {
     let shown = |number: usize| near.is_none_or(|near| notes.keys().any(|noted| noted.abs_diff(number) <= near));
-    for (number, line) in text.lines().enumerate().map(|(k, line)| (k + 1, line)) {
-        if !shown(number) {
-            if shown(number + 1) && number > 1 {
-                out.push_str("<div class=\"quiet\">⋯</div>");
+    html! {
+        div.source.mono tabindex="0" role="region" aria-label="Source" {
+            @for (number, text) in text.lines().enumerate().map(|(k, text)| (k + 1, text)) {
+                @if shown(number) {
+                    @let here = notes.get(&number).map_or(&[][..], Vec::as_slice);
+                    div class=[(!here.is_empty()).then_some("hit")] { span.no { (number) } (line(text, here.first())) }
+                    @for note in here { div.told { (note.told) } }
+                } @else if shown(number + 1) && number > 1 {
+                    div.quiet { "⋯" }
+                }
             }
-            continue;
-        }
-        let here = notes.get(&number).map_or(&[][..], Vec::as_slice);
-        let class = if here.is_empty() { "" } else { " class=\"hit\"" };
-        let _ = write!(out, "<div{class}><span class=\"no\">{number}</span>");
-        let letters: Vec<char> = line.chars().collect();
-        // The first note is marked in the line; several may overlap.
-        let marked = here.first().filter(|n| n.length > 0 && n.column > 0 && n.column <= letters.len());
-        match marked {
-            Some(Note { column, length, .. }) => {
-                let (from, to) = (column - 1, (column - 1 + length).min(letters.len()));
-                let part = |range: std::ops::Range<usize>| letters[range].iter().collect::<String>();
-                let _ = write!(
-                    out,
-                    "{}<mark>{}</mark>{}",
-                    Escaped(part(0..from)),
-                    Escaped(part(from..to)),
-                    Escaped(part(to..letters.len()))
-                );
-            }
-            None => {
-                let _ = write!(out, "{}", Escaped(line));
-            }
-        }
-        out.push_str("</div>");
-        for note in here {
-            let _ = write!(out, "<div class=\"told\">{}</div>", Escaped(&note.told));
         }
     }
-    out.push_str("</div>\n");
+}
+
+/// A line with what its first note is about marked; several may overlap.
+fn line(text: &str, note: Option<&Note>) -> Markup {
+    let letters: Vec<char> = text.chars().collect();
+    match note {
+        Some(&Note { column, length, .. }) if length > 0 && (1..=letters.len()).contains(&column) => {
+            let (from, to) = (column - 1, (column - 1 + length).min(letters.len()));
+            let part = |range: std::ops::Range<usize>| letters[range].iter().collect::<String>();
+            html! { (part(0..from)) mark { (part(from..to)) } (part(to..letters.len())) }
+        }
+        Some(_) | None => html! { (text) },
+    }
 }
 
 #[cfg(test)]
@@ -118,8 +108,7 @@ mod tests {
         note(&mut notes, "a:b.vert", &at("a:b.vert:2:11"), "3.14", "too few <digits>");
         note(&mut notes, "a:b.vert", &at("a:b.vert:2:11"), "3.14", "too few <digits>");
         note(&mut notes, "a:b.vert", &at("other.vert:1:1"), "", "not here");
-        let mut out = String::new();
-        listing(&mut out, text, &notes, None);
+        let out = listing(text, &notes, None).into_string();
         assert!(out.contains("float x = <mark>3.14</mark>;"), "{out}");
         assert!(out.contains("球 &lt;script&gt;"), "{out}");
         assert_eq!(out.matches("too few &lt;digits&gt;").count(), 1, "{out}");
@@ -131,8 +120,7 @@ mod tests {
         let text: String = (1..=30).map(|k| format!("line{k}\n")).collect();
         let mut notes = Notes::new();
         note(&mut notes, "f", &at("f:10:1"), "line", "here");
-        let mut out = String::new();
-        listing(&mut out, &text, &notes, Some(2));
+        let out = listing(&text, &notes, Some(2)).into_string();
         let has = |k: usize| out.contains(&format!("line{k}</div>")) || out.contains(&format!("</mark>{k}</div>"));
         assert!((1..=30).all(|k| has(k) == (8..=12).contains(&k)), "{out}");
     }
@@ -142,8 +130,7 @@ mod tests {
         let mut notes = Notes::new();
         note(&mut notes, "f", &at("f:1:9"), "x", "gone");
         note(&mut notes, "f", &at("f:7:1"), "x", "gone too");
-        let mut out = String::new();
-        listing(&mut out, "ab\n", &notes, None);
+        let out = listing("ab\n", &notes, None).into_string();
         assert!(!out.contains("<mark>") && out.contains("gone"), "{out}");
     }
 }

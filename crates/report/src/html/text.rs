@@ -1,49 +1,43 @@
-//! Text inside of a page.
+//! Text inside of a page. maud escapes what stands between tags and in attributes.
 
 use std::fmt;
 
-/// Text that stays text, between tags and in attributes with double quotes.
-pub(super) struct Escaped<T>(pub T);
-
-impl<T: fmt::Display> fmt::Display for Escaped<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for c in self.0.to_string().chars() {
-            match c {
-                '<' => f.write_str("&lt;")?,
-                '>' => f.write_str("&gt;")?,
-                '&' => f.write_str("&amp;")?,
-                '"' => f.write_str("&quot;")?,
-                '\'' => f.write_str("&#39;")?,
-                // No character of a page.
-                c if c.is_control() && !matches!(c, '\n' | '\t') => write!(f, "{}", c.escape_default())?,
-                c => write!(f, "{c}")?,
-            }
-        }
-        Ok(())
-    }
-}
+use maud::{Markup, PreEscaped, Render, html};
 
 /// A message in which what stands between backticks is code.
 pub(super) struct Message<T>(pub T);
 
-impl<T: fmt::Display> fmt::Display for Message<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl<T: fmt::Display> Render for Message<T> {
+    fn render(&self) -> Markup {
         let text = self.0.to_string();
         let parts: Vec<&str> = text.split('`').collect();
         // Backticks that have no partner stay what they are.
         if parts.len().is_multiple_of(2) {
-            return write!(f, "{}", Escaped(text));
+            return html! { (text) };
         }
-        for (k, part) in parts.into_iter().enumerate() {
-            if k % 2 == 1 { write!(f, "<code>{}</code>", Escaped(part))? } else { write!(f, "{}", Escaped(part))? }
-        }
-        Ok(())
+        html! { @for (k, part) in parts.iter().enumerate() { @if k % 2 == 1 { code { (part) } } @else { (part) } } }
     }
 }
 
+/// Parts with a comma and a space between them.
+pub(super) fn commas(parts: &[Markup]) -> Markup {
+    html! { @for (k, part) in parts.iter().enumerate() { @if k > 0 { ", " } (part) } }
+}
+
+/// Markup with escapes of Rust in place of control characters, which no page may have.
+pub(super) fn printable(markup: Markup) -> Markup {
+    let PreEscaped(text) = markup;
+    let is_printable = |c: char| !c.is_control() || matches!(c, '\n' | '\t');
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_printable(c) { shown.push(c) } else { shown.extend(c.escape_default()) }
+    }
+    PreEscaped(shown)
+}
+
 /// JSON inside of a script element: nothing in it can end the element.
-pub(super) fn script(value: &serde_json::Value) -> String {
-    value.to_string().replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
+pub(super) fn script(value: &serde_json::Value) -> Markup {
+    PreEscaped(value.to_string().replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026"))
 }
 
 /// A number of samples with its thousands set apart.
@@ -84,18 +78,20 @@ mod tests {
 
     #[test]
     fn text_stays_text() {
-        let evil = "</script><script>alert(\"1\")&'";
-        let shown = Escaped(evil).to_string();
-        assert!(!shown.contains(['<', '>', '"', '\'']), "{shown}");
-        let json = script(&serde_json::json!({ "name": evil }));
+        let evil = "</script><script>alert(\"1\")&'\u{1b}[1m";
+        let PreEscaped(shown) = printable(html! { p title=(evil) { (evil) (Message(evil)) } });
+        let text = "&lt;/script&gt;&lt;script&gt;alert(&quot;1&quot;)&amp;'\\u{1b}[1m";
+        assert_eq!(shown, format!("<p title=\"{text}\">{text}{text}</p>"));
+        let PreEscaped(json) = script(&serde_json::json!({ "name": evil }));
         assert!(!json.contains(['<', '>', '&']), "{json}");
         assert_eq!(serde_json::from_str::<serde_json::Value>(&json).unwrap()["name"], evil);
     }
 
     #[test]
     fn what_stands_between_backticks_is_code() {
-        assert_eq!(Message("`a<b>` is `1`").to_string(), "<code>a&lt;b&gt;</code> is <code>1</code>");
-        assert_eq!(Message("one ` alone").to_string(), "one ` alone");
+        let shown = |text: &str| Message(text).render().into_string();
+        assert_eq!(shown("`a<b>` is `1`"), "<code>a&lt;b&gt;</code> is <code>1</code>");
+        assert_eq!(shown("one ` alone"), "one ` alone");
     }
 
     #[test]
