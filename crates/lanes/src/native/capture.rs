@@ -3,14 +3,9 @@
 
 use std::collections::HashMap;
 
-use super::spirv::{HEADER, Reflection, Type, branches, decoration, instruction, instructions, op, storage};
+use ::spirv::{Capability, Decoration, ExecutionMode, Op, StorageClass};
 
-/// Numbers of SPIR-V that are written here alone.
-const CAPABILITY_TRANSFORM_FEEDBACK: u32 = 53;
-const MODE_XFB: u32 = 11;
-const MODE_OUTPUT_POINTS: u32 = 27;
-const MODE_OUTPUT_LINE_STRIP: u32 = 28;
-const MODE_OUTPUT_TRIANGLE_STRIP: u32 = 29;
+use super::spirv::{HEADER, Reflection, Type, branches, instruction, instructions, parts};
 
 /// Bits of a mark that hold the number of the vertex; the others hold that of the strip.
 pub(super) const VERTEX_BITS: u32 = 16;
@@ -34,7 +29,7 @@ impl Feed {
 
     fn storage(self, written: u32) -> u32 {
         match self {
-            Self::Storage if written == storage::UNIFORM => storage::STORAGE_BUFFER,
+            Self::Storage if written == StorageClass::Uniform as u32 => StorageClass::StorageBuffer as u32,
             Self::Uniform | Self::Storage => written,
         }
     }
@@ -78,67 +73,55 @@ pub(super) fn insert(words: &[u32], reflection: &Reflection, capture: &Capture) 
         decorated: false,
     };
     // Ids of what may be declared once are found first.
-    for (opcode, operands) in instructions(words) {
-        let key = match (opcode, operands) {
-            (op::TYPE_INT, &[id, width, signed]) => Some((vec![opcode, width, signed], id)),
-            (op::TYPE_POINTER, &[id, storage, to]) => Some((vec![opcode, storage, to], id)),
-            (op::TYPE_FLOAT, &[id, width]) => Some((vec![opcode, width], id)),
-            _ => None,
-        };
-        if let Some((key, id)) = key {
-            pass.known.entry(key).or_insert(id);
+    for (op, operands) in instructions(words).map(parts) {
+        if let (Op::TypeInt | Op::TypePointer | Op::TypeFloat, [id, rest @ ..]) = (op, operands) {
+            pass.known.entry((op, rest.to_vec())).or_insert(*id);
         }
     }
-    pass.out.extend(instruction(op::CAPABILITY, &[CAPABILITY_TRANSFORM_FEEDBACK]));
+    pass.add(Op::Capability, &[Capability::TransformFeedback as u32]);
     // The entry point names the mark before it is declared.
     let mark = capture.mark.map(|location| (pass.id(), location));
     let mut declared = false;
-    for (opcode, operands) in instructions(words) {
-        match opcode {
-            op::ENTRY_POINT => {
-                let mut operands = operands.to_vec();
-                operands.extend(mark.map(|(id, _)| id));
-                pass.add(opcode, &operands);
-                pass.add(op::EXECUTION_MODE, &[operands[1], MODE_XFB]);
+    for words in instructions(words) {
+        let (op, operands) = parts(words);
+        if (Op::TypeVoid..=Op::TypeForwardPointer).contains(&op) {
+            pass.decorate(mark);
+        }
+        match (op, operands) {
+            (Op::EntryPoint, &[_, function, ..]) => {
+                let named: Vec<u32> = operands.iter().copied().chain(mark.map(|(id, _)| id)).collect();
+                pass.add(op, &named);
+                pass.add(Op::ExecutionMode, &[function, ExecutionMode::Xfb as u32]);
             }
-            op::EXECUTION_MODE if capture.points && is_strip(operands) => {
-                pass.add(opcode, &[operands[0], MODE_OUTPUT_POINTS]);
+            (Op::ExecutionMode, &[function, mode]) if capture.points && is_strip(mode) => {
+                pass.add(op, &[function, ExecutionMode::OutputPoints as u32]);
             }
-            op::TYPE_POINTER if operands.len() == 3 => {
-                pass.decorate(mark);
-                pass.add(opcode, &[operands[0], capture.feed.storage(operands[1]), operands[2]]);
+            (Op::TypePointer, &[id, storage, to]) => pass.add(op, &[id, capture.feed.storage(storage), to]),
+            (Op::Variable, &[_, id, storage]) if storage == StorageClass::Output as u32 => {
+                let start = pass.start(id);
+                pass.add(op, &[operands, start.as_slice()].concat());
             }
-            19..=39 => {
-                pass.decorate(mark);
-                pass.add(opcode, operands);
-            }
-            op::VARIABLE if operands.len() == 3 && operands[2] == storage::UNIFORM => {
-                pass.add(opcode, &[operands[0], operands[1], capture.feed.storage(operands[2])]);
-            }
-            op::VARIABLE if operands.len() == 3 && operands[2] == storage::OUTPUT => {
-                let start = pass.start(operands[1]);
-                pass.add(opcode, &[operands, start.as_slice()].concat());
-            }
-            op::FUNCTION => {
+            (Op::Variable, &[ty, id, storage]) => pass.add(op, &[ty, id, capture.feed.storage(storage)]),
+            (Op::Function, _) => {
                 if let (false, Some((id, _))) = (declared, mark) {
                     pass.declare(id);
                 }
                 declared = true;
-                pass.add(opcode, operands);
+                pass.out.extend(words);
             }
-            op::EMIT_VERTEX | op::END_PRIMITIVE => {
-                pass.count(opcode == op::EMIT_VERTEX);
-                pass.add(opcode, operands);
+            (Op::EmitVertex | Op::EndPrimitive, _) => {
+                pass.count(op == Op::EmitVertex);
+                pass.out.extend(words);
             }
-            _ => pass.add(opcode, operands),
+            _ => pass.out.extend(words),
         }
     }
     pass.out[3] = pass.next;
     pass.out
 }
 
-fn is_strip(mode: &[u32]) -> bool {
-    matches!(mode, [_, MODE_OUTPUT_LINE_STRIP | MODE_OUTPUT_TRIANGLE_STRIP])
+fn is_strip(mode: u32) -> bool {
+    [ExecutionMode::OutputLineStrip, ExecutionMode::OutputTriangleStrip].iter().any(|&strip| mode == strip as u32)
 }
 
 /// Variables by which vertices and strips are counted.
@@ -156,7 +139,7 @@ struct Pass<'a> {
     out: Vec<u32>,
     next: u32,
     /// Declarations that may stand once, with their ids.
-    known: HashMap<Vec<u32>, u32>,
+    known: HashMap<(Op, Vec<u32>), u32>,
     reflection: &'a Reflection,
     capture: &'a Capture,
     mark: Option<Mark>,
@@ -169,25 +152,25 @@ impl Pass<'_> {
         self.next - 1
     }
 
-    fn add(&mut self, opcode: u32, operands: &[u32]) {
-        self.out.extend(instruction(opcode, operands));
+    fn add(&mut self, op: Op, operands: &[u32]) {
+        self.out.extend(instruction(op, operands));
     }
 
     /// The id of a type, which is declared here when it is not yet.
-    fn ty(&mut self, opcode: u32, operands: &[u32]) -> u32 {
-        let key = [&[opcode], operands].concat();
+    fn ty(&mut self, op: Op, operands: &[u32]) -> u32 {
+        let key = (op, operands.to_vec());
         if let Some(&id) = self.known.get(&key) {
             return id;
         }
         let id = self.id();
-        self.add(opcode, &[&[id], operands].concat());
+        self.add(op, &[&[id], operands].concat());
         self.known.insert(key, id);
         id
     }
 
     fn constant(&mut self, ty: u32, word: u32) -> u32 {
         let id = self.id();
-        self.add(op::CONSTANT, &[ty, id, word]);
+        self.add(Op::Constant, &[ty, id, word]);
         id
     }
 
@@ -201,27 +184,27 @@ impl Pass<'_> {
         for output in &self.capture.outputs {
             match output.member {
                 Some((ty, member)) => {
-                    self.add(op::MEMBER_DECORATE, &[ty, member, decoration::OFFSET, 4 * output.word]);
+                    self.add(Op::MemberDecorate, &[ty, member, Decoration::Offset as u32, 4 * output.word]);
                 }
-                None => self.add(op::DECORATE, &[output.variable, decoration::OFFSET, 4 * output.word]),
+                None => self.add(Op::Decorate, &[output.variable, Decoration::Offset as u32, 4 * output.word]),
             }
             if !variables.contains(&output.variable) {
                 variables.push(output.variable);
             }
         }
         if let Some((id, location)) = mark {
-            self.add(op::DECORATE, &[id, decoration::LOCATION, location]);
-            self.add(op::DECORATE, &[id, decoration::OFFSET, 4 * self.capture.words]);
+            self.add(Op::Decorate, &[id, Decoration::Location as u32, location]);
+            self.add(Op::Decorate, &[id, Decoration::Offset as u32, 4 * self.capture.words]);
             variables.push(id);
         }
         if self.capture.feed == Feed::Storage {
-            for variable in self.reflection.of_storage(storage::UNIFORM) {
-                self.add(op::DECORATE, &[variable.id, decoration::NON_WRITABLE]);
+            for variable in self.reflection.of_storage(StorageClass::Uniform) {
+                self.add(Op::Decorate, &[variable.id, Decoration::NonWritable as u32]);
             }
         }
         for id in variables {
-            self.add(op::DECORATE, &[id, decoration::XFB_BUFFER, 0]);
-            self.add(op::DECORATE, &[id, decoration::XFB_STRIDE, stride]);
+            self.add(Op::Decorate, &[id, Decoration::XfbBuffer as u32, 0]);
+            self.add(Op::Decorate, &[id, Decoration::XfbStride as u32, stride]);
         }
     }
 
@@ -241,17 +224,17 @@ impl Pass<'_> {
                 parts.push(self.sentinel(member)?);
             } else {
                 let id = self.id();
-                self.add(op::CONSTANT_NULL, &[member, id]);
+                self.add(Op::ConstantNull, &[member, id]);
                 parts.push(id);
             }
         }
         let id = self.id();
-        self.add(op::CONSTANT_COMPOSITE, &[&[structure, id], &parts[..]].concat());
+        self.add(Op::ConstantComposite, &[&[structure, id], &parts[..]].concat());
         Some(id)
     }
 
     fn sentinel(&mut self, ty: u32) -> Option<u32> {
-        let key = vec![op::CONSTANT_COMPOSITE, ty];
+        let key = (Op::ConstantComposite, vec![ty]);
         if let Some(&known) = self.known.get(&key) {
             return Some(known);
         }
@@ -268,22 +251,22 @@ impl Pass<'_> {
         };
         let part = self.sentinel(part)?;
         let id = self.id();
-        self.add(op::CONSTANT_COMPOSITE, &[vec![ty, id], vec![part; count as usize]].concat());
+        self.add(Op::ConstantComposite, &[vec![ty, id], vec![part; count as usize]].concat());
         self.known.insert(key, id);
         Some(id)
     }
 
     /// Declares the mark and what it is counted with.
     fn declare(&mut self, output: u32) {
-        let uint = self.ty(op::TYPE_INT, &[32, 0]);
-        let private = self.ty(op::TYPE_POINTER, &[storage::PRIVATE, uint]);
-        let out = self.ty(op::TYPE_POINTER, &[storage::OUTPUT, uint]);
+        let uint = self.ty(Op::TypeInt, &[32, 0]);
+        let private = self.ty(Op::TypePointer, &[StorageClass::Private as u32, uint]);
+        let out = self.ty(Op::TypePointer, &[StorageClass::Output as u32, uint]);
         let (zero, one) = (self.constant(uint, 0), self.constant(uint, 1));
         let shift = self.constant(uint, VERTEX_BITS);
         let (vertex, strip) = (self.id(), self.id());
-        self.add(op::VARIABLE, &[private, vertex, storage::PRIVATE, zero]);
-        self.add(op::VARIABLE, &[private, strip, storage::PRIVATE, zero]);
-        self.add(op::VARIABLE, &[out, output, storage::OUTPUT]);
+        self.add(Op::Variable, &[private, vertex, StorageClass::Private as u32, zero]);
+        self.add(Op::Variable, &[private, strip, StorageClass::Private as u32, zero]);
+        self.add(Op::Variable, &[out, output, StorageClass::Output as u32]);
         self.mark = Some(Mark { uint, output, vertex, strip, one, shift });
     }
 
@@ -292,15 +275,15 @@ impl Pass<'_> {
         let Some(Mark { uint, output, vertex, strip, one, shift }) = self.mark else { return };
         let counter = if emits { vertex } else { strip };
         let (value, next) = (self.id(), self.id());
-        self.add(op::LOAD, &[uint, value, counter]);
+        self.add(Op::Load, &[uint, value, counter]);
         if emits {
             let (number, shifted, mark) = (self.id(), self.id(), self.id());
-            self.add(op::LOAD, &[uint, number, strip]);
-            self.add(op::SHIFT_LEFT, &[uint, shifted, number, shift]);
-            self.add(op::BITWISE_OR, &[uint, mark, shifted, value]);
-            self.add(op::STORE, &[output, mark]);
+            self.add(Op::Load, &[uint, number, strip]);
+            self.add(Op::ShiftLeftLogical, &[uint, shifted, number, shift]);
+            self.add(Op::BitwiseOr, &[uint, mark, shifted, value]);
+            self.add(Op::Store, &[output, mark]);
         }
-        self.add(op::I_ADD, &[uint, next, value, one]);
-        self.add(op::STORE, &[counter, next]);
+        self.add(Op::IAdd, &[uint, next, value, one]);
+        self.add(Op::Store, &[counter, next]);
     }
 }

@@ -1,15 +1,14 @@
 //! Where the fields of a kernel's records lie in a module of SPIR-V: read from the module, never assumed.
 
+use ::spirv::{BuiltIn, Decoration, StorageClass};
+
 use super::capture::Captured;
-use super::spirv::{Reflection, Type, Variable, decoration, storage};
+use super::spirv::{Reflection, Type, Variable};
 use crate::LaneError;
 use base::value::{Field, Record};
 
-/// Numbers of built-in outputs.
-const BUILT_INS: [(&str, u32); 2] = [("gl_Position", 0), ("gl_PointSize", 1)];
-
-/// Number of the built-in input `gl_PrimitiveIDIn`.
-const PRIMITIVE_ID: u32 = 7;
+/// Built-in outputs that are captured.
+const BUILT_INS: [(&str, BuiltIn); 2] = [("gl_Position", BuiltIn::Position), ("gl_PointSize", BuiltIn::PointSize)];
 
 fn unsupported(what: String) -> LaneError {
     LaneError::Unsupported(what)
@@ -39,11 +38,12 @@ struct Layout {
 /// [`LaneError::Unsupported`] for resources that are no uniform buffers, and values that are laid out in a way that
 /// is not known.
 pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block>, LaneError> {
-    let known = [storage::INPUT, storage::OUTPUT, storage::UNIFORM, storage::PRIVATE];
+    let known =
+        [StorageClass::Input, StorageClass::Output, StorageClass::Uniform, StorageClass::Private].map(|s| s as u32);
     if let Some(other) = reflection.variables.iter().find(|v| !known.contains(&v.storage)) {
         return Err(unsupported(format!("the resource `{}`; uniform values alone are fed", reflection.name(other.id))));
     }
-    let variables: Vec<Variable> = reflection.of_storage(storage::UNIFORM).collect();
+    let variables: Vec<Variable> = reflection.of_storage(StorageClass::Uniform).collect();
     let (mut blocks, mut open) = (Vec::new(), 0);
     for variable in &variables {
         let of = |what| reflection.decoration(variable.id, what).unwrap_or(0);
@@ -51,7 +51,7 @@ pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block
         spread(reflection, variable.ty, 0, Layout::default(), &mut all);
         let bytes = all.iter().max().map_or(16, |last| (last + 4).next_multiple_of(16));
         open += all.len();
-        let (set, binding) = (of(decoration::DESCRIPTOR_SET), of(decoration::BINDING));
+        let (set, binding) = (of(Decoration::DescriptorSet), of(Decoration::Binding));
         blocks.push(Block { set, binding, bytes, slots: Vec::new() });
     }
     for (index, field) in case.fields().iter().enumerate() {
@@ -88,12 +88,12 @@ fn place(reflection: &Reflection, block: Variable, name: &str) -> Option<(u32, u
             Type::Struct(members) => {
                 let member = (0..members.len() as u32).find(|&m| reflection.member_name(ty, m) == *step)?;
                 layout = layout_of(reflection, ty, member);
-                offset += reflection.member_decoration(ty, member, decoration::OFFSET)?;
+                offset += reflection.member_decoration(ty, member, Decoration::Offset)?;
                 ty = members[member as usize];
             }
             &Type::Array { element, count } => {
                 let index: u32 = step.parse().ok().filter(|&index| index < count)?;
-                offset += index * reflection.decoration(ty, decoration::ARRAY_STRIDE)?;
+                offset += index * reflection.decoration(ty, Decoration::ArrayStride)?;
                 ty = element;
             }
             Type::Bool | Type::Number | Type::Vector { .. } | Type::Matrix { .. } | Type::Pointer { .. } => {
@@ -106,7 +106,7 @@ fn place(reflection: &Reflection, block: Variable, name: &str) -> Option<(u32, u
 
 fn layout_of(reflection: &Reflection, structure: u32, member: u32) -> Layout {
     let of = |what| reflection.member_decoration(structure, member, what);
-    Layout { matrix_stride: of(decoration::MATRIX_STRIDE).unwrap_or(0), row_major: of(decoration::ROW_MAJOR).is_some() }
+    Layout { matrix_stride: of(Decoration::MatrixStride).unwrap_or(0), row_major: of(Decoration::RowMajor).is_some() }
 }
 
 /// The bytes at which the numbers of a value begin, in the order of records.
@@ -122,14 +122,14 @@ fn spread(reflection: &Reflection, ty: u32, offset: u32, layout: Layout, out: &m
             }
         }
         Some(&Type::Array { element, count }) => {
-            let stride = reflection.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(0);
+            let stride = reflection.decoration(ty, Decoration::ArrayStride).unwrap_or(0);
             for k in 0..count {
                 spread(reflection, element, offset + k * stride, layout, out);
             }
         }
         Some(Type::Struct(members)) => {
             for (&member, k) in members.iter().zip(0..) {
-                let start = reflection.member_decoration(ty, k, decoration::OFFSET).unwrap_or(0);
+                let start = reflection.member_decoration(ty, k, Decoration::Offset).unwrap_or(0);
                 spread(reflection, member, offset + start, layout_of(reflection, ty, k), out);
             }
         }
@@ -142,18 +142,18 @@ fn spread(reflection: &Reflection, ty: u32, offset: u32, layout: Layout, out: &m
 /// # Errors
 /// [`LaneError::Unsupported`] for an input without a location of its own.
 pub(super) fn location(reflection: &Reflection, field: &Field) -> Result<Option<u32>, LaneError> {
-    if let Some(variable) = reflection.find(storage::INPUT, &field.name) {
-        let location = reflection.decoration(variable.id, decoration::LOCATION);
+    if let Some(variable) = reflection.find(StorageClass::Input, &field.name) {
+        let location = reflection.decoration(variable.id, Decoration::Location);
         return location.map(Some).ok_or_else(|| unsupported(format!("input `{}` without a location", field.name)));
     }
     // The member of a block has the location of the block, and what members before it take.
     let member = field.name.rsplit('.').next().unwrap_or(&field.name);
-    for variable in reflection.of_storage(storage::INPUT) {
+    for variable in reflection.of_storage(StorageClass::Input) {
         let Some(structure) = reflection.block_of(variable) else { continue };
         let Some(Type::Struct(members)) = reflection.types.get(&structure) else { continue };
-        let mut next = reflection.decoration(variable.id, decoration::LOCATION);
+        let mut next = reflection.decoration(variable.id, Decoration::Location);
         for (&ty, k) in members.iter().zip(0..) {
-            let here = reflection.member_decoration(structure, k, decoration::LOCATION).or(next);
+            let here = reflection.member_decoration(structure, k, Decoration::Location).or(next);
             if reflection.member_name(structure, k) == member {
                 return here.map(Some).ok_or_else(|| unsupported(format!("input `{}` without a location", field.name)));
             }
@@ -170,22 +170,22 @@ pub(super) fn located_inputs(reflection: &Reflection) -> usize {
         let structure = reflection.block_of(variable);
         let Some((structure, Type::Struct(members))) = structure.and_then(|s| Some((s, reflection.types.get(&s)?)))
         else {
-            return usize::from(reflection.decoration(variable.id, decoration::BUILT_IN).is_none());
+            return usize::from(reflection.decoration(variable.id, Decoration::BuiltIn).is_none());
         };
         let own = |k: &u32| {
-            let built_in = reflection.member_decoration(structure, *k, decoration::BUILT_IN).is_some();
+            let built_in = reflection.member_decoration(structure, *k, Decoration::BuiltIn).is_some();
             !built_in && !reflection.member_name(structure, *k).starts_with("gl_")
         };
         (0..members.len() as u32).filter(own).count()
     };
-    reflection.of_storage(storage::INPUT).map(parts).sum()
+    reflection.of_storage(StorageClass::Input).map(parts).sum()
 }
 
 /// True for a stage that reads the number of its primitive.
 pub(super) fn reads_primitive_id(reflection: &Reflection) -> bool {
     reflection
-        .of_storage(storage::INPUT)
-        .any(|v| reflection.decoration(v.id, decoration::BUILT_IN) == Some(PRIMITIVE_ID))
+        .of_storage(StorageClass::Input)
+        .any(|v| reflection.decoration(v.id, Decoration::BuiltIn) == Some(BuiltIn::PrimitiveId as u32))
 }
 
 /// Locations that a value takes.
@@ -201,11 +201,11 @@ pub(super) fn locations(reflection: &Reflection, ty: u32) -> u32 {
 /// A location that no output has.
 pub(super) fn free_location(reflection: &Reflection) -> u32 {
     let mut free = 0;
-    for variable in reflection.of_storage(storage::OUTPUT) {
-        let mut at = reflection.decoration(variable.id, decoration::LOCATION);
+    for variable in reflection.of_storage(StorageClass::Output) {
+        let mut at = reflection.decoration(variable.id, Decoration::Location);
         if let Some(Type::Struct(members)) = reflection.types.get(&variable.ty) {
             for k in 0..members.len() as u32 {
-                let member = reflection.member_decoration(variable.ty, k, decoration::LOCATION);
+                let member = reflection.member_decoration(variable.ty, k, Decoration::Location);
                 at = at.max(member);
             }
         }
@@ -240,18 +240,18 @@ pub(super) fn outputs(
 type Placed = (Variable, Option<(u32, u32)>, u32);
 
 fn output(reflection: &Reflection, name: &str) -> Option<Placed> {
-    let built_in = BUILT_INS.iter().find(|(known, _)| *known == name).map(|(_, number)| *number);
+    let built_in = BUILT_INS.iter().find(|(known, _)| *known == name).map(|(_, which)| *which as u32);
     let member_name = name.rsplit('.').next().unwrap_or(name);
-    for variable in reflection.of_storage(storage::OUTPUT) {
+    for variable in reflection.of_storage(StorageClass::Output) {
         let Some(Type::Struct(members)) = reflection.types.get(&variable.ty) else {
-            let of = reflection.decoration(variable.id, decoration::BUILT_IN);
+            let of = reflection.decoration(variable.id, Decoration::BuiltIn);
             if (built_in.is_some() && of == built_in) || (built_in.is_none() && reflection.name(variable.id) == name) {
                 return Some((variable, None, variable.ty));
             }
             continue;
         };
         for (&ty, member) in members.iter().zip(0..) {
-            let of = reflection.member_decoration(variable.ty, member, decoration::BUILT_IN);
+            let of = reflection.member_decoration(variable.ty, member, Decoration::BuiltIn);
             let named = of.is_none() && reflection.member_name(variable.ty, member) == member_name;
             if (built_in.is_some() && of == built_in) || (built_in.is_none() && named) {
                 return Some((variable, Some((variable.ty, member)), ty));

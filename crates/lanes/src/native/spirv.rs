@@ -2,92 +2,38 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// Instructions that are looked at, by number.
-pub(super) mod op {
-    pub const NAME: u32 = 5;
-    pub const MEMBER_NAME: u32 = 6;
-    pub const ENTRY_POINT: u32 = 15;
-    pub const EXECUTION_MODE: u32 = 16;
-    pub const CAPABILITY: u32 = 17;
-    pub const TYPE_BOOL: u32 = 20;
-    pub const TYPE_INT: u32 = 21;
-    pub const TYPE_FLOAT: u32 = 22;
-    pub const TYPE_VECTOR: u32 = 23;
-    pub const TYPE_MATRIX: u32 = 24;
-    pub const TYPE_ARRAY: u32 = 28;
-    pub const TYPE_STRUCT: u32 = 30;
-    pub const TYPE_POINTER: u32 = 32;
-    pub const CONSTANT: u32 = 43;
-    pub const CONSTANT_COMPOSITE: u32 = 44;
-    pub const CONSTANT_NULL: u32 = 46;
-    pub const FUNCTION: u32 = 54;
-    pub const FUNCTION_END: u32 = 56;
-    pub const FUNCTION_CALL: u32 = 57;
-    pub const VARIABLE: u32 = 59;
-    pub const LOAD: u32 = 61;
-    pub const STORE: u32 = 62;
-    pub const DECORATE: u32 = 71;
-    pub const MEMBER_DECORATE: u32 = 72;
-    pub const I_ADD: u32 = 128;
-    pub const SHIFT_LEFT: u32 = 196;
-    pub const BITWISE_OR: u32 = 197;
-    pub const EMIT_VERTEX: u32 = 218;
-    pub const END_PRIMITIVE: u32 = 219;
-    pub const BRANCH_CONDITIONAL: u32 = 250;
-    pub const SWITCH: u32 = 251;
-}
+use ::spirv::{Decoration, MAGIC_NUMBER, Op, StorageClass};
 
-/// Storage classes.
-pub(super) mod storage {
-    pub const INPUT: u32 = 1;
-    pub const UNIFORM: u32 = 2;
-    pub const OUTPUT: u32 = 3;
-    pub const PRIVATE: u32 = 6;
-    pub const STORAGE_BUFFER: u32 = 12;
-}
-
-/// Decorations.
-pub(super) mod decoration {
-    pub const ROW_MAJOR: u32 = 4;
-    pub const ARRAY_STRIDE: u32 = 6;
-    pub const MATRIX_STRIDE: u32 = 7;
-    pub const BUILT_IN: u32 = 11;
-    pub const NON_WRITABLE: u32 = 24;
-    pub const LOCATION: u32 = 30;
-    pub const BINDING: u32 = 33;
-    pub const DESCRIPTOR_SET: u32 = 34;
-    pub const OFFSET: u32 = 35;
-    pub const XFB_BUFFER: u32 = 36;
-    pub const XFB_STRIDE: u32 = 37;
-}
-
-/// The number with which a module begins.
-pub(super) const MAGIC: u32 = 0x0723_0203;
 /// Words before the first instruction.
 pub(super) const HEADER: usize = 5;
 
 /// Packs an instruction.
-pub(super) fn instruction(opcode: u32, operands: &[u32]) -> Vec<u32> {
-    let mut words = vec![(operands.len() as u32 + 1) << 16 | opcode];
+pub(super) fn instruction(op: Op, operands: &[u32]) -> Vec<u32> {
+    let mut words = vec![(operands.len() as u32 + 1) << 16 | op as u32];
     words.extend(operands);
     words
 }
 
-/// The instructions of a module: number and operands. Stops at words that are none.
-pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
+/// The instructions of a module, each with all its words. Stops at words that are none.
+pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = &[u32]> {
     let mut rest = words.get(HEADER..).unwrap_or_default();
     std::iter::from_fn(move || {
-        let &first = rest.first()?;
-        let length = (first >> 16) as usize;
+        let length = (rest.first()? >> 16) as usize;
         let (this, behind) = rest.split_at_checked(length.max(1))?;
         rest = behind;
-        Some((first & 0xffff, &this[1..]))
+        Some(this)
     })
+}
+
+/// What an instruction does, and its operands; `Nop` for one that is not known, which nothing here looks at.
+pub(super) fn parts(instruction: &[u32]) -> (Op, &[u32]) {
+    let (first, operands) = instruction.split_first().unwrap_or((&0, &[]));
+    (Op::from_u32(first & 0xffff).unwrap_or(Op::Nop), operands)
 }
 
 /// True for a module that decides anything when it runs.
 pub(super) fn branches(words: &[u32]) -> bool {
-    instructions(words).any(|(opcode, _)| matches!(opcode, op::BRANCH_CONDITIONAL | op::SWITCH))
+    instructions(words).map(parts).any(|(op, _)| matches!(op, Op::BranchConditional | Op::Switch))
 }
 
 /// A string at the start of operands, and the operands behind it.
@@ -146,53 +92,53 @@ impl Reflection {
     pub fn of(words: &[u32]) -> Self {
         let mut this = Self::default();
         let mut constants: HashMap<u32, u32> = HashMap::new();
-        for (opcode, o) in instructions(words) {
-            match (opcode, o) {
-                (op::NAME, [id, rest @ ..]) => {
+        for (op, o) in instructions(words).map(parts) {
+            match (op, o) {
+                (Op::Name, [id, rest @ ..]) => {
                     this.names.insert(*id, text(rest).0);
                 }
-                (op::MEMBER_NAME, [id, member, rest @ ..]) => {
+                (Op::MemberName, [id, member, rest @ ..]) => {
                     this.members.insert((*id, *member), text(rest).0);
                 }
-                (op::ENTRY_POINT, [_, id, ..]) => this.entry = *id,
-                (op::DECORATE, [id, what, rest @ ..]) => {
+                (Op::EntryPoint, [_, id, ..]) => this.entry = *id,
+                (Op::Decorate, [id, what, rest @ ..]) => {
                     this.decorations.insert((*id, None, *what), rest.first().copied().unwrap_or(0));
                 }
-                (op::MEMBER_DECORATE, [id, member, what, rest @ ..]) => {
+                (Op::MemberDecorate, [id, member, what, rest @ ..]) => {
                     this.decorations.insert((*id, Some(*member), *what), rest.first().copied().unwrap_or(0));
                 }
-                (op::TYPE_BOOL, [id]) => {
+                (Op::TypeBool, [id]) => {
                     this.types.insert(*id, Type::Bool);
                 }
-                (op::TYPE_INT, [id, 32, _]) | (op::TYPE_FLOAT, [id, 32]) => {
+                (Op::TypeInt, [id, 32, _]) | (Op::TypeFloat, [id, 32]) => {
                     this.types.insert(*id, Type::Number);
                 }
-                (op::TYPE_VECTOR, &[id, component, count]) => {
+                (Op::TypeVector, &[id, component, count]) => {
                     this.types.insert(id, Type::Vector { component, count });
                 }
-                (op::TYPE_MATRIX, &[id, column, count]) => {
+                (Op::TypeMatrix, &[id, column, count]) => {
                     this.types.insert(id, Type::Matrix { column, count });
                 }
-                (op::TYPE_ARRAY, &[id, element, length]) => {
+                (Op::TypeArray, &[id, element, length]) => {
                     let count = constants.get(&length).copied().unwrap_or(0);
                     this.types.insert(id, Type::Array { element, count });
                 }
-                (op::TYPE_STRUCT, [id, members @ ..]) => {
+                (Op::TypeStruct, [id, members @ ..]) => {
                     this.types.insert(*id, Type::Struct(members.to_vec()));
                 }
-                (op::TYPE_POINTER, &[id, storage, to]) => {
+                (Op::TypePointer, &[id, storage, to]) => {
                     this.types.insert(id, Type::Pointer { storage, to });
                 }
-                (op::CONSTANT, &[_, id, word]) => {
+                (Op::Constant, &[_, id, word]) => {
                     constants.insert(id, word);
                 }
-                (op::VARIABLE, &[pointer, id, storage, ..]) => {
+                (Op::Variable, &[pointer, id, storage, ..]) => {
                     if let Some(&Type::Pointer { to, .. }) = this.types.get(&pointer) {
                         this.variables.push(Variable { id, ty: to, storage });
                     }
                 }
                 // Bodies say nothing about the interface.
-                (op::FUNCTION, _) => break,
+                (Op::Function, _) => break,
                 _ => {}
             }
         }
@@ -207,21 +153,21 @@ impl Reflection {
         self.members.get(&(id, member)).map_or("", String::as_str)
     }
 
-    pub fn decoration(&self, id: u32, what: u32) -> Option<u32> {
-        self.decorations.get(&(id, None, what)).copied()
+    pub fn decoration(&self, id: u32, what: Decoration) -> Option<u32> {
+        self.decorations.get(&(id, None, what as u32)).copied()
     }
 
-    pub fn member_decoration(&self, id: u32, member: u32, what: u32) -> Option<u32> {
-        self.decorations.get(&(id, Some(member), what)).copied()
+    pub fn member_decoration(&self, id: u32, member: u32, what: Decoration) -> Option<u32> {
+        self.decorations.get(&(id, Some(member), what as u32)).copied()
     }
 
     /// Variables of a storage class.
-    pub fn of_storage(&self, storage: u32) -> impl Iterator<Item = Variable> {
-        self.variables.iter().copied().filter(move |v| v.storage == storage)
+    pub fn of_storage(&self, storage: StorageClass) -> impl Iterator<Item = Variable> {
+        self.variables.iter().copied().filter(move |v| v.storage == storage as u32)
     }
 
     /// The variable of this name.
-    pub fn find(&self, storage: u32, name: &str) -> Option<Variable> {
+    pub fn find(&self, storage: StorageClass, name: &str) -> Option<Variable> {
         self.of_storage(storage).find(|v| self.name(v.id) == name)
     }
 
@@ -248,7 +194,7 @@ impl Reflection {
 
 /// The module in what a translator printed, which may have messages before and behind it.
 pub(super) fn module_in(output: &[u8]) -> Option<Vec<u32>> {
-    let at = output.windows(4).position(|four| four == MAGIC.to_le_bytes())?;
+    let at = output.windows(4).position(|four| four == MAGIC_NUMBER.to_le_bytes())?;
     let words: Vec<u32> =
         output[at..].chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])).collect();
     // Behind the end of a function stands another function, or the end: a letter is no instruction of 5 words.
@@ -257,13 +203,13 @@ pub(super) fn module_in(output: &[u8]) -> Option<Vec<u32>> {
     let mut inside = false;
     while let Some(&first) = words.get(end) {
         let (length, opcode) = ((first >> 16) as usize, first & 0xffff);
-        let begins = opcode == op::FUNCTION && length == 5;
+        let begins = opcode == Op::Function as u32 && length == 5;
         if length == 0 || end + length > words.len() || (last.is_some() && !inside && !begins) {
             break;
         }
         inside |= begins;
         end += length;
-        if opcode == op::FUNCTION_END {
+        if opcode == Op::FunctionEnd as u32 {
             (inside, last) = (false, Some(end));
         }
     }
@@ -275,10 +221,10 @@ pub(super) fn module_in(output: &[u8]) -> Option<Vec<u32>> {
 fn is_whole(module: &[u32]) -> bool {
     let mut defined = HashSet::new();
     let mut named = Vec::new();
-    for (opcode, operands) in instructions(module) {
-        match (opcode, operands) {
-            (op::FUNCTION, [_, result, ..]) => drop(defined.insert(*result)),
-            (op::FUNCTION_CALL, [_, _, function, ..]) | (op::ENTRY_POINT, [_, function, ..]) => named.push(*function),
+    for (op, operands) in instructions(module).map(parts) {
+        match (op, operands) {
+            (Op::Function, [_, result, ..]) => drop(defined.insert(*result)),
+            (Op::FunctionCall, [_, _, function, ..]) | (Op::EntryPoint, [_, function, ..]) => named.push(*function),
             _ => {}
         }
     }
@@ -290,15 +236,15 @@ mod tests {
     use super::*;
 
     fn small() -> Vec<u32> {
-        let mut words = vec![MAGIC, 0x0001_0300, 0, 9, 0];
-        words.extend(instruction(op::NAME, &[7, u32::from_le_bytes(*b"abc\0")]));
-        words.extend(instruction(op::TYPE_FLOAT, &[1, 32]));
-        words.extend(instruction(op::TYPE_VECTOR, &[2, 1, 4]));
-        words.extend(instruction(op::TYPE_POINTER, &[3, storage::INPUT, 2]));
-        words.extend(instruction(op::DECORATE, &[7, decoration::LOCATION, 5]));
-        words.extend(instruction(op::VARIABLE, &[3, 7, storage::INPUT]));
-        words.extend(instruction(op::FUNCTION, &[1, 8, 0, 4]));
-        words.extend(instruction(op::FUNCTION_END, &[]));
+        let mut words = vec![MAGIC_NUMBER, 0x0001_0300, 0, 9, 0];
+        words.extend(instruction(Op::Name, &[7, u32::from_le_bytes(*b"abc\0")]));
+        words.extend(instruction(Op::TypeFloat, &[1, 32]));
+        words.extend(instruction(Op::TypeVector, &[2, 1, 4]));
+        words.extend(instruction(Op::TypePointer, &[3, StorageClass::Input as u32, 2]));
+        words.extend(instruction(Op::Decorate, &[7, Decoration::Location as u32, 5]));
+        words.extend(instruction(Op::Variable, &[3, 7, StorageClass::Input as u32]));
+        words.extend(instruction(Op::Function, &[1, 8, 0, 4]));
+        words.extend(instruction(Op::FunctionEnd, &[]));
         words
     }
 
@@ -319,9 +265,9 @@ mod tests {
     #[test]
     fn the_interface_is_read() {
         let reflection = Reflection::of(&small());
-        let variable = reflection.find(storage::INPUT, "abc").unwrap();
-        assert_eq!(reflection.decoration(variable.id, decoration::LOCATION), Some(5));
+        let variable = reflection.find(StorageClass::Input, "abc").unwrap();
+        assert_eq!(reflection.decoration(variable.id, Decoration::Location), Some(5));
         assert_eq!(reflection.words(variable.ty), 4);
-        assert_eq!(reflection.find(storage::OUTPUT, "abc"), None);
+        assert_eq!(reflection.find(StorageClass::Output, "abc"), None);
     }
 }
