@@ -14,8 +14,8 @@ use syntax::Stage;
 use super::HostFile;
 use super::attach::attached;
 use super::group::{Group, is_shader_name};
-use super::index::Index;
-use super::syntax::{callee, declared_name, descendants, enclosing_function, root_object, span};
+use super::index::{Index, within};
+use super::syntax::{ancestors, bare, callee, declared_name, descendants, enclosing_function, root_object, span};
 
 /// A shader as a host file names it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,7 +78,7 @@ pub fn source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Progr
 pub fn own_source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Option<ProgramSource> {
     match loader(index, call, program) {
         Loader::Value(value) => {
-            let inside = span(value);
+            let inside = span(pointee(index, value).unwrap_or(value));
             let mut all = index.groups.iter().filter(|g| inside.contains(g.start)).peekable();
             if all.peek().is_some() {
                 return Some(named(index.host, all.flat_map(|g| g.names.iter().cloned()).collect()));
@@ -173,11 +173,32 @@ fn loader<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Loader<'t
             .map(|w| w.value)
             .collect();
     }
+    // What another branch of an `#if` says is not compiled beside the look-up.
+    all.retain(|value| !is_other_branch(*value, call) && !is_other_branch(call, *value));
     match all.as_slice() {
         [] => Loader::Unknown,
         &[value] => Loader::Value(value),
         _ => Loader::Several,
     }
+}
+
+/// The value of the one object that a pointer is set to: `p = &shader;`.
+fn pointee<'t>(index: &Index<'t>, value: Node<'t>) -> Option<Node<'t>> {
+    let value = bare(value);
+    let object = value.child_by_field_name("argument").filter(|o| o.kind() == "identifier")?;
+    if value.kind() != "pointer_expression" || !index.host.text(value).starts_with('&') {
+        return None;
+    }
+    let mut all = index.values(index.root, index.host.text(object));
+    all.next().map(|w| w.value).filter(|_| all.next().is_none())
+}
+
+/// True when `one` stands in an `#else` or `#elif` of an `#if` whose other branches hold `other`.
+fn is_other_branch(one: Node<'_>, other: Node<'_>) -> bool {
+    ancestors(one).filter(|n| matches!(n.kind(), "preproc_else" | "preproc_elif")).any(|branch| {
+        let whole = ancestors(branch).find(|n| matches!(n.kind(), "preproc_if" | "preproc_ifdef"));
+        !within(branch, other) && whole.is_some_and(|whole| within(whole, other))
+    })
 }
 
 /// True when a function has a parameter of that name.
@@ -257,6 +278,31 @@ mod tests {
     fn two_values_of_the_program_are_not_guessed_between() {
         let host = format!("void f() {{ GLuint program = load(\"a.vert\"); program = load(\"b.vert\"); {LOOK} }}");
         assert_eq!(resolve(&host, &[("a.vert", V), ("b.vert", V)]), None);
+    }
+
+    #[test]
+    fn a_branch_of_a_condition_knows_its_own_program() {
+        let host = |look: &str, after: &str| {
+            format!(
+                "void f() {{\n#if A\nGLuint program = load(\"a.vert\");\n{look}\n#else\nGLuint program = load(\"b.vert\");\n#endif\n{after}\n}}"
+            )
+        };
+        let all = [("a.vert", V), ("b.vert", V)];
+        assert_eq!(resolve(&host(LOOK, ""), &all).map(|p| p.0).as_deref(), Some("a.vert"));
+        assert_eq!(resolve(&host("", LOOK), &all), None, "either may be meant");
+    }
+
+    #[test]
+    fn a_pointer_is_the_object_that_it_is_set_to() {
+        let look = "glGetAttribLocation(p->id, \"p\");";
+        let host = |more: &str| {
+            format!(
+                "Shader* p; void g() {{ Shader q(\"b.vert\"); Shader s(\"a.vert\"); p = &s; {more} }} void f() {{ {look} }}"
+            )
+        };
+        let all = [("a.vert", V), ("b.vert", V)];
+        assert_eq!(resolve(&host(""), &all).map(|p| p.0).as_deref(), Some("a.vert"));
+        assert_eq!(resolve(&host("p = &q;"), &all), None, "it is set twice");
     }
 
     #[test]
