@@ -183,7 +183,17 @@ fn faults(name: &str, text: &str) -> usize {
             });
             host.error_count().saturating_add(shaders.sum())
         }
-        None => 0,
+        None => {
+            let read = crate::document::Document::read(&file).unwrap_or_default();
+            let shader = |l: &crate::document::Listing| {
+                let text = SourceFile::new(l.name.as_str(), l.literal.text.as_str());
+                syntax::Shader::parse(&text, l.stage).diagnostics.len()
+            };
+            let host = |l: &crate::document::Listing| {
+                HostFile::new(&SourceFile::new(l.name.as_str(), l.literal.text.as_str()), true).error_count()
+            };
+            read.shaders.iter().map(shader).sum::<usize>().saturating_add(read.hosts.iter().map(host).sum())
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 pub mod baseline;
 mod config;
 mod context;
+mod document;
 mod embedded;
 pub mod fix;
 mod flow;
@@ -25,13 +26,14 @@ mod tests;
 mod version;
 
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
+pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};
 pub use page::{Example, Pages};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
 pub use registry::{RULES, by_code, nearest, with_name};
 pub use rule::{Level, Rule};
 pub use select::{PerFile, SelectError, Selection};
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};
 use project::{Project, ShaderFile};
@@ -106,6 +108,8 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         }
         *diagnostic = diagnostic.clone().in_expansion();
     }
+    let partial: BTreeSet<&str> = project.shaders().filter(|s| s.partial).map(|s| s.file.name()).collect();
+    told.retain(|(_, d)| !partial.contains(d.file.name()) || document::holds_anywhere(d.code));
     embedded::relocate(&project, told.iter_mut().map(|(_, d)| d));
     told.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
     let mut found: Vec<Diagnostic> = told.into_iter().map(|(_, d)| d).collect();

@@ -1,5 +1,7 @@
 //! The files of one run, read once: shaders with their interface, host files with their tree.
 
+mod printed;
+
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -12,6 +14,7 @@ use syntax::{Shader, Stage};
 
 use super::config::Config;
 use super::context;
+use super::document::{Document, Listing, Place};
 use super::embedded::Origin;
 use super::flow::Flow;
 use super::host::{HostFile, HostTree, Literal, ShaderRef, named_shaders};
@@ -101,6 +104,8 @@ pub struct Input {
     pub file: SourceFile,
     /// False when the file is only there to be looked things up in.
     pub reported: bool,
+    /// True when the file was named by itself, and not found in a folder.
+    pub named: bool,
     /// The syntax tree of a host file, once it has been asked for: companions are looked for before
     /// rules run, and the text is parsed once for both.
     tree: HostTree,
@@ -109,12 +114,18 @@ pub struct Input {
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true, tree: HostTree::default() }
+        Self { file, reported: true, named: false, tree: HostTree::default() }
     }
 
     /// A text that others refer to; nothing is reported on it.
     pub fn context(file: SourceFile) -> Self {
         Self { reported: false, ..Self::new(file) }
+    }
+
+    /// The same text, named by itself: files that are named together belong together.
+    #[must_use]
+    pub fn named(self) -> Self {
+        Self { named: true, ..self }
     }
 
     /// The same text, reported or not.
@@ -126,11 +137,13 @@ impl Input {
     /// Another text under the same name.
     #[must_use]
     pub fn with_file(&self, file: SourceFile) -> Self {
-        Self { reported: self.reported, ..Self::new(file) }
+        Self { reported: self.reported, named: self.named, ..Self::new(file) }
     }
 
     fn host(&self) -> HostFile {
-        HostFile::with_tree(&self.file, self.reported, self.tree.clone())
+        let mut host = HostFile::with_tree(&self.file, self.reported, self.tree.clone());
+        host.named = self.named;
+        host
     }
 }
 
@@ -148,8 +161,16 @@ pub struct ShaderFile {
     doubtful: Vec<bool>,
     /// True when an `#if` or `#include` makes the interface depend on more than this text.
     pub conditional: bool,
-    /// Where the text stands when it is a literal of a host file.
+    /// Where the text stands when it is a literal of a host file, or a part of a document.
     pub origin: Option<Origin>,
+    /// Where it stands among the parts of a document.
+    pub place: Option<Place>,
+    /// The file that a document calls it.
+    called: Option<String>,
+    /// True for a part of a document that lacks something.
+    pub partial: bool,
+    /// True when the file was named by itself, and not found in a folder.
+    pub named: bool,
     /// Ranges of its expressions, found out when the first rule asks.
     observed: Mutex<Option<Arc<Observed>>>,
     flow: Mutex<Option<Arc<Flow>>>,
@@ -169,6 +190,10 @@ impl ShaderFile {
             front_end,
             conditional: is_conditional(input.file.text()),
             origin: None,
+            place: None,
+            called: None,
+            partial: false,
+            named: input.named,
             observed: Mutex::default(),
             flow: Mutex::default(),
         }
@@ -183,11 +208,23 @@ impl ShaderFile {
         Self { origin, ..Self::new(&part, stage) }
     }
 
+    /// A shader of a document.
+    fn of_document(input: &Input, listing: Listing) -> Self {
+        let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
+        Self {
+            origin: Some(Origin { host: input.file.clone(), literal: listing.literal }),
+            place: Some(listing.place),
+            called: listing.called,
+            partial: listing.partial,
+            ..Self::new(&text, listing.stage)
+        }
+    }
+
     /// True when the interface is known from this text alone: the front end found no error outside the bodies
     /// of functions, and nothing depends on an `#if` or `#include`.
     pub fn is_plain(&self) -> bool {
         let complete = self.shader.version().span.is_some() || !self.shader.has_unknown_names();
-        complete && !self.conditional && self.front_end.iter().all(|d| self.is_inside(d))
+        complete && !self.partial && !self.conditional && self.front_end.iter().all(|d| self.is_inside(d))
     }
 
     /// True for an error of the front end that what the host puts around the text may take away.
@@ -278,6 +315,7 @@ enum Read {
     Shader(Box<ShaderFile>),
     Sections(Vec<ShaderFile>),
     Host(Box<HostFile>),
+    Document(Vec<ShaderFile>, Vec<HostFile>),
 }
 
 impl Read {
@@ -301,9 +339,21 @@ impl Read {
                 }
             }
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
-            None => None,
+            None => Document::read(&input.file).map(|document| Self::document(input, document)),
         };
         (path, read)
+    }
+
+    fn document(input: &Input, document: Document) -> Self {
+        let shaders = document.shaders.into_iter().map(|l| ShaderFile::of_document(input, l)).collect();
+        let host = |listing: Listing| {
+            let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
+            let mut host = text.host();
+            host.origin = Some(Origin { host: input.file.clone(), literal: listing.literal });
+            host.place = Some(listing.place);
+            host
+        };
+        Self::Document(shaders, document.hosts.into_iter().map(host).collect())
     }
 }
 
@@ -330,6 +380,13 @@ impl Project {
                 }
                 Some(Read::Host(host)) => {
                     project.hosts.insert(path, host.with_wrappers(&config.wrappers));
+                }
+                Some(Read::Document(shaders, hosts)) => {
+                    let keyed = shaders.into_iter().enumerate().map(|(index, part)| ((path.clone(), index), part));
+                    project.embedded.extend(keyed);
+                    for host in hosts {
+                        project.hosts.insert(normalise(host.file.name()), host.with_wrappers(&config.wrappers));
+                    }
                 }
                 None => {}
             }
@@ -371,8 +428,8 @@ impl Project {
     /// The shaders of each file that holds several.
     pub fn sections(&self) -> Vec<Vec<&ShaderFile>> {
         let mut files: BTreeMap<&str, Vec<&ShaderFile>> = BTreeMap::new();
-        for ((path, _), shader) in self.embedded.iter().filter(|((path, _), _)| !self.hosts.by_path.contains_key(path))
-        {
+        let parts = self.embedded.iter().filter(|((path, _), _)| !self.hosts.by_path.contains_key(path));
+        for ((path, _), shader) in parts.filter(|(_, s)| s.place.is_none()) {
             files.entry(path).or_default().push(shader);
         }
         files.into_values().collect()
@@ -381,7 +438,9 @@ impl Project {
     /// The shader that a host file means.
     pub fn shader_of(&self, host: &HostFile, shader: &ShaderRef) -> Option<&ShaderFile> {
         match shader {
-            ShaderRef::File(name) => self.shader_named(host.file.name(), name),
+            ShaderRef::File(name) => {
+                self.shader_called(host, name).or_else(|| self.shader_named(host.file.name(), name))
+            }
             ShaderRef::Embedded(index) => self.embedded.get(&(normalise(host.file.name()), *index)),
         }
     }
@@ -482,16 +541,24 @@ fn normalise(path: &str) -> String {
 /// names or bears the name of, and the headers it includes with quotation marks. They need not exist.
 pub fn companions(input: &Input) -> Vec<String> {
     let name = input.file.name();
-    if language_of(name) != Some(Language::Host) {
-        return Vec::new();
+    match language_of(name) {
+        Some(Language::Shader(_)) => Vec::new(),
+        Some(Language::Host) => companions_of(&input.host(), name),
+        None => {
+            let hosts = Document::read(&input.file).map(|d| d.hosts).unwrap_or_default();
+            let text = |l: &Listing| SourceFile::new(l.name.as_str(), l.literal.text.as_str());
+            hosts.iter().flat_map(|l| companions_of(&HostFile::new(&text(l), true), name)).collect()
+        }
     }
-    let host = input.host();
-    let mut paths: Vec<String> = named_shaders(&host).into_iter().map(|s| beside(name, &s)).collect();
+}
+
+fn companions_of(host: &HostFile, name: &str) -> Vec<String> {
+    let mut paths: Vec<String> = named_shaders(host).into_iter().map(|s| beside(name, &s)).collect();
     if paths.is_empty() {
         let base = beside(name, stem(name));
         paths.extend(SHADER_EXTENSIONS.iter().map(|ending| format!("{base}.{ending}")));
     }
-    paths.extend(super::host::quoted_includes(&host).into_iter().map(|i| beside(name, i)));
+    paths.extend(super::host::quoted_includes(host).into_iter().map(|i| beside(name, i)));
     paths.sort();
     paths.dedup();
     paths

@@ -13,7 +13,9 @@ use thiserror::Error;
 use base::text::{Decoded, Form, Shown, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
 use lint::fix::FixedFile;
-use lint::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
+use lint::{
+    DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, is_document, language_of,
+};
 
 use super::write::{WriteError, replace};
 
@@ -47,14 +49,17 @@ pub enum InputError {
     Empty(PathBuf),
     /// Its name does not say what it is.
     #[error(
-        "{}: neither a shader nor C or C++ by its name; known endings are {}",
+        "{}: neither a shader nor C or C++ by its name, and no document with blocks of such code; known endings are {}",
         .0.shown(),
         endings()
     )]
     UnknownKind(PathBuf),
+    /// A document in which nothing is code of ours.
+    #[error("{}: no block of this document is a shader, or C or C++ that calls OpenGL", .0.shown())]
+    NoCode(PathBuf),
     /// A folder without a file to lint.
     #[error(
-        "{}: no shader and no C or C++ file in this folder; known endings are {}; hidden files and what .gitignore names are left out",
+        "{}: no shader, no C or C++ file and no document with such code in this folder; known endings are {}; hidden files and what .gitignore names are left out",
         .0.shown(),
         endings()
     )]
@@ -73,8 +78,12 @@ pub enum InputError {
 }
 
 fn endings() -> String {
-    let all: Vec<String> = SHADER_EXTENSIONS.iter().chain(HOST_EXTENSIONS).map(|e| format!(".{e}")).collect();
+    let all: Vec<String> = known_endings().map(|e| format!(".{e}")).collect();
     all.join(" ")
+}
+
+fn known_endings() -> impl Iterator<Item = &'static &'static str> {
+    SHADER_EXTENSIONS.iter().chain(HOST_EXTENSIONS).chain(DOCUMENT_EXTENSIONS)
 }
 
 /// What was read.
@@ -143,24 +152,25 @@ impl Loaded {
 pub fn load(paths: &[PathBuf]) -> Loaded {
     let mut loaded = Loaded::default();
     let mut wanted: Vec<(PathBuf, bool)> = Vec::new();
+    // Folders that hold nothing, or documents alone, in which nothing may be code.
+    let mut searched: Vec<PathBuf> = Vec::new();
     for path in paths {
         match fs::metadata(path) {
             Err(source) => loaded.problems.push(InputError::Unreadable { path: path.clone(), source }),
             Ok(meta) if meta.is_dir() => {
                 let found = search(path, &mut loaded.problems);
-                if found.is_empty() {
-                    loaded.problems.push(InputError::NothingInFolder(path.clone()));
+                if found.iter().all(|file| language_of(&name(file)).is_none()) {
+                    searched.push(path.clone());
                 }
                 wanted.extend(found.into_iter().map(|file| (file, false)));
             }
             Ok(meta) if !meta.is_file() => loaded.problems.push(InputError::NotAFile(path.clone())),
-            Ok(_) if language_of(&name(path)).is_none() => {
-                loaded.problems.push(InputError::UnknownKind(path.clone()));
-            }
             Ok(_) => wanted.push((path.clone(), true)),
         }
     }
     take(wanted, &mut loaded);
+    searched.retain(|folder| !loaded.sources.values().any(|s| s.path.starts_with(folder)));
+    loaded.problems.extend(searched.into_iter().map(InputError::NothingInFolder));
     add_companions(&mut loaded);
     loaded
 }
@@ -178,15 +188,26 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
     }
     let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
     for ((path, named), text) in fresh.into_iter().zip(texts) {
-        let is_host = language_of(&name(&path)) == Some(Language::Host);
+        let language = language_of(&name(&path));
         match text {
+            Ok(Decoded { file, .. }) if language.is_none() && !is_document(&file) => match named {
+                // Of a text by its name it is not clear that it is a document.
+                true if has_ending(&path, DOCUMENT_EXTENSIONS.iter().filter(|e| **e != "txt")) => {
+                    loaded.skipped.push(InputError::NoCode(path))
+                }
+                true => loaded.problems.push(InputError::UnknownKind(path)),
+                false => {}
+            },
             Ok(Decoded { file, form, exact }) => {
                 loaded.sources.insert(file.name().to_owned(), Candidate { path, form, exact });
-                loaded.inputs.push(Input::new(file));
+                let input = Input::new(file);
+                loaded.inputs.push(if named { input.named() } else { input });
             }
+            // Most documents of a folder have nothing to do with shaders.
+            Err(_) if !named && language.is_none() => {}
             Err(InputError::Empty(_)) if !named => {}
             // Folders hold the code of others as well, which nobody asked about.
-            Err(error) if !named && is_host => loaded.skipped.push(error),
+            Err(error) if !named && language == Some(Language::Host) => loaded.skipped.push(error),
             Err(error) => loaded.problems.push(error),
         }
     }
@@ -256,8 +277,10 @@ fn search(folder: &Path, problems: &mut Vec<InputError>) -> Vec<PathBuf> {
 }
 
 fn has_known_ending(path: &Path) -> bool {
-    path.extension().is_some_and(|e| {
-        let ending = e.to_string_lossy().to_ascii_lowercase();
-        SHADER_EXTENSIONS.contains(&ending.as_str()) || HOST_EXTENSIONS.contains(&ending.as_str())
-    })
+    has_ending(path, known_endings())
+}
+
+fn has_ending(path: &Path, mut endings: impl Iterator<Item = &'static &'static str>) -> bool {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    ending.is_some_and(|ending| endings.any(|e| *e == ending))
 }

@@ -2,7 +2,7 @@
 
 use tree_sitter::Node;
 
-use base::text::{Edit, SourceFile, Span};
+use base::text::{Assembly, Edit, SourceFile, Span};
 
 use super::syntax::{elements, span};
 
@@ -30,6 +30,10 @@ enum PieceKind {
     Raw,
     /// The same bytes of a shader file.
     File,
+    /// The same bytes, in one of several lines that stand behind a margin.
+    Line,
+    /// The same bytes in a document where some characters are written as references.
+    Markup,
     /// The same bytes in the argument of a macro that makes a string of it.
     Argument,
     /// Other bytes: an escape, or text that a macro adds.
@@ -109,6 +113,69 @@ impl Literal {
         literal
     }
 
+    /// Lines of a document, each without its margin.
+    pub fn lines(file: &SourceFile, lines: &[Span]) -> Self {
+        let mut joined: Vec<Span> = Vec::new();
+        for &line in lines {
+            match joined.last_mut().filter(|last| last.end == line.start) {
+                Some(last) => last.end = line.end,
+                None => joined.push(line),
+            }
+        }
+        let kind = if joined.len() == 1 { PieceKind::File } else { PieceKind::Line };
+        let mut literal = Self::default();
+        joined.into_iter().for_each(|line| literal.verbatim(file, line, kind));
+        literal
+    }
+
+    /// Adds text of a document without its references to characters.
+    pub fn markup(&mut self, file: &SourceFile, place: Span) {
+        self.verbatim(file, place, PieceKind::Markup);
+    }
+
+    /// Adds the text of a further block.
+    pub fn append(&mut self, other: &Self) {
+        let by = self.text.len();
+        self.text.push_str(&other.text);
+        let moved = |p: &Piece| Piece { text: Span::new(p.text.start + by, p.text.end + by), ..*p };
+        self.pieces.extend(other.pieces.iter().map(moved));
+    }
+
+    /// The text between two others that stand nowhere.
+    pub fn within(&self, before: &str, behind: &str) -> Self {
+        let place = self.place().unwrap_or_default();
+        let mut literal = Self::default();
+        literal.made(before, Span::at(place.start));
+        literal.append(self);
+        literal.made(behind, Span::at(place.end));
+        literal
+    }
+
+    /// Takes out a part of the text: blanks stand for it.
+    pub fn blank(&mut self, span: Span) {
+        self.text.replace_range(span.range(), &" ".repeat(span.len()));
+    }
+
+    /// Place in the host file, from the first to the last character; none without text.
+    pub fn place(&self) -> Option<Span> {
+        Some(self.pieces.first()?.host.to(self.pieces.last()?.host))
+    }
+
+    /// The text as a file of its own, whose places lead back to the host file.
+    pub fn assembled(&self, file: &SourceFile, name: &str) -> SourceFile {
+        let mut assembly = Assembly::new();
+        for piece in &self.pieces {
+            match piece.kind {
+                PieceKind::Made => {
+                    let text = self.text.get(piece.text.range()).unwrap_or("");
+                    assembly.insert(text, file, piece.host.start);
+                }
+                _ => assembly.copy(file, piece.host),
+            }
+        }
+        assembly.finish(name)
+    }
+
     /// Adds the argument of a macro that makes a string of it.
     pub fn argument(&mut self, file: &SourceFile, place: Span) {
         self.verbatim(file, place, PieceKind::Argument);
@@ -153,11 +220,16 @@ impl Literal {
     pub fn edit(&self, edit: &Edit) -> Option<Edit> {
         let fits = |p: &&Piece| p.text.start <= edit.span.start && edit.span.end <= p.text.end;
         let piece = self.pieces.iter().filter(|p| p.kind != PieceKind::Made).find(fits)?;
-        let written = edit.replacement.as_str();
+        let mut written = edit.replacement.clone();
         let allowed = match piece.kind {
             PieceKind::Quoted => !written.contains(['"', '\\', '\n', '\r']),
             PieceKind::Raw => !written.contains('"'),
             PieceKind::File => true,
+            PieceKind::Line => !written.contains(['\n', '\r']),
+            PieceKind::Markup => {
+                written = written.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+                true
+            }
             PieceKind::Argument => {
                 !written.contains(['"', '\n', '#'])
                     && written.matches('(').count() == written.matches(')').count()
@@ -173,7 +245,12 @@ impl Literal {
 fn offset(piece: &Piece, at: usize) -> usize {
     match piece.kind {
         PieceKind::Made => piece.host.start,
-        PieceKind::Quoted | PieceKind::Raw | PieceKind::File | PieceKind::Argument => {
+        PieceKind::Quoted
+        | PieceKind::Raw
+        | PieceKind::File
+        | PieceKind::Line
+        | PieceKind::Markup
+        | PieceKind::Argument => {
             piece.host.start + at.clamp(piece.text.start, piece.text.end) - piece.text.start
         }
     }

@@ -126,7 +126,8 @@ pub fn has_main(text: &str) -> bool {
     })
 }
 
-fn without_comments(text: &str) -> String {
+/// The text with a blank for each comment.
+pub fn without_comments(text: &str) -> String {
     let mut code = String::new();
     let mut rest = text;
     while let Some(at) = rest.find("//").into_iter().chain(rest.find("/*")).min() {

@@ -1,5 +1,6 @@
 //! C and C++ host code: its syntax tree and the rules on it.
 
+mod around;
 mod attach;
 mod attributes;
 mod creation;
@@ -11,7 +12,7 @@ mod literal;
 #[cfg(test)]
 mod look_alikes;
 mod lookup;
-mod marks;
+pub(super) mod marks;
 mod presets;
 mod program;
 mod programs;
@@ -49,13 +50,18 @@ use std::sync::{Arc, OnceLock};
 
 use tree_sitter::{Node, Parser, Tree};
 
+use std::collections::BTreeSet;
+
 use crate::config::Wrapper;
+use crate::document::Place;
+use crate::embedded::Origin;
 use base::text::{SourceFile, Span};
 
 use embedded::Embedded;
 use lookup::Lookup;
 use programs::HostPrograms;
 
+pub(super) use group::is_shader_name;
 pub(super) use literal::Literal;
 pub(super) use marks::stage_of_file;
 pub(super) use program::{ShaderRef, named_shaders};
@@ -68,6 +74,12 @@ pub struct HostFile {
     pub file: SourceFile,
     /// False when the file is only there to be looked things up in.
     pub reported: bool,
+    /// True when the file was named by itself, and not found in a folder.
+    pub named: bool,
+    /// Where the text stands when it is a part of a document.
+    pub origin: Option<Origin>,
+    /// Where it stands among the parts of the document.
+    pub place: Option<Place>,
     /// Functions of the project that wrap those of OpenGL.
     wrappers: Vec<Wrapper>,
     tree: HostTree,
@@ -76,6 +88,7 @@ pub struct HostFile {
     lookups: OnceLock<Vec<Lookup>>,
     embedded: OnceLock<Vec<Embedded>>,
     programs: OnceLock<HostPrograms>,
+    fragment: OnceLock<bool>,
 }
 
 impl HostFile {
@@ -92,10 +105,14 @@ impl HostFile {
             concerned: concerns_shaders(file.text()),
             file: file.clone(),
             reported,
+            named: false,
+            origin: None,
+            place: None,
             wrappers: Vec::new(),
             lookups: OnceLock::new(),
             embedded: OnceLock::new(),
             programs: OnceLock::new(),
+            fragment: OnceLock::new(),
         }
     }
 
@@ -138,6 +155,31 @@ impl HostFile {
         self.programs.get_or_init(|| if self.concerned { programs::find(self) } else { HostPrograms::default() })
     }
 
+    /// The names that statements at file level declare, as a book prints them; none for a text that is a file of
+    /// C or C++ by itself.
+    pub fn statements(&self) -> Option<BTreeSet<String>> {
+        let root = self.root()?;
+        let outside = |n: &Node<'_>| syntax::enclosing_function(*n).is_none();
+        let is_statement = |n: Node<'_>| {
+            let call = syntax::callee(n, &self.file).is_some_and(|(name, _)| is_function_of_gl(name));
+            call || matches!(n.kind(), "for_statement" | "while_statement")
+        };
+        syntax::descendants(root).filter(|n| is_statement(*n)).find(outside)?;
+        let declared = syntax::descendants(root).filter(|n| n.kind() == "declaration").filter(outside);
+        let top = declared.filter(|n| n.parent().is_some_and(|p| p.id() == root.id()));
+        let names = top.flat_map(|n| {
+            let mut cursor = n.walk();
+            n.children_by_field_name("declarator", &mut cursor).collect::<Vec<_>>()
+        });
+        Some(names.filter_map(syntax::declared_name).map(|n| self.text(n).to_owned()).collect())
+    }
+
+    /// True for statements at file level, as a book prints them.
+    pub fn is_fragment(&self) -> bool {
+        let whole = || self.root().is_some_and(|r| !r.has_error()) || self.place.is_some() || self.named;
+        *self.fragment.get_or_init(|| self.concerned && whole() && self.statements().is_some())
+    }
+
     /// Number of places that the parser could not read.
     pub fn error_count(&self) -> usize {
         self.root()
@@ -164,8 +206,8 @@ fn parse(file: &SourceFile) -> Option<Tree> {
 }
 
 /// True when a word occurs that host code of shaders cannot do without.
-fn concerns_shaders(text: &str) -> bool {
-    const WORDS: [&str; 8] = ["hader", "niform", "ttribute", "gl_", "#version", ".vert", ".frag", ".glsl"];
+pub(super) fn concerns_shaders(text: &str) -> bool {
+    const WORDS: [&str; 9] = ["hader", "niform", "ttribute", "gl_", "#version", ".vert", ".frag", ".glsl", "GLfloat"];
     let call =
         || text.match_indices("gl").any(|(at, _)| text.as_bytes().get(at + 2).is_some_and(u8::is_ascii_uppercase));
     // Loaders of OpenGL declare all its functions, at great length, and use none.
@@ -173,6 +215,11 @@ fn concerns_shaders(text: &str) -> bool {
     let found =
         WORDS.iter().any(|w| text.contains(w)) || call() || presets::PRESETS.iter().any(|p| text.contains(p.method));
     found && !is_loader()
+}
+
+/// True for the name of a function of OpenGL.
+fn is_function_of_gl(name: &str) -> bool {
+    name.strip_prefix("gl").is_some_and(|n| n.starts_with(|c: char| c.is_ascii_uppercase()))
 }
 
 fn parser() -> Option<Parser> {

@@ -3,7 +3,7 @@
 //! A program is known in one of these ways: its variable is written once, by a call that names shader
 //! files or holds shader texts; its shaders are attached to it here; methods of its object are given
 //! them; or the file names at most one shader of each stage altogether; or it names none and shaders of
-//! its own name lie beside it. In all other cases nothing is known, and rules are silent.
+//! its own name lie beside it, or are printed around it. In all other cases nothing is known, and rules are silent.
 
 use tree_sitter::Node;
 
@@ -12,6 +12,7 @@ use crate::project::{Project, ShaderFile};
 use syntax::Stage;
 
 use super::HostFile;
+use super::around::around;
 use super::attach::attached;
 use super::group::{Group, is_shader_name};
 use super::index::{Index, within};
@@ -55,7 +56,10 @@ pub fn resolve<'p>(host: &HostFile, project: &'p Project, source: &ProgramSource
             if let Some(configured) = project.configured_for(host.file.name()) {
                 return Some(configured);
             }
-            let beside = project.shaders_beside(host.file.name());
+            let beside = if host.place.is_some() { Vec::new() } else { project.shaders_beside(host.file.name()) };
+            if beside.is_empty() {
+                return around(host, project);
+            }
             let stages: Vec<Stage> = beside.iter().map(|s| s.shader.stage()).collect();
             if !distinct(&stages) {
                 return None;
@@ -64,6 +68,10 @@ pub fn resolve<'p>(host: &HostFile, project: &'p Project, source: &ProgramSource
         }
         ProgramSource::Unknown => return project.configured_for(host.file.name()),
     };
+    // A document prints what it names without saying which is which.
+    if host.place.is_some() && found.iter().all(Option::is_none) {
+        return around(host, project);
+    }
     let all = found.iter().all(Option::is_some);
     Program::new(found.into_iter().flatten().collect(), all)
 }

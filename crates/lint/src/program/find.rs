@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::project::{Project, ShaderFile, folder, stem};
 use syntax::Stage;
 
+use super::link::producer;
 use super::{Known, Program};
 
 /// All programs of a project whose stages are known for certain, each set of shaders once: those that
@@ -41,6 +42,14 @@ pub fn find(project: &Project) -> Vec<Program<'_>> {
             found.extend(Program::new(shaders, true).map(|p| p.known(Known::Name)));
         }
     }
+    for sets in project.document_programs().into_values() {
+        let single = sets.len() == 1;
+        for shaders in sets {
+            if is_one_program(&shaders) && ((single && hands_on(&shaders)) || have_a_link(&shaders)) {
+                found.extend(Program::new(shaders, true).map(|p| p.known(Known::Name)));
+            }
+        }
+    }
     let mut seen = BTreeSet::new();
     found.retain(|p| seen.insert(p.names()));
     let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
@@ -60,4 +69,18 @@ fn is_one_program(shaders: &[&ShaderFile]) -> bool {
     let other = |s: &Stage| matches!(s, Stage::Compute | Stage::Library);
     let distinct = stages.iter().enumerate().all(|(i, s)| !stages[..i].contains(s));
     distinct && stages.contains(&Stage::Vertex) && stages.contains(&Stage::Fragment) && !stages.iter().any(other)
+}
+
+/// True when the first stage is printed first and hands something on.
+fn hands_on(shaders: &[&ShaderFile]) -> bool {
+    shaders.first().is_some_and(|s| s.shader.stage() == Stage::Vertex && !s.shader.interface().outputs.is_empty())
+}
+
+/// True when each stage takes something that the one before hands on under that name.
+fn have_a_link(shaders: &[&ShaderFile]) -> bool {
+    let Some(program) = Program::new(shaders.to_vec(), true) else { return false };
+    program.links().all(|(from, to)| {
+        let inputs = &to.shader.interface().inputs;
+        inputs.is_empty() || inputs.iter().any(|i| producer(from, to, i).is_some())
+    })
 }

@@ -13,6 +13,7 @@ pub(super) mod unused_suppression;
 use base::diagnostic::Diagnostic;
 use base::text::{SourceFile, Span};
 
+use super::embedded::Origin;
 use super::host::{HostFile, comments};
 use super::project::Project;
 use super::rule::Rule;
@@ -73,23 +74,24 @@ impl Suppressions {
     pub fn of(project: &Project, rules: &[&'static Rule]) -> Self {
         let shaders = project.shaders().filter(|s| s.reported && has_mark(&s.file)).map(|s| {
             let spans: Vec<Span> = s.shader.comments().iter().map(|c| c.span).collect();
-            Comments::of(&s.file, &spans, rules)
+            let comments = Comments::of(&s.file, &spans, rules);
+            // Findings in a listing are told at its place in the document.
+            comments.moved(s.origin.as_ref().filter(|_| s.place.is_some()))
         });
         let hosts = project.hosts().filter(|h| h.reported && has_mark(&h.file)).map(|h: &HostFile| {
             let spans = comments(h);
-            Comments::of(&h.file, &spans, rules)
+            Comments::of(&h.file, &spans, rules).moved(h.origin.as_ref())
         });
         Self { files: shaders.chain(hosts).collect() }
     }
 
     /// True when a comment silences this diagnostic; the comment counts as used then.
     pub fn silences(&mut self, diagnostic: &Diagnostic) -> bool {
-        let Some(comments) = self.files.iter_mut().find(|c| c.file.name() == diagnostic.file.name()) else {
-            return false;
-        };
-        let line = comments.file.position(diagnostic.span.start).line;
+        let line = diagnostic.file.position(diagnostic.span.start).line;
         let mut silenced = false;
-        for order in comments.orders.iter_mut().filter(|o| o.line.is_none_or(|l| l == line)) {
+        // A document has comments in each of its listings.
+        let own = self.files.iter_mut().filter(|c| c.file.name() == diagnostic.file.name());
+        for order in own.flat_map(|c| &mut c.orders).filter(|o| o.line.is_none_or(|l| l == line)) {
             for entry in order.entries.iter_mut().filter(|e| e.code == diagnostic.code.0) {
                 entry.used = true;
                 silenced = true;
@@ -126,6 +128,23 @@ impl Comments {
             }
         }
         Self { file: file.clone(), orders, faults }
+    }
+
+    /// The same at the places of the document that the file is a listing of.
+    fn moved(mut self, origin: Option<&Origin>) -> Self {
+        let Some(Origin { host, literal }) = origin else { return self };
+        let to_host = |span: &mut Span| *span = literal.to_host(*span);
+        for order in &mut self.orders {
+            if let Some(line) = &mut order.line {
+                let start = self.file.offset(base::text::Position { line: *line, column: 1 });
+                *line = host.position(literal.to_host(Span::at(start)).start).line;
+            }
+            [&mut order.span, &mut order.whole, &mut order.list].into_iter().for_each(to_host);
+            order.entries.iter_mut().for_each(|e| to_host(&mut e.span));
+        }
+        self.faults.iter_mut().for_each(|f| to_host(&mut f.span));
+        self.file = host.clone();
+        self
     }
 }
 

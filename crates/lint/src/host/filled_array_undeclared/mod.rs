@@ -10,7 +10,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
 use super::HostFile;
-use super::syntax::{ancestors, arguments, bare, callee, declared_name, descendants, quoted_includes, span, wrapped};
+use super::syntax::{ancestors, arguments, bare, callee, declared_name, descendants, enclosing_function, quoted_includes, span, wrapped};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -24,16 +24,23 @@ pub const RULE: Rule = Rule {
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     let Some(root) = host.root() else { return };
-    for function in descendants(root).filter(|n| n.kind() == "function_definition") {
-        if function.has_error() || is_member(function) {
+    let functions = descendants(root).filter(|n| n.kind() == "function_definition");
+    // Statements at file level, as a book prints them, are the body of a function that is not printed.
+    let printed = host.is_fragment().then_some(root);
+    for function in functions.chain(printed) {
+        let is_printed = function.id() == root.id();
+        if !is_printed && (function.has_error() || is_member(function)) {
             continue;
         }
-        let empty = empty_arrays(host, function);
+        let empty = empty_arrays(host, function, is_printed);
         let [(array, declared, dims)] = empty.as_slice() else { continue };
         let filled = undeclared_filled(host, root, function);
         let [(name, uses)] = filled.as_slice() else { continue };
         let first = uses[0];
         if dims_of(first) != *dims || !is_unseen(host, project, name, &mut BTreeSet::new()) {
+            continue;
+        }
+        if is_printed && is_declared_elsewhere(host, project, name) {
             continue;
         }
         let Some(place) = base(first) else { continue };
@@ -52,6 +59,18 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     }
 }
 
+/// The nodes of a function; of the root, those outside of all functions.
+fn nodes(function: Node<'_>) -> impl Iterator<Item = Node<'_>> {
+    let outside = function.parent().is_none();
+    descendants(function).filter(move |n| !outside || enclosing_function(*n).is_none())
+}
+
+/// True when other host code says the name: a listing may go on where another one stops.
+fn is_declared_elsewhere(host: &HostFile, project: &Project, name: &str) -> bool {
+    let others = project.hosts().filter(|h| h.file.name() != host.file.name() && words(h.file.text()).any(|w| w == name));
+    others.filter_map(|h| Some(mentions(h, h.root()?, name))).any(|count| count > 0)
+}
+
 /// True for a function of a class: the name may be a member, of a base class too.
 fn is_member(function: Node<'_>) -> bool {
     let qualified = function
@@ -60,9 +79,10 @@ fn is_member(function: Node<'_>) -> bool {
     qualified || ancestors(function).any(|a| matches!(a.kind(), "class_specifier" | "struct_specifier"))
 }
 
-/// Local arrays without initialiser that are only measured with `sizeof` and handed to OpenGL.
-fn empty_arrays<'t>(host: &'t HostFile, function: Node<'t>) -> Vec<(&'t str, Node<'t>, usize)> {
-    descendants(function)
+/// Local arrays without initialiser that are only measured with `sizeof` and handed to OpenGL; of a printed
+/// listing also those that are not used any more, since it may stop before they are.
+fn empty_arrays<'t>(host: &'t HostFile, function: Node<'t>, is_printed: bool) -> Vec<(&'t str, Node<'t>, usize)> {
+    nodes(function)
         .filter(|n| n.kind() == "declaration")
         .flat_map(|declaration| {
             let mut cursor = declaration.walk();
@@ -72,8 +92,8 @@ fn empty_arrays<'t>(host: &'t HostFile, function: Node<'t>) -> Vec<(&'t str, Nod
         .filter_map(|d| Some((d, declared_name(d)?)))
         .filter_map(|(declarator, name)| {
             let text = host.text(name);
-            let mut handed = false;
-            for node in descendants(function).filter(|n| n.kind() == "identifier" && host.text(*n) == text) {
+            let mut handed = is_printed;
+            for node in nodes(function).filter(|n| n.kind() == "identifier" && host.text(*n) == text) {
                 if node.id() == name.id() || is_measured(node) {
                     continue;
                 }
@@ -106,7 +126,7 @@ fn is_handed_over(host: &HostFile, node: Node<'_>) -> bool {
 /// outermost subscripts in which it stands.
 fn undeclared_filled<'t>(host: &'t HostFile, root: Node<'t>, function: Node<'t>) -> Vec<(&'t str, Vec<Node<'t>>)> {
     let mut filled: BTreeMap<&str, Vec<Node<'t>>> = BTreeMap::new();
-    for subscript in descendants(function).filter(|n| n.kind() == "subscript_expression" && is_outermost(*n)) {
+    for subscript in nodes(function).filter(|n| n.kind() == "subscript_expression" && is_outermost(*n)) {
         if let Some(name) = base(subscript) {
             filled.entry(host.text(name)).or_default().push(subscript);
         }

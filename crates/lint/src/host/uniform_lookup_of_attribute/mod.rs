@@ -28,7 +28,9 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let name = lookup.base_name();
         let Some((shader, variable)) = program.attribute(name) else { continue };
         let elsewhere = program.uniform(name).is_some() || program.in_block(name);
-        if elsewhere || !(program.is_complete() || lookup.feeds.attribute) {
+        // A printed listing leaves out what it does not speak of.
+        let known = program.is_complete() || lookup.feeds.attribute || (host.is_fragment() && !lookup.feeds.uniform);
+        if elsewhere || !known {
             continue;
         }
         let safety = if lookup.feeds.only_attribute() { Safety::Safe } else { Safety::Unsafe };
