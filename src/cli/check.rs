@@ -45,7 +45,8 @@ pub struct CheckArgs {
     /// all shipped suites without one
     #[arg(value_name = "SUITE|PATH")]
     pub suites: Vec<String>,
-    /// Run this shader instead of the suite's own; needs exactly one suite
+    /// Run this shader instead of the suite's own; needs exactly one suite. Of a document: `README.md:12` for the
+    /// shader at that line
     #[arg(long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
     /// Only these lanes; exit status 2 when one of them is unavailable
@@ -336,7 +337,7 @@ fn tasks(args: &CheckArgs, session: &Session<'_>, selected: &[Selected]) -> Vec<
 /// The shader that is run under a suite.
 fn shader_of(args: &CheckArgs, selected: &Selected) -> anyhow::Result<SourceFile> {
     match &args.shader {
-        Some(path) => super::translate::read(path),
+        Some(path) => super::document::shader(path),
         None => Ok(selected.shader.clone()),
     }
 }

@@ -51,7 +51,8 @@ domain. A function that loses digits (ill-conditioned) gets a warning.
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
 pub struct FuzzArgs {
-    /// Shader files; the extension tells the stage, and a file without `main` is a library
+    /// Shader files, where the extension tells the stage and a file without `main` is a library; or documents with
+    /// shaders, as a whole or at a line (`README.md:12`)
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
@@ -104,8 +105,18 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         "--shard does a part of the functions; --case and --write-suite are for a run without it"
     );
     let stated = stated(&args.domain)?;
-    let sources =
-        args.files.iter().map(|path| includes::read(path, &args.include)).collect::<anyhow::Result<Vec<_>>>()?;
+    let sources: Vec<IncludedText> = args
+        .files
+        .iter()
+        .map(|path| includes::read_all(path, &args.include))
+        .collect::<anyhow::Result<Vec<_>>>()?
+        .into_iter()
+        .flatten()
+        .collect();
+    let printed = sources.iter().find(|s| lint::language_of(&s.path.to_string_lossy()).is_none());
+    if let Some(printed) = printed.filter(|_| args.write_suite) {
+        anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in a document", printed.name);
+    }
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
     let lanes = open_lanes(args, &mut summary)?;
     let lanes: Vec<(&dyn Lane, Promises)> =

@@ -39,6 +39,21 @@ pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
     })
 }
 
+/// The files that a path means: itself, or the shaders of a document.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_all(path: &Path, folders: &[PathBuf]) -> anyhow::Result<Vec<IncludedText>> {
+    let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, folders)?]) };
+    let text = |shader: lint::Printed| {
+        let mut includes = Includes::new(folders.to_vec(), "`-I FOLDER`");
+        let file = includes.resolve(&shader.file)?;
+        let (name, path) = (shader.file.name().to_owned(), path.to_owned());
+        Ok(IncludedText { name, path, file, stage: shader.stage, includes })
+    };
+    printed.into_iter().map(text).collect()
+}
+
 impl IncludedText {
     /// The shader. A library that names no version is written for whatever the shaders that it is put
     /// into say: the newest version is taken, unless only the oldest has what it uses.

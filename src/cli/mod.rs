@@ -7,6 +7,8 @@ mod bar;
 pub mod calibrate;
 #[cfg(feature = "run")]
 pub mod check;
+#[cfg(feature = "run")]
+mod document;
 pub mod explain;
 #[cfg(feature = "run")]
 pub mod fuzz;

@@ -13,6 +13,7 @@ mod ci;
 mod comparisons;
 mod constructs;
 mod containment;
+mod documents;
 mod flaky;
 mod fuzz;
 mod geometry;

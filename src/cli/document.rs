@@ -1,0 +1,61 @@
+//! Shaders of documents, for commands that run them: `chapter.md`, or `chapter.md:34` for the one at that line.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+
+use base::text::{Shown, SourceFile};
+use lint::{Printed, language_of, printed_shaders};
+
+/// The shaders that a path means; none when it names no document.
+///
+/// # Errors
+/// When the document cannot be read, or no shader stands at the line.
+pub fn shaders(path: &Path) -> anyhow::Result<Option<Vec<Printed>>> {
+    if path.is_file() {
+        if language_of(&path.to_string_lossy()).is_some() {
+            return Ok(None);
+        }
+        let all = printed_shaders(&super::translate::read(path)?);
+        return Ok((!all.is_empty()).then_some(all));
+    }
+    let Some((document, line)) = at_line(path) else { return Ok(None) };
+    let all = printed_shaders(&super::translate::read(&document)?);
+    let lines: Vec<String> = all.iter().map(|s| s.lines.start().to_string()).collect();
+    let there = all.into_iter().filter(|s| s.lines.contains(&line)).min_by_key(|s| s.lines.end() - s.lines.start());
+    let there = there.with_context(|| match lines.as_slice() {
+        [] => format!("`{}` holds no whole shader", document.shown()),
+        _ => format!(
+            "no whole shader stands at line {line} of `{}`; shaders begin at {}",
+            document.shown(),
+            lines.join(", ")
+        ),
+    })?;
+    Ok(Some(vec![there]))
+}
+
+/// The one shader that a path means, for commands that take one.
+///
+/// # Errors
+/// When it cannot be read, or is a document with several shaders.
+pub fn shader(path: &Path) -> anyhow::Result<SourceFile> {
+    let Some(mut all) = shaders(path)? else { return super::translate::read(path) };
+    let lines: Vec<String> = all.iter().map(|s| s.lines.start().to_string()).collect();
+    match (all.pop(), all.is_empty()) {
+        (Some(only), true) => Ok(only.file),
+        _ => anyhow::bail!(
+            "`{0}` holds several shaders; name the line of one: `{0}:{1}` (they begin at {2})",
+            path.shown(),
+            lines.first().map_or("LINE", String::as_str),
+            lines.join(", ")
+        ),
+    }
+}
+
+/// A document and a line of it.
+fn at_line(path: &Path) -> Option<(PathBuf, usize)> {
+    let text = path.to_str()?;
+    let (document, line) = text.rsplit_once(':')?;
+    let document = PathBuf::from(document);
+    document.is_file().then_some((document, line.parse().ok()?))
+}
