@@ -13,8 +13,14 @@ use syntax::BuiltinFunction as F;
 use syntax::ast::{BinaryOp, ExprId};
 use syntax::types::{ScalarType, Type};
 
-/// Functions of one argument that naga has under another name or the same.
-fn one(function: F) -> Option<M> {
+/// The name in GLSL of a function that takes each component of one argument to a number.
+pub(crate) fn name_of_each(fun: M) -> Option<&'static str> {
+    let exact = F::ALL.iter().filter(|f| **f != F::Round);
+    exact.copied().find(|&f| each(f) == Some(fun)).map(F::name)
+}
+
+/// Functions that take each component of one argument to a number, which naga has under another name or the same.
+fn each(function: F) -> Option<M> {
     Some(match function {
         F::Sin => M::Sin,
         F::Cos => M::Cos,
@@ -43,6 +49,13 @@ fn one(function: F) -> Option<M> {
         // Where a half goes is up to the implementation; `roundEven` is one choice for both.
         F::Round | F::RoundEven => M::Round,
         F::Fract => M::Fract,
+        _ => return None,
+    })
+}
+
+/// The other functions of one argument that naga has.
+fn one(function: F) -> Option<M> {
+    Some(match function {
         F::Transpose => M::Transpose,
         F::Determinant => M::Determinant,
         F::Inverse => M::Inverse,
@@ -132,7 +145,7 @@ impl Fun<'_, '_> {
         if let Some(value) = self.comparison(function, &values)? {
             return Ok(value);
         }
-        if let Some(fun) = one(function) {
+        if let Some(fun) = each(function).or_else(|| one(function)) {
             let whole = matches!(function, F::Abs | F::Sign) && values[0].ty.scalar() == Some(ScalarType::Int);
             let words = matches!(fun, M::ReverseBits | M::Unpack4x8snorm | M::Unpack4x8unorm)
                 || matches!(fun, M::Unpack2x16snorm | M::Unpack2x16unorm | M::Unpack2x16float);

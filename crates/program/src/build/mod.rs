@@ -49,6 +49,8 @@ use syntax::symbols::{FunctionId, SymbolId};
 use syntax::types::{ArraySize, Type};
 use syntax::{Shader, Stage};
 
+pub(crate) use math::name_of_each;
+
 pub use discard::DISCARD;
 
 type Expr = Handle<Expression>;
