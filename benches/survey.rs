@@ -288,8 +288,8 @@ fn examine(path: &Path, reference: bool, request: &Request) -> Option<Outcome> {
 
 /// The shader with its memory and inputs fed, and no loop without end.
 fn kernel(program: Program) -> Result<Kernel, String> {
-    let program = program.with_memory_inside().map_err(told)?;
-    program.compute_kernel().and_then(|kernel| kernel.with_fuel(FUEL)).map_err(told)
+    let program = program.with_memory_inside().map_err(reported)?;
+    program.compute_kernel().and_then(|kernel| kernel.with_fuel(FUEL)).map_err(reported)
 }
 
 /// Runs one batch.
@@ -324,10 +324,10 @@ fn word(scalar: Scalar, stream: &mut Stream) -> u32 {
 
 /// The program, or why a shader does not reach a valid module.
 fn program(file: &SourceFile, stage: Stage) -> Result<Program, String> {
-    Program::from_source(file, stage, |_| Ok(Target::Stage)).map_err(told)
+    Program::from_source(file, stage, |_| Ok(Target::Stage)).map_err(reported)
 }
 
-fn told(error: ProgramError) -> String {
+fn reported(error: ProgramError) -> String {
     match error {
         ProgramError::Source(found) => {
             found.first().map_or_else(String::new, |d| format!("{} {}", d.code, short(&d.message)))

@@ -143,14 +143,14 @@ fn line(text: &str) -> String {
 pub fn print<'a>(all: impl Iterator<Item = &'a [Message]> + Clone) {
     println!("language    shaders  refused   failed  written accepted rejected    equal  differs not compared");
     for language in languages() {
-        let told = || all.clone().flatten().filter(move |t| t.language == language);
-        let count = |of: &dyn Fn(&Message) -> bool| told().filter(|t| of(t)).count();
+        let reported = || all.clone().flatten().filter(move |t| t.language == language);
+        let count = |of: &dyn Fn(&Message) -> bool| reported().filter(|t| of(t)).count();
         let verdict = |ok: bool| move |t: &Message| matches!(&t.written, Written::Text(Some(v)) if v.is_ok() == ok);
         let text = |t: &Message| matches!(t.written, Written::Text(_));
         println!(
             "{:<12}{:>7}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>13}",
             language.name(),
-            told().count(),
+            reported().count(),
             count(&|t| matches!(t.written, Written::Refused(_))),
             count(&|t| matches!(t.written, Written::Failed(_))),
             count(&text),
@@ -162,8 +162,8 @@ pub fn print<'a>(all: impl Iterator<Item = &'a [Message]> + Clone) {
         );
     }
     let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
-    for told in all.flatten() {
-        for reason in told.reasons() {
+    for reported in all.flatten() {
+        for reason in reported.reasons() {
             *reasons.entry(super::without_numbers(&super::short(&reason))).or_default() += 1;
         }
     }

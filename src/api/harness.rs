@@ -118,10 +118,10 @@ fn one(suite: &Suite, shader: &SourceFile, path: &Path, variant: &str) -> Result
 fn expectations_of(suite: &Path) -> Result<Option<Expectations>, Failed> {
     let Some(path) = suite::expectations_path(suite) else { return Ok(None) };
     let read = expectations::parse(&suite::read_expectations(&path)?);
-    let told = |problems: Vec<disk::Problem>| {
+    let reported = |problems: Vec<disk::Problem>| {
         Failed::from(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
     };
-    read.map(Some).map_err(told)
+    read.map(Some).map_err(reported)
 }
 
 #[cfg(test)]

@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn drivers_are_told_by_name_and_version() {
+    fn drivers_are_reported_by_name_and_version() {
         for (text, name, version) in [
             (LLVMPIPE, "llvmpipe", "Mesa 22.3.6"),
             ("SwiftShader Device (Subzero), SwiftShader driver, 5.0.0", "SwiftShader Device", "driver 5.0.0"),

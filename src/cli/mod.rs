@@ -189,7 +189,7 @@ pub fn run(cli: &Cli) -> ExitStatus {
 fn message(error: &anyhow::Error) -> String {
     let mut parts: Vec<String> = Vec::new();
     for cause in error.chain().map(ToString::to_string) {
-        if parts.iter().all(|told| !told.contains(&cause)) {
+        if parts.iter().all(|reported| !reported.contains(&cause)) {
             parts.push(cause);
         }
     }

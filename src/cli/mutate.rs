@@ -152,10 +152,10 @@ impl Work<'_> {
         let (suite, shader) = (&selected.suite, self.shader(selected)?);
         let name = self.lane.description().name;
         progress.start(&suite.name, name, Stage::Compute, 0);
-        let mut told = 0;
+        let mut reported = 0;
         Ok(run_suite(suite, &shader, self.lane, &self.request, &mut |done, all| {
-            if told != all {
-                told = all;
+            if reported != all {
+                reported = all;
                 progress.start(&suite.name, name, Stage::Compute, all as u64);
             }
             progress.at(done as u64);

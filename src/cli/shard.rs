@@ -136,7 +136,7 @@ impl Store {
         work: impl FnOnce(Option<S>) -> anyhow::Result<Option<T>>,
     ) -> anyhow::Result<ExitStatus> {
         if self.finished::<T>(err)?.is_some() {
-            return self.told("was done before", json, out);
+            return self.report("was done before", json, out);
         }
         let shard = self.shard;
         let earlier = self.checkpoint(err)?;
@@ -146,7 +146,7 @@ impl Store {
         match (work(earlier)?, interrupt::signal()) {
             (Some(found), _) => {
                 self.finish(&found)?;
-                self.told("is done", json, out)
+                self.report("is done", json, out)
             }
             (None, signal) => {
                 let signal = signal.context("the shard ended before its time")?;
@@ -161,7 +161,7 @@ impl Store {
     }
 
     /// Says that the shard has its result, on `out`.
-    fn told(&self, how: &str, json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
+    fn report(&self, how: &str, json: bool, out: &mut dyn Write) -> anyhow::Result<ExitStatus> {
         let (shard, path) = (self.shard, self.result_path());
         if json {
             let value = serde_json::json!({
@@ -258,15 +258,15 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_checkpoint_is_told_and_not_used() {
+    fn a_damaged_checkpoint_is_reported_and_not_used() {
         let folder = tempfile::tempdir().unwrap();
         let store = store(folder.path(), 1);
         store.save(&vec![1_u64]).unwrap();
         let text = fs::read_to_string(store.checkpoint_path()).unwrap();
         fs::write(store.checkpoint_path(), &text[..text.len() / 2]).unwrap();
-        let (found, told) = checkpoint(&store);
+        let (found, reported) = checkpoint(&store);
         assert!(found.unwrap().is_none());
-        assert!(told.contains("is not used: the file is damaged"), "{told}");
+        assert!(reported.contains("is not used: the file is damaged"), "{reported}");
     }
 
     #[test]
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_cannot_be_written_is_told_before_the_work() {
+    fn a_folder_that_cannot_be_written_is_reported_before_the_work() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn no_shard_is_a_whole_run_and_a_wrong_one_is_told() {
+    fn no_shard_is_a_whole_run_and_a_wrong_one_is_reported() {
         assert_eq!(ShardArgs::default().shard().unwrap(), None);
         let args = ShardArgs { shard: Some("5/2".to_owned()), ..ShardArgs::default() };
         let error = format!("{:#}", args.shard().unwrap_err());

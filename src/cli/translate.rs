@@ -52,7 +52,7 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
         );
     };
     let target = |shader: &Shader| target(shader, stage, args.entry.as_deref());
-    let mut told = |found: Vec<Diagnostic>| -> std::io::Result<()> {
+    let mut reported = |found: Vec<Diagnostic>| -> std::io::Result<()> {
         found.into_iter().try_for_each(|diagnostic| {
             write!(err, "{}", diagnostics::text(&source.explained(diagnostic), Lang::En, false))
         })
@@ -60,7 +60,7 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     let program = match Program::from_source(file, stage, target) {
         Ok(program) => program,
         Err(ProgramError::Source(found)) => {
-            told(found)?;
+            reported(found)?;
             match Program::from_faulty(file, stage, target) {
                 Ok(program) if args.lenient => program,
                 Ok(_) => {

@@ -34,16 +34,16 @@ fn a_closure_is_an_expectation() {
     assert!(outcome.passed() && outcome.judged() + outcome.undetermined() == 1024, "{}", outcome.report());
     let off =
         shader.expect("return", |inputs| vec![area(inputs)[0] + if inputs.number("b") > 0.5 { 1e-4 } else { 0.0 }]);
-    let told = failure(&off);
-    assert!(told.starts_with("lib.glsl does not agree\n\nFAIL  area "), "{told}");
+    let reported = failure(&off);
+    assert!(reported.starts_with("lib.glsl does not agree\n\nFAIL  area "), "{reported}");
     for part in [
-        "the shader deviates from its expectation: `return` is ",
+        "the shader deviates from its reference: `return` is ",
         "\n  smallest   float a = 0.0\n",
         "\n             float b = 1.0\n",
-        "\n  expected   return = ",
+        "\n  reference  return = ",
         "\n  reproduce  add .case(\"a=00000000 b=3f800000\")\n",
     ] {
-        assert!(told.contains(part), "{part}\n{told}");
+        assert!(reported.contains(part), "{part}\n{reported}");
     }
     // The line of the report runs that case alone.
     let again = off.clone().case("a=00000000 b=3f800000").check().unwrap();
@@ -83,15 +83,15 @@ fn another_shader_is_an_expectation() {
 fn a_strategy_is_a_domain_and_shrinks_as_it_does() {
     let eighths = (0_i32..800).prop_map(|k| k as f32 / 8.0);
     let shader = function("wrong").input("x", Domain::strategy(eighths)).expect("return", |i| i.get("x"));
-    let told = failure(&shader);
-    let line = told.lines().find(|line| line.starts_with("  smallest")).unwrap();
+    let reported = failure(&shader);
+    let line = reported.lines().find(|line| line.starts_with("  smallest")).unwrap();
     let x: f32 = line.rsplit(' ').next().unwrap().parse().unwrap();
-    assert!((1.0..2.0).contains(&x), "{told}");
+    assert!((1.0..2.0).contains(&x), "{reported}");
     let even = (-50_i32..50).prop_map(|half| 2 * half);
     let halved = |inputs: shadercheck::Inputs<'_>| vec![inputs.number("n") / 2.0];
     function("halved").input("n", Domain::strategy(even)).expect("return", halved).assert_agrees();
-    let told = failure(&function("halved").input("n", Domain::strategy(-50_i32..50)).expect("return", halved));
-    assert!(told.contains("int n = 1\n") || told.contains("int n = -1\n"), "{told}");
+    let reported = failure(&function("halved").input("n", Domain::strategy(-50_i32..50)).expect("return", halved));
+    assert!(reported.contains("int n = 1\n") || reported.contains("int n = -1\n"), "{reported}");
 }
 
 #[test]
@@ -118,8 +118,8 @@ fn vertex_stages_run_too() {
         vec![s * p[0], s * p[1], s * p[2], 1.0]
     };
     shader.clone().expect("gl_Position", position).expect("d", |i| vec![i.get("p")[0]]).assert_agrees();
-    let told = failure(&shader.clone().expect("d", |i| vec![i.get("p")[1]]));
-    assert!(told.contains("`d` is "), "{told}");
+    let reported = failure(&shader.clone().expect("d", |i| vec![i.get("p")[1]]));
+    assert!(reported.contains("`d` is "), "{reported}");
     let reference = Shader::from_text("r.glsl", "vec4 at(vec3 p, float s) { return vec4(p * s, 1.0); }").function("at");
     shader.reference_of("gl_Position", &reference).assert_agrees();
 }
@@ -128,7 +128,7 @@ fn vertex_stages_run_too() {
 fn what_cannot_be_checked_is_an_error_and_says_why() {
     let error = |shader: Shader| shader.check().map(|_| ()).unwrap_err().to_string();
     let area = || function("area").input("a", 0.0..=1.0);
-    for (shader, told) in [
+    for (shader, reported) in [
         (area(), "nothing fills the input `b` (float) of the shader"),
         (area().input("bb", 0.0..=1.0), "input `bb`: the shader has no input `bb`; did you mean `b`?"),
         (area().input("b", Domain::rigid()), "input `b`: generator `rigid` fills mat4"),
@@ -146,7 +146,7 @@ fn what_cannot_be_checked_is_an_error_and_says_why() {
         (Shader::from_text("a.vert", "void main() { gl_Position = x; }"), "a.vert:1:29"),
     ] {
         let found = error(shader);
-        assert!(found.contains(told), "{told}\n{found}");
+        assert!(found.contains(reported), "{reported}\n{found}");
     }
     assert!(Shader::from_file("gone.vert").unwrap_err().to_string().contains("cannot read `gone.vert`"));
 }
@@ -154,8 +154,8 @@ fn what_cannot_be_checked_is_an_error_and_says_why() {
 #[test]
 fn an_expectation_of_another_size_panics_with_the_name_of_the_output() {
     let shader = function("area").input("a", 0.0..=1.0).input("b", 1.0).expect("return", |_| vec![0.0, 1.0]);
-    let told = failure(&shader);
-    assert!(told.contains("the expectation of `return` gives 2 components, and it has 1"), "{told}");
+    let reported = failure(&shader);
+    assert!(reported.contains("the expectation of `return` gives 2 components, and it has 1"), "{reported}");
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn too_much_that_decides_nothing_fails() {
     // The direction of a zero vector, for half of the samples.
     let text = "float f(float x) { return normalize(vec2(max(x, 0.0), 0.0)).x; }";
     let shader = Shader::from_text("a.glsl", text).function("f").lane("embedded");
-    let told = failure(&shader.clone().input("x", -1.0..=1.0));
-    assert!(told.contains("% of the samples are undetermined"), "{told}");
+    let reported = failure(&shader.clone().input("x", -1.0..=1.0));
+    assert!(reported.contains("% of the samples are undetermined"), "{reported}");
     shader.input("x", -1.0..=1.0).undetermined(0.75).assert_agrees();
 }

@@ -322,7 +322,7 @@ fn a_case_is_run_as_it_is_given() {
 }
 
 #[test]
-fn a_case_that_does_not_fit_is_told() {
+fn a_case_that_does_not_fit_is_reported() {
     let zeros = ["00000000"; 16].join(",");
     for (case, said) in [
         (String::new(), "--case: the case of suite `sphere` has no inputs"),

@@ -59,29 +59,29 @@ fn the_workflow_of_the_project_runs_everything_and_has_keys_that_are_known() {
 
 #[test]
 fn planted_faults_in_keys_are_reported() {
-    let told = |which: usize, from: &str, to: &str, part: &str| {
+    let reported = |which: usize, from: &str, to: &str, part: &str| {
         let mut texts = [ACTION, WORKFLOW, GITLAB].map(text);
         assert!(texts[which].contains(from), "{from}");
         texts[which] = texts[which].replacen(from, to, 1);
         let faults = keys::faults(&texts[0], &texts[1], &texts[2]);
         assert!(faults.iter().any(|fault| fault.contains(part)), "`{to}`: {faults:?}");
     };
-    told(0, "using: composite", "using: docker", "unknown variant `docker`");
-    told(0, "    default: \".\"", "    defualt: \".\"", "unknown field `defualt`");
-    told(0, "      shell: bash\n", "", "has `run` and no shell");
-    told(0, "${{ inputs.lanes }}", "${{ inputs.lane }}", "there is no input `lane`");
-    told(0, "steps.run.outputs.status", "steps.runs.outputs.status", "there is no step `runs`");
-    told(0, "      id: cache\n", "      id: build\n", "two steps are called `build`");
-    told(0, "sarif_file:", "sarif-file:", "upload-sarif has no input `sarif-file`");
-    told(0, "actions/cache@v4", "actions/cache", "has no version");
-    told(1, "          paths: shaders", "          path: shaders", "the action has no input `path`");
-    told(1, "runs-on", "run-on", "unknown field `run-on`");
-    told(1, "needs: long", "needs: lang", "there is no job `lang`");
-    told(1, "security-events: write", "security-events: true", "unknown variant `true`");
-    told(1, "--shard auto", "--shared auto", "the program does not take");
-    told(2, "when: always", "when: allways", "unknown variant `allways`");
-    told(2, "      junit: shadercheck-reports", "      junit: reports", "is not below the folder of reports");
-    told(2, "deploy/plain/ci.sh", "deploy/plain/run.sh", "is not in this repository");
+    reported(0, "using: composite", "using: docker", "unknown variant `docker`");
+    reported(0, "    default: \".\"", "    defualt: \".\"", "unknown field `defualt`");
+    reported(0, "      shell: bash\n", "", "has `run` and no shell");
+    reported(0, "${{ inputs.lanes }}", "${{ inputs.lane }}", "there is no input `lane`");
+    reported(0, "steps.run.outputs.status", "steps.runs.outputs.status", "there is no step `runs`");
+    reported(0, "      id: cache\n", "      id: build\n", "two steps are called `build`");
+    reported(0, "sarif_file:", "sarif-file:", "upload-sarif has no input `sarif-file`");
+    reported(0, "actions/cache@v4", "actions/cache", "has no version");
+    reported(1, "          paths: shaders", "          path: shaders", "the action has no input `path`");
+    reported(1, "runs-on", "run-on", "unknown field `run-on`");
+    reported(1, "needs: long", "needs: lang", "there is no job `lang`");
+    reported(1, "security-events: write", "security-events: true", "unknown variant `true`");
+    reported(1, "--shard auto", "--shared auto", "the program does not take");
+    reported(2, "when: always", "when: allways", "unknown variant `allways`");
+    reported(2, "      junit: shadercheck-reports", "      junit: reports", "is not below the folder of reports");
+    reported(2, "deploy/plain/ci.sh", "deploy/plain/run.sh", "is not in this repository");
 }
 
 /// Runs all steps of the action, and gives the status of the last that failed.

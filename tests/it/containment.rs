@@ -48,7 +48,7 @@ const LANES: &str = "check a.suite.toml --plain --samples 512 --lane vulkan --la
 const ON: [&str; 3] = ["vulkan/compute", "vulkan/vertex", "vulkan-glslang/vertex"];
 
 #[test]
-fn a_crash_is_told_with_its_inputs_and_the_other_lanes_finish() {
+fn a_crash_is_reported_with_its_inputs_and_the_other_lanes_finish() {
     let folder = folder(PRODUCT);
     let ran = planted(folder.path(), "crash", LANES).expect(1);
     for on in ON {
@@ -64,7 +64,7 @@ fn a_crash_is_told_with_its_inputs_and_the_other_lanes_finish() {
 }
 
 /// Checks that a fault makes every Vulkan lane fail with these words, and no other lane.
-fn told(fault: &str, words: &str) {
+fn reported(fault: &str, words: &str) {
     let folder = folder(PRODUCT);
     let ran = planted(folder.path(), fault, LANES).expect(1);
     for on in ON {
@@ -76,13 +76,13 @@ fn told(fault: &str, words: &str) {
 
 #[test]
 fn garbage_is_no_result_and_the_other_lanes_finish() {
-    told("garbage", "was not written by this dispatch");
+    reported("garbage", "was not written by this dispatch");
 }
 
 #[test]
-fn a_lost_device_is_told_and_the_other_lanes_finish() {
-    told("lost-device", "device lost: the device is lost");
-    told("out-of-memory", "out of memory: A device memory allocation has failed");
+fn a_lost_device_is_reported_and_the_other_lanes_finish() {
+    reported("lost-device", "device lost: the device is lost");
+    reported("out-of-memory", "out of memory: A device memory allocation has failed");
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn a_driver_that_hangs_is_ended_and_the_invocation_without_end_is_named() {
 }
 
 #[test]
-fn a_loop_without_end_is_told_on_every_lane_in_little_memory() {
+fn a_loop_without_end_is_reported_on_every_lane_in_little_memory() {
     let folder = folder(ENDLESS);
     let lanes = ["vulkan", "vulkan-glslang", "embedded"].map(|lane| format!(" --lane {lane}")).concat();
     let args = format!("check a.suite.toml --plain --samples 32{lanes}");
@@ -125,7 +125,7 @@ fn serving(parent: u32) -> Vec<u32> {
 }
 
 #[test]
-fn a_process_that_is_killed_in_the_middle_is_told_and_the_next_suite_runs() {
+fn a_process_that_is_killed_in_the_middle_is_reported_and_the_next_suite_runs() {
     let folder = folder(PRODUCT);
     let second = fs::read_to_string(folder.path().join("a.suite.toml")).unwrap().replace("\"a\"", "\"b\"");
     fs::write(folder.path().join("b.suite.toml"), second.replace("samples = 65536", "samples = 64")).unwrap();

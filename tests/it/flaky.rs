@@ -34,18 +34,18 @@ fn a_lane_that_repeats_itself_is_not_flaky() {
 }
 
 #[test]
-fn outputs_that_change_from_run_to_run_are_told_and_not_shrunk() {
+fn outputs_that_change_from_run_to_run_are_reported_and_not_shrunk() {
     // The first dispatch is wrong, and from then on every third.
     let (report, dispatches) = report(&prepared("morph"), |k, x| if k % 3 == 0 { x + 0.5 } else { x });
     let flaky = of_kind(&report, FindingKind::Flaky);
-    let told =
+    let reported =
         flaky.iter().find(|f| f.message.contains(" of 5 runs of the same inputs gave other bits than the first"));
-    let told = told.unwrap_or_else(|| panic!("{:?}", report.findings));
-    assert!(told.message.starts_with("flaky: ") && told.message.ends_with("the lane is not deterministic"));
-    let case = told.case.as_ref().unwrap();
+    let reported = reported.unwrap_or_else(|| panic!("{:?}", report.findings));
+    assert!(reported.message.starts_with("flaky: ") && reported.message.ends_with("the lane is not deterministic"));
+    let case = reported.case.as_ref().unwrap();
     assert_eq!((case.rounds, case.tried), (0, 0));
     assert!(case.deviation.as_ref().is_none_or(|deviation| deviation.blame == Blame::Lane));
-    assert!(told.reproduce.as_ref().unwrap().contains(" --case "));
+    assert!(reported.reproduce.as_ref().unwrap().contains(" --case "));
     assert!(of_kind(&report, FindingKind::Deviation).is_empty(), "{:?}", report.findings);
     assert!(dispatches < 100, "{dispatches} dispatches: something was shrunk");
     assert_eq!(report.verdicts.shader_deviated, 0);

@@ -220,12 +220,12 @@ fn equal_inputs_with_different_outputs_are_found() {
 /// Each function of a text with its inputs, or why it does not run.
 fn shapes(name: &str, text: &str) -> Vec<(String, Result<Vec<String>, String>)> {
     let all = functions(name, text);
-    let told = |subject: &Subject| {
+    let reported = |subject: &Subject| {
         let report = strict(subject, "");
         let inputs = report.inputs.into_iter().map(|(input, _)| input).collect();
         (report.function, report.not_run.map_or(Ok(inputs), Err))
     };
-    all.iter().map(told).collect()
+    all.iter().map(reported).collect()
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn stages_run_by_their_interface() {
 }
 
 #[test]
-fn loops_without_end_are_told_and_hold_nothing_up() {
+fn loops_without_end_are_reported_and_hold_nothing_up() {
     let text = "float steps(float x) { float s = 0.0; for (float t = 0.0; t < 1.0; t += x) { s += 1.0; } return s; }";
     let report = only(text, "");
     let found = report.findings.iter().find(|f| f.kind == FuzzFindingKind::Endless).unwrap();
@@ -319,22 +319,22 @@ fn included_files_keep_their_names_and_the_command_shows_it_again() {
 }
 
 #[test]
-fn wrong_usage_is_told() {
+fn wrong_usage_is_reported() {
     let folder = folder();
-    let told = |args: &str, text: &str| {
+    let reported = |args: &str, text: &str| {
         let ran = run_in(folder.path(), &format!("fuzz whole.glsl --samples 64 --lane embedded {args}")).expect(2);
         assert!(ran.err.contains(text), "{}", ran.err);
     };
-    told("--function hole", "there is no function `hole` with a body; did you mean `whole`?");
-    told("--domain c=[0,1]", "--domain: no function that was run has an input `c`");
-    told("--domain b=[1,0]", "`[1,0]` is empty");
-    told("--lane vulcan", "did you mean `vulkan`?");
+    reported("--function hole", "there is no function `hole` with a body; did you mean `whole`?");
+    reported("--domain c=[0,1]", "--domain: no function that was run has an input `c`");
+    reported("--domain b=[1,0]", "`[1,0]` is empty");
+    reported("--lane vulcan", "did you mean `vulkan`?");
     fs::write(folder.path().join("whole.glsl"), "// shadercheck: z in [0,1]\nfloat f(float x) { return x; }\n")
         .unwrap();
-    told("", "whole.glsl:1:1: `f` has no input `z`; it has: x");
+    reported("", "whole.glsl:1:1: `f` has no input `z`; it has: x");
     fs::write(folder.path().join("whole.glsl"), "// shadercheck: x on [0,1]\nfloat f(float x) { return x; }\n")
         .unwrap();
-    told("", "whole.glsl:1:1: this comment states no domain: `x on [0,1]` is no domain");
+    reported("", "whole.glsl:1:1: this comment states no domain: `x on [0,1]` is no domain");
     fs::write(folder.path().join("whole.glsl"), "#include \"gone.glsl\"\nfloat f(float x) { return x; }\n").unwrap();
     let ran = run_in(folder.path(), "fuzz whole.glsl --lane embedded").expect(1);
     assert!(ran.out.contains("`gone.glsl` is not found") && ran.out.contains("-I FOLDER"), "{}", ran.out);
@@ -377,7 +377,7 @@ fn main_of_a_compute_shader_runs_alone() {
 }
 
 #[test]
-fn built_in_values_of_a_dispatch_that_is_not_run_are_told() {
+fn built_in_values_of_a_dispatch_that_is_not_run_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let run = |body: &str| {
         let text = format!(
@@ -386,9 +386,9 @@ fn built_in_values_of_a_dispatch_that_is_not_run_are_told() {
         fs::write(folder.path().join("a.comp"), text).unwrap();
         run_in(folder.path(), "fuzz a.comp --samples 512 --lane embedded").expect(0).out
     };
-    let told = run("a[gl_GlobalInvocationID.x] = float(gl_LocalInvocationIndex) + 1.0;");
+    let reported = run("a[gl_GlobalInvocationID.x] = float(gl_LocalInvocationIndex) + 1.0;");
     let note = "note: main is run as the first invocation of a dispatch, alone: `gl_GlobalInvocationID`, \
                 `gl_LocalInvocationIndex` = 0 in every sample";
-    assert!(told.contains(note), "{told}");
+    assert!(reported.contains(note), "{reported}");
     assert!(!run("a[1] = 1.0;").contains("first invocation"));
 }

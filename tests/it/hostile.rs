@@ -32,9 +32,9 @@ const FORMATS: [&str; 6] = ["text", "json", "junit", "sarif", "github", "markdow
 
 /// A suite of a function that is not its reference.
 fn wrong(folder: &Path, suite: &str, shader: &str) {
-    let told = shader.replace('\n', "\\n").replace('\u{1b}', "\\u001b");
+    let reported = shader.replace('\n', "\\n").replace('\u{1b}', "\\u001b");
     let toml = format!(
-        "suite = \"own\"\nshader = \"{told}\"\nstage = \"function\"\nentry = \"f\"\nsamples = 64\nreference = \"r.glsl\"\n\
+        "suite = \"own\"\nshader = \"{reported}\"\nstage = \"function\"\nentry = \"f\"\nsamples = 64\nreference = \"r.glsl\"\n\
          [[inputs]]\nnames = [\"x\"]\ngenerator = \"interval\"\nrange = [-2.0, 2.0]\n"
     );
     fs::write(folder.join(suite), toml).unwrap();

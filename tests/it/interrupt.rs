@@ -54,8 +54,8 @@ fn a_signal_ends_a_check_with_what_it_found() {
             let check = command(folder.path(), "check a.suite.toml --plain --lane embedded --samples 4000000000");
             let ran: Ran = signalled(check, signal, Duration::from_secs(seconds)).into();
             let ran = ran.expect(status);
-            let told = format!("error: the run was interrupted by {name}; this is what was found until then\n");
-            assert!(ran.err.ends_with(&told), "{}", ran.err);
+            let reported = format!("error: the run was interrupted by {name}; this is what was found until then\n");
+            assert!(ran.err.ends_with(&reported), "{}", ran.err);
             let left: Vec<String> = names(folder.path());
             assert!(
                 left.iter().all(|name| ["a.regressions", "a.suite.toml", "a.vert", "b.vert"].contains(&name.as_str())),
@@ -124,7 +124,7 @@ fn a_signal_leaves_no_file_that_is_half_written() {
 }
 
 #[test]
-fn findings_are_told_where_the_folder_takes_no_file() {
+fn findings_are_reported_where_the_folder_takes_no_file() {
     let (folder, open) = (wrong(), tempfile::tempdir().unwrap());
     fs::set_permissions(open.path(), fs::Permissions::from_mode(0o755)).unwrap();
     let run = |mode: u32| -> Ran {
@@ -156,7 +156,7 @@ fn is_root() -> bool {
 }
 
 #[test]
-fn findings_are_told_where_the_folder_of_reports_cannot_be_made() {
+fn findings_are_reported_where_the_folder_of_reports_cannot_be_made() {
     let folder = wrong();
     fs::write(folder.path().join("report"), "a file").unwrap();
     let ran: Ran =

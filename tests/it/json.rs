@@ -174,12 +174,12 @@ fn nothing_but_json_is_on_standard_output() {
 }
 
 #[test]
-fn translations_are_told_once_a_suite() {
+fn translations_are_reported_once_a_suite() {
     let json = run("check sphere --samples 300 --lane vulkan --format json").expect(0).json();
     let suites = json["suites"].as_array().unwrap();
-    let told: Vec<_> = suites.iter().map(|s| s["translations"].as_array().unwrap()).collect();
-    assert_eq!(told.iter().map(|t| t.len()).collect::<Vec<_>>(), [4, 0]);
-    for (translation, language) in told[0].iter().zip(["spirv", "wgsl", "glsl450", "naga-glsl"]) {
+    let reported: Vec<_> = suites.iter().map(|s| s["translations"].as_array().unwrap()).collect();
+    assert_eq!(reported.iter().map(|t| t.len()).collect::<Vec<_>>(), [4, 0]);
+    for (translation, language) in reported[0].iter().zip(["spirv", "wgsl", "glsl450", "naga-glsl"]) {
         has(translation, &["language", "agreed", "deviated", "undetermined", "unsupported"]);
         assert_eq!((&translation["language"], &translation["agreed"]), (&language.into(), &304.into()));
     }

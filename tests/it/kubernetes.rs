@@ -252,25 +252,25 @@ fn the_manifests_are_what_a_server_takes() {
 #[test]
 fn planted_faults_are_reported() {
     let [storage, shards, merge] = FILES.map(text);
-    let told = |from: &str, to: &str, part: &str| {
+    let reported = |from: &str, to: &str, part: &str| {
         assert!(shards.contains(from), "{from}");
         let planted = shards.replacen(from, to, 1);
         let faults = faults([&storage, &planted, &merge]);
         assert!(faults.iter().any(|fault| fault.contains(part)), "`{to}`: {faults:?}");
     };
-    told("completionMode", "completionsMode", "unknown field `completionsMode`");
-    told("completionMode: Indexed", "completionMode: indexed", "unknown variant `indexed`");
-    told("completionMode: Indexed", "completionMode: NonIndexed", "shards are an Indexed Job");
-    told("backoffLimit: 32", "backoffLimit: many", "invalid type");
-    told("value: \"16\"", "value: 16", "invalid type");
-    told("value: \"16\"", "value: \"8\"", "SHADERCHECK_SHARD_COUNT is the number of completions");
-    told("completions: 16", "completions: 15", "not more pods than shards");
-    told("restartPolicy: OnFailure", "restartPolicy: Always", "unknown variant `Always`");
-    told("batch/v1", "batch/v1beta1", "jobs are of batch/v1");
-    told("claimName: shadercheck-shards", "claimName: shards", "a volume is the claim");
-    told("mountPath: /shards", "mountPath: /results", "the program is given the folder that is mounted");
-    told("            - --shard\n", "            - --shared\n", "the program does not take its arguments");
-    told("          volumeMounts:\n", "      volumeMounts:\n", "shards.yaml: ");
+    reported("completionMode", "completionsMode", "unknown field `completionsMode`");
+    reported("completionMode: Indexed", "completionMode: indexed", "unknown variant `indexed`");
+    reported("completionMode: Indexed", "completionMode: NonIndexed", "shards are an Indexed Job");
+    reported("backoffLimit: 32", "backoffLimit: many", "invalid type");
+    reported("value: \"16\"", "value: 16", "invalid type");
+    reported("value: \"16\"", "value: \"8\"", "SHADERCHECK_SHARD_COUNT is the number of completions");
+    reported("completions: 16", "completions: 15", "not more pods than shards");
+    reported("restartPolicy: OnFailure", "restartPolicy: Always", "unknown variant `Always`");
+    reported("batch/v1", "batch/v1beta1", "jobs are of batch/v1");
+    reported("claimName: shadercheck-shards", "claimName: shards", "a volume is the claim");
+    reported("mountPath: /shards", "mountPath: /results", "the program is given the folder that is mounted");
+    reported("            - --shard\n", "            - --shared\n", "the program does not take its arguments");
+    reported("          volumeMounts:\n", "      volumeMounts:\n", "shards.yaml: ");
     let planted = storage.replace("ReadWriteMany", "ReadWriteOnce");
     assert_eq!(faults([&planted, &shards, &merge]), ["pods on several nodes write"]);
     let planted = merge.replace("restartPolicy: Never", "restartPolicy: OnFailure");

@@ -106,7 +106,7 @@ fn a_rule_goes_by_its_name_wherever_it_goes_by_its_code() {
 }
 
 #[test]
-fn a_wrong_configuration_is_told_with_its_place() {
+fn a_wrong_configuration_is_reported_with_its_place() {
     let folder = folder(&[("a.vert", LITERAL), ("shadercheck.toml", "[lint]\nselct = [\"N\"]\nlevel = \"strikt\"\n")]);
     let ran = lint(folder.path(), "a.vert").expect(2);
     assert!(ran.out.is_empty());
@@ -119,7 +119,7 @@ fn a_wrong_configuration_is_told_with_its_place() {
 }
 
 #[test]
-fn a_program_of_the_configuration_that_is_not_there_is_told() {
+fn a_program_of_the_configuration_that_is_not_there_is_reported() {
     let text = "[[program]]\nshaders = [\"a.vert\", \"gone.frag\"]\n";
     let folder = folder(&[("s/a.vert", LITERAL), ("s/shadercheck.toml", text)]);
     let ran = lint(folder.path(), "s").expect(0);

@@ -189,7 +189,7 @@ fn the_color_of_a_case_is_that_of_the_last_draw_over_its_place() {
 }
 
 #[test]
-fn what_cannot_run_is_told_and_what_is_not_understood_names_its_line() {
+fn what_cannot_run_is_reported_and_what_is_not_understood_names_its_line() {
     let skipped = |text: &str| match convert("own.shader_test", &ShaderTest::parse(text).unwrap()) {
         Ok(_) => panic!("it runs"),
         Err(Skipped(why)) => why,

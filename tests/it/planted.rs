@@ -349,7 +349,7 @@ fn devices_without_a_fault_are_not_blamed() {
 }
 
 #[test]
-fn a_fault_of_a_place_is_told_as_one_and_takes_the_whole_run_to_show() {
+fn a_fault_of_a_place_is_reported_as_one_and_takes_the_whole_run_to_show() {
     let prepared = prepared("morph");
     let devices = [device(&prepared, "a", Some(BY_PLACE[6].1)), device(&prepared, "d", None)];
     let report = reports(&prepared, &devices).remove(0).unwrap();

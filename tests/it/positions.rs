@@ -56,7 +56,7 @@ fn files() -> Vec<String> {
 }
 
 #[test]
-fn every_wrong_shader_is_told_as_its_snapshot_says() {
+fn every_wrong_shader_is_reported_as_its_snapshot_says() {
     for name in files() {
         let (status, text) = said(&name);
         assert_eq!(status, ExitStatus::Findings, "{name}");
@@ -107,9 +107,9 @@ fn what_nagas_reader_refuses_stands_at_the_authors_place() {
     for (text, at) in REFUSED_BY_NAGA {
         let file = SourceFile::new("a.vert", format!("#version 450\n{text}\n"));
         let program = Program::from_source(&file, Stage::Vertex, |_| Ok(Target::Stage)).unwrap();
-        let told = program.retranslate(Language::NagaGlsl).unwrap_err().to_string();
+        let reported = program.retranslate(Language::NagaGlsl).unwrap_err().to_string();
         let place = file.locate(file.text().find(at).unwrap());
-        assert!(told.contains(&format!("{place}: ")), "{place} is not in {told}");
+        assert!(reported.contains(&format!("{place}: ")), "{place} is not in {reported}");
         // Without the way back, it would stand somewhere else.
         let Ok(Translation::Text(lowered)) = program.translate(Language::NagaGlsl) else { panic!("{text}") };
         let lowered = SourceFile::new("a.vert", lowered);
@@ -141,8 +141,8 @@ fn panicking(name: &str) -> Program {
 #[test]
 fn a_panic_of_naga_is_a_refusal() {
     for name in PANICS {
-        let told = panicking(name).retranslate(Language::NagaGlsl).unwrap_err().to_string();
-        assert!(told.contains("naga panicked"), "{name}: {told}");
+        let reported = panicking(name).retranslate(Language::NagaGlsl).unwrap_err().to_string();
+        assert!(reported.contains("naga panicked"), "{name}: {reported}");
     }
 }
 

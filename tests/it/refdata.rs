@@ -89,16 +89,16 @@ fn parts_are_the_run() {
 }
 
 #[test]
-fn bad_arguments_are_told() {
+fn bad_arguments_are_reported() {
     let folder = folder();
     let at = folder.path();
-    let told = |args: &str| generate(at, args).expect(2).err;
-    assert!(told("sphere --samples 0 -o a.npz").contains("0 is not in 1.."));
-    assert!(told("sphre -o a.npz").contains("did you mean `sphere`?"));
-    assert!(told("sphere --profile vulkan-1.5 -o a.npz").contains("did you mean `vulkan-1.4`?"));
-    assert!(told("sphere -o a.csv").contains("does not end in `.npz`"));
-    assert!(told("sphere cylinder -o a.npz").contains("2 data sets do not go into the one file"));
-    assert!(told("bone_weight --format glb -o a.glb").contains("`bone_weight` is no geometry"));
+    let reported = |args: &str| generate(at, args).expect(2).err;
+    assert!(reported("sphere --samples 0 -o a.npz").contains("0 is not in 1.."));
+    assert!(reported("sphre -o a.npz").contains("did you mean `sphere`?"));
+    assert!(reported("sphere --profile vulkan-1.5 -o a.npz").contains("did you mean `vulkan-1.4`?"));
+    assert!(reported("sphere -o a.csv").contains("does not end in `.npz`"));
+    assert!(reported("sphere cylinder -o a.npz").contains("2 data sets do not go into the one file"));
+    assert!(reported("bone_weight --format glb -o a.glb").contains("`bone_weight` is no geometry"));
     assert_eq!(names(at), Vec::<String>::new(), "nothing is written");
 }
 
@@ -115,7 +115,7 @@ fn where_nothing_can_be_written_nothing_is_left() {
 }
 
 #[test]
-fn damaged_references_are_told() {
+fn damaged_references_are_reported() {
     let folder = folder();
     let at = folder.path();
     generate(at, "sphere --samples 100 --profile binary32 -o s.npz").expect(0);
@@ -126,16 +126,16 @@ fn damaged_references_are_told() {
     let mut changed = bytes.clone();
     changed[bytes.len() / 3] ^= 4;
     fs::write(at.join("d.npz"), &changed).unwrap();
-    let told = verify();
-    assert!(told.contains("d.npz`"), "{told}");
+    let reported = verify();
+    assert!(reported.contains("d.npz`"), "{reported}");
     let csv = "index,gl_Position.x\n0,1.0\n";
     fs::write(at.join("d.csv"), csv).unwrap();
-    let told = run_in(at, "refdata verify d.csv s.npz").expect(2).err;
-    assert!(told.contains("it does not begin with `# ` and the provenance"), "{told}");
-    let told = run_in(at, "refdata verify s.npz gone.npz").expect(2).err;
-    assert!(told.contains("cannot read `gone.npz`"), "{told}");
-    let told = run_in(at, "refdata verify s.npz d.txt").expect(2).err;
-    assert!(told.contains("tells no format"), "{told}");
+    let reported = run_in(at, "refdata verify d.csv s.npz").expect(2).err;
+    assert!(reported.contains("it does not begin with `# ` and the provenance"), "{reported}");
+    let reported = run_in(at, "refdata verify s.npz gone.npz").expect(2).err;
+    assert!(reported.contains("cannot read `gone.npz`"), "{reported}");
+    let reported = run_in(at, "refdata verify s.npz d.txt").expect(2).err;
+    assert!(reported.contains("tells no format"), "{reported}");
 }
 
 #[test]

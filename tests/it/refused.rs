@@ -31,11 +31,11 @@ fn every_command_refuses_what_the_language_refuses() {
                          [[inputs]]\nnames = [\"p\"]\ngenerator = \"interval\"\nrange = [0.0, 1.0]\n";
             fs::write(folder.path().join("a.suite.toml"), suite).unwrap();
             let lint = run_in(folder.path(), "lint a.vert").expect(1);
-            let told = format!("error[{}]", lint::with_name(code));
-            assert!(lint.out.contains(&told), "{place}: {fault}\n{}", lint.out);
-            let at = lint.out.lines().skip_while(|line| !line.contains(&told)).nth(1).unwrap().trim().to_owned();
+            let reported = format!("error[{}]", lint::with_name(code));
+            assert!(lint.out.contains(&reported), "{place}: {fault}\n{}", lint.out);
+            let at = lint.out.lines().skip_while(|line| !line.contains(&reported)).nth(1).unwrap().trim().to_owned();
             assert!(at.starts_with("--> a.vert:3:"), "{at}");
-            let message = lint.out.lines().find(|line| line.contains(&told)).unwrap();
+            let message = lint.out.lines().find(|line| line.contains(&reported)).unwrap();
             for (command, status) in [
                 ("check a.suite.toml --lane embedded", 1),
                 ("translate a.vert --to wgsl", 1),
@@ -56,7 +56,7 @@ fn every_command_refuses_what_the_language_refuses() {
 }
 
 #[test]
-fn translate_goes_on_where_it_is_told_to() {
+fn translate_goes_on_where_it_is_reported_to() {
     let folder = tempfile::tempdir().unwrap();
     let text = "#version 330\nin vec3 p;\nint z = vec3(1, 2, 3, 4);\nvoid main() { gl_Position = vec4(p, 1.0); }\n";
     fs::write(folder.path().join("a.vert"), text).unwrap();

@@ -120,7 +120,7 @@ fn nothing_of_the_user_s_file_is_lost() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_is_told_and_left_alone() {
+fn a_file_that_cannot_be_read_is_reported_and_left_alone() {
     let folder = folder(WRONG);
     let path = folder.path().join("sphere.regressions");
     let broken = "sphere parameter=3f000000,nonsense\n";

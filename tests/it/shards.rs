@@ -120,7 +120,7 @@ fn the_order_and_the_grouping_of_a_merge_do_not_matter() {
 }
 
 #[test]
-fn a_shard_that_is_missing_doubled_or_of_another_run_is_told() {
+fn a_shard_that_is_missing_doubled_or_of_another_run_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let args = "check sphere --lane embedded --stage compute --samples 64";
     let parts = shards(folder.path(), args, 3);
@@ -180,7 +180,7 @@ fn a_shard_that_is_missing_doubled_or_of_another_run_is_told() {
 }
 
 #[test]
-fn a_shard_that_is_none_and_a_folder_that_is_none_are_told_before_any_work() {
+fn a_shard_that_is_none_and_a_folder_that_is_none_are_reported_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
     let error = |args: &str, part: &str| {
         let ran = run(args).expect(2);

@@ -77,9 +77,9 @@ const REFUSED: &str = "echo 'ERROR: 0:3: no'; exit 2";
 #[test]
 fn a_required_lane_that_judges_nothing_is_a_failure() {
     let ran = with_translator(REFUSED, "--require-lane vulkan-glslang").expect(2);
-    let told = "error: the required lane `vulkan-glslang` judged no sample: 64 samples not supported on this lane: \
+    let reported = "error: the required lane `vulkan-glslang` judged no sample: 64 samples not supported on this lane: \
                 glslang, line 3: no\n";
-    assert_eq!(ran.err, told);
+    assert_eq!(ran.err, reported);
     assert!(ran.out.lines().last().unwrap().starts_with("incomplete: "), "{}", ran.out);
     let json = with_translator(REFUSED, "--require-lane vulkan-glslang --format json").expect(2).json();
     assert_eq!((&json["status"], &json["incomplete"][0]["lane"]), (&"fail".into(), &"vulkan-glslang".into()));

@@ -141,7 +141,7 @@ fn standard_output_by_its_name_is_written_to() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_with_its_reason() {
+fn what_cannot_be_written_is_reported_with_its_reason() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder();
     let at = folder.path();

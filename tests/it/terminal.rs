@@ -61,7 +61,7 @@ fn a_terminal_gets_a_table_that_fits_and_progress() {
 }
 
 #[test]
-fn a_finding_is_told_below_the_table_in_few_lines() {
+fn a_finding_is_reported_below_the_table_in_few_lines() {
     let args = "check sphere --shader fixtures/alarms/sphere_off.vert --samples 64 --lane embedded";
     let Some((text, status)) = on_terminal(100, args) else { return };
     assert_eq!(status, 1, "{text}");

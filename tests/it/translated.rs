@@ -27,25 +27,25 @@ fn compare(prepared: &Prepared, translations: &Translations, cases: usize) -> Ve
 
 #[test]
 fn every_shipped_shader_means_the_same_in_every_language_that_reads_back() {
-    let mut told = String::new();
+    let mut reported = String::new();
     for suite in shipped() {
         let prepared = prepared(suite.name);
         let translations = Translations::of(&prepared.program);
         for (language, why) in translations.unread() {
-            writeln!(told, "{}: {language}: {why:?}", suite.name).unwrap();
+            writeln!(reported, "{}: {language}: {why:?}", suite.name).unwrap();
         }
         let compared = compare(&prepared, &translations, 128);
         // naga reads the author's own text as well.
-        assert!(compared.len() == 4 || !told.is_empty(), "{}: {}", suite.name, compared.len());
+        assert!(compared.len() == 4 || !reported.is_empty(), "{}: {}", suite.name, compared.len());
         for one in compared {
             if let Some(first) = one.first {
-                writeln!(told, "{}: {first}; {} agree", suite.name, one.agreed).unwrap();
+                writeln!(reported, "{}: {first}; {} agree", suite.name, one.agreed).unwrap();
             }
             assert_eq!(one.undetermined, 0, "{}", suite.name);
             assert!(one.agreed >= 128 || !one.deviating.is_empty());
         }
     }
-    assert_eq!(told, "");
+    assert_eq!(reported, "");
 }
 
 /// A translation with a part of its text replaced.
@@ -235,7 +235,7 @@ fn another_spelling_is_the_same_translation() {
 }
 
 #[test]
-fn what_is_not_read_is_told_with_its_reason() {
+fn what_is_not_read_is_reported_with_its_reason() {
     let sphere = prepared("sphere");
     let text = Translation::Text("fn main( {".to_owned());
     let translations = beside(&sphere.program, Language::Wgsl, &text);
@@ -331,8 +331,9 @@ fn a_wrong_translation_is_a_finding_with_a_shrunk_case() {
         all.push((Language::Wgsl, prepared.program.read_back(&wrong, Language::Wgsl)));
         check_translations_with(&prepared, &Translations::new(&prepared.program, all), &request, &mut part);
         let report = part.report();
-        let told: Vec<_> = report.translations.iter().map(|t| (t.language, t.deviated > 0, t.agreed >= 2048)).collect();
-        let [spirv, wgsl, glsl] = told[..] else { panic!("{told:?}") };
+        let reported: Vec<_> =
+            report.translations.iter().map(|t| (t.language, t.deviated > 0, t.agreed >= 2048)).collect();
+        let [spirv, wgsl, glsl] = reported[..] else { panic!("{reported:?}") };
         assert_eq!((spirv, glsl), ((Language::SpirV, false, true), (Language::Glsl450, false, true)));
         assert_eq!((wgsl.0, wgsl.1), (Language::Wgsl, true));
         let [finding] = &report.findings[..] else { panic!("{:?}", report.findings) };

@@ -122,9 +122,9 @@ fn derivatives_in_branches_are_allowed_in_wgsl_and_nothing_else() {
         agrees(&branch, &[Language::Wgsl]);
         text(&branch, Language::Wgsl)
     };
-    let told = "diagnostic(off, derivative_uniformity);\n";
-    assert!(text_of("if (uv.x > 0.25) c = texture(map, uv);").starts_with(told));
-    assert!(text_of("for (int i = 0; i < int(uv.x); ++i) c += vec4(dFdx(uv.y));").starts_with(told));
+    let reported = "diagnostic(off, derivative_uniformity);\n";
+    assert!(text_of("if (uv.x > 0.25) c = texture(map, uv);").starts_with(reported));
+    assert!(text_of("for (int i = 0; i < int(uv.x); ++i) c += vec4(dFdx(uv.y));").starts_with(reported));
     assert!(!text_of("c = texture(map, uv);").contains("diagnostic"));
     assert!(!text_of("if (uv.x > 0.25) c = textureLod(map, uv, 0.0);").contains("diagnostic"));
 }
@@ -329,16 +329,16 @@ fn an_inverse_is_supplied_where_the_writer_has_none() {
 }
 
 #[test]
-fn nan_and_infinity_are_told_by_their_bits_in_wgsl() {
+fn nan_and_infinity_are_reported_by_their_bits_in_wgsl() {
     let source = "#version 330 core\nin vec3 v; in float s; flat out int found;\n\
                   void main() { vec3 x = v.x > 0.0 ? v : vec3(intBitsToFloat(0x7fc00000));\n\
                   bvec3 n = isnan(x); found = int(any(n)) + 2 * int(isinf(s / 0.0)); \n\
                   gl_Position = vec4(v, 1.0); }\n";
-    let told = program("told.vert", source);
-    let wgsl = text(&told, Language::Wgsl);
+    let reported = program("told.vert", source);
+    let wgsl = text(&reported, Language::Wgsl);
     assert!(!wgsl.contains("isNan(") && wgsl.matches("2139095040u").count() >= 2, "{wgsl}");
-    agrees(&told, &[Language::Wgsl]);
-    rings(&told, Language::Wgsl, "2139095040u", "2149095040u");
+    agrees(&reported, &[Language::Wgsl]);
+    rings(&reported, Language::Wgsl, "2139095040u", "2149095040u");
 }
 
 #[test]

@@ -356,7 +356,7 @@ fn messages(report: &Report, kind: FindingKind) -> Vec<String> {
 }
 
 #[test]
-fn an_undefined_value_is_told_as_the_shaders_fault_where_it_matters() {
+fn an_undefined_value_is_reported_as_the_shaders_fault_where_it_matters() {
     let strict = embedded::open().unwrap();
     let off = Off(embedded::open().unwrap());
     let mut wrong = Vec::new();
@@ -364,12 +364,12 @@ fn an_undefined_value_is_told_as_the_shaders_fault_where_it_matters() {
         for stage in ["function", "vertex", "fragment", "geometry"] {
             let undefined = staged(function, stage);
             let report = check(&undefined, &*strict);
-            let told = messages(&report, FindingKind::Undefined);
+            let reported = messages(&report, FindingKind::Undefined);
             let good = |m: &String| {
                 m.starts_with("the shader gives an undefined value: `") && m.contains(" at u.glsl:") && m.contains(said)
             };
-            if told.is_empty() || !told.iter().any(good) {
-                wrong.push(format!("{stage} {function}: {told:?} {:?}", report.findings));
+            if reported.is_empty() || !reported.iter().any(good) {
+                wrong.push(format!("{stage} {function}: {reported:?} {:?}", report.findings));
                 continue;
             }
             let open = report.verdicts.undetermined[Reason::Undefined as usize];
@@ -437,11 +437,11 @@ fn an_executor_that_dies_where_the_shader_is_undefined_is_not_at_fault() {
         let lane = Brittle { lane: embedded::open().unwrap(), breaks: |x| x < -1.0, dies: true };
         let report = check(&prepared, &lane);
         let undefined = messages(&report, FindingKind::Undefined);
-        let told = |what: &str| undefined.iter().any(|message| message.contains(what));
-        assert!(told("the shader gives an undefined value"), "{function}: {undefined:?}");
+        let reported = |what: &str| undefined.iter().any(|message| message.contains(what));
+        assert!(reported("the shader gives an undefined value"), "{function}: {undefined:?}");
         // What stores outside of an array is not run at all.
         let dies = "the process of the driver was ended by signal 11 (segmentation fault), which it may do there";
-        assert_eq!(told(dies), !function.contains("] = 5.0"), "{function}: {undefined:?}");
+        assert_eq!(reported(dies), !function.contains("] = 5.0"), "{function}: {undefined:?}");
         // Annotations and SARIF point at it.
         let of_the_shader = report.findings.iter().filter(|f| f.kind == FindingKind::Undefined);
         let placed = |f: &Finding| f.case.as_ref().is_some_and(|case| case.diagnosis.written.is_some());

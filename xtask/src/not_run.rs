@@ -66,7 +66,7 @@ fn listed(lines: &[String]) -> String {
 /// runner of cargo there is one for each program, and the last is known at the end.
 fn forward(output: impl Read, to: &mut dyn Write, list: impl Fn() -> Result<String>) -> Result<()> {
     let mut held: Vec<u8> = Vec::new();
-    let mut told = false;
+    let mut reported = false;
     let mut output = BufReader::new(output);
     loop {
         let mut line = Vec::new();
@@ -75,9 +75,9 @@ fn forward(output: impl Read, to: &mut dyn Write, list: impl Fn() -> Result<Stri
         }
         let text = String::from_utf8_lossy(&line);
         let summary = text.contains("Summary") && text.contains(" run: ");
-        if summary && !told {
+        if summary && !reported {
             to.write_all(list()?.as_bytes())?;
-            told = true;
+            reported = true;
         }
         let begins = text.trim_start().starts_with("──────") || text.starts_with("test result: ");
         if begins || (!held.is_empty() && text.trim().is_empty()) {
@@ -91,7 +91,7 @@ fn forward(output: impl Read, to: &mut dyn Write, list: impl Fn() -> Result<Stri
         to.write_all(&line)?;
         to.flush()?;
     }
-    if !told {
+    if !reported {
         to.write_all(list()?.as_bytes())?;
     }
     to.write_all(&held)?;

@@ -71,8 +71,8 @@ fn every_shipped_suite_fills_the_inputs_of_its_formula() {
         let suite = parse(&SourceFile::new(shipped.path, shipped.toml)).unwrap();
         let formula = formula::by_name(suite.expect.formula().unwrap()).unwrap();
         let plan = suite.plan(&inputs_of(formula), &Arc::default()).unwrap_or_else(|e| panic!("{e}"));
-        for lane in 0..64 {
-            let sample = plan.sample(1, 0, lane);
+        for invocation in 0..64 {
+            let sample = plan.sample(1, 0, invocation);
             assert!(plan.admits(&sample), "{}: {sample:?}", shipped.name);
             assert!(plan.admits(&plan.simplest(&sample)));
         }

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_move_or_are_indented_stay_known_and_new_ones_are_told() {
+    fn lines_that_move_or_are_indented_stay_known_and_new_ones_are_reported() {
         let new = "more\nmore\n    y  = pi;\nx = pi;\nx = pi;\nx = pi;\n";
         let found: Vec<_> = (0..4).map(|i| finding(new, "pi", i)).collect();
         let result = old().cover(found.clone(), path, all);

@@ -77,7 +77,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
     // What the front end tells with the code of a rule of its own goes through that rule.
     let completed = |d: &Diagnostic| rules.iter().any(|r| r.code == d.code && r.completes_the_front_end());
     let plain = |d: &&Diagnostic| !rules.iter().any(|r| r.code == d.code);
-    let mut told: Vec<(Level, Diagnostic)> = project
+    let mut all: Vec<(Level, Diagnostic)> = project
         .shaders()
         .filter(|s| s.reported)
         .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, s, d), d.clone())))
@@ -89,19 +89,19 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
             || project.shaders().any(|s| s.front_end.iter().any(|d| d.code == rule.code))
     };
     let wanted: Vec<&'static Rule> = rules.iter().copied().filter(of_use).collect();
-    Rule::check_all(&wanted, &project, &programs, &mut told);
+    Rule::check_all(&wanted, &project, &programs, &mut all);
     // A rule that looks for itself may find at any level what some versions of the language refuse.
     for shader in project.shaders().filter(|s| s.reported) {
         for error in shader.front_end.iter().filter(|d| !plain(d) && !completed(d)) {
             let same = |d: &Diagnostic| d.code == error.code && d.file == error.file && d.span.touches(error.span);
-            match told.iter_mut().find(|(_, d)| same(d)) {
+            match all.iter_mut().find(|(_, d)| same(d)) {
                 Some((level, found)) => (*level, found.severity) = (Level::Default, Severity::Error),
-                None => told.push((Level::Default, error.clone())),
+                None => all.push((Level::Default, error.clone())),
             }
         }
     }
-    leave_doubtful_to_strict(&project, &mut told);
-    for (_, diagnostic) in &mut told {
+    leave_doubtful_to_strict(&project, &mut all);
+    for (_, diagnostic) in &mut all {
         let cut = |fix: &Fix| fix.edits.iter().any(|edit| diagnostic.file.cuts_expansion(edit.span));
         if diagnostic.fix.as_ref().is_some_and(cut) {
             diagnostic.fix = None;
@@ -109,10 +109,10 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         *diagnostic = diagnostic.clone().in_expansion();
     }
     let partial: BTreeSet<&str> = project.shaders().filter(|s| s.partial).map(|s| s.file.name()).collect();
-    told.retain(|(_, d)| !partial.contains(d.file.name()) || document::holds_anywhere(d.code));
-    embedded::relocate(&project, told.iter_mut().map(|(_, d)| d));
-    told.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
-    let mut found: Vec<Diagnostic> = told.into_iter().map(|(_, d)| d).collect();
+    all.retain(|(_, d)| !partial.contains(d.file.name()) || document::holds_anywhere(d.code));
+    embedded::relocate(&project, all.iter_mut().map(|(_, d)| d));
+    all.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));
+    let mut found: Vec<Diagnostic> = all.into_iter().map(|(_, d)| d).collect();
     let mut suppressions = Suppressions::of(&project, rules);
     found.retain(|d| !suppressions.silences(d));
     suppressions.judge(|file, code| settings.keeps(file, code, level_of(rules, code)));

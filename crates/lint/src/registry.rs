@@ -198,7 +198,7 @@ mod tests {
                 let inputs: Vec<Input> = files.iter().map(|f| Input::new(SourceFile::new(f.name, f.text))).collect();
                 at_its_level(rule, &inputs)
             };
-            let told = |found: &[Diagnostic]| -> Vec<String> {
+            let reported = |found: &[Diagnostic]| -> Vec<String> {
                 found.iter().map(|d| format!("{} {}: {}", d.code, d.file.locate(d.span.start), d.message)).collect()
             };
             let bad = lint(&rule.pages.bad());
@@ -213,11 +213,11 @@ mod tests {
                         wrong.push(format!("{}: words or severity: {one:#?}", rule.code));
                     }
                 }
-                _ => wrong.push(format!("bad example of {}: {:#?}", rule.code, told(&bad))),
+                _ => wrong.push(format!("bad example of {}: {:#?}", rule.code, reported(&bad))),
             }
             let good = lint(&rule.pages.good());
             if !good.is_empty() {
-                wrong.push(format!("good example of {}: {:#?}", rule.code, told(&good)));
+                wrong.push(format!("good example of {}: {:#?}", rule.code, reported(&good)));
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));

@@ -113,8 +113,8 @@ impl Rule {
             }
             Check::FrontEnd(complete) => {
                 for shader in project.shaders().filter(|s| s.reported) {
-                    let told = shader.front_end.iter().filter(|d| d.code == self.code);
-                    into.extend(told.filter_map(|d| complete(shader, d.clone())).map(|d| (self.level, d)));
+                    let own = shader.front_end.iter().filter(|d| d.code == self.code);
+                    into.extend(own.filter_map(|d| complete(shader, d.clone())).map(|d| (self.level, d)));
                 }
             }
             #[cfg(test)]

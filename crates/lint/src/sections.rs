@@ -55,7 +55,7 @@ mod tests {
     use crate::{Input, run};
     use base::text::SourceFile;
 
-    fn told(text: &str) -> Vec<String> {
+    fn reported(text: &str) -> Vec<String> {
         let file = SourceFile::new("both.glsl", text);
         let found = run(&[Input::new(file)]);
         found.iter().map(|d| format!("{} {} {}", d.code, d.file.locate(d.span.start), d.message)).collect()
@@ -67,9 +67,9 @@ mod tests {
 
     #[test]
     fn both_shaders_are_read() {
-        assert_eq!(told(BOTH), [""; 0]);
+        assert_eq!(reported(BOTH), [""; 0]);
         let wrong = BOTH.replace("vec4(n, 1.0)", "vec3(n, 1.0)");
-        let found = told(&wrong);
+        let found = reported(&wrong);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].contains("both.glsl:12:19"), "{found:?}");
     }
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn they_are_linked() {
         let apart = BOTH.replace("in vec3 n;", "in vec3 normal;").replace("vec4(n, 1.0)", "vec4(normal, 1.0)");
-        let found = told(&apart);
+        let found = reported(&apart);
         assert!(found.iter().any(|f| f.starts_with("I001")), "{found:?}");
     }
 }

@@ -70,10 +70,10 @@ fn fixed(outcome: &Outcome, name: &str) -> String {
 #[test]
 fn the_printed_defects_are_found_and_nothing_else() {
     let found = run(&inputs(PRINTED));
-    let told: Vec<String> =
+    let reported: Vec<String> =
         found.iter().map(|d| format!("{} {} {}", d.file.locate(d.span.start), d.code, d.severity.name())).collect();
     assert_eq!(
-        told,
+        reported,
         [
             "cylinder.vert:11:24 N014 info",
             "cylinder.vert:13:23 T001 error", // D1
@@ -93,7 +93,7 @@ fn the_printed_defects_are_found_and_nothing_else() {
 }
 
 #[test]
-fn the_order_of_the_inputs_does_not_matter_and_a_file_given_twice_is_told_once() {
+fn the_order_of_the_inputs_does_not_matter_and_a_file_given_twice_is_reported_once() {
     let mut files = inputs(PRINTED);
     let expected = run(&files);
     files.reverse();
@@ -201,7 +201,7 @@ fn every_fix_leaves_a_text_that_is_clean_and_stays_as_it_is() {
 }
 
 #[test]
-fn what_is_ignored_is_neither_told_nor_fixed() {
+fn what_is_ignored_is_neither_reported_nor_fixed() {
     let ignore = |codes: &[&str]| Settings {
         selection: Selection::new(&[], &codes.iter().map(|&c| c.to_owned()).collect::<Vec<_>>()).unwrap(),
         ..Settings::default()
@@ -317,7 +317,7 @@ fn an_edit_outside_the_text_is_refused() {
 }
 
 #[test]
-fn diagnostics_are_sorted_by_place_and_told_once() {
+fn diagnostics_are_sorted_by_place_and_reported_once() {
     let files = [Input::new(SourceFile::new("a.cpp", "int xx; int aaa;"))];
     let found = run_rules(&files, &Settings::default(), &[&TO_B, &PAIRS, &PAIRS]);
     assert_eq!(found.iter().map(|d| (d.code.0, d.span.start)).collect::<Vec<_>>(), [("Z004", 4), ("Z001", 12)]);

@@ -43,7 +43,7 @@ fn is_name(diagnostic: &Diagnostic) -> bool {
 mod tests {
     use super::*;
 
-    fn told(stage: Stage, text: &str) -> Vec<String> {
+    fn reported(stage: Stage, text: &str) -> Vec<String> {
         let parsed = read(&SourceFile::new("a", text), stage);
         parsed.diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect()
     }
@@ -52,26 +52,26 @@ mod tests {
     fn a_version_that_the_host_puts_in_front_is_found_out() {
         let modern = "in vec3 n;\nout vec4 c;\nuniform sampler2D t;\n\
             void main() { float h = 1.0f; h += 1; c = texture(t, n.xy) * h * TINT; }\n";
-        assert_eq!(told(Stage::Fragment, modern), [""; 0]);
+        assert_eq!(reported(Stage::Fragment, modern), [""; 0]);
         let embedded =
             "precision mediump float;\nvarying vec2 uv;\nvoid main() { gl_FragColor = vec4(uv, 0.0, 1.0); }\n";
-        assert_eq!(told(Stage::Fragment, embedded), [""; 0]);
+        assert_eq!(reported(Stage::Fragment, embedded), [""; 0]);
         let blocks = "layout(std430, binding = 0) buffer B { float v[]; };\nlayout(local_size_x = 64) in;\n\
             void main() { v[gl_GlobalInvocationID.x] *= 2; }\n";
-        assert_eq!(told(Stage::Compute, blocks), [""; 0]);
+        assert_eq!(reported(Stage::Compute, blocks), [""; 0]);
     }
 
     #[test]
-    fn what_is_wrong_in_every_version_is_told() {
+    fn what_is_wrong_in_every_version_is_reported() {
         let wrong = "in vec3 n;\nout vec4 c;\nvoid main() { c = n; }\n";
-        assert_eq!(told(Stage::Fragment, wrong).len(), 1);
+        assert_eq!(reported(Stage::Fragment, wrong).len(), 1);
         let old = "varying vec3 n;\nvoid main() { gl_FragColor = vec4(m, 1.0); }\n";
-        assert_eq!(told(Stage::Fragment, old).len(), 1);
+        assert_eq!(reported(Stage::Fragment, old).len(), 1);
         // Nothing here came later than 1.10, which has no such conversion.
         let converted = "varying float x;\nvoid main() { gl_FragColor = vec4(x * 2); }\n";
-        assert_eq!(told(Stage::Fragment, converted).len(), 1);
+        assert_eq!(reported(Stage::Fragment, converted).len(), 1);
         // A version that is stated is believed.
         let stated = "#version 110\nvoid main() { gl_FragColor = vec4(1.0f); }\n";
-        assert_eq!(told(Stage::Fragment, stated).len(), 1);
+        assert_eq!(reported(Stage::Fragment, stated).len(), 1);
     }
 }

@@ -118,7 +118,7 @@ fn image_missing(inner: &TypeInner) -> Option<String> {
     use StorageFormat as F;
     let TypeInner::Image { class: ImageClass::Storage { format, access }, .. } = *inner else { return None };
     let both = access.contains(StorageAccess::LOAD | StorageAccess::STORE);
-    let told = format!("{format:?}").to_lowercase();
+    let reported = format!("{format:?}").to_lowercase();
     match format {
         F::R32Float | F::R32Sint | F::R32Uint => None,
         F::Rgba32Float
@@ -130,8 +130,8 @@ fn image_missing(inner: &TypeInner) -> Option<String> {
         | F::Rgba8Sint
         | F::Rgba32Uint
         | F::Rgba16Uint
-        | F::Rgba8Uint => both.then(|| format!("no image of the format {told} that is both read and written")),
-        _ => Some(format!("no image of the format {told}")),
+        | F::Rgba8Uint => both.then(|| format!("no image of the format {reported} that is both read and written")),
+        _ => Some(format!("no image of the format {reported}")),
     }
 }
 

@@ -39,7 +39,7 @@ use syntax::{Shader, Stage};
 pub use crate::lower::{Primitives, Role};
 pub use build::DISCARD;
 pub use capture::{
-    Attribute, ENTRY_POINT, Form, InputSource, Kernel, OutputLayout, UniformBlock, UniformSlot, WORKGROUP, binding,
+    Attribute, ENTRY_POINT, Form, InputSource, Kernel, OutputLayout, UniformBlock, UniformPlace, WORKGROUP, binding,
     uniform_blocks,
 };
 pub use constants::{Constant, Constants, WrittenLiteral};
@@ -213,7 +213,7 @@ impl Program {
             Entry::Function(function) => !self.info[function][m.global].is_empty(),
             Entry::Point(_) => true,
         };
-        let memory = self.memory.iter().filter(used).map(|m| &m.told);
+        let memory = self.memory.iter().filter(used).map(|m| &m.diagnostic);
         let all: Vec<Diagnostic> = self.unfed.iter().chain(memory).cloned().collect();
         if all.is_empty() { Ok(()) } else { Err(ProgramError::Source(all)) }
     }

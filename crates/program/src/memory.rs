@@ -25,7 +25,7 @@ pub(crate) struct Memory {
     /// False for one that is only read.
     pub written: bool,
     /// Said where it is not fed.
-    pub told: Diagnostic,
+    pub diagnostic: Diagnostic,
     /// True when something inside cannot be fed.
     pub partial: bool,
     /// True for one that is as long as its buffer.

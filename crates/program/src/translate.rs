@@ -228,22 +228,22 @@ fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u32>, String> {
 fn wgsl_text(module: &Module, info: &ModuleInfo) -> Result<Translation, String> {
     let text = wgsl::write_string(module, info, wgsl::WriterFlags::empty()).map_err(|e| e.to_string())?;
     // Where neighbours take other branches, GLSL has a derivative undefined, and WGSL refuses it unless it is told so.
-    let told = if lacks::derives_in_branches(module) { "diagnostic(off, derivative_uniformity);\n" } else { "" };
-    Ok(Translation::Text(format!("{told}{text}")))
+    let reported = if lacks::derives_in_branches(module) { "diagnostic(off, derivative_uniformity);\n" } else { "" };
+    Ok(Translation::Text(format!("{reported}{text}")))
 }
 
 fn msl_text(module: &Module, info: &ModuleInfo) -> Result<Translation, String> {
     // Buffers keep the numbers that they have elsewhere; the sizes that naga asks for come behind them.
     let bindings: Vec<_> = module.global_variables.iter().filter_map(|(_, v)| v.binding).collect();
-    let slot = |binding: u32| u8::try_from(binding).map_err(|_| format!("there is no buffer {binding}"));
+    let index = |binding: u32| u8::try_from(binding).map_err(|_| format!("there is no buffer {binding}"));
     let mut resources = msl::EntryPointResources::default();
     for binding in &bindings {
         let target =
-            msl::BindTarget { buffer: Some(slot(binding.binding)?), mutable: true, ..msl::BindTarget::default() };
+            msl::BindTarget { buffer: Some(index(binding.binding)?), mutable: true, ..msl::BindTarget::default() };
         resources.resources.insert(*binding, target);
     }
     let behind = bindings.iter().map(|b| b.binding + 1).max().unwrap_or(0);
-    resources.sizes_buffer = Some(slot(behind)?);
+    resources.sizes_buffer = Some(index(behind)?);
     let options = msl::Options {
         lang_version: (2, 0),
         per_entry_point_map: module.entry_points.iter().map(|e| (e.name.clone(), resources.clone())).collect(),

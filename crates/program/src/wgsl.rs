@@ -19,16 +19,16 @@ impl Program {
     /// that is not there.
     pub fn from_wgsl(file: &SourceFile, name: &str) -> Result<Self, ProgramError> {
         let text = file.text();
-        let told = |span: Option<naga::Span>, code, message: String| {
+        let reported = |span: Option<naga::Span>, code, message: String| {
             let span = span.and_then(|s| s.to_range()).map_or(Span::at(0), |r| Span::new(r.start, r.end));
             Diagnostic::new(code, Severity::Error, file, span, message)
         };
-        let refused = |span, message| ProgramError::Source(vec![told(span, UNSUPPORTED, message)]);
+        let refused = |span, message| ProgramError::Source(vec![reported(span, UNSUPPORTED, message)]);
         let module = contain(|| naga::front::wgsl::parse_str(text))
             .map_err(|panic| refused(None, format!("the translator fails on this text: {panic}")))?
             .map_err(|error| {
                 let span = error.labels().next().map(|(span, _)| span);
-                ProgramError::Source(vec![told(span, NAGA, error.message().to_owned())])
+                ProgramError::Source(vec![reported(span, NAGA, error.message().to_owned())])
             })?;
         let Some((handle, function)) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(name)) else {
             let known: Vec<&str> = module.functions.iter().filter_map(|(_, f)| f.name.as_deref()).collect();

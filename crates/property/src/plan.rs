@@ -238,8 +238,8 @@ impl Plan {
         &self.case_record
     }
 
-    /// The sample of invocation `lane` in case `case`; the same as in every batch that holds it.
-    pub fn sample(&self, seed: u64, case: u64, lane: usize) -> Sample {
+    /// The sample of invocation `invocation` in case `case`; the same as in every batch that holds it.
+    pub fn sample(&self, seed: u64, case: u64, invocation: usize) -> Sample {
         let mut sample = Sample {
             invocation_record: self.invocation_record.clone(),
             case_record: self.case_record.clone(),
@@ -247,7 +247,7 @@ impl Plan {
             case: vec![0; self.case_record.words()],
         };
         super::sampler::fill_cases(self, seed, case, &mut sample.case);
-        super::sampler::fill_invocations(self, seed, case, lane, usize::MAX, &mut sample.invocation);
+        super::sampler::fill_invocations(self, seed, case, invocation, usize::MAX, &mut sample.invocation);
         sample
     }
 

@@ -75,19 +75,19 @@ pub(super) fn fill_cases(plan: &Plan, seed: u64, first_case: u64, words: &mut [u
             key: key(seed, planned),
             exact_key: seed,
             first_case,
-            first_lane: 0,
+            first_invocation: 0,
             per_case: 1,
         };
         planned.generator.fill_rows(&planned.group, rows);
     }
 }
 
-/// Fills whole records of invocations, the first of them for invocation `first_lane` of `first_case`.
+/// Fills whole records of invocations, the first of them for invocation `first_invocation` of `first_case`.
 pub(super) fn fill_invocations(
     plan: &Plan,
     seed: u64,
     first_case: u64,
-    first_lane: usize,
+    first_invocation: usize,
     per_case: usize,
     words: &mut [u32],
 ) {
@@ -100,7 +100,7 @@ pub(super) fn fill_invocations(
             key: key(seed, planned),
             exact_key: seed,
             first_case,
-            first_lane,
+            first_invocation,
             per_case,
         };
         planned.generator.fill_rows(&planned.group, rows);

@@ -22,7 +22,7 @@ pub struct CaseStrategy {
 }
 
 /// Invocations of a case that samples are taken from: strands show their later nodes too.
-const LANES: u64 = 16;
+const INVOCATIONS: u64 = 16;
 
 impl CaseStrategy {
     /// Samples of this plan.
@@ -44,8 +44,8 @@ impl Strategy for CaseStrategy {
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
         let seed = any::<u64>().new_tree(runner)?.current();
-        let lane = (seed % LANES) as usize;
-        let sample = self.plan.sample(seed, 0, lane);
+        let invocation = (seed % INVOCATIONS) as usize;
+        let sample = self.plan.sample(seed, 0, invocation);
         let moves = Moves::new(&sample, self.plan.groups());
         let plainest = self.plan.simplest(&sample);
         Ok(CaseTree { plan: self.plan.clone(), moves, plainest, best: sample, candidate: None, at: 0, idle: 0 })
@@ -76,10 +76,10 @@ impl CaseTree {
     /// Puts the next candidate up; false when a whole turn brought none.
     fn advance(&mut self) -> bool {
         while self.idle < self.moves.len() {
-            let slot = self.moves.slot(self.at);
+            let chosen = self.moves.at(self.at);
             self.at = (self.at + 1) % self.moves.len();
             self.idle += 1;
-            let candidate = self.moves.apply(slot, &self.best, &self.plainest, &*self.plan);
+            let candidate = self.moves.apply(chosen, &self.best, &self.plainest, &*self.plan);
             if let Some(candidate) =
                 candidate.filter(|c| simpler_than(c, &self.best, &self.plainest) && self.plan.admits(c))
             {

@@ -17,7 +17,7 @@ fn finish(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A hash of two numbers. `mix(mix(seed, case), lane)` names the stream of one sample.
+/// A hash of two numbers. `mix(mix(seed, case), invocation)` names the stream of one sample.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn mix(key: u64, counter: u64) -> u64 {
     finish((key ^ counter.wrapping_mul(STRIDE)).wrapping_add(STEP))

@@ -68,12 +68,12 @@ impl Columns {
         for word in 0..self.values.len() {
             let column = self.room()[word];
             column.rounded_32(&mut self.nearest[word]);
-            for lane in 0..WIDTH {
-                let value = column.rounded()[lane];
+            for slot in 0..WIDTH {
+                let value = column.rounded()[slot];
                 finite &= value.abs() < f64::INFINITY;
-                self.values[word][lane] = if value.is_nan() { f64::NAN } else { value };
-                let nearest = self.nearest[word][lane];
-                self.nearest[word][lane] = if value.is_nan() { f32::NAN.to_bits() } else { nearest };
+                self.values[word][slot] = if value.is_nan() { f64::NAN } else { value };
+                let nearest = self.nearest[word][slot];
+                self.nearest[word][slot] = if value.is_nan() { f32::NAN.to_bits() } else { nearest };
             }
         }
         self.flag([&marks.segment_end, &marks.degenerate], outputs);
@@ -88,24 +88,24 @@ impl Columns {
         let (sure, marks) = (near.sure, [near.segment_end, near.degenerate]);
         self.flag([&marks[0], &marks[1]], outputs);
         let mut all = u64::MAX;
-        for lane in 0..WIDTH {
-            self.flags[lane] &= sure[lane];
-            all &= sure[lane];
+        for slot in 0..WIDTH {
+            self.flags[slot] &= sure[slot];
+            all &= sure[slot];
         }
         all == u64::MAX
     }
 
     /// Samples of which the quick phase is not sure.
     pub fn unsure(&self) -> impl Iterator<Item = usize> {
-        self.near.sure.into_iter().enumerate().filter(|(_, sure)| *sure == 0).map(|(lane, _)| lane)
+        self.near.sure.into_iter().enumerate().filter(|(_, sure)| *sure == 0).map(|(slot, _)| slot)
     }
 
     /// Flags that follow from the values, and the marks of the formula.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn flag(&mut self, [segment_end, degenerate]: [&[u64; WIDTH]; 2], outputs: &Outputs) {
-        for lane in 0..WIDTH {
-            self.flags[lane] =
-                (segment_end[lane] & Flag::SegmentEnd as u64) | (degenerate[lane] & Flag::Degenerate as u64);
+        for slot in 0..WIDTH {
+            self.flags[slot] =
+                (segment_end[slot] & Flag::SegmentEnd as u64) | (degenerate[slot] & Flag::Degenerate as u64);
         }
         for vertex in 0..outputs.vertices {
             let first = vertex * outputs.words.len();
@@ -114,12 +114,12 @@ impl Columns {
                 let words = &self.values[first + range.start..first + range.end];
                 let (mut size, mut none) = ([0.0; WIDTH], [false; WIDTH]);
                 for column in words {
-                    for lane in 0..WIDTH {
-                        grow((&mut size[lane], &mut none[lane]), column[lane]);
+                    for slot in 0..WIDTH {
+                        grow((&mut size[slot], &mut none[slot]), column[slot]);
                     }
                 }
-                for lane in 0..WIDTH {
-                    self.flags[lane] |= flags_of((size[lane], none[lane]), real);
+                for slot in 0..WIDTH {
+                    self.flags[slot] |= flags_of((size[slot], none[slot]), real);
                 }
             }
         }
@@ -150,12 +150,12 @@ pub(super) fn flags_of((size, none): (f64, bool), real: bool) -> u64 {
 pub(super) fn turn<X: Copy>(columns: &[[X; WIDTH]], rows: &mut [X]) {
     // Four components are what most have: their places are known when this is compiled.
     if let [x, y, z, w] = columns {
-        for (lane, row) in rows.as_chunks_mut::<4>().0.iter_mut().enumerate().take(WIDTH) {
-            *row = [x[lane], y[lane], z[lane], w[lane]];
+        for (slot, row) in rows.as_chunks_mut::<4>().0.iter_mut().enumerate().take(WIDTH) {
+            *row = [x[slot], y[slot], z[slot], w[slot]];
         }
         return;
     }
-    for (lane, row) in rows.chunks_exact_mut(columns.len().max(1)).enumerate().take(WIDTH) {
-        row.iter_mut().zip(columns).for_each(|(out, column)| *out = column[lane]);
+    for (slot, row) in rows.chunks_exact_mut(columns.len().max(1)).enumerate().take(WIDTH) {
+        row.iter_mut().zip(columns).for_each(|(out, column)| *out = column[slot]);
     }
 }

@@ -21,7 +21,7 @@ use chapter::exact::quick::Quick;
 use engine::suite::{Expect, RecordedFile};
 use judge::formula::Rule;
 use judge::profile::Profile;
-use program::interp::LANES;
+use program::interp::SLOTS;
 
 /// Samples of a block, as far as whole cases fit.
 const BLOCK_ROWS: u64 = 1 << 16;
@@ -330,19 +330,19 @@ impl<'a> Generator<'a> {
         let mut flags = vec![Flags::default(); rows];
         let bounds = if bound.is_empty() { width } else { 0 };
         // Without bounds every chunk gets an empty slice in their place.
-        let mut unbounded: Vec<&mut [f32]> = (0..rows.div_ceil(LANES)).map(|_| &mut [][..]).collect();
-        let mut bounded: Vec<&mut [f32]> = bound.chunks_mut((LANES * width).max(1)).collect();
+        let mut unbounded: Vec<&mut [f32]> = (0..rows.div_ceil(SLOTS)).map(|_| &mut [][..]).collect();
+        let mut bounded: Vec<&mut [f32]> = bound.chunks_mut((SLOTS * width).max(1)).collect();
         let bound_chunks = if bounds == 0 { &mut bounded } else { &mut unbounded };
         expected
-            .par_chunks_mut(LANES * width)
-            .zip(nearest.par_chunks_mut(LANES * width))
+            .par_chunks_mut(SLOTS * width)
+            .zip(nearest.par_chunks_mut(SLOTS * width))
             .zip(bound_chunks.par_iter_mut())
-            .zip(flags.par_chunks_mut(LANES))
+            .zip(flags.par_chunks_mut(SLOTS))
             .enumerate()
             .for_each_init(
                 || Worker::new(self),
                 |worker, (chunk, (((expected, nearest), bound), flags))| {
-                    worker.fill(&batch, chunk * LANES, Part { expected, nearest, bound, flags });
+                    worker.fill(&batch, chunk * SLOTS, Part { expected, nearest, bound, flags });
                 },
             );
         let arrays = self.bytes(batch, rows, Made { expected, nearest, bound, flags });

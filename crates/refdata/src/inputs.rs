@@ -70,10 +70,10 @@ impl<'b> Inputs<'b> {
                     _ => out.iter_mut().zip(words).for_each(|(out, &word)| *out = number(word, scalar)),
                 }
             } else {
-                for lane in 0..WIDTH {
-                    let words = &self.batch.invocations[self.rows[lane] * own + word..][..to.len()];
+                for slot in 0..WIDTH {
+                    let words = &self.batch.invocations[self.rows[slot] * own + word..][..to.len()];
                     let out = &mut given.own[to.clone()];
-                    out.iter_mut().zip(words).for_each(|(out, &word)| out[lane] = number(word, scalar));
+                    out.iter_mut().zip(words).for_each(|(out, &word)| out[slot] = number(word, scalar));
                 }
             }
         }
@@ -177,19 +177,19 @@ mod tests {
         {
             let inputs = Inputs::new(&batch, &routes, first);
             assert_eq!(inputs.case, case, "{first}");
-            let expected = |lane: usize| {
-                let row = (first + lane).min(119);
+            let expected = |slot: usize| {
+                let row = (first + slot).min(119);
                 [row * 2 + 1, 1000 + row / 40 * 3 + 1, 1000 + row / 40 * 3 + 2].map(|n| n as f64)
             };
             let accurate = columns(&inputs);
-            for lane in 0..WIDTH {
-                assert_eq!([accurate[0][lane], accurate[1][lane], accurate[2][lane]], expected(lane), "{first}");
+            for slot in 0..WIDTH {
+                assert_eq!([accurate[0][slot], accurate[1][slot], accurate[2][slot]], expected(slot), "{first}");
             }
             let Some(case) = case else { continue };
             let mut given = Given::default();
             inputs.give(case, &runs, &mut given);
-            for lane in 0..WIDTH {
-                assert_eq!([given.own[0][lane], given.case[1], given.case[2]], expected(lane), "{first}");
+            for slot in 0..WIDTH {
+                assert_eq!([given.own[0][slot], given.case[1], given.case[2]], expected(slot), "{first}");
             }
         }
     }
@@ -198,11 +198,11 @@ mod tests {
     fn samples_from_anywhere_have_their_own_words() {
         let (batch, routes) = (batch(3, 40), list());
         let accurate = columns(&Inputs::of(&batch, &routes, 16, &[3, 70, 24]));
-        let lane = |k: usize| [accurate[0][k], accurate[1][k], accurate[2][k]];
+        let slot = |k: usize| [accurate[0][k], accurate[1][k], accurate[2][k]];
         assert_eq!(
-            [lane(0), lane(1), lane(2)],
+            [slot(0), slot(1), slot(2)],
             [[39.0, 1001.0, 1002.0], [173.0, 1007.0, 1008.0], [81.0, 1004.0, 1005.0]]
         );
-        assert_eq!(lane(15), lane(0));
+        assert_eq!(slot(15), slot(0));
     }
 }

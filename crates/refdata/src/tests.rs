@@ -309,8 +309,8 @@ fn what_was_changed_or_cut_off_is_not_read() {
         let bytes = file("sphere", Some("binary32"), format, 100);
         for length in [0, 10, bytes.len() / 2, bytes.len() - 30] {
             let error = dataset(&bytes[..length], format).unwrap_err();
-            let told = !matches!(error, ReadError::Io(_));
-            assert!(told, "{} cut to {length}: {error}", format.name());
+            let reported = !matches!(error, ReadError::Io(_));
+            assert!(reported, "{} cut to {length}: {error}", format.name());
         }
     }
     // One digit of one number.
@@ -338,7 +338,7 @@ fn another_version_of_the_schema_is_refused_by_name() {
 }
 
 #[test]
-fn parts_together_are_the_whole_and_faults_of_theirs_are_told() {
+fn parts_together_are_the_whole_and_faults_of_theirs_are_reported() {
     let prepared = prepared("bone_weight");
     let generator = Generator::new(&prepared, profile::by_name("binary32"), 200_000, 7).unwrap();
     assert_eq!(generator.blocks(), 4);
@@ -370,25 +370,25 @@ fn parts_together_are_the_whole_and_faults_of_theirs_are_told() {
     let (first, second, none, last) = (part(0..1), part(1..3), part(3..3), part(3..4));
     assert!(joined(&[&last, &first, &none, &second]).unwrap() == whole, "joined in another order");
     assert!(joined(&[&part(2..4), &part(0..2)]).unwrap() == whole, "of other parts");
-    let told = |parts: &[&[u8]]| joined(parts).unwrap_err().to_string();
-    assert_eq!(told(&[]), "it holds no reference file");
-    assert!(told(&[&second, &last]).starts_with("samples 0 to 65535 are missing"));
-    assert!(told(&[&first, &last]).starts_with("samples 65536 to 196607 are missing"));
-    assert!(told(&[&first, &second]).starts_with("samples 196608 to 199999 are missing"));
-    let twice = told(&[&first, &second, &second, &last]);
+    let reported = |parts: &[&[u8]]| joined(parts).unwrap_err().to_string();
+    assert_eq!(reported(&[]), "it holds no reference file");
+    assert!(reported(&[&second, &last]).starts_with("samples 0 to 65535 are missing"));
+    assert!(reported(&[&first, &last]).starts_with("samples 65536 to 196607 are missing"));
+    assert!(reported(&[&first, &second]).starts_with("samples 196608 to 199999 are missing"));
+    let twice = reported(&[&first, &second, &second, &last]);
     assert_eq!(twice, "sample 65536 is there twice: in `p1` and in `p2`");
     let generator = Generator::new(&prepared, profile::by_name("binary32"), 200_000, 8).unwrap();
     let memory = Memory::default();
     let mut sink = Format::Npz.sink(&generator.document(&(1..3)), Box::new(memory.clone()), &spill).unwrap();
     produce(&generator, 1..3, &mut *sink, &Forget, &mut |_| {}).unwrap();
     drop(sink);
-    let other = told(&[&first, &memory.take(), &last]);
+    let other = reported(&[&first, &memory.take(), &last]);
     assert_eq!(other, "`p0` and `p1` are of different runs: the seed is `7` in one and `8` in the other");
     // A part whose numbers are not those that were written is found when it is read.
     let mut damaged = second.clone();
     let middle = damaged.len() / 2;
     damaged[middle] ^= 1;
-    assert!(told(&[&first, &damaged, &last]).starts_with("SHA-256 is "));
+    assert!(reported(&[&first, &damaged, &last]).starts_with("SHA-256 is "));
 }
 
 #[test]

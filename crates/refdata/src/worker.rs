@@ -1,4 +1,4 @@
-//! What one thread computes of a block: expected values, bounds and flags of up to [`LANES`] samples at a time.
+//! What one thread computes of a block: expected values, bounds and flags of up to [`SLOTS`] samples at a time.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -15,7 +15,7 @@ use judge::verdict::{Limiter, Limits, Meant, Reason, Roundoff, Wanted};
 use lanes::Stage;
 use number::twofold::WIDTH;
 use number::wide;
-use program::interp::LANES;
+use program::interp::SLOTS;
 use property::encode;
 
 /// A bound of this part of the size of an output makes it ill-conditioned.
@@ -97,8 +97,8 @@ impl<'g, 'a> Worker<'g, 'a> {
         self.doubtful.clear();
         for at in (0..part.flags.len()).step_by(WIDTH) {
             let inputs = Inputs::new(batch, routes, first + at);
-            let lanes = WIDTH.min(part.flags.len() - at);
-            let quick = quick.filter(|_| lanes == WIDTH);
+            let slots = WIDTH.min(part.flags.len() - at);
+            let quick = quick.filter(|_| slots == WIDTH);
             if let (Some(quick), Some(case)) = (quick, inputs.case) {
                 let Self { columns, generator, .. } = self;
                 let all = wide(
@@ -109,13 +109,13 @@ impl<'g, 'a> Worker<'g, 'a> {
                     },
                 );
                 if !all {
-                    self.doubtful.extend(columns.unsure().map(|lane| at + lane));
+                    self.doubtful.extend(columns.unsure().map(|slot| at + slot));
                 }
             } else {
-                self.accurately(*exact, &inputs, &part.flags[at..at + lanes]);
+                self.accurately(*exact, &inputs, &part.flags[at..at + slots]);
             }
             let Columns { values, nearest, flags, .. } = &self.columns;
-            let to = at * width..(at + lanes) * width;
+            let to = at * width..(at + slots) * width;
             part.flags[at..].iter_mut().zip(flags).for_each(|(flags, &more)| flags.0 |= more as u16);
             turn(values, &mut part.expected[to.clone()]);
             turn(nearest, &mut part.nearest[to]);
@@ -126,11 +126,11 @@ impl<'g, 'a> Worker<'g, 'a> {
             rows.iter().zip(&mut special).for_each(|(&row, flags)| *flags = part.flags[row]);
             self.accurately(*exact, &Inputs::of(batch, routes, first, rows), &special);
             let Columns { values, nearest, flags, .. } = &self.columns;
-            for (lane, &row) in rows.iter().enumerate() {
-                part.flags[row].0 |= flags[lane] as u16;
+            for (slot, &row) in rows.iter().enumerate() {
+                part.flags[row].0 |= flags[slot] as u16;
                 for word in 0..width {
-                    part.expected[row * width + word] = values[word][lane];
-                    part.nearest[row * width + word] = nearest[word][lane];
+                    part.expected[row * width + word] = values[word][slot];
+                    part.nearest[row * width + word] = nearest[word][slot];
                 }
             }
         }
@@ -176,14 +176,14 @@ impl<'g, 'a> Worker<'g, 'a> {
         let width = outputs.words.len();
         for row in 0..part.flags.len() {
             for (k, &word) in outputs.words.iter().enumerate() {
-                put(part, row * width + k, values[word * LANES + row], outputs.scalars[word]);
+                put(part, row * width + k, values[word * SLOTS + row], outputs.scalars[word]);
             }
         }
         let Some(roundoff) = roundoff else { return };
         roundoff.look(batch, first, values);
         slack.clear();
         for row in 0..part.flags.len() {
-            slack.extend(outputs.words.iter().map(|&word| values[word * LANES + row]));
+            slack.extend(outputs.words.iter().map(|&word| values[word * SLOTS + row]));
         }
     }
 
@@ -191,7 +191,7 @@ impl<'g, 'a> Worker<'g, 'a> {
     fn inputs(&self, batch: &Batch, first: usize, flags: &mut [Flags]) {
         let [own, shared] = &self.generator.real;
         let stride = batch.invocation_record.words();
-        let (mut case, mut lane) = (first / batch.per_case, first % batch.per_case);
+        let (mut case, mut invocation) = (first / batch.per_case, first % batch.per_case);
         let mut of_case = special_inputs(batch.case(case), shared);
         for (part, flags) in flags.chunks_mut(WIDTH).enumerate() {
             let first = first + part * WIDTH;
@@ -207,11 +207,11 @@ impl<'g, 'a> Worker<'g, 'a> {
                 _ => true,
             };
             for (k, flags) in flags.iter_mut().enumerate() {
-                if lane == batch.per_case {
-                    (case, lane) = (case + 1, 0);
+                if invocation == batch.per_case {
+                    (case, invocation) = (case + 1, 0);
                     of_case = special_inputs(batch.case(case), shared);
                 }
-                lane += 1;
+                invocation += 1;
                 flags.0 |= of_case.0;
                 if special {
                     flags.0 |= special_inputs(batch.invocation(first + k), own).0;
@@ -266,7 +266,7 @@ impl<'g, 'a> Worker<'g, 'a> {
                     let expected = &part.expected[at..][range.clone()];
                     let scale = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(vector);
                     for (k, &expected) in range.clone().zip(expected) {
-                        let from = (vertex * outputs.width + outputs.words[k]) * LANES + row;
+                        let from = (vertex * outputs.width + outputs.words[k]) * SLOTS + row;
                         let apart = (values[from] - expected).abs();
                         let slack = self.slack.get(at + k).copied().unwrap_or(0.0);
                         let bound = bounds[from] + slack;

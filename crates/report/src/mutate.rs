@@ -207,7 +207,7 @@ fn mutant(tested: &Tested) -> Value {
         Outcome::Killed(kill) => {
             value["killed_by"] = kill.name().into();
             match kill {
-                Kill::Formula(told) | Kill::Shape(told) => value["message"] = told.as_str().into(),
+                Kill::Formula(reported) | Kill::Shape(reported) => value["message"] = reported.as_str().into(),
                 Kill::MissingOutput(name) => value["output"] = name.as_str().into(),
                 Kill::Relation(name) => value["relation"] = name.as_str().into(),
                 Kill::NotFinished | Kill::Coverage => {}

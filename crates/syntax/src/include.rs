@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_are_no_directives_and_missing_files_are_told() {
+    fn comments_are_no_directives_and_missing_files_are_reported() {
         let all = joined(&[("a.glsl", "/*\n#include \"b\"\n*/\n// #include \"b\"\n#include \"gone\"\n")]);
         assert_eq!(all.missing.iter().map(|w| w.path.as_str()).collect::<Vec<_>>(), ["gone"]);
         assert!(all.file.text().contains("#include \"gone\""));

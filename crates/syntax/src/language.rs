@@ -118,7 +118,7 @@ impl Feature {
     }
 
     /// What it is called in messages.
-    pub(crate) fn told(self) -> Message {
+    pub(crate) fn name(self) -> Message {
         match self {
             Self::ArrayLength => message!("`.length()`", "`.length()`"),
             Self::ArrayValues => message!("an array as a value", "値としての配列"),

@@ -192,8 +192,8 @@ fn check_calls(shaders: &[Shader], problems: &mut Problems) {
             let all: BTreeSet<String> = shaders.iter().flat_map(|s| visible(s, &name.name, args.len())).collect();
             if own != all {
                 let message = format!("another text has a `{}` that this one does not declare", name.name);
-                let told = problem(shader, errors::REDECLARATION, name.span, message);
-                problems.push(told.with_help("declare each of them in this text, or rename one"));
+                let reported = problem(shader, errors::REDECLARATION, name.span, message);
+                problems.push(reported.with_help("declare each of them in this text, or rename one"));
                 return;
             }
         }

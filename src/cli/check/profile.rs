@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn the_device_decides_unless_told_otherwise() {
+    fn the_device_decides_unless_reported_otherwise() {
         assert_eq!(measured(None).as_deref(), Some("llvmpipe-22.3.6"));
         assert_eq!(measured(Some("none")), None);
         assert_eq!(measured(Some("binary32")).as_deref(), Some("binary32"));

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_told_in_minutes() {
+    fn times_are_reported_in_minutes() {
         let all = [0.0, 0.2, 59.9, 61.0, 3599.0, 3661.0].map(|s| clock(Duration::from_secs_f64(s)));
         assert_eq!(all, ["0:00", "0:01", "1:00", "1:01", "59:59", "1:01:01"]);
     }

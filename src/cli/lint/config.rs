@@ -317,7 +317,7 @@ argument = 1
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_place() {
+    fn what_is_wrong_is_reported_with_its_place() {
         for (text, at, part) in [
             ("[lnit]\n", "1:2", "did you mean `lint`?"),
             ("[lint]\nselct = []\n", "2:1", "did you mean `select`?"),

@@ -183,24 +183,24 @@ impl Moved {
 /// The lines that tell of a comparison.
 pub fn lines(name: &str, function: Option<&str>, proof: &Proof, lang: Lang) -> Vec<String> {
     let place = function.map_or_else(|| name.to_owned(), |f| format!("{name}: {f}"));
-    let told = match proof {
+    let reported = match proof {
         Proof::New => vec![message!(
             "{place}: not compared: the text before does not compile",
             "{place}: 修正前のテキストがコンパイルできないため、比較しません"
         )],
         Proof::NotRun(why) => vec![message!("{place}: not compared: {why}", "{place}: 比較できません: {why}")],
         Proof::Compared { samples, outputs, reshaped } => {
-            let mut told: Vec<_> = outputs.iter().map(|moved| line(&place, moved, *samples)).collect();
+            let mut reported: Vec<_> = outputs.iter().map(|moved| line(&place, moved, *samples)).collect();
             if *reshaped > 0 {
-                told.push(message!(
+                reported.push(message!(
                     "{place}: other vertices or strips in {reshaped} of {samples} samples",
                     "{place}: {samples} サンプル中 {reshaped} で頂点またはストリップが変わります"
                 ));
             }
-            told
+            reported
         }
     };
-    told.iter().map(|t| t.in_lang(lang).to_owned()).collect()
+    reported.iter().map(|t| t.in_lang(lang).to_owned()).collect()
 }
 
 fn line(place: &str, moved: &Moved, samples: usize) -> base::diagnostic::Message {

@@ -20,15 +20,15 @@ fn plural(n: usize, word: &str) -> String {
 /// How many repairs a patch holds.
 pub fn would_fix(applied: usize, changed: usize, lang: Lang) -> String {
     let (found, within) = (findings(applied), files(changed));
-    let told =
+    let text =
         message!("{found} in {within} would be fixed", "{changed} 個のファイルの {applied} 件の指摘を修正できます");
-    told.in_lang(lang).to_owned()
+    text.in_lang(lang).to_owned()
 }
 
 /// How many repairs were written.
 pub fn fixed(applied: usize, changed: usize, written: usize, lang: Lang) -> String {
     let (found, within, kept) = (findings(applied), files(changed), changed - written);
-    let told = if kept == 0 {
+    let text = if kept == 0 {
         message!("fixed {found} in {within}", "{changed} 個のファイルの {applied} 件の指摘を修正しました")
     } else {
         message!(
@@ -36,7 +36,7 @@ pub fn fixed(applied: usize, changed: usize, written: usize, lang: Lang) -> Stri
             "{changed} 個のファイルに {applied} 件の修正があります。そのうち {kept} 個は書き込めませんでした"
         )
     };
-    told.in_lang(lang).to_owned()
+    text.in_lang(lang).to_owned()
 }
 
 /// How many findings a baseline took.
@@ -58,11 +58,11 @@ pub fn known(count: usize, lang: Lang) -> String {
 pub fn stale(rule: &str, file: &str, line: &str, count: usize, lang: Lang) -> String {
     let times = if count == 1 { String::new() } else { format!(" ({count})") };
     let rule = lint::with_name(rule);
-    let told = message!(
+    let text = message!(
         "no longer found: {rule} in {file}{times}: {line}",
         "すでに見つからない指摘: {file} の {rule}{times}: {line}"
     );
-    told.in_lang(lang).to_owned()
+    text.in_lang(lang).to_owned()
 }
 
 /// What to do about entries that are gone.

@@ -94,14 +94,14 @@ pub fn run(args: &MergeArgs, paths: Vec<PathBuf>, out: &mut dyn Write) -> anyhow
     let targets = targets(args.out.as_deref(), &suites)?;
     let mut all = Vec::new();
     for ((name, (paths, documents)), file) in suites.iter().zip(targets) {
-        let told = || format!("`{name}`{}", begun(paths));
-        let mut chain = files::chain(paths, documents).with_context(told)?;
+        let reported = || format!("`{name}`{}", begun(paths));
+        let mut chain = files::chain(paths, documents).with_context(reported)?;
         let order = chain.order().to_vec();
         let bar = generate::bar(name, chain.document().rows);
         let mut progress = |done| bar.set_position(done);
         let document = match &file {
-            None => copy(&mut chain, None, &mut progress).with_context(told)?,
-            Some((path, format)) => joined(&mut chain, path, *format, &mut progress).with_context(told)?,
+            None => copy(&mut chain, None, &mut progress).with_context(reported)?,
+            Some((path, format)) => joined(&mut chain, path, *format, &mut progress).with_context(reported)?,
         };
         bar.finish_and_clear();
         let parts = order.iter().map(|&k| paths[k].clone()).collect();

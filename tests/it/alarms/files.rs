@@ -37,7 +37,7 @@ fn refused(folder: &Path, args: &str, said: &[&str]) {
 }
 
 #[test]
-fn suite_files_that_cannot_be_read_are_told() {
+fn suite_files_that_cannot_be_read_are_reported() {
     let folder = folder();
     let folder = folder.path();
     refused(folder, "check bytes.suite.toml", &["bytes.suite.toml:2:3: not UTF-8 (byte 0x8b)", "iconv"]);
@@ -50,7 +50,7 @@ fn suite_files_that_cannot_be_read_are_told() {
 }
 
 #[test]
-fn shaders_that_cannot_be_read_are_told() {
+fn shaders_that_cannot_be_read_are_reported() {
     let folder = folder();
     let folder = folder.path();
     refused(
@@ -67,7 +67,7 @@ fn shaders_that_cannot_be_read_are_told() {
 
 #[cfg(unix)]
 #[test]
-fn files_without_permission_are_told() {
+fn files_without_permission_are_reported() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder();
     let path = folder.path().join("closed.vert");
@@ -81,14 +81,14 @@ fn files_without_permission_are_told() {
 }
 
 #[test]
-fn a_cause_is_told_once() {
+fn a_cause_is_reported_once() {
     let folder = folder();
     let ran = run_in(folder.path(), "check gone.suite.toml").expect(2);
     assert_eq!(ran.err.matches("No such file").count(), 1, "{}", ran.err);
 }
 
 #[test]
-fn unknown_names_are_told_with_the_one_that_was_meant() {
+fn unknown_names_are_reported_with_the_one_that_was_meant() {
     refused(root(), "check spere", &["there is no suite `spere`; did you mean `sphere`?"]);
     refused(root(), "check teapot", &["there is no suite `teapot`; suites are sphere, cylinder, "]);
     refused(root(), "check gone.vert", &["there is no file or folder `gone.vert`"]);
@@ -100,7 +100,7 @@ fn unknown_names_are_told_with_the_one_that_was_meant() {
 }
 
 #[test]
-fn a_shader_without_a_suite_is_told_how_to_run_it() {
+fn a_shader_without_a_suite_is_reported_how_to_run_it() {
     let said = "`fixtures/printed/cylinder.vert` is no suite file, and no suite beside it is about it; to run a shader \
                 under a suite, write `check SUITE --shader fixtures/printed/cylinder.vert`";
     refused(root(), "check fixtures/printed/cylinder.vert", &[said]);

@@ -114,7 +114,7 @@ fn minimal(case: &Value) {
 }
 
 #[test]
-fn a_shader_that_does_not_compile_is_told_with_its_place() {
+fn a_shader_that_does_not_compile_is_reported_with_its_place() {
     let ran = run("check sphere --shader fixtures/alarms/sphere_syntax.vert").expect(1);
     assert!(ran.out.contains("does not compile"), "{}", ran.out);
     assert!(ran.out.contains("`q` is not declared"), "{}", ran.out);
@@ -141,8 +141,11 @@ fn the_short_pi_of_the_printed_sphere_is_a_warning_and_exactly_a_deviation_of_th
         let found = entry["findings"].as_array().unwrap();
         let found = found.iter().filter(|finding| finding["kind"] == "rounded_literal");
         let said: Vec<&str> = found.map(|finding| finding["message"].as_str().unwrap()).collect();
-        let told = |place: &str, name: &str| said.iter().any(|m| m.contains(place) && m.contains(name));
-        assert!(said.len() == 2 && told(":11:14", "2π in 7 digits") && told("`3.141593`", "π in 7 digits"), "{said:?}");
+        let reported = |place: &str, name: &str| said.iter().any(|m| m.contains(place) && m.contains(name));
+        assert!(
+            said.len() == 2 && reported(":11:14", "2π in 7 digits") && reported("`3.141593`", "π in 7 digits"),
+            "{said:?}"
+        );
     }
     // Both literals are one binary32 number beside the nearest one, less than the roundings of the rest:
     // no comparison with a lane shows them, and one in binary64 does.

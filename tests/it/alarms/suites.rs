@@ -49,7 +49,7 @@ fn too_much_undetermined_fails() {
 }
 
 #[test]
-fn an_unknown_key_is_told_with_the_one_that_was_meant() {
+fn an_unknown_key_is_reported_with_the_one_that_was_meant() {
     let ran = run("check fixtures/alarms/unknown_key.suite.toml").expect(2);
     assert_eq!(
         ran.err,
@@ -60,7 +60,7 @@ fn an_unknown_key_is_told_with_the_one_that_was_meant() {
 }
 
 #[test]
-fn everything_that_is_wrong_in_a_suite_file_is_told_at_once() {
+fn everything_that_is_wrong_in_a_suite_file_is_reported_at_once() {
     let changes = [("\"bone_weight\"\nsamples", "\"bone_wait\"\nsamples"), ("[\"weight_range\"]", "[\"weight_rang\"]")];
     let ran = weight("unknown_key", &[changes[0], changes[1], ("relation =", "relations =")]).expect(2);
     assert!(
@@ -72,14 +72,14 @@ fn everything_that_is_wrong_in_a_suite_file_is_told_at_once() {
 }
 
 #[test]
-fn inputs_that_the_shader_does_not_have_are_told_with_their_place() {
+fn inputs_that_the_shader_does_not_have_are_reported_with_their_place() {
     let ran = weight("undetermined", &[("[\"d\"]", "[\"dd\"]")]).expect(2);
     assert!(ran.out.contains("a.suite.toml:11:"), "{}{}", ran.out, ran.err);
     assert!(ran.out.contains("`dd`"), "{}{}", ran.out, ran.err);
 }
 
 #[test]
-fn segments_that_a_host_does_not_draw_are_told() {
+fn segments_that_a_host_does_not_draw_are_reported() {
     let ran = run("check fixtures/alarms/hair_as_drawn.suite.toml --samples 300").expect(1);
     let said = "9 of 11 segments are drawn; missing between nodes 0–1 and 10–11";
     assert!(ran.out.contains(said), "{}", ran.out);

@@ -208,9 +208,9 @@ pub fn faults(action: &str, workflow: &str, gitlab: &str) -> Vec<String> {
         of_steps("action.yml", &action.runs.steps, Some(&inputs), None, &mut faults);
         let outputs = action.outputs.values().map(|output| output.value.as_str());
         of_expressions("action.yml", outputs, &ids(&action.runs.steps), Some(&inputs), &mut faults);
-        let told =
+        let reported =
             action.inputs.values().map(|i| &i.description).chain(action.outputs.values().map(|o| &o.description));
-        if told.chain([&action.name, &action.description]).any(String::is_empty) {
+        if reported.chain([&action.name, &action.description]).any(String::is_empty) {
             faults.push("action.yml: something has no description".into());
         }
     }

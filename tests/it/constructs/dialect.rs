@@ -69,7 +69,7 @@ const FUNCTION: &str = "uniform vec3 k[2]; uniform float s;
     vec3 f(vec3 x, float y, inout float z) { z = z * s + k[0].y; return x * y + k[1]; }";
 
 #[test]
-fn another_meaning_of_a_stage_or_a_function_is_told_by_nagas_name() {
+fn another_meaning_of_a_stage_or_a_function_is_reported_by_nagas_name() {
     rings("a.vert", VERTEX, Target::Stage, "m * p * b", "p * m * b");
     rings("a.vert", VERTEX, Target::Stage, "light.w[1]", "light.w[0]");
     rings("a.geom", GEOMETRY, Target::Stage, "v = n[i]", "v = n[0]");

@@ -67,7 +67,7 @@ fn macros_end_with_their_text_and_places_lead_back() {
 }
 
 #[test]
-fn what_does_not_go_together_is_told_at_its_place() {
+fn what_does_not_go_together_is_reported_at_its_place() {
     refused(
         &[MAIN, &LIBRARY.replace("float b, c", "vec2 b; uniform float c").replace("x + b", "x + b.x")],
         "`b` is uniform vec2 here",

@@ -19,7 +19,7 @@ fn every_combination_is_run_under_its_name() {
 }
 
 #[test]
-fn a_fault_of_one_variant_is_told_with_its_name_and_shown_again() {
+fn a_fault_of_one_variant_is_reported_with_its_name_and_shown_again() {
     let text = suite(
         &["x"],
         "relations = [{ kind = \"range\", range = [-2.5, 2.5] }]\ndefines = { OFFSET = [0.0, 1.5], STEPS = 1 }",
@@ -46,7 +46,7 @@ fn a_fault_of_one_variant_is_told_with_its_name_and_shown_again() {
 }
 
 #[test]
-fn a_macro_that_the_text_defines_itself_is_told() {
+fn a_macro_that_the_text_defines_itself_is_reported() {
     let text = suite(&["x"], "defines = { STEPS = 2 }");
     let shader = "#define STEPS 1\nfloat f(float x) { return x * float(STEPS); }\n";
     let ran = check(&[("f.glsl", shader), ("f.suite.toml", &text)], &[]).expect(1);
@@ -63,7 +63,7 @@ fn places_in_the_shader_stay_what_they_are() {
 
 #[test]
 fn macros_that_make_no_sense_are_refused() {
-    for (defines, told) in [
+    for (defines, reported) in [
         ("{ 3D = 1 }", "`3D` cannot be the name of a macro"),
         ("{ GL_ES = 1 }", "`GL_ES` cannot be the name of a macro"),
         ("{ A = [] }", "`A` has no values"),
@@ -73,6 +73,6 @@ fn macros_that_make_no_sense_are_refused() {
     ] {
         let text = suite(&["x"], &format!("defines = {defines}"));
         let ran = check(&[("f.glsl", SHADER), ("f.suite.toml", &text)], &[]).expect(2);
-        assert!(ran.err.contains(told), "{told}\n{}", ran.err);
+        assert!(ran.err.contains(reported), "{reported}\n{}", ran.err);
     }
 }

@@ -37,15 +37,15 @@ fn each_function_takes_its_own_inputs_and_its_own_reference() {
 }
 
 #[test]
-fn lists_that_are_wrong_are_told_at_their_place() {
-    for (entry, told) in [
+fn lists_that_are_wrong_are_reported_at_their_place() {
+    for (entry, reported) in [
         ("[\"twice\", \"twice\"]", "f.suite.toml:4:19: `twice` stands twice in `entry`"),
         ("[]", "f.suite.toml:4:9: `entry` names no function"),
         ("[1]", "f.suite.toml:4:"),
     ] {
         let text = SUITE.replace("[\"twice\", \"sum\", \"last\"]", entry);
         let ran = check(&[("f.glsl", SHADER), ("r.glsl", SHADER), ("f.suite.toml", &text)], &[]).expect(2);
-        assert!(ran.err.contains(told), "{told}\n{}", ran.err);
+        assert!(ran.err.contains(reported), "{reported}\n{}", ran.err);
     }
     // A group for no parameter at all leaves the parameter without values.
     let text = SUITE.replace("names = [\"y\"]", "names = [\"z\"]");

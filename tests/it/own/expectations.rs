@@ -104,7 +104,7 @@ fn a_reference_that_is_itself_too_coarse_decides_nothing() {
 }
 
 #[test]
-fn references_that_do_not_compile_are_told_at_their_place() {
+fn references_that_do_not_compile_are_reported_at_their_place() {
     let text = suite(&["x", "y"], "reference = \"r.glsl\"");
     let ran = check(&[("f.glsl", HYPOT), ("r.glsl", "float f(float x) { retrun x; }"), ("f.suite.toml", &text)], &[]);
     let ran = ran.expect(2);
@@ -145,9 +145,9 @@ fn recorded_values_are_compared_row_by_row() {
 }
 
 #[test]
-fn records_that_cannot_be_read_are_told_with_line_and_column() {
+fn records_that_cannot_be_read_are_reported_with_line_and_column() {
     let text = "suite = \"own\"\nshader = \"f.glsl\"\nstage = \"function\"\nentry = \"f\"\nrecorded = \"rows.csv\"\n";
-    for (rows, told) in [
+    for (rows, reported) in [
         ("x,retrun\n1,1\n", "rows.csv:1:3: the shader has no input or output `retrun`; did you mean `return`?"),
         ("x,return\n1,one\n", "rows.csv:2:3: `one` is no number"),
         ("x,return\n1\n", "rows.csv:2:1: 1 values stand here, and there are 2 names"),
@@ -159,10 +159,10 @@ fn records_that_cannot_be_read_are_told_with_line_and_column() {
     ] {
         let shader = "float f(float x) { return x; }\n";
         let ran = check(&[("f.glsl", shader), ("rows.csv", rows), ("f.suite.toml", text)], &[]).expect(2);
-        assert!(ran.out.contains(told), "{told}\n{}{}", ran.out, ran.err);
+        assert!(ran.out.contains(reported), "{reported}\n{}{}", ran.out, ran.err);
     }
     let text = text.replace("rows.csv", "rows.json");
-    for (rows, told) in [
+    for (rows, reported) in [
         (
             "[\n  {\"x\": 1, \"return\": 1},\n  {\"x\": \"}{\", \"return\": 1}\n]",
             "rows.json:3:4: object 2: `x` is a number",
@@ -172,7 +172,7 @@ fn records_that_cannot_be_read_are_told_with_line_and_column() {
     ] {
         let shader = "float f(float x) { return x; }\n";
         let ran = check(&[("f.glsl", shader), ("rows.json", rows), ("f.suite.toml", &text)], &[]).expect(2);
-        assert!(ran.out.contains(told), "{told}\n{}{}", ran.out, ran.err);
+        assert!(ran.out.contains(reported), "{reported}\n{}{}", ran.out, ran.err);
     }
 }
 
@@ -187,8 +187,8 @@ fn without_an_expectation_lanes_are_held_against_the_shader() {
 fn two_expectations_are_one_too_many() {
     let text = suite(&["x", "y"], "formula = \"hermite\"\nreference = \"r.glsl\"");
     let ran = check(&[("f.glsl", HYPOT), ("r.glsl", HYPOT), ("f.suite.toml", &text)], &[]).expect(2);
-    let told = "f.suite.toml:7:13: `formula` says what is expected already; remove `reference`, or make two suites";
-    assert!(ran.err.contains(told), "{}", ran.err);
+    let reported = "f.suite.toml:7:13: `formula` says what is expected already; remove `reference`, or make two suites";
+    assert!(ran.err.contains(reported), "{}", ran.err);
 }
 
 #[test]

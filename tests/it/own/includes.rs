@@ -37,7 +37,7 @@ fn a_suite_names_folders_for_its_shader_and_its_reference() {
 }
 
 #[test]
-fn what_is_not_there_or_cannot_be_read_is_told_at_the_directive() {
+fn what_is_not_there_or_cannot_be_read_is_reported_at_the_directive() {
     let folder = project("float far(float x) { return 3.0 * x; }\n");
     let toml = folder.path().join("f.suite.toml");
     let text = fs::read_to_string(&toml).unwrap();

@@ -93,7 +93,7 @@ fn a_dry_run_writes_nothing() {
 }
 
 #[test]
-fn what_cannot_run_is_told() {
+fn what_cannot_run_is_reported() {
     let folder = folder(&[
         ("broken.vert", "#version 330\nin vec3 p;\nvoid main() { gl_Position = vec4(q, 1.0); }\n"),
         ("plain.frag", "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"),

@@ -30,12 +30,12 @@ fn check(folder: &Path, more: &str) -> Ran {
 }
 
 #[test]
-fn a_failure_that_is_expected_is_told_and_does_not_fail() {
+fn a_failure_that_is_expected_is_reported_and_does_not_fail() {
     let folder = project(WRONG, &entry(DEVIATION));
     let ran = check(folder.path(), "").expect(0);
     assert!(ran.out.starts_with("known own              embedded/compute "), "{}", ran.out);
-    let told = "\nknown: own on embedded/compute: deviation: the shader deviates from its reference: `return` is ";
-    assert!(ran.out.contains(told), "{}", ran.out);
+    let reported = "\nknown: own on embedded/compute: deviation: the shader deviates from its reference: `return` is ";
+    assert!(ran.out.contains(reported), "{}", ran.out);
     assert!(
         ran.out.contains("; expected: f is not ready (./expectations.toml:2:1, https://example.org/1)\n"),
         "{}",
@@ -58,9 +58,9 @@ fn a_failure_that_is_expected_is_told_and_does_not_fail() {
 fn a_failure_that_does_not_come_fails() {
     let folder = project(RIGHT, &entry(DEVIATION));
     let ran = check(folder.path(), "").expect(1);
-    let told = "own on embedded/compute: an expected failure did not come: deviation because f is not ready \
+    let reported = "own on embedded/compute: an expected failure did not come: deviation because f is not ready \
         (./expectations.toml:2:1";
-    assert!(ran.out.starts_with("FAIL  own ") && ran.out.contains(told), "{}", ran.out);
+    assert!(ran.out.starts_with("FAIL  own ") && ran.out.contains(reported), "{}", ran.out);
     let json = check(folder.path(), "--format json").expect(1).json();
     assert_eq!(json["suites"][0]["findings"][0]["kind"], "unexpected_pass");
     // One that comes in some runs alone may stay away.
@@ -95,11 +95,11 @@ fn an_entry_covers_what_it_says_and_nothing_else() {
 }
 
 #[test]
-fn an_entry_about_nothing_is_told_where_its_lane_ran() {
+fn an_entry_about_nothing_is_reported_where_its_lane_ran() {
     let about = |lane: &str| entry(DEVIATION).replace("\"own\"", "\"gone*\"").replace("\"embedded\"", lane);
-    let told = "note: ./expectations.toml:2:1: nothing that ran is a suite `gone*`\n";
+    let reported = "note: ./expectations.toml:2:1: nothing that ran is a suite `gone*`\n";
     let ran = check(project(RIGHT, &about("\"embed*\"")).path(), "").expect(0);
-    assert!(ran.out.contains(told), "{}", ran.out);
+    assert!(ran.out.contains(reported), "{}", ran.out);
     let ran = check(project(RIGHT, &about("\"other\"")).path(), "").expect(0);
     assert!(!ran.out.contains("nothing that ran"), "{}", ran.out);
     // Of one suite that was asked for nothing follows.
@@ -151,10 +151,10 @@ fn a_ledger_is_named_or_left_out() {
 }
 
 #[test]
-fn what_is_wrong_in_a_ledger_is_told_at_its_place() {
+fn what_is_wrong_in_a_ledger_is_reported_at_its_place() {
     let ran = check(project(WRONG, &entry("knd = \"deviation\"")).path(), "").expect(2);
-    let told = "./expectations.toml:5:1: unknown key `knd` in [[expected]]; did you mean `kind`?";
-    assert!(ran.err.contains(told), "{}", ran.err);
+    let reported = "./expectations.toml:5:1: unknown key `knd` in [[expected]]; did you mean `kind`?";
+    assert!(ran.err.contains(reported), "{}", ran.err);
     assert!(ran.err.contains("./expectations.toml:2:1: missing key `kind` in [[expected]]"), "{}", ran.err);
     assert_eq!(ran.out, "");
 }

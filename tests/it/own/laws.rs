@@ -8,7 +8,7 @@ struct Case {
     inputs: &'static [&'static str],
     right: &'static str,
     wrong: &'static str,
-    told: &'static str,
+    reported: &'static str,
     smallest: &'static [&'static str],
 }
 
@@ -18,7 +18,7 @@ const CASES: &[Case] = &[
         inputs: &["x"],
         right: "float f(float x) { return x * x * x - 2.0 * x; }",
         wrong: "float f(float x) { return x * x * x - 2.0 * x + (x > 1.0 ? 0.25 : 0.0); }",
-        told: "the relation `odd(x)` does not hold: changing the sign of `x` changes the sign of the output",
+        reported: "the relation `odd(x)` does not hold: changing the sign of `x` changes the sign of the output",
         smallest: &["float x = 2.0"],
     },
     Case {
@@ -26,7 +26,7 @@ const CASES: &[Case] = &[
         inputs: &["x", "y"],
         right: "vec2 f(float x, float y) { return vec2(x * x, abs(x) + y); }",
         wrong: "vec2 f(float x, float y) { return vec2(x * x, x + y); }",
-        told: "the relation `even(x)` does not hold: changing the sign of `x` changes nothing; return.y is",
+        reported: "the relation `even(x)` does not hold: changing the sign of `x` changes nothing; return.y is",
         smallest: &["float x = 1.0", "float y = 0.0"],
     },
     Case {
@@ -34,7 +34,7 @@ const CASES: &[Case] = &[
         inputs: &["x"],
         right: "float f(float x) { return fract(2.0 * x) * 0.25; }",
         wrong: "float f(float x) { return fract(2.0 * x) * 0.25 + 0.001 * floor(x); }",
-        told: "the relation `periodic(x)` does not hold: 0.5 added to `x` changes nothing",
+        reported: "the relation `periodic(x)` does not hold: 0.5 added to `x` changes nothing",
         smallest: &["float x = 0.5"],
     },
     Case {
@@ -43,7 +43,7 @@ const CASES: &[Case] = &[
         inputs: &["x"],
         right: "float f(float x) { return sin(x); }",
         wrong: "float f(float x) { return sin(1.001 * x); }",
-        told: "the relation `periodic(x)` does not hold: 6.283185307179586 added to `x` changes nothing",
+        reported: "the relation `periodic(x)` does not hold: 6.283185307179586 added to `x` changes nothing",
         smallest: &["float x = 0.0"],
     },
     Case {
@@ -51,7 +51,7 @@ const CASES: &[Case] = &[
         inputs: &["x", "y"],
         right: "float f(float x, float y) { return x + 0.5 * sin(x) + y; }",
         wrong: "float f(float x, float y) { return x + 1.5 * sin(2.0 * x) + y; }",
-        told: "the relation `monotone(x)` does not hold: the output does not fall where `x` grows",
+        reported: "the relation `monotone(x)` does not hold: the output does not fall where `x` grows",
         smallest: &["float x = 1.0", "float y = 0.0"],
     },
     Case {
@@ -59,7 +59,7 @@ const CASES: &[Case] = &[
         inputs: &["x"],
         right: "float f(float x) { return exp2(-x); }",
         wrong: "float f(float x) { return exp2(-x) + (x > 1.5 ? 1.0 : 0.0); }",
-        told: "the output does not grow where `x` grows",
+        reported: "the output does not grow where `x` grows",
         smallest: &["float x = "],
     },
     Case {
@@ -67,7 +67,7 @@ const CASES: &[Case] = &[
         inputs: &["x"],
         right: "float f(float x) { return smoothstep(-1.0, 1.0, x); }",
         wrong: "float f(float x) { return x > 1.0 ? 1.25 : 0.5; }",
-        told: "the relation `range` does not hold: the output lies in [0.0, 1.0]",
+        reported: "the relation `range` does not hold: the output lies in [0.0, 1.0]",
         smallest: &["float x = 2.0"],
     },
     Case {
@@ -75,7 +75,7 @@ const CASES: &[Case] = &[
         inputs: &["v"],
         right: "vec3 f(vec3 v) { return normalize(v + vec3(3.0, 0.0, 0.0)); }",
         wrong: "vec3 f(vec3 v) { return normalize(v + vec3(3.0, 0.0, 0.0)) * 1.0001; }",
-        told: "the relation `unit` does not hold: the output has length one; |return|² is 1.000",
+        reported: "the relation `unit` does not hold: the output has length one; |return|² is 1.000",
         smallest: &["vec3 v = 0.0, 0.0, 0.0"],
     },
     Case {
@@ -83,7 +83,7 @@ const CASES: &[Case] = &[
         inputs: &["a", "b", "c"],
         right: "float f(float a, float b, float c) { return a * b * c; }",
         wrong: "float f(float a, float b, float c) { return a * b + c; }",
-        told: "the relation `symmetric(a, b, c)` does not hold: exchanging `a`, `b`, `c` changes nothing",
+        reported: "the relation `symmetric(a, b, c)` does not hold: exchanging `a`, `b`, `c` changes nothing",
         smallest: &["float a = 1.0", "float b = 0.0", "float c = 0.0"],
     },
     Case {
@@ -91,7 +91,7 @@ const CASES: &[Case] = &[
         inputs: &["p", "q", "t"],
         right: "vec3 f(vec3 p, vec3 q, float t) { return mix(p, q, t); }",
         wrong: "vec3 f(vec3 p, vec3 q, float t) { return mix(p, q * vec3(1.0, 1.0, 1.5), t); }",
-        told: "turning and shifting the inputs turns and shifts the output with them; return.",
+        reported: "turning and shifting the inputs turns and shifts the output with them; return.",
         smallest: &["vec3 p = 0.0, 0.0, 0.0", "vec3 q = 0.0, 0.0, 0.0", "float t = 1.0"],
     },
     Case {
@@ -100,7 +100,7 @@ const CASES: &[Case] = &[
         inputs: &["p", "q"],
         right: "vec3 f(vec3 p, vec3 q) { return cross(p, q); }",
         wrong: "vec3 f(vec3 p, vec3 q) { return cross(p, q) + vec3(0.0, 0.0, 0.5 * p.x); }",
-        told: "the relation `rigid(p, q, return)` does not hold",
+        reported: "the relation `rigid(p, q, return)` does not hold",
         smallest: &["vec3 p = 1.0, 0.0, 0.0", "vec3 q = 0.0, 0.0, 0.0"],
     },
     Case {
@@ -108,7 +108,7 @@ const CASES: &[Case] = &[
         inputs: &["p", "q"],
         right: "float f(vec3 p, vec3 q) { return distance(p, q); }",
         wrong: "float f(vec3 p, vec3 q) { return distance(p.xy, q.xy); }",
-        told: "the relation `rigid(p, q)` does not hold",
+        reported: "the relation `rigid(p, q)` does not hold",
         smallest: &["vec3 p = 0.0, 0.0, 0.0", "vec3 q = "],
     },
     Case {
@@ -116,7 +116,7 @@ const CASES: &[Case] = &[
         inputs: &["v"],
         right: "float f(vec2 v) { return dot(v, v); }",
         wrong: "float f(vec2 v) { return dot(v, v) + 0.1 * v.x; }",
-        told: "scaling `v` by k scales the output by k to the power of 2",
+        reported: "scaling `v` by k scales the output by k to the power of 2",
         smallest: &["vec2 v = 1.0, 0.0"],
     },
 ];
@@ -124,7 +124,7 @@ const CASES: &[Case] = &[
 #[test]
 fn each_law_is_kept_by_a_right_function_and_rings_for_a_wrong_one() {
     let mut faults = Vec::new();
-    for Case { law, inputs, right, wrong, told, smallest } in CASES {
+    for Case { law, inputs, right, wrong, reported, smallest } in CASES {
         let suite = suite(inputs, &format!("relations = [{law}]"));
         let run = |shader: &str| check(&[("f.glsl", shader), ("f.suite.toml", &suite)], &[]);
         let ran = run(right);
@@ -134,7 +134,7 @@ fn each_law_is_kept_by_a_right_function_and_rings_for_a_wrong_one() {
         let ran = run(wrong).expect(1);
         let (message, case) = finding(&ran);
         let shrunk = case.len() == smallest.len() && case.iter().zip(*smallest).all(|(c, s)| c.starts_with(s));
-        if !message.contains(told) || !shrunk {
+        if !message.contains(reported) || !shrunk {
             faults.push(format!("{law} is broken at {smallest:?}, and\n{}", ran.out));
         }
     }
@@ -160,14 +160,14 @@ fn laws_of_vertex_stages_are_about_their_outputs() {
 
 #[test]
 fn laws_that_fit_no_input_or_output_are_refused_with_their_place() {
-    let refused = |law: &str, told: &str| {
+    let refused = |law: &str, reported: &str| {
         let suite = suite(&["x", "v"], &format!("relations = [{law}]"));
         let shader = "vec2 f(float x, vec2 v) { return x * v; }";
         let ran = check(&[("f.glsl", shader), ("f.suite.toml", &suite)], &[]).expect(2);
         let all = format!("{}{}", ran.out, ran.err);
-        assert!(all.contains(told), "{law}\n{all}");
+        assert!(all.contains(reported), "{law}\n{all}");
     };
-    for (law, told) in [
+    for (law, reported) in [
         ("{ kind = \"odd\", inputs = [\"X1\"] }", "f.suite.toml:6:14: the law `odd` names an input `X1` that"),
         ("{ kind = \"odd\", inputs = [\"xx\"] }", "did you mean `x`?"),
         ("{ kind = \"range\", range = [0.0, 1.0], outputs = [\"retrun\"] }", "did you mean `return`?"),
@@ -186,6 +186,6 @@ fn laws_that_fit_no_input_or_output_are_refused_with_their_place() {
         ("{ kind = \"unit\", range = [0.0, 1.0] }", "unknown key `range`"),
         ("3", "`relations` is a list of texts and tables"),
     ] {
-        refused(law, told);
+        refused(law, reported);
     }
 }

@@ -174,7 +174,7 @@ fn relations_follow_what_a_literal_stands_for() {
 }
 
 #[test]
-fn a_macro_is_told_where_it_is_defined() {
+fn a_macro_is_reported_where_it_is_defined() {
     let shader = turn("#define PI 3.14159\n", "(2.0 * PI)");
     let text = suite(&["u"], "reference = \"r.glsl\"");
     let ran = check(&[("f.glsl", &shader), ("r.glsl", TURN), ("f.suite.toml", &text)], &[]).expect(0);

@@ -138,7 +138,7 @@ fn a_macro_of_an_included_file_is_used_where_it_stands() {
 }
 
 #[test]
-fn undefined_values_and_doubts_are_told_at_the_use() {
+fn undefined_values_and_doubts_are_reported_at_the_use() {
     let shader = "#define ROOT(a) sqrt(a)\nfloat f(float x, float y, float z) {\n  return ROOT(x) + y + z;\n}\n";
     let text = suite(&["x", "y", "z"], "");
     let files = [("f.glsl", shader), ("f.suite.toml", &*text)];

@@ -29,7 +29,7 @@ fn lit(shader: &str, rest: &str) -> Ran {
 }
 
 #[test]
-fn a_fragment_stage_runs_and_its_textures_are_told() {
+fn a_fragment_stage_runs_and_its_textures_are_reported() {
     let ran = lit(LIT, "").expect(0);
     assert!(ran.out.contains("texture map: 2D, float, 16 x 8, procedural"), "{}", ran.out);
     let ran = lit(LIT, "textures = { map = \"checker\" }").expect(0);
@@ -54,7 +54,7 @@ fn a_wrong_discard_is_blamed_on_the_shader() {
 }
 
 #[test]
-fn a_picture_is_bound_and_what_does_not_fit_is_told_at_its_place() {
+fn a_picture_is_bound_and_what_does_not_fit_is_reported_at_its_place() {
     let folder = folder(&[("lit.frag", LIT), ("lit.suite.toml", &suite("textures = { map = \"wood.png\" }"))]);
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 4, 2);

@@ -68,27 +68,27 @@ fn a_shader_without_a_suite_gives_what_it_means_itself() {
     generate(at, "a.vert --samples 200 --format json -o a.json").expect(0);
     run_in(at, "refdata verify a.json a.json").expect(0);
 
-    let told = |args: &str| generate(at, args).expect(2).err;
-    assert!(told("tone.glsl -o x.npz").contains("2 data sets do not go into the one file"));
-    assert!(told("tone.glsl --function tne -o x").contains("did you mean `tone`?"));
-    assert!(told("tone.glsl --domain y=[0,1] -o x").contains("no function that was run has an input `y`"));
-    assert!(told("sphere --function sphere -o x").contains("are about shaders without a suite"));
+    let reported = |args: &str| generate(at, args).expect(2).err;
+    assert!(reported("tone.glsl -o x.npz").contains("2 data sets do not go into the one file"));
+    assert!(reported("tone.glsl --function tne -o x").contains("did you mean `tone`?"));
+    assert!(reported("tone.glsl --domain y=[0,1] -o x").contains("no function that was run has an input `y`"));
+    assert!(reported("sphere --function sphere -o x").contains("are about shaders without a suite"));
     fs::write(at.join("broken.glsl"), "float f(float x) { return y; }\n").unwrap();
-    assert!(told("broken.glsl -o x").contains("`broken.glsl` does not compile"));
+    assert!(reported("broken.glsl -o x").contains("`broken.glsl` does not compile"));
     fs::write(
         at.join("t.frag"),
         "#version 330\nuniform sampler2D s;\nin vec2 u;\nout vec4 c;\nvoid main() { c = texture(s, u); }\n",
     )
     .unwrap();
-    assert!(told("t.frag -o x").contains("it reads the texture"));
+    assert!(reported("t.frag -o x").contains("it reads the texture"));
     fs::write(
         at.join("g.geom"),
         "#version 330\nlayout(points) in;\nlayout(points, max_vertices = 2) out;\nvoid main() { if (gl_in[0].gl_Position.x > 0.0) { gl_Position = gl_in[0].gl_Position; EmitVertex(); } }\n",
     )
     .unwrap();
-    assert!(told("g.geom -o x").contains("how many vertices it emits depends on the inputs"));
+    assert!(reported("g.geom -o x").contains("how many vertices it emits depends on the inputs"));
     fs::write(at.join("f.wgsl"), "fn f(x: f32) -> f32 { return x; }\n").unwrap();
-    assert!(told("f.wgsl -o x").contains("functions in WGSL are not run without a suite"));
+    assert!(reported("f.wgsl -o x").contains("functions in WGSL are not run without a suite"));
 }
 
 const SUITE: &str = "suite = \"tone\"\nshader = \"tone.glsl\"\nstage = \"function\"\nentry = \"tone\"\nsamples = 128\n\
@@ -148,6 +148,9 @@ fn recorded_values_become_reference_data() {
     }
     generate(at, "tone.suite.toml --format json -o t.json").expect(0);
     run_in(at, "refdata verify t.csv t.json").expect(0);
-    let told = generate(at, "tone.suite.toml --samples 4 -o t.npz").expect(2).err;
-    assert!(told.contains("has 3 recorded rows, which are its samples; ask for --samples 3 or fewer"), "{told}");
+    let reported = generate(at, "tone.suite.toml --samples 4 -o t.npz").expect(2).err;
+    assert!(
+        reported.contains("has 3 recorded rows, which are its samples; ask for --samples 3 or fewer"),
+        "{reported}"
+    );
 }

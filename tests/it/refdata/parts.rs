@@ -115,38 +115,38 @@ fn merged_parts_are_the_file_of_the_run_in_every_format() {
     }
     run_in(at, "merge c-parts --out both").expect(0);
     assert_eq!(names(&at.join("both")), ["hair.npz", "sphere.npz"]);
-    let told = |args: &str| generate(at, args).expect(2).err;
-    assert!(told("sphere --format c --shard 0/2 -o x").contains("merge DIR --out FILE.h"));
+    let reported = |args: &str| generate(at, args).expect(2).err;
+    assert!(reported("sphere --format c --shard 0/2 -o x").contains("merge DIR --out FILE.h"));
 }
 
 #[test]
-fn parts_that_are_missing_doubled_or_of_another_run_are_told() {
+fn parts_that_are_missing_doubled_or_of_another_run_are_reported() {
     let folder = folder();
     let at = folder.path();
     let args = "bone_weight --samples 200000 --profile none -o p";
     let make = |more: &str, part: u64| generate(at, &format!("{args} --shard {part}/3 {more}")).expect(0);
     (0..3).for_each(|part| drop(make("", part)));
     let part = |number: u64| at.join(format!("p/bone_weight/shard-0000{number}-of-00003.npz"));
-    let told = |expected: &str| {
+    let reported = |expected: &str| {
         let ran = run_in(at, "merge p --out j.npz").expect(2);
         assert!(ran.err.contains(expected), "`{expected}` is not in\n{}", ran.err);
         assert!(!at.join("j.npz").exists() && ran.out.is_empty(), "{}", ran.out);
     };
     let second = fs::read(part(1)).unwrap();
     fs::remove_file(part(1)).unwrap();
-    told("`bone_weight`, without shard 1/3: samples 65536 to 131071 are missing");
+    reported("`bone_weight`, without shard 1/3: samples 65536 to 131071 are missing");
     fs::write(part(1), &second).unwrap();
     fs::write(at.join("p/bone_weight/shard-copy.npz"), &second).unwrap();
-    told(
+    reported(
         "sample 65536 is there twice: in `p/bone_weight/shard-00001-of-00003.npz` and in `p/bone_weight/shard-copy.npz`",
     );
     fs::remove_file(at.join("p/bone_weight/shard-copy.npz")).unwrap();
     fs::write(part(1), &second[..second.len() / 2]).unwrap();
-    told("cut off or damaged");
+    reported("cut off or damaged");
     let mut changed = second.clone();
     changed[second.len() / 2] ^= 8;
     fs::write(part(1), &changed).unwrap();
-    told("SHA-256 is ");
+    reported("SHA-256 is ");
     for (more, expected) in [
         ("--seed 9", "the seed is `24301` in one and `9` in the other"),
         ("--samples 200001", ""),
@@ -160,7 +160,7 @@ fn parts_that_are_missing_doubled_or_of_another_run_are_told() {
             if more.contains("profile") { "" } else { "--profile none" }
         );
         generate(at, &format!("{args} {more} --shard 1/3")).expect(0);
-        told(if expected.is_empty() { "--samples is `200000` in one and `200001` in the other" } else { expected });
+        reported(if expected.is_empty() { "--samples is `200000` in one and `200001` in the other" } else { expected });
     }
     // Of another version of the tool, as its provenance tells.
     fs::remove_file(part(1)).unwrap();
@@ -170,14 +170,14 @@ fn parts_that_are_missing_doubled_or_of_another_run_are_told() {
     let older = csv.replacen(&version, "\"version\":\"0.0.1\"", 1);
     assert!(older != csv);
     fs::write(at.join("p/bone_weight/shard-00001-of-00003.csv"), older).unwrap();
-    told("the version of the tool is `");
+    reported("the version of the tool is `");
     let newer = csv.replacen("\"schema_version\":\"1.", "\"schema_version\":\"2.", 1);
     fs::write(at.join("p/bone_weight/shard-00001-of-00003.csv"), newer).unwrap();
-    told("its schema has version 2.1, and this program reads 1.1");
+    reported("its schema has version 2.1, and this program reads 1.1");
     // Results of other commands in the same folder.
     run_in(at, "check bone_weight --lane embedded --stage compute --samples 8 --shard 0/1 --shard-dir p").expect(0);
     fs::remove_file(at.join("p/bone_weight/shard-00001-of-00003.csv")).unwrap();
-    told("merge them one after the other");
+    reported("merge them one after the other");
 }
 
 /// A disk that is full while a file is written: the system refuses to make it larger.

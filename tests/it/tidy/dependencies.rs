@@ -205,15 +205,15 @@ mod planted {
     #[test]
     fn a_driver_below_the_judge_is_reported_however_far_away() {
         let below = ("crates/number/Cargo.toml", "ash");
-        let told = ["`judge` must do without `ash`", "`number` must do without `ash`"];
-        assert_eq!(faults(&[("crates/judge/Cargo.toml", "number"), below]), told);
+        let reported = ["`judge` must do without `ash`", "`number` must do without `ash`"];
+        assert_eq!(faults(&[("crates/judge/Cargo.toml", "number"), below]), reported);
         assert!(faults(&[("crates/judge/Cargo.toml", "number"), ("crates/lanes/Cargo.toml", "ash")]).is_empty());
     }
 
     #[test]
     fn an_engine_that_needs_the_chapter_is_reported() {
-        let told = ["`engine` must not need the content of the chapter"];
-        assert_eq!(faults(&[("crates/engine/Cargo.toml", "chapter judge")]), told);
+        let reported = ["`engine` must not need the content of the chapter"];
+        assert_eq!(faults(&[("crates/engine/Cargo.toml", "chapter judge")]), reported);
         assert!(
             faults(&[("crates/chapter/Cargo.toml", "engine"), ("crates/refdata/Cargo.toml", "chapter")]).is_empty()
         );

@@ -25,7 +25,7 @@ fn unsafe_code_stays_in_the_lanes_that_call_c() {
 #[test]
 fn planted_unsafe_code_is_reported() {
     let text = "#![expect(unsafe_code, reason = \"speed\")]\n";
-    let told = ["unsafe code outside of the lanes that may have it"];
-    assert_eq!(messages(&stray(&[File::new("crates/number/src/lib.rs", text)])), told);
+    let reported = ["unsafe code outside of the lanes that may have it"];
+    assert_eq!(messages(&stray(&[File::new("crates/number/src/lib.rs", text)])), reported);
     assert!(stray(&[File::new("crates/lanes/src/opengl/context.rs", text)]).is_empty());
 }

@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn another_failure_is_told_in_its_own_words() {
+    fn another_failure_is_reported_in_its_own_words() {
         let full = with_python().program("python3 -m venv", false, "Error: [Errno 28] No space left on device\n");
         assert!(complaint(full).ends_with(": Error: [Errno 28] No space left on device"));
         let offline =

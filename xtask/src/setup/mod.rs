@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_user_without_rights_is_told_the_command_in_one_sentence() {
+    fn a_user_without_rights_is_reported_the_command_in_one_sentence() {
         let mut host = debian().program("id -u", true, "1000\n").program("sudo -n true", false, "");
         let text = prepared(&mut host);
         assert!(
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn what_tests_need_is_installed_and_what_cannot_be_is_told_once_each() {
+    fn what_tests_need_is_installed_and_what_cannot_be_is_reported_once_each() {
         let start = "env DEBIAN_FRONTEND=noninteractive apt-get";
         let mut host = debian().program("id -u", true, "0\n").program(start, true, "");
         for program in ["spirv-val", "chromium", "node", "npm", "python3", "shellcheck", "g++"] {

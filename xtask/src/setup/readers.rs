@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_installed_is_told_with_the_reason() {
+    fn what_cannot_be_installed_is_reported_with_the_reason() {
         let mut host = Fake::default().program("python3 -m venv", false, "Error: no space left\n");
         let (all, text) = prepared(&mut host);
         assert!(!all);

@@ -102,8 +102,8 @@ impl Generator for NodeRun {
     fn fill(&self, group: &Group, place: Place, _stream: &mut Stream, out: &mut [u32]) {
         let strands = group.options().strands;
         let per_strand = strands.map_or(usize::MAX, |s| s.primitives().max(1));
-        let strand = Strand::new(place.case_seed, place.lane / per_strand);
-        let primitive = place.lane % per_strand;
+        let strand = Strand::new(place.case_seed, place.invocation / per_strand);
+        let primitive = place.invocation % per_strand;
         for (corner, element) in group.elements().iter().enumerate() {
             let n = strands.map_or(primitive + corner, |s| s.node(primitive, corner));
             for (c, at) in element.clone().enumerate().take(3) {

@@ -189,14 +189,19 @@ fn bones_reach_their_special_cases_and_turn_about_their_roots() {
 #[test]
 fn neighbouring_primitives_share_nodes() {
     let (generator, group) = group("node_run");
-    let at = |case_seed, lane| {
+    let at = |case_seed, invocation| {
         let mut out = vec![0; 16];
-        generator.fill(&group, Place { case_seed, lane, exact: false }, &mut Stream::new(lane as u64), &mut out);
+        generator.fill(
+            &group,
+            Place { case_seed, invocation, exact: false },
+            &mut Stream::new(invocation as u64),
+            &mut out,
+        );
         out
     };
     for case in 0..200 {
-        for lane in 0..12 {
-            assert_eq!(at(case, lane)[4..], at(case, lane + 1)[..12]);
+        for invocation in 0..12 {
+            assert_eq!(at(case, invocation)[4..], at(case, invocation + 1)[..12]);
         }
     }
     assert_ne!(at(0, 0), at(1, 0));
@@ -210,16 +215,16 @@ fn strands_end_as_the_host_draws_them() {
         assert_eq!(strands.primitives(), primitives);
         let options = Options { strands: Some(strands), ..Options::default() };
         let group = Group::new(generator, &[Shape::VEC4.array_of(4)], options).unwrap();
-        let at = |lane| {
+        let at = |invocation| {
             let mut out = vec![0; 16];
-            generator.fill(&group, Place { case_seed: 3, lane, exact: false }, &mut Stream::new(0), &mut out);
+            generator.fill(&group, Place { case_seed: 3, invocation, exact: false }, &mut Stream::new(0), &mut out);
             out.chunks(4).map(<[u32]>::to_vec).collect::<Vec<_>>()
         };
         let repeats = ends == Ends::Repeat;
         assert_eq!(at(0)[0] == at(0)[1], repeats, "the first node stands twice");
         assert_eq!(at(primitives - 1)[2] == at(primitives - 1)[3], repeats, "the last node stands twice");
         // Every segment of the strand in the repaired host, all but the outer two in the other.
-        assert!((1..primitives).all(|lane| at(lane)[1] == at(lane - 1)[2]));
+        assert!((1..primitives).all(|invocation| at(invocation)[1] == at(invocation - 1)[2]));
         assert_ne!(at(primitives)[0], at(primitives - 1)[1], "a new strand begins");
     }
 }
@@ -262,8 +267,8 @@ fn some_vertices_of_the_skinning_lie_exactly_on_an_end_of_a_bone() {
     let plan = skinning();
     let (mut at_an_end, mut on_a_bone) = (0, 0);
     for case in 0..4096 {
-        for lane in 0..16 {
-            let sample = plan.sample(9, case, lane);
+        for invocation in 0..16 {
+            let sample = plan.sample(9, case, invocation);
             let number = sample.get("numberOfBones")[0] as usize;
             let view = glam::DMat4::from_cols_slice(&sample.get("modelViewMatrix"));
             let p = view * glam::DVec4::from_slice(&sample.get("position"));

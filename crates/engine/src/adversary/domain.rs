@@ -5,7 +5,7 @@ use std::sync::Arc;
 use base::value::Scalar;
 use judge::profile::Op;
 use program::interp::{
-    Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, LANES, Mask, Site, ToWords, Unary,
+    Binary, Binary32, Class, Column as Numbers, Comparison, Domain, FromWords, Mask, SLOTS, Site, ToWords, Unary,
     WordSource, Words,
 };
 use property::mix;
@@ -19,15 +19,15 @@ pub struct Adversary {
     device: Arc<Device>,
     /// What has no promise to break is done as the interpreter does it.
     strict: Binary32,
-    /// Names the inputs of each lane.
+    /// Names the inputs of each slot.
     invocations: Vec<u64>,
 }
 
-/// One number for each lane, and what it was before it was rounded.
+/// One number for each slot, and what it was before it was rounded.
 #[derive(Clone, Debug, Default)]
 pub struct Column {
     values: Numbers<f32>,
-    /// Exact products; NaN in lanes where the number is none. Empty where none is.
+    /// Exact products; NaN in slots where the number is none. Empty where none is.
     products: Vec<f64>,
     /// For the factor of `normalize` that is the inverse of a length: these lengths.
     lengths: Vec<f64>,
@@ -35,16 +35,16 @@ pub struct Column {
 
 impl Column {
     /// The numbers.
-    pub fn values(&self) -> &[f32; LANES] {
+    pub fn values(&self) -> &[f32; SLOTS] {
         self.values.values()
     }
 
-    fn wide(&self, lane: usize) -> f64 {
-        f64::from(self.values()[lane])
+    fn wide(&self, slot: usize) -> f64 {
+        f64::from(self.values()[slot])
     }
 
-    fn product(&self, lane: usize) -> Option<f64> {
-        self.products.get(lane).copied().filter(|product| !product.is_nan())
+    fn product(&self, slot: usize) -> Option<f64> {
+        self.products.get(slot).copied().filter(|product| !product.is_nan())
     }
 
     /// Forgets what the numbers were before.
@@ -57,20 +57,20 @@ impl Column {
 impl Adversary {
     /// Numbers on a device.
     pub fn new(device: Arc<Device>) -> Self {
-        Self { device, strict: Binary32::default(), invocations: vec![0; LANES] }
+        Self { device, strict: Binary32::default(), invocations: vec![0; SLOTS] }
     }
 
-    fn place(&self, site: Site, lane: usize) -> Place {
-        Place { site: site.index(), invocation: self.invocations[lane] }
+    fn place(&self, site: Site, slot: usize) -> Place {
+        Place { site: site.index(), invocation: self.invocations[slot] }
     }
 
     /// A sum or difference, of products before their rounding where they are fused.
     fn sum(&self, site: Site, op: Op, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
         let values = out.values.values_mut();
-        active.each(|lane| {
-            let place = self.place(site, lane);
-            let mut args = [a.wide(lane), b.wide(lane)];
-            let products = [a.product(lane), b.product(lane)];
+        active.each(|slot| {
+            let place = self.place(site, slot);
+            let mut args = [a.wide(slot), b.wide(slot)];
+            let products = [a.product(slot), b.product(slot)];
             if products != [None, None] && self.device.fuses(args, place) {
                 // One of two products is rounded.
                 match products {
@@ -79,7 +79,7 @@ impl Adversary {
                     [None, None] => {}
                 }
             }
-            values[lane] = self.device.apply(op, &args, place);
+            values[slot] = self.device.apply(op, &args, place);
         });
     }
 
@@ -88,18 +88,18 @@ impl Adversary {
         let values = values.values_mut();
         let (x, lengths) = if a.lengths.is_empty() { (a, &b.lengths) } else { (b, &a.lengths) };
         if !lengths.is_empty() {
-            active.each(|lane| {
-                let args = [x.wide(lane), lengths[lane]];
-                values[lane] = self.device.apply_in(Op::Div, Some(Op::Normalize), &args, self.place(site, lane));
+            active.each(|slot| {
+                let args = [x.wide(slot), lengths[slot]];
+                values[slot] = self.device.apply_in(Op::Div, Some(Op::Normalize), &args, self.place(site, slot));
             });
             return;
         }
-        products.resize(LANES, f64::NAN);
-        active.each(|lane| {
-            let args = [a.wide(lane), b.wide(lane)];
-            values[lane] = self.device.apply(Op::Mul, &args, self.place(site, lane));
+        products.resize(SLOTS, f64::NAN);
+        active.each(|slot| {
+            let args = [a.wide(slot), b.wide(slot)];
+            values[slot] = self.device.apply(Op::Mul, &args, self.place(site, slot));
             // Exact: 24 digits each.
-            products[lane] = args[0] * args[1];
+            products[slot] = args[0] * args[1];
         });
     }
 
@@ -109,15 +109,15 @@ impl Adversary {
         let Column { values, lengths, .. } = out;
         let values = values.values_mut();
         if way == Normalize::ByLength {
-            lengths.resize(LANES, f64::NAN);
+            lengths.resize(SLOTS, f64::NAN);
         }
-        active.each(|lane| {
-            let (x, place) = (a.wide(lane), self.place(site, lane));
-            values[lane] = match way {
+        active.each(|slot| {
+            let (x, place) = (a.wide(slot), self.place(site, slot));
+            values[slot] = match way {
                 Normalize::ByInverseSqrt => self.device.apply_in(Op::InverseSqrt, Some(Op::Normalize), &[x], place),
                 Normalize::ByLength => {
-                    lengths[lane] = f64::from(self.device.apply_in(Op::Sqrt, None, &[x], place));
-                    (1.0 / lengths[lane]) as f32
+                    lengths[slot] = f64::from(self.device.apply_in(Op::Sqrt, None, &[x], place));
+                    (1.0 / lengths[slot]) as f32
                 }
                 Normalize::Free => self.device.wild(Op::Normalize, 1.0 / x.sqrt(), place),
             };
@@ -212,11 +212,11 @@ impl Domain for Adversary {
         match (unary_op(op), free) {
             (Some(op), _) => {
                 let values = values.values_mut();
-                active.each(|lane| values[lane] = self.device.apply(op, &[a.wide(lane)], self.place(site, lane)));
+                active.each(|slot| values[slot] = self.device.apply(op, &[a.wide(slot)], self.place(site, slot)));
             }
             (None, Some(op)) => {
                 let values = values.values_mut();
-                active.each(|lane| values[lane] = self.device.wild(op, a.wide(lane), self.place(site, lane)));
+                active.each(|slot| values[slot] = self.device.wild(op, a.wide(slot), self.place(site, slot)));
             }
             (None, None) => self.strict.unary(site, op, active, &a.values, values),
         }
@@ -232,9 +232,9 @@ impl Domain for Adversary {
             Binary::Multiply => self.product(site, active, a, b, out),
             _ => {
                 let values = out.values.values_mut();
-                active.each(|lane| {
-                    let args = [a.wide(lane), b.wide(lane)];
-                    values[lane] = self.device.apply(binary_op(op), &args, self.place(site, lane));
+                active.each(|slot| {
+                    let args = [a.wide(slot), b.wide(slot)];
+                    values[slot] = self.device.apply(binary_op(op), &args, self.place(site, slot));
                 });
             }
         }
@@ -242,18 +242,18 @@ impl Domain for Adversary {
 
     fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
         out.rounded();
-        for (lane, value) in out.values.values_mut().iter_mut().enumerate() {
+        for (slot, value) in out.values.values_mut().iter_mut().enumerate() {
             // Further powers lead out of binary32 as well, and these are exact in binary64.
-            let power = exponent[lane].cast_signed().clamp(-400, 400);
+            let power = exponent[slot].cast_signed().clamp(-400, 400);
             let exact = |args: &[f64]| args[0] * 2f64.powi(power);
-            *value = self.device.apply_to(Op::Ldexp, &[a.wide(lane)], &exact, self.place(site, lane));
+            *value = self.device.apply_to(Op::Ldexp, &[a.wide(slot)], &exact, self.place(site, slot));
         }
     }
 
     fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
-        active.each(|lane| {
-            let [a, b] = self.device.compared([a.wide(lane), b.wide(lane)], self.place(site, lane));
-            out[lane] = u32::from(op.holds(a, b));
+        active.each(|slot| {
+            let [a, b] = self.device.compared([a.wide(slot), b.wide(slot)], self.place(site, slot));
+            out[slot] = u32::from(op.holds(a, b));
         });
     }
 
@@ -264,7 +264,7 @@ impl Domain for Adversary {
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Column, out: &mut Words) -> Mask {
         let mut seen = a.values.clone();
         let values = seen.values_mut();
-        active.each(|lane| values[lane] = self.device.converted(a.wide(lane), self.place(site, lane)) as f32);
+        active.each(|slot| values[slot] = self.device.converted(a.wide(slot), self.place(site, slot)) as f32);
         self.strict.words_of(site, op, active, &seen, out)
     }
 
@@ -275,9 +275,9 @@ impl Domain for Adversary {
             FromWords::Unsigned => |word: u32| f64::from(word),
             FromWords::Bits | FromWords::HalfBits => return self.strict.reals_of(site, op, a, &mut out.values),
         };
-        for (lane, value) in out.values.values_mut().iter_mut().enumerate() {
-            let args = [number(a[lane])];
-            *value = self.device.apply_to(Op::Convert, &args, &|args| args[0], self.place(site, lane));
+        for (slot, value) in out.values.values_mut().iter_mut().enumerate() {
+            let args = [number(a[slot])];
+            *value = self.device.apply_to(Op::Convert, &args, &|args| args[0], self.place(site, slot));
         }
     }
 
@@ -292,8 +292,8 @@ impl Domain for Adversary {
         // The factor of `normalize` is used where it is made, and by nothing else.
         to.lengths.clear();
         if !from.products.is_empty() || !to.products.is_empty() {
-            to.products.resize(LANES, f64::NAN);
-            mask.each(|lane| to.products[lane] = from.product(lane).unwrap_or(f64::NAN));
+            to.products.resize(SLOTS, f64::NAN);
+            mask.each(|slot| to.products[slot] = from.product(slot).unwrap_or(f64::NAN));
         }
     }
 
@@ -302,8 +302,8 @@ impl Domain for Adversary {
         to.rounded();
     }
 
-    fn word(&self, column: &Column, lane: usize) -> Option<u32> {
-        self.strict.word(&column.values, lane)
+    fn word(&self, column: &Column, slot: usize) -> Option<u32> {
+        self.strict.word(&column.values, slot)
     }
 
     fn exact(word: u32, scalar: Scalar) -> u32 {

@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_told() {
+    fn what_cannot_be_read_is_reported() {
         for (text, why) in [
             ("// shadercheck: x on [0,1]", "`x on [0,1]` is no domain"),
             ("// shadercheck: x in [1,0]", "`[1,0]` is empty"),

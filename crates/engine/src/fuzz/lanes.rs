@@ -202,14 +202,16 @@ impl<'a> OnLane<'a> {
         let shrunk = shrink(first, &Shrinking { domain, counting: false }, &mut deviates)?;
         let samples: Vec<Sample> = shrunk.into_iter().map(|s| s.sample).collect();
         let mut findings: Vec<Finding> = Vec::new();
-        let mut told: Vec<(String, Sample)> = Vec::new();
+        let mut reported: Vec<(String, Sample)> = Vec::new();
         for sample in samples {
             let batch = Sample::batch(std::slice::from_ref(&sample));
             let actual = runner.run(&batch)?;
             let Some(Verdict::Deviate(deviation)) = judge_each(&context, &batch, &actual).pop() else {
                 // Message once, as a lane that gives different outputs for the same inputs is.
-                if let Some(told) = findings.iter_mut().find(|told| told.kind == FuzzFindingKind::NotDeterministic) {
-                    told.count += 1;
+                if let Some(reported) =
+                    findings.iter_mut().find(|reported| reported.kind == FuzzFindingKind::NotDeterministic)
+                {
+                    reported.count += 1;
                     continue;
                 }
                 if !self.unstable.is_empty() {
@@ -231,7 +233,7 @@ impl<'a> OnLane<'a> {
                     "vertices".to_owned()
                 }
             };
-            if told.iter().any(|(o, s)| *o == output || *s == sample) {
+            if reported.iter().any(|(o, s)| *o == output || *s == sample) {
                 continue;
             }
             let kernel = |program: &Program| program.compute_kernel();
@@ -254,7 +256,7 @@ impl<'a> OnLane<'a> {
                 reproduce: Some(reproduce(&sample)),
                 ..blank(FuzzFindingKind::LaneDeviation, deviation.to_string())
             });
-            told.push((output, sample));
+            reported.push((output, sample));
         }
         Ok(findings)
     }

@@ -10,7 +10,7 @@ use judge::profile::{Op, Profile, Promises};
 use judge::tape::{Model, Tape};
 use judge::verdict::diagnosis::Place;
 use lanes::{Api, Stage};
-use program::interp::{Binary32, Binary64, Dependence, LANES, Machine, OutputColumn, Site, author_span};
+use program::interp::{Binary32, Binary64, Dependence, Machine, OutputColumn, SLOTS, Site, author_span};
 
 use super::finding::FuzzFindingKind;
 
@@ -75,7 +75,7 @@ fn strict() -> &'static Profile {
 pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option<Named>> {
     let model = Model::Device { profile: strict(), stage: Stage::Compute, rearranged: false };
     let chunks: Vec<Vec<Option<Named>>> = looks
-        .par_chunks(LANES)
+        .par_chunks(SLOTS)
         .map_init(
             || {
                 let executable = &ready.executable;
@@ -89,8 +89,8 @@ pub fn name(ready: &Ready, batch: &Batch, looks: &[(usize, Look)]) -> Vec<Option
                 let invocations: Vec<usize> = looks.iter().map(|(i, _)| *i).collect();
                 tape.run_some(batch, &invocations);
                 narrow.run_some(batch, &invocations);
-                let one = |(lane, (invocation, look)): (usize, &(usize, Look))| {
-                    one(tape, narrow, wide, batch, (lane, *invocation), look)
+                let one = |(slot, (invocation, look)): (usize, &(usize, Look))| {
+                    one(tape, narrow, wide, batch, (slot, *invocation), look)
                 };
                 looks.iter().enumerate().map(one).collect()
             },
@@ -104,7 +104,7 @@ fn one(
     narrow: &Machine<'_, Binary32>,
     wide: &mut Machine<'_, Binary64>,
     batch: &Batch,
-    (lane, invocation): (usize, usize),
+    (slot, invocation): (usize, usize),
     look: &Look,
 ) -> Option<Named> {
     let trouble = look.trouble?;
@@ -131,21 +131,21 @@ fn one(
         _ => {}
     }
     let (vertex, word) = look.place;
-    if tape.domain().given_up(lane).is_some() {
-        return long(named, narrow, wide, batch, (lane, invocation), trouble);
+    if tape.domain().given_up(slot).is_some() {
+        return long(named, narrow, wide, batch, (slot, invocation), trouble);
     }
     let OutputColumn::Real(&column) = tape.output(vertex, word) else { return None };
-    named.strict = strictly(narrow, named.place, lane);
+    named.strict = strictly(narrow, named.place, slot);
     let tape = tape.domain();
-    named.meaning = tape.values(column)[lane];
+    named.meaning = tape.values(column)[slot];
     let undefined = matches!(trouble, Trouble::NoValue | Trouble::Infinite);
-    let mut culprit = tape.culprit(column, lane, LIMIT);
+    let mut culprit = tape.culprit(column, slot, LIMIT);
     // Where real numbers have no value, binary64 may have lost one on the way; if not, the operation
     // without one is meant.
     if undefined && !culprit.as_ref().is_some_and(|(cause, _)| vanished(cause.op, &cause.args, cause.value)) {
-        culprit = tape.culprit(column, lane, f64::INFINITY);
+        culprit = tape.culprit(column, slot, f64::INFINITY);
     }
-    let forked = tape.fork(lane).is_some();
+    let forked = tape.fork(slot).is_some();
     if let Some((cause, condition)) = &culprit {
         (named.op, named.site, named.args, named.value) = (cause.op, cause.site, cause.args.clone(), cause.value);
         named.condition = *condition;
@@ -171,7 +171,7 @@ fn long(
     narrow: &Machine<'_, Binary32>,
     wide: &mut Machine<'_, Binary64>,
     batch: &Batch,
-    (lane, invocation): (usize, usize),
+    (slot, invocation): (usize, usize),
     trouble: Trouble,
 ) -> Option<Named> {
     let (vertex, word) = named.place;
@@ -179,15 +179,15 @@ fn long(
     if let OutputColumn::Real(found) = wide.output(vertex, word) {
         named.meaning = found.values()[0];
     }
-    named.strict = strictly(narrow, named.place, lane);
+    named.strict = strictly(narrow, named.place, slot);
     named.kind = of_results(trouble);
     Some(named)
 }
 
 /// What strict binary32 gives in a word.
-fn strictly(narrow: &Machine<'_, Binary32>, (vertex, word): (usize, usize), lane: usize) -> f32 {
+fn strictly(narrow: &Machine<'_, Binary32>, (vertex, word): (usize, usize), slot: usize) -> f32 {
     match narrow.output(vertex, word) {
-        OutputColumn::Real(found) => found.values()[lane],
+        OutputColumn::Real(found) => found.values()[slot],
         _ => f32::NAN,
     }
 }
@@ -314,10 +314,13 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_what_is_near_to_one_is_not_one() {
-        let told = |x| decimal(x);
-        assert_eq!([told(0.5), told(-0.0), told(1e-30), told(f64::NAN)], ["0.5", "-0.0", "1e-30", "nan"]);
-        assert_eq!([told(1.0 / 3.0), told(2e30 / 3.0)], ["0.333333333333", "6.66666666667e29"]);
-        assert_ne!(told(1.0 - 1e-14), "1.0");
+        let reported = |x| decimal(x);
+        assert_eq!(
+            [reported(0.5), reported(-0.0), reported(1e-30), reported(f64::NAN)],
+            ["0.5", "-0.0", "1e-30", "nan"]
+        );
+        assert_eq!([reported(1.0 / 3.0), reported(2e30 / 3.0)], ["0.333333333333", "6.66666666667e29"]);
+        assert_ne!(reported(1.0 - 1e-14), "1.0");
         assert_eq!(applied(Op::Sub, &[1.0, -2.0]), "1.0 - (-2.0)");
         assert_eq!(applied(Op::Pow, &[0.0, -1.0]), "pow(0.0, -1.0)");
     }

@@ -24,7 +24,7 @@ const TWIN: usize = 16;
 /// Samples among which edges are sought.
 const PILOT: u64 = 512;
 /// Places that are told for one function; the rest is counted.
-const TOLD: usize = 8;
+const REPORTED: usize = 8;
 
 /// What a run is asked for.
 #[derive(Clone, Debug)]
@@ -161,7 +161,7 @@ pub fn run(
         report.lanes.push(lane);
         report.findings.extend(findings);
     }
-    tell(ready, domain, groups, request, &reproduce, &mut report);
+    add_findings(ready, domain, groups, request, &reproduce, &mut report);
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
 }
@@ -281,8 +281,8 @@ fn at_failure(
     Finding { lane: Some(lane), message: format!("{}; {}", finding.message, fenced.error.at_undefined()), ..finding }
 }
 
-/// Shrinks one sample of each group and tells it.
-fn tell(
+/// Shrinks one sample of each group and adds its finding.
+fn add_findings(
     ready: &Ready,
     domain: &Domain,
     groups: HashMap<Key, Group>,
@@ -304,7 +304,7 @@ fn tell(
     });
     for (index, (key, group)) in groups.into_iter().enumerate() {
         let severity = severity(&key, &group);
-        let shrunk = request.case.is_none() && index < TOLD && (request.notes || severity != Severity::Note);
+        let shrunk = request.case.is_none() && index < REPORTED && (request.notes || severity != Severity::Note);
         let (sample, named) = if !shrunk {
             let named = super::shrinking::names(ready, std::slice::from_ref(&group.sample)).pop().flatten();
             (group.sample, named)

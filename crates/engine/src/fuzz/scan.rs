@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use base::value::{Batch, Record};
-use program::interp::{Binary32, Binary64, Executable, HazardKind, LANES, Machine, Number, OutputColumn, POISON};
+use program::interp::{Binary32, Binary64, Executable, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
 
 /// Part of an output's size that rounding may move it by before it counts as ill-conditioned.
 pub const LIMIT: f64 = 1.0 / 1024.0;
@@ -117,7 +117,7 @@ impl Look {
 /// Looks at every sample of a batch, on all cores. `record` is that of the outputs.
 pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look> {
     let count = batch.invocation_count();
-    let chunks: Vec<Vec<Look>> = (0..count.div_ceil(LANES))
+    let chunks: Vec<Vec<Look>> = (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || {
@@ -125,8 +125,8 @@ pub fn scan(executable: &Executable, record: &Record, batch: &Batch) -> Vec<Look
                 (meaning, Machine::new(executable, Binary32::default(), ROUNDS))
             },
             |(meaning, strict), chunk| {
-                let mut looks = chunk_of(meaning, strict, record, batch, chunk * LANES);
-                undefined(meaning, batch, chunk * LANES, &mut looks);
+                let mut looks = chunk_of(meaning, strict, record, batch, chunk * SLOTS);
+                undefined(meaning, batch, chunk * SLOTS, &mut looks);
                 looks
             },
         )
@@ -141,14 +141,14 @@ fn chunk_of(
     batch: &Batch,
     first: usize,
 ) -> Vec<Look> {
-    let lanes = meaning.run(batch, first);
+    let slots = meaning.run(batch, first);
     strict.run(batch, first);
     // They are asked for one by one when they are named.
     meaning.take_findings();
     strict.take_findings();
-    let mut looks = vec![Look::default(); lanes];
-    for (lane, look) in looks.iter_mut().enumerate() {
-        let (wide, narrow) = (meaning.flags()[lane], strict.flags()[lane]);
+    let mut looks = vec![Look::default(); slots];
+    for (slot, look) in looks.iter_mut().enumerate() {
+        let (wide, narrow) = (meaning.flags()[slot], strict.flags()[slot]);
         if wide.has(HazardKind::Fuel) || narrow.has(HazardKind::Fuel) {
             look.note(Trouble::Endless, (0, 0));
             continue;
@@ -158,14 +158,14 @@ fn chunk_of(
         if wide.has(HazardKind::Overflow) {
             look.note(Trouble::IntegerOverflow, (0, 0));
         }
-        if meaning.is_emitting() && meaning.emitted()[lane] as usize > meaning.room() {
+        if meaning.is_emitting() && meaning.emitted()[slot] as usize > meaning.room() {
             look.note(Trouble::TooManyVertices, (0, 0));
         }
     }
     for vertex in 0..meaning.room() {
         for field in 0..record.fields().len() {
             let range = record.range(field);
-            let mut scale = [0.0_f64; LANES];
+            let mut scale = [0.0_f64; SLOTS];
             for word in range.clone() {
                 if let OutputColumn::Real(column) = meaning.output(vertex, word) {
                     scale.iter_mut().zip(column.values()).for_each(|(s, v)| *s = s.max(v.abs()));
@@ -175,8 +175,8 @@ fn chunk_of(
                 let (wide, narrow) = match (meaning.output(vertex, word), strict.output(vertex, word)) {
                     (OutputColumn::Real(wide), OutputColumn::Real(narrow)) => (wide, narrow),
                     (OutputColumn::Word(words), _) => {
-                        for (lane, look) in looks.iter_mut().enumerate().filter(|(lane, _)| words[*lane] == POISON) {
-                            if !meaning.is_emitting() || (vertex as u32) < meaning.emitted()[lane] {
+                        for (slot, look) in looks.iter_mut().enumerate().filter(|(slot, _)| words[*slot] == POISON) {
+                            if !meaning.is_emitting() || (vertex as u32) < meaning.emitted()[slot] {
                                 look.note(Trouble::NotWritten, (vertex, word));
                             }
                         }
@@ -184,14 +184,14 @@ fn chunk_of(
                     }
                     (OutputColumn::Real(_), OutputColumn::Word(_)) => continue,
                 };
-                for (lane, look) in looks.iter_mut().enumerate() {
+                for (slot, look) in looks.iter_mut().enumerate() {
                     let emitted = |count: u32| !meaning.is_emitting() || (vertex as u32) < count;
                     // Where binary32 goes another way there is nothing to compare.
-                    if !emitted(meaning.emitted()[lane]) || !emitted(strict.emitted()[lane]) {
+                    if !emitted(meaning.emitted()[slot]) || !emitted(strict.emitted()[slot]) {
                         continue;
                     }
-                    let (exact, found) = (wide.values()[lane], narrow.values()[lane]);
-                    value(look, exact, f64::from(found), found.is_poison(), scale[lane], (vertex, word));
+                    let (exact, found) = (wide.values()[slot], narrow.values()[slot]);
+                    value(look, exact, f64::from(found), found.is_poison(), scale[slot], (vertex, word));
                 }
             }
         }
@@ -201,15 +201,15 @@ fn chunk_of(
 
 /// Leaves undefined values out that no output depends on, and notes the others.
 fn undefined(meaning: &mut Machine<'_, Binary64>, batch: &Batch, first: usize, looks: &mut [Look]) {
-    let touched: Vec<usize> = (0..looks.len()).filter(|&lane| looks[lane].undefined).collect();
+    let touched: Vec<usize> = (0..looks.len()).filter(|&slot| looks[slot].undefined).collect();
     if touched.is_empty() {
         return;
     }
-    let invocations: Vec<usize> = touched.iter().map(|lane| first + lane).collect();
-    for (lane, found) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)) {
-        looks[lane].undefined = found.is_some();
+    let invocations: Vec<usize> = touched.iter().map(|slot| first + slot).collect();
+    for (slot, found) in touched.into_iter().zip(meaning.dependences(batch, &invocations, false)) {
+        looks[slot].undefined = found.is_some();
         if let Some(found) = found {
-            looks[lane].note(Trouble::of(found.of.kind), (0, 0));
+            looks[slot].note(Trouble::of(found.of.kind), (0, 0));
         }
     }
 }

@@ -298,10 +298,10 @@ fn outcome(
 
 /// How a deviation of the shader kills.
 fn kill(failure: &Failure) -> Kill {
-    let told = failure.deviation.to_string();
+    let reported = failure.deviation.to_string();
     match failure.deviation.what {
-        What::Value(_) | What::NotWritten { .. } => Kill::Formula(told),
-        What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => Kill::Shape(told),
+        What::Value(_) | What::NotWritten { .. } => Kill::Formula(reported),
+        What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => Kill::Shape(reported),
         What::Endless => Kill::NotFinished,
     }
 }

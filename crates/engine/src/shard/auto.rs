@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_no_shard_is_told() {
+    fn what_names_no_shard_is_reported() {
         let error = |variables: &[(&str, &str)]| of(variables).unwrap_err().to_string();
         assert_eq!(
             error(&[("JOB_COMPLETION_INDEX", "1")]),

@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn another_version_and_another_file_are_told() {
+    fn another_version_and_another_file_are_reported() {
         let text = seal(&sealed()).unwrap();
         let newer = text.replace("\"schema_version\":1", "\"schema_version\":2");
         assert_eq!(open::<Vec<u64>>(&newer), Err(SealError::Version(2)));
@@ -208,15 +208,15 @@ mod tests {
     fn runs_that_differ_are_told_apart() {
         let one = sealed().identity;
         assert_eq!(one.same(&one), Ok(()));
-        let told = |other: Identity| one.same(&other).unwrap_err().to_string();
-        assert_eq!(told(Identity { seed: 8, ..one.clone() }), "the seed is `7` in one and `8` in the other");
+        let reported = |other: Identity| one.same(&other).unwrap_err().to_string();
+        assert_eq!(reported(Identity { seed: 8, ..one.clone() }), "the seed is `7` in one and `8` in the other");
         assert_eq!(
-            told(Identity { version: "9.9.9".into(), ..one.clone() }),
+            reported(Identity { version: "9.9.9".into(), ..one.clone() }),
             format!("the version of the tool is `{}` in one and `9.9.9` in the other", env!("CARGO_PKG_VERSION"))
         );
-        assert_eq!(told(one.clone().with("samples", 5)), "samples is `1000` in one and `5` in the other");
-        assert_eq!(told(one.clone().with("quick", true)), "quick is `not given` in one and `true` in the other");
-        assert!(told(Identity { shards: 5, ..one.clone() }).contains("number of shards"));
-        assert!(told(Identity { command: "fuzz".into(), ..one.clone() }).contains("the command"));
+        assert_eq!(reported(one.clone().with("samples", 5)), "samples is `1000` in one and `5` in the other");
+        assert_eq!(reported(one.clone().with("quick", true)), "quick is `not given` in one and `true` in the other");
+        assert!(reported(Identity { shards: 5, ..one.clone() }).contains("number of shards"));
+        assert!(reported(Identity { command: "fuzz".into(), ..one.clone() }).contains("the command"));
     }
 }

@@ -178,7 +178,7 @@ fn values_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn all_problems_are_told_in_the_order_of_the_file() {
+fn all_problems_are_reported_in_the_order_of_the_file() {
     let text = GOOD.replace("60_000", "-1").replace("samples", "smaples").replace("\"point\"", "\"pint\"");
     let error = read(&text).unwrap_err();
     let places: Vec<&str> = error.problems.iter().map(|p| p.at.as_str()).collect();

@@ -1,10 +1,10 @@
-//! What the tape remembers: one node for each operation on a chunk of lanes, its columns side by side.
+//! What the tape remembers: one node for each operation on a chunk of slots, its columns side by side.
 
 use crate::profile::Op;
-use program::interp::{LANES, Mask, Site};
+use program::interp::{Mask, SLOTS, Site};
 
-/// One binary64 number for each lane.
-pub(super) type Lanes = [f64; LANES];
+/// One binary64 number for each slot.
+pub(super) type Slots = [f64; SLOTS];
 
 /// Number of a node within its chunk.
 pub(super) type Id = u32;
@@ -23,7 +23,7 @@ pub(super) enum NodeKind {
     One { a: Id, partial: u32 },
     /// A function of two nodes, with the numbers of the partials.
     Two { a: Id, b: Id, partials: [u32; 2] },
-    /// `a` in the lanes of a mask, `b` in the others.
+    /// `a` in the slots of a mask, `b` in the others.
     Select { mask: u32, a: Id, b: Id },
 }
 
@@ -37,16 +37,16 @@ impl NodeKind {
     }
 }
 
-/// What is known of a node in all lanes together.
+/// What is known of a node in all slots together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meta {
     pub kind: NodeKind,
     /// The operation as profiles call it; `None` for leaves and selections.
     pub op: Option<Op>,
     pub site: Option<Site>,
-    /// True when the local error is zero in every lane.
+    /// True when the local error is zero in every slot.
     pub exact: bool,
-    /// True when some lane may hold a subnormal number.
+    /// True when some slot may hold a subnormal number.
     pub tiny: bool,
     /// True when no rounding makes the value negative: squares and sums of them.
     pub not_negative: bool,
@@ -56,7 +56,7 @@ pub(super) struct Meta {
 #[derive(Default)]
 pub(super) struct Pool {
     #[expect(clippy::vec_box, reason = "one more column must not move the others, of 2 KiB each")]
-    columns: Vec<Box<Lanes>>,
+    columns: Vec<Box<Slots>>,
     used: usize,
 }
 
@@ -76,34 +76,34 @@ impl Pool {
     /// One more column; what it holds is left from before.
     pub(super) fn more(&mut self) -> usize {
         if self.used == self.columns.len() {
-            self.columns.push(Box::new([0.0; LANES]));
+            self.columns.push(Box::new([0.0; SLOTS]));
         }
         self.used += 1;
         self.used - 1
     }
 
-    pub(super) fn get(&self, at: usize) -> &Lanes {
+    pub(super) fn get(&self, at: usize) -> &Slots {
         &self.columns[at]
     }
 
-    pub(super) fn get_mut(&mut self, at: usize) -> &mut Lanes {
+    pub(super) fn get_mut(&mut self, at: usize) -> &mut Slots {
         &mut self.columns[at]
     }
 
     /// The column at `at` and the one after it.
-    pub(super) fn pair_mut(&mut self, at: usize) -> (&mut Lanes, &mut Lanes) {
+    pub(super) fn pair_mut(&mut self, at: usize) -> (&mut Slots, &mut Slots) {
         let (first, second) = self.columns[at..].split_at_mut(1);
         (&mut first[0], &mut second[0])
     }
 
     /// The columns of two partials with their distances; they stand one after the other.
-    pub(super) fn quad_mut(&mut self, at: usize) -> [&mut Lanes; 4] {
+    pub(super) fn quad_mut(&mut self, at: usize) -> [&mut Slots; 4] {
         let [a, b, c, d] = self.columns[at..].first_chunk_mut().expect("two partials are made together");
         [a, b, c, d]
     }
 
     /// Columns before `at`, and the one at it.
-    pub(super) fn split(&mut self, at: usize) -> (&[Box<Lanes>], &mut Lanes) {
+    pub(super) fn split(&mut self, at: usize) -> (&[Box<Slots>], &mut Slots) {
         let (before, rest) = self.columns.split_at_mut(at);
         (before, &mut rest[0])
     }
@@ -167,7 +167,7 @@ impl Arena {
     }
 
     /// A partial and its distance.
-    pub(super) fn partial_at(&self, at: u32) -> (&Lanes, &Lanes) {
+    pub(super) fn partial_at(&self, at: u32) -> (&Slots, &Slots) {
         (self.partials.get(2 * at as usize), self.partials.get(2 * at as usize + 1))
     }
 

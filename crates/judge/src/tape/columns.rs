@@ -1,23 +1,23 @@
-//! Images of functions in all lanes at once.
+//! Images of functions in all slots at once.
 //!
 //! The values are those of [`math`], and what is around them is written without branches. Functions
-//! that are missing here are taken lane by lane.
+//! that are missing here are taken slot by slot.
 
-use super::arena::Lanes;
+use super::arena::Slots;
 use super::functions::{image1, image2};
 use super::kernels::{Out1, Out2, Pair, images1, images2, reach};
 use crate::profile::Op;
 
-use program::interp::LANES;
+use program::interp::SLOTS;
 
-/// Active lanes from which on a column as a whole is quicker than the lanes one by one.
-pub(super) const WORTH_A_COLUMN: usize = LANES / 8;
+/// Active slots from which on a column as a whole is quicker than the slots one by one.
+pub(super) const WORTH_A_COLUMN: usize = SLOTS / 8;
 
 /// Exponents up to which [`growth`] needs no exponential function.
 const SHORT: f64 = 1.0 / 1024.0;
 
 /// At least e^t − 1 for t ≥ 0, and not more than 10^-7 of it above.
-pub(super) fn growth(t: &mut Lanes) {
+pub(super) fn growth(t: &mut Slots) {
     let from = *t;
     let long = number::wide(|| {
         let mut long = 0_u64;
@@ -38,12 +38,12 @@ pub(super) fn growth(t: &mut Lanes) {
 }
 
 /// How far the arguments may be, flushed ones included.
-fn reaches((x, e): Pair<'_>, flushes: bool) -> Lanes {
+fn reaches((x, e): Pair<'_>, flushes: bool) -> Slots {
     let mut out = *e;
     if flushes {
         number::wide(|| {
-            for lane in 0..LANES {
-                out[lane] = reach(x[lane], e[lane], true);
+            for slot in 0..SLOTS {
+                out[slot] = reach(x[slot], e[slot], true);
             }
         });
     }
@@ -51,7 +51,7 @@ fn reaches((x, e): Pair<'_>, flushes: bool) -> Lanes {
 }
 
 /// The images of a function of one number; false, with nothing written, for functions that are taken
-/// lane by lane.
+/// slot by slot.
 pub(super) fn column1(op: Op, (x, e): Pair<'_>, flushes: bool, not_negative: bool, out: &mut Out1<'_>) -> bool {
     match op {
         // One arm for each, so that each is compiled for itself.
@@ -68,11 +68,11 @@ pub(super) fn column1(op: Op, (x, e): Pair<'_>, flushes: bool, not_negative: boo
             value.column(x, out.value);
             slope.column(x, out.slope);
             number::wide(|| {
-                for lane in 0..LANES {
-                    let moves = reach(x[lane], e[lane], flushes).min(2.0);
-                    out.slope[lane] *= sign;
-                    out.moves[lane] = moves;
-                    out.bend[lane] = moves;
+                for slot in 0..SLOTS {
+                    let moves = reach(x[slot], e[slot], flushes).min(2.0);
+                    out.slope[slot] *= sign;
+                    out.moves[slot] = moves;
+                    out.bend[slot] = moves;
                 }
             });
         }
@@ -107,30 +107,30 @@ pub(super) fn column2(op: Op, x: Pair<'_>, y: Pair<'_>, flushes: [bool; 2], out:
 
 /// x^y; see [`image2`].
 fn power((x, ex): Pair<'_>, (y, ey): Pair<'_>, out: &mut Out2<'_>) {
-    let mut ln = [0.0; LANES];
+    let mut ln = [0.0; SLOTS];
     number::LN.column(x, &mut ln);
     number::POW.column(x, y, out.value);
     let Out2 { value, moves, slopes: [along_x, along_y], bends: [bend_x, bend_y] } = out;
     number::wide(|| {
-        for lane in 0..LANES {
-            let along = ex[lane] / (x[lane] - ex[lane]);
-            moves[lane] = y[lane].abs() * along + ey[lane] * (ln[lane].abs() + along);
+        for slot in 0..SLOTS {
+            let along = ex[slot] / (x[slot] - ex[slot]);
+            moves[slot] = y[slot].abs() * along + ey[slot] * (ln[slot].abs() + along);
         }
     });
     growth(moves);
     number::wide(|| {
-        for lane in 0..LANES {
-            let (x, ex, y, ey, ln, v) = (x[lane], ex[lane], y[lane], ey[lane], ln[lane], value[lane]);
-            let (along, moved) = (ex / (x - ex), moves[lane]);
+        for slot in 0..SLOTS {
+            let (x, ex, y, ey, ln, v) = (x[slot], ex[slot], y[slot], ey[slot], ln[slot], value[slot]);
+            let (along, moved) = (ex / (x - ex), moves[slot]);
             let moved = if moved == 0.0 { 0.0 } else { v * moved };
             let most = v + moved;
             let nowhere = (x <= ex) | (x <= 0.0);
             let or = |other: f64, here: f64| if nowhere { other } else { here };
-            moves[lane] = or(f64::INFINITY, moved);
-            along_x[lane] = or(0.0, y * v / x);
-            along_y[lane] = or(0.0, ln * v);
-            bend_x[lane] = or(f64::INFINITY, (y.abs() * moved + ey * most) / (x - ex) + y.abs() * v * along / x);
-            bend_y[lane] = or(f64::INFINITY, ln.abs() * moved + along * most);
+            moves[slot] = or(f64::INFINITY, moved);
+            along_x[slot] = or(0.0, y * v / x);
+            along_y[slot] = or(0.0, ln * v);
+            bend_x[slot] = or(f64::INFINITY, (y.abs() * moved + ey * most) / (x - ex) + y.abs() * v * along / x);
+            bend_y[slot] = or(f64::INFINITY, ln.abs() * moved + along * most);
         }
     });
 }
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     /// Arguments with radii: around the places where branches meet, and beyond.
-    fn arguments() -> (Lanes, Lanes) {
+    fn arguments() -> (Slots, Slots) {
         let x = [-2.0, -1e-40, 0.0, 1e-40, 1e-38, 0.3, 1.0, 7.5, f64::INFINITY, f64::NAN];
         let e = [0.0, 1e-45, 1e-9, 0.3, 1.0, 8.0, f64::INFINITY];
         (std::array::from_fn(|k| x[k % x.len()]), std::array::from_fn(|k| e[k / x.len() % e.len()]))
@@ -152,18 +152,18 @@ mod tests {
     }
 
     #[test]
-    fn a_column_has_the_images_of_its_lanes() {
+    fn a_column_has_the_images_of_its_slots() {
         let (x, e) = arguments();
         for op in [Op::Abs, Op::Sqrt, Op::InverseSqrt, Op::Sin, Op::Cos] {
             for flags in [(false, false), (true, true)] {
-                let [mut value, mut moves, mut slope, mut bend] = [[7.0; LANES]; 4];
+                let [mut value, mut moves, mut slope, mut bend] = [[7.0; SLOTS]; 4];
                 let mut out = Out1 { value: &mut value, moves: &mut moves, slope: &mut slope, bend: &mut bend };
                 assert!(column1(op, (&x, &e), flags.0, flags.1, &mut out));
-                for lane in 0..LANES {
-                    let image = image1(op, x[lane], reach(x[lane], e[lane], flags.0), flags.1);
-                    let both = [(value[lane], image.value), (moves[lane], image.moves), (slope[lane], image.slope)];
-                    for (a, b) in both.into_iter().chain([(bend[lane], image.bends)]) {
-                        assert!(near(a, b), "{op:?} {} ± {}: {a} against {b}", x[lane], e[lane]);
+                for slot in 0..SLOTS {
+                    let image = image1(op, x[slot], reach(x[slot], e[slot], flags.0), flags.1);
+                    let both = [(value[slot], image.value), (moves[slot], image.moves), (slope[slot], image.slope)];
+                    for (a, b) in both.into_iter().chain([(bend[slot], image.bends)]) {
+                        assert!(near(a, b), "{op:?} {} ± {}: {a} against {b}", x[slot], e[slot]);
                     }
                 }
             }
@@ -171,13 +171,13 @@ mod tests {
     }
 
     #[test]
-    fn a_column_of_two_has_the_images_of_its_lanes() {
+    fn a_column_of_two_has_the_images_of_its_slots() {
         let (x, e) = arguments();
-        let y: Lanes = std::array::from_fn(|k| x[(k * 7 + 3 + k / 70) % 10]);
-        let ey: Lanes = std::array::from_fn(|k| e[(k * 3 + k / 70) % LANES]);
+        let y: Slots = std::array::from_fn(|k| x[(k * 7 + 3 + k / 70) % 10]);
+        let ey: Slots = std::array::from_fn(|k| e[(k * 3 + k / 70) % SLOTS]);
         for op in [Op::Div, Op::Min, Op::Max, Op::Pow] {
             for flushes in [[false, false], [true, true]] {
-                let [mut value, mut moves, mut sx, mut sy, mut bx, mut by] = [[7.0; LANES]; 6];
+                let [mut value, mut moves, mut sx, mut sy, mut bx, mut by] = [[7.0; SLOTS]; 6];
                 let mut out = Out2 {
                     value: &mut value,
                     moves: &mut moves,
@@ -185,19 +185,19 @@ mod tests {
                     bends: [&mut bx, &mut by],
                 };
                 assert!(column2(op, (&x, &e), (&y, &ey), flushes, &mut out));
-                for lane in 0..LANES {
-                    let of = |x: &Lanes, e: &Lanes, flushes| (x[lane], reach(x[lane], e[lane], flushes));
+                for slot in 0..SLOTS {
+                    let of = |x: &Slots, e: &Slots, flushes| (x[slot], reach(x[slot], e[slot], flushes));
                     let image = image2(op, of(&x, &e, flushes[0]), of(&y, &ey, flushes[1]));
                     let both = [
-                        (value[lane], image.value),
-                        (moves[lane], image.moves),
-                        (sx[lane], image.slopes[0]),
-                        (sy[lane], image.slopes[1]),
-                        (bx[lane], image.bends[0]),
-                        (by[lane], image.bends[1]),
+                        (value[slot], image.value),
+                        (moves[slot], image.moves),
+                        (sx[slot], image.slopes[0]),
+                        (sy[slot], image.slopes[1]),
+                        (bx[slot], image.bends[0]),
+                        (by[slot], image.bends[1]),
                     ];
                     for (a, b) in both {
-                        let at = format!("{op:?} {} ± {}, {} ± {}", x[lane], e[lane], y[lane], ey[lane]);
+                        let at = format!("{op:?} {} ± {}, {} ± {}", x[slot], e[slot], y[slot], ey[slot]);
                         assert!(near(a, b), "{at}: {a} against {b}");
                     }
                 }
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn growth_is_an_upper_bound_and_a_close_one() {
-        let mut t: Lanes = std::array::from_fn(|k| 2f64.powf(k as f64 / 8.0 - 30.0));
+        let mut t: Slots = std::array::from_fn(|k| 2f64.powf(k as f64 / 8.0 - 30.0));
         let from = t;
         growth(&mut t);
         for (t, from) in t.iter().zip(from) {

@@ -1,48 +1,48 @@
 //! Local errors of functions that stay one node, though their error is that of a definition in several
 //! steps.
 
-use super::arena::Lanes;
+use super::arena::Slots;
 use super::functions::image1;
 use super::kernels::Out2;
 use super::model::{Arg, Model, gap};
 use crate::profile::Op;
 use crate::profile::grid::MIN_NORMAL;
 
-use program::interp::{LANES, Mask};
+use program::interp::{Mask, SLOTS};
 
 /// Local error of √x where it inherits from 1/inversesqrt(x): both steps of the definition.
 ///
 /// At 0 the definition is taken in its limit, as every device does that has a root at all.
-pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Lanes, carried: &Lanes, local: &mut Lanes) {
-    let (mut inverse, mut reach) = ([0.0; LANES], [0.0; LANES]);
-    let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
+pub(super) fn root_by_inverse(model: &Model<'_>, x: Arg<'_>, value: &Slots, carried: &Slots, local: &mut Slots) {
+    let (mut inverse, mut reach) = ([0.0; SLOTS], [0.0; SLOTS]);
+    let (mut first, mut second) = ([0.0; SLOTS], [0.0; SLOTS]);
+    for slot in 0..SLOTS {
         // A root below which nothing is normal has an inverse that is; the largest is taken.
-        inverse[lane] = 1.0 / (value[lane] + carried[lane]).max(MIN_NORMAL);
-        reach[lane] = inverse[lane] * 1e-6;
+        inverse[slot] = 1.0 / (value[slot] + carried[slot]).max(MIN_NORMAL);
+        reach[slot] = inverse[slot] * 1e-6;
     }
-    let exact = [0.0; LANES];
-    let ones = [1.0; LANES];
+    let exact = [0.0; SLOTS];
+    let ones = [1.0; SLOTS];
     model.local(Op::InverseSqrt, &[Arg { value: x.value, radius: &exact }], &inverse, &reach, &mut first);
     // d(1/q)/dq = q^-2 = root².
-    let root: Lanes = std::array::from_fn(|lane| value[lane] + carried[lane]);
+    let root: Slots = std::array::from_fn(|slot| value[slot] + carried[slot]);
     // An inverse at the other end of the radius may have twice the error for its size, where numbers are
     // farther apart.
-    let by_inverse: Lanes = std::array::from_fn(|lane| {
-        let farther = gap(1.0 / (value[lane] - carried[lane]).max(MIN_NORMAL)) > gap(inverse[lane]);
-        first[lane] * root[lane] * root[lane] * (1.0 + 1e-4) * if farther { 2.0 } else { 1.0 }
+    let by_inverse: Slots = std::array::from_fn(|slot| {
+        let farther = gap(1.0 / (value[slot] - carried[slot]).max(MIN_NORMAL)) > gap(inverse[slot]);
+        first[slot] * root[slot] * root[slot] * (1.0 + 1e-4) * if farther { 2.0 } else { 1.0 }
     });
     // What the first step moves may lead to where numbers are twice as far apart.
-    let moves: Lanes = std::array::from_fn(|lane| carried[lane] + by_inverse[lane]);
+    let moves: Slots = std::array::from_fn(|slot| carried[slot] + by_inverse[slot]);
     let args = [Arg { value: &ones, radius: &exact }, Arg { value: &inverse, radius: &reach }];
     model.local(Op::Div, &args, value, &moves, &mut second);
-    for lane in 0..LANES {
-        local[lane] = if root[lane] == 0.0 { 0.0 } else { by_inverse[lane] + second[lane] };
+    for slot in 0..SLOTS {
+        local[slot] = if root[slot] == 0.0 { 0.0 } else { by_inverse[slot] + second[slot] };
     }
 }
 
 /// Local error of x^y.
-pub(super) fn power(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+pub(super) fn power(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: &Slots, local: &mut Slots) {
     if model.definition(Op::Pow).is_some() {
         power_by_exp2(model, args, value, carried, local);
     } else {
@@ -51,90 +51,90 @@ pub(super) fn power(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carrie
 }
 
 /// The largest x of a device in place of a `x` that reaches down to 0.
-fn top(x: Arg<'_>, lane: usize) -> f64 {
-    (x.value[lane] + x.radius[lane]).max(MIN_NORMAL)
+fn top(x: Arg<'_>, slot: usize) -> f64 {
+    (x.value[slot] + x.radius[slot]).max(MIN_NORMAL)
 }
 
 /// True where x may be 0 and is not below it, and y is surely positive. There x^y is between 0 and its value at the
 /// largest x: 0 to a positive power is 0 by exp2 of what log2(0) is, and by any number near it.
-fn is_at_zero([x, y]: [Arg<'_>; 2], lane: usize) -> bool {
-    let reach = x.value[lane] + x.radius[lane];
-    let near = x.value[lane] <= x.radius[lane].max(MIN_NORMAL) && x.value[lane] >= 0.0 && reach < 1.0;
-    near && y.value[lane] > y.radius[lane] && (y.value[lane] + y.radius[lane]).is_finite()
+fn is_at_zero([x, y]: [Arg<'_>; 2], slot: usize) -> bool {
+    let reach = x.value[slot] + x.radius[slot];
+    let near = x.value[slot] <= x.radius[slot].max(MIN_NORMAL) && x.value[slot] >= 0.0 && reach < 1.0;
+    near && y.value[slot] > y.radius[slot] && (y.value[slot] + y.radius[slot]).is_finite()
 }
 
-/// Writes the images of x^y in those of the `active` lanes in which x is not negative and may be 0. True when there is
+/// Writes the images of x^y in those of the `active` slots in which x is not negative and may be 0. True when there is
 /// one. The whole movement counts as an error of the operation.
 pub(super) fn at_zero(args: [Arg<'_>; 2], active: &Mask, out: &mut Out2<'_>) -> bool {
     let mut some = false;
-    active.each(|lane| {
-        if !is_at_zero(args, lane) {
+    active.each(|slot| {
+        if !is_at_zero(args, slot) {
             return;
         }
         some = true;
         let [x, y] = args;
-        let most = number::POW.value(top(x, lane), y.value[lane] - y.radius[lane]);
-        let value = if x.value[lane] > 0.0 { number::POW.value(x.value[lane], y.value[lane]) } else { 0.0 };
-        out.value[lane] = value;
-        out.moves[lane] = value.max(most - value);
+        let most = number::POW.value(top(x, slot), y.value[slot] - y.radius[slot]);
+        let value = if x.value[slot] > 0.0 { number::POW.value(x.value[slot], y.value[slot]) } else { 0.0 };
+        out.value[slot] = value;
+        out.moves[slot] = value.max(most - value);
         for k in 0..2 {
-            (out.slopes[k][lane], out.bends[k][lane]) = (0.0, f64::INFINITY);
+            (out.slopes[k][slot], out.bends[k][slot]) = (0.0, f64::INFINITY);
         }
     });
     some
 }
 
-/// Local error of x^y where [`at_zero`] holds in some lanes: there it is that at the largest x. Below that the logarithm
+/// Local error of x^y where [`at_zero`] holds in some slots: there it is that at the largest x. Below that the logarithm
 /// is larger and the power smaller, the latter by more than the former, which twice the error and a few ULP cover.
-pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>, local: &mut Lanes) {
+pub(super) fn power_at_zero(model: &Model<'_>, args: [Arg<'_>; 2], out: Out2<'_>, local: &mut Slots) {
     let [x, y] = args;
-    let zero: [bool; LANES] = std::array::from_fn(|lane| out.bends[0][lane] == f64::INFINITY && is_at_zero(args, lane));
-    let or = |lane: usize, there: f64, here: f64| if zero[lane] { there } else { here };
-    let most: Lanes = std::array::from_fn(|lane| or(lane, out.value[lane] + out.moves[lane], out.value[lane]));
-    let largest: Lanes = std::array::from_fn(|lane| or(lane, top(x, lane), x.value[lane]));
-    let exact: Lanes = std::array::from_fn(|lane| or(lane, 0.0, x.radius[lane]));
-    let moves: Lanes = std::array::from_fn(|lane| or(lane, 0.0, out.moves[lane]));
+    let zero: [bool; SLOTS] = std::array::from_fn(|slot| out.bends[0][slot] == f64::INFINITY && is_at_zero(args, slot));
+    let or = |slot: usize, there: f64, here: f64| if zero[slot] { there } else { here };
+    let most: Slots = std::array::from_fn(|slot| or(slot, out.value[slot] + out.moves[slot], out.value[slot]));
+    let largest: Slots = std::array::from_fn(|slot| or(slot, top(x, slot), x.value[slot]));
+    let exact: Slots = std::array::from_fn(|slot| or(slot, 0.0, x.radius[slot]));
+    let moves: Slots = std::array::from_fn(|slot| or(slot, 0.0, out.moves[slot]));
     power(model, [Arg { value: &largest, radius: &exact }, y], &most, &moves, local);
-    for lane in (0..LANES).filter(|&lane| zero[lane]) {
-        local[lane] = 2.0 * local[lane] + 2f64.powi(-18) * (1.0 + y.value[lane] + y.radius[lane]) * most[lane];
+    for slot in (0..SLOTS).filter(|&slot| zero[slot]) {
+        local[slot] = 2.0 * local[slot] + 2f64.powi(-18) * (1.0 + y.value[slot] + y.radius[slot]) * most[slot];
     }
 }
 
 /// Local error of x^y where it inherits from exp2(y·log2(x)): all steps of the definition.
-fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: &Slots, local: &mut Slots) {
     let [x, y] = args;
-    let mut logarithm = [0.0; LANES];
-    let mut exponent = [0.0; LANES];
-    let (mut by_log, mut by_product, mut by_power) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    let mut log_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        let image = image1(Op::Log2, x.value[lane], x.radius[lane], false);
-        (logarithm[lane], log_moves[lane]) = (image.value, image.moves);
-        exponent[lane] = y.value[lane] * image.value;
+    let mut logarithm = [0.0; SLOTS];
+    let mut exponent = [0.0; SLOTS];
+    let (mut by_log, mut by_product, mut by_power) = ([0.0; SLOTS], [0.0; SLOTS], [0.0; SLOTS]);
+    let mut log_moves = [0.0; SLOTS];
+    for slot in 0..SLOTS {
+        let image = image1(Op::Log2, x.value[slot], x.radius[slot], false);
+        (logarithm[slot], log_moves[slot]) = (image.value, image.moves);
+        exponent[slot] = y.value[slot] * image.value;
     }
     model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
-    let mut product_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        let log = log_moves[lane] + by_log[lane];
-        product_moves[lane] = (y.value[lane].abs() + y.radius[lane]) * log + y.radius[lane] * logarithm[lane].abs();
+    let mut product_moves = [0.0; SLOTS];
+    for slot in 0..SLOTS {
+        let log = log_moves[slot] + by_log[slot];
+        product_moves[slot] = (y.value[slot].abs() + y.radius[slot]) * log + y.radius[slot] * logarithm[slot].abs();
     }
     let log = Arg { value: &logarithm, radius: &by_log };
     model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
-    let mut exponent_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        exponent_moves[lane] = product_moves[lane] + by_product[lane];
+    let mut exponent_moves = [0.0; SLOTS];
+    for slot in 0..SLOTS {
+        exponent_moves[slot] = product_moves[slot] + by_product[slot];
     }
     let argument = Arg { value: &exponent, radius: &exponent_moves };
-    let mut power_moves = [0.0; LANES];
-    for lane in 0..LANES {
-        power_moves[lane] = value[lane] * number::exp_m1(std::f64::consts::LN_2 * exponent_moves[lane]);
+    let mut power_moves = [0.0; SLOTS];
+    for slot in 0..SLOTS {
+        power_moves[slot] = value[slot] * number::exp_m1(std::f64::consts::LN_2 * exponent_moves[slot]);
     }
     model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);
-    for lane in 0..LANES {
+    for slot in 0..SLOTS {
         // What the steps inside add to the exponent; what the arguments carry is the node's partials'.
-        let inside = (y.value[lane].abs() + y.radius[lane]) * by_log[lane] + by_product[lane];
-        let most = value[lane] + carried[lane];
-        let moved = most * number::exp_m1(std::f64::consts::LN_2 * inside) + by_power[lane];
-        local[lane] = if moved.is_nan() { f64::INFINITY } else { moved };
+        let inside = (y.value[slot].abs() + y.radius[slot]) * by_log[slot] + by_product[slot];
+        let most = value[slot] + carried[slot];
+        let moved = most * number::exp_m1(std::f64::consts::LN_2 * inside) + by_power[slot];
+        local[slot] = if moved.is_nan() { f64::INFINITY } else { moved };
     }
 }

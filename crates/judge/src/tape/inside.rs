@@ -4,7 +4,7 @@ use super::{Model, Tape};
 use crate::profile::{Op, Profile, accept, by_name, grid};
 use crate::single::{Inputs, kernel, measurable};
 use base::value::Batch;
-use program::interp::{self, FUEL, LANES, Machine, OutputColumn};
+use program::interp::{self, FUEL, Machine, OutputColumn, SLOTS};
 use program::lane::Stage;
 
 /// Operations by definitions in which others stand that are defined so as well: what is accepted of those
@@ -16,8 +16,8 @@ fn arguments(op: Op) -> Vec<Vec<u32>> {
     let inputs = Inputs::new(op);
     let arity = op.arity().unwrap();
     let plain = |k: u32| [0.999_9, -0.75, 1.000_1, 0.5][k as usize % 4] * (1.0 + (k as f32 * 0.37).sin() * 1e-3);
-    let near_one = (0..LANES as u32).map(|k| (0..arity as u32).map(|j| plain(k + 5 * j).to_bits()).collect());
-    (0..3 * LANES as u64).map(|k| inputs.at(k)[..arity].to_vec()).chain(near_one).collect()
+    let near_one = (0..SLOTS as u32).map(|k| (0..arity as u32).map(|j| plain(k + 5 * j).to_bits()).collect());
+    (0..3 * SLOTS as u64).map(|k| inputs.at(k)[..arity].to_vec()).chain(near_one).collect()
 }
 
 /// Calls `f` with the arguments, the exact value and the bound of each run of an operation.
@@ -32,14 +32,14 @@ fn each_bound(op: Op, profile: &Profile, f: &mut dyn FnMut(&[f64], f64, f64)) {
     let arguments = arguments(op);
     let mut batch = Batch::with_capacity(kernel.invocation.clone(), kernel.case.clone(), 1, arguments.len());
     batch.invocations = arguments.concat();
-    for (k, chunk) in arguments.chunks(LANES).enumerate() {
-        machine.run(&batch, k * LANES);
+    for (k, chunk) in arguments.chunks(SLOTS).enumerate() {
+        machine.run(&batch, k * SLOTS);
         let OutputColumn::Real(&column) = machine.output(0, word) else { panic!("a number") };
         let bounds = machine.domain().bounds(column, &mut |_| false);
         let values = *machine.domain().values(column);
-        for (lane, bits) in chunk.iter().enumerate() {
+        for (slot, bits) in chunk.iter().enumerate() {
             let args: Vec<f64> = bits.iter().map(|&bits| f64::from(f32::from_bits(bits))).collect();
-            f(&args, values[lane], bounds.bound[lane]);
+            f(&args, values[slot], bounds.bound[slot]);
         }
     }
 }

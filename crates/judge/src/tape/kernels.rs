@@ -1,20 +1,20 @@
 //! Loops over the columns of a node, written so that they become vector instructions.
 
-use super::arena::Lanes;
+use super::arena::Slots;
 use super::functions::{Image1, Image2};
 use super::model::{BINARY64, gap};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 
-use program::interp::LANES;
+use program::interp::SLOTS;
 
 /// Values and radii of an argument.
-pub(super) type Pair<'a> = (&'a Lanes, &'a Lanes);
+pub(super) type Pair<'a> = (&'a Slots, &'a Slots);
 
 /// The columns of a new node.
 pub(super) struct Node<'a> {
-    pub value: &'a mut Lanes,
-    pub radius: &'a mut Lanes,
-    pub local: &'a mut Lanes,
+    pub value: &'a mut Slots,
+    pub radius: &'a mut Slots,
+    pub local: &'a mut Slots,
 }
 
 /// How the error of a rounding becomes that of a node.
@@ -63,7 +63,7 @@ pub(super) fn rounded_sum(
     closing: Closing,
     node: Node<'_>,
 ) -> bool {
-    rounded(closing, node, |lane| (signs.0 * x[lane] + signs.1 * y[lane], ex[lane] + ey[lane]))
+    rounded(closing, node, |slot| (signs.0 * x[slot] + signs.1 * y[slot], ex[slot] + ey[slot]))
 }
 
 /// The same for a product.
@@ -72,10 +72,10 @@ pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Clo
     let Node { value, radius, local } = node;
     let again = Node { value, radius, local };
     let tiny =
-        rounded(closing, again, |lane| (x[lane] * y[lane], carried_by_product(x[lane], ex[lane], y[lane], ey[lane])));
+        rounded(closing, again, |slot| (x[slot] * y[slot], carried_by_product(x[slot], ex[slot], y[slot], ey[slot])));
     // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
-    for lane in 0..LANES {
-        local[lane] = if radius[lane] < f64::INFINITY { local[lane] } else { f64::INFINITY };
+    for slot in 0..SLOTS {
+        local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
     }
     tiny
 }
@@ -95,25 +95,25 @@ pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
 #[inline(always)]
 fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64)) -> bool {
     let mut tiny = 0_u64;
-    for lane in 0..LANES {
-        let (v, e) = of(lane);
+    for slot in 0..SLOTS {
+        let (v, e) = of(slot);
         let e = or_infinite(e);
         let (b, small) = finished(v, e, rounding(closing.part, v, e), closing.flushes);
-        value[lane] = v;
-        local[lane] = b;
-        radius[lane] = if closing.own { e + b } else { e };
+        value[slot] = v;
+        local[slot] = b;
+        radius[slot] = if closing.own { e + b } else { e };
         tiny |= u64::from(small);
     }
     tiny != 0
 }
 
 /// [`finished`] on a column.
-pub(super) fn finish(value: &Lanes, carried: &Lanes, local: &mut Lanes, flushes: bool) -> bool {
+pub(super) fn finish(value: &Slots, carried: &Slots, local: &mut Slots, flushes: bool) -> bool {
     number::wide(|| {
         let mut tiny = 0_u64;
-        for lane in 0..LANES {
-            let (b, small) = finished(value[lane], carried[lane], local[lane], flushes);
-            local[lane] = b;
+        for slot in 0..SLOTS {
+            let (b, small) = finished(value[slot], carried[slot], local[slot], flushes);
+            local[slot] = b;
             tiny |= u64::from(small);
         }
         tiny != 0
@@ -122,28 +122,28 @@ pub(super) fn finish(value: &Lanes, carried: &Lanes, local: &mut Lanes, flushes:
 
 /// What a function of one number writes: value, movement, partial and its distance.
 pub(super) struct Out1<'a> {
-    pub value: &'a mut Lanes,
-    pub moves: &'a mut Lanes,
-    pub slope: &'a mut Lanes,
-    pub bend: &'a mut Lanes,
+    pub value: &'a mut Slots,
+    pub moves: &'a mut Slots,
+    pub slope: &'a mut Slots,
+    pub bend: &'a mut Slots,
 }
 
-/// The images of a function of one number in all lanes. Only what is inlined into `image` gains.
+/// The images of a function of one number in all slots. Only what is inlined into `image` gains.
 #[inline(always)]
 pub(super) fn images1((x, e): Pair<'_>, out: &mut Out1<'_>, image: impl Fn(f64, f64) -> Image1) {
     let Out1 { value, moves, slope, bend } = out;
-    for lane in 0..LANES {
-        let found = image(x[lane], e[lane]);
-        (value[lane], moves[lane], slope[lane], bend[lane]) = (found.value, found.moves, found.slope, found.bends);
+    for slot in 0..SLOTS {
+        let found = image(x[slot], e[slot]);
+        (value[slot], moves[slot], slope[slot], bend[slot]) = (found.value, found.moves, found.slope, found.bends);
     }
 }
 
 /// What a function of two numbers writes.
 pub(super) struct Out2<'a> {
-    pub value: &'a mut Lanes,
-    pub moves: &'a mut Lanes,
-    pub slopes: [&'a mut Lanes; 2],
-    pub bends: [&'a mut Lanes; 2],
+    pub value: &'a mut Slots,
+    pub moves: &'a mut Slots,
+    pub slopes: [&'a mut Slots; 2],
+    pub bends: [&'a mut Slots; 2],
 }
 
 /// [`images1`] for two numbers.
@@ -155,11 +155,11 @@ pub(super) fn images2(
     image: impl Fn((f64, f64), (f64, f64)) -> Image2,
 ) {
     let Out2 { value, moves, slopes: [sx, sy], bends: [bx, by] } = out;
-    for lane in 0..LANES {
-        let found = image((x[lane], ex[lane]), (y[lane], ey[lane]));
-        (value[lane], moves[lane]) = (found.value, found.moves);
-        (sx[lane], sy[lane]) = (found.slopes[0], found.slopes[1]);
-        (bx[lane], by[lane]) = (found.bends[0], found.bends[1]);
+    for slot in 0..SLOTS {
+        let found = image((x[slot], ex[slot]), (y[slot], ey[slot]));
+        (value[slot], moves[slot]) = (found.value, found.moves);
+        (sx[slot], sy[slot]) = (found.slopes[0], found.slopes[1]);
+        (bx[slot], by[slot]) = (found.bends[0], found.bends[1]);
     }
 }
 

@@ -31,10 +31,10 @@ mod why;
 use crate::profile::{Op, grid};
 use base::value::Scalar;
 use program::interp::{
-    Binary, Class, Comparison, Domain, FromWords, LANES, Mask, Number, Site, ToWords, Unary, WordSource, Words,
+    Binary, Class, Comparison, Domain, FromWords, Mask, Number, SLOTS, Site, ToWords, Unary, WordSource, Words,
 };
 
-use arena::{Arena, Id, Lanes, Meta, NodeKind};
+use arena::{Arena, Id, Meta, NodeKind, Slots};
 pub use decay::FADED;
 pub use model::Model;
 pub use sweep::Bounds;
@@ -58,12 +58,12 @@ pub struct Tape<'p> {
     model: Model<'p>,
     literals: &'p [Option<Literal>],
     arena: Arena,
-    /// Lanes in which a decision could have gone the other way, with the first place where.
-    forks: [Option<Site>; LANES],
-    /// Lanes in which that decision is the one between two texels.
-    edges: [bool; LANES],
-    /// Lanes that were given up in a loop, for the tape was full, with the place of the loop.
-    given_up: [Option<Site>; LANES],
+    /// Slots in which a decision could have gone the other way, with the first place where.
+    forks: [Option<Site>; SLOTS],
+    /// Slots in which that decision is the one between two texels.
+    edges: [bool; SLOTS],
+    /// Slots that were given up in a loop, for the tape was full, with the place of the loop.
+    given_up: [Option<Site>; SLOTS],
     sweep: sweep::Scratch,
 }
 
@@ -74,9 +74,9 @@ impl<'p> Tape<'p> {
             model,
             literals: &[],
             arena: Arena::default(),
-            forks: [None; LANES],
-            edges: [false; LANES],
-            given_up: [None; LANES],
+            forks: [None; SLOTS],
+            edges: [false; SLOTS],
+            given_up: [None; SLOTS],
             sweep: sweep::Scratch::default(),
         }
     }
@@ -95,25 +95,25 @@ impl<'p> Tape<'p> {
     }
 
     /// The exact values of a column.
-    pub fn values(&self, column: Column) -> &[f64; LANES] {
+    pub fn values(&self, column: Column) -> &[f64; SLOTS] {
         self.arena.value.get(column.0 as usize)
     }
 
-    /// Where a decision in this lane could have gone the other way on a conforming device: a
+    /// Where a decision in this slot could have gone the other way on a conforming device: a
     /// comparison of numbers that are nearer to each other than their errors.
-    pub fn fork(&self, lane: usize) -> Option<Site> {
-        self.forks[lane]
+    pub fn fork(&self, slot: usize) -> Option<Site> {
+        self.forks[slot]
     }
 
     /// True when that decision is the one between two texels.
-    pub fn is_texel_edge(&self, lane: usize) -> bool {
-        self.edges[lane]
+    pub fn is_texel_edge(&self, slot: usize) -> bool {
+        self.edges[slot]
     }
 
-    /// The loop in which this lane was given up: it has more rounds than there is room for on a tape. Nothing is known of
-    /// the values of such a lane, and every bound is infinite.
-    pub fn given_up(&self, lane: usize) -> Option<Site> {
-        self.given_up[lane]
+    /// The loop in which this slot was given up: it has more rounds than there is room for on a tape. Nothing is known of
+    /// the values of such a slot, and every bound is infinite.
+    pub fn given_up(&self, slot: usize) -> Option<Site> {
+        self.given_up[slot]
     }
 
     /// Gives back the room that very long loops took.
@@ -122,7 +122,7 @@ impl<'p> Tape<'p> {
         self.sweep.release();
     }
 
-    fn leaf(&mut self, value: impl FnOnce(&mut Lanes)) -> Id {
+    fn leaf(&mut self, value: impl FnOnce(&mut Slots)) -> Id {
         let meta = Meta { kind: NodeKind::Leaf, op: None, site: None, exact: true, tiny: false, not_negative: false };
         let id = self.arena.push(meta);
         let at = id as usize;
@@ -138,20 +138,20 @@ impl<'p> Tape<'p> {
         id
     }
 
-    /// A register may still hold a value of the chunk before; in the lanes where it is read it was
+    /// A register may still hold a value of the chunk before; in the slots where it is read it was
     /// written since, so any value will do.
     fn id(&self, column: &Column) -> Id {
         if (column.0 as usize) < self.arena.nodes.len() { column.0 } else { 0 }
     }
 
-    /// True when some lane of a column may be subnormal, and a device may take it for zero.
+    /// True when some slot of a column may be subnormal, and a device may take it for zero.
     fn flushed(&self, at: usize) -> bool {
         self.arena.nodes[at].tiny && self.model.flushes()
     }
 
-    fn note_fork(&mut self, site: Site, lanes: impl Iterator<Item = usize>) {
-        for lane in lanes {
-            self.forks[lane].get_or_insert(site);
+    fn note_fork(&mut self, site: Site, slots: impl Iterator<Item = usize>) {
+        for slot in slots {
+            self.forks[slot].get_or_insert(site);
         }
     }
 }
@@ -162,9 +162,9 @@ impl Domain for Tape<'_> {
 
     fn begin(&mut self) {
         self.arena.clear();
-        self.forks = [None; LANES];
-        self.edges = [false; LANES];
-        self.given_up = [None; LANES];
+        self.forks = [None; SLOTS];
+        self.edges = [false; SLOTS];
+        self.given_up = [None; SLOTS];
         // Node 0 holds zeros: what a column holds that nobody wrote.
         self.leaf(|value| value.fill(0.0));
     }
@@ -233,13 +233,13 @@ impl Domain for Tape<'_> {
         let (x, y) = (self.arena.value.get(a), self.arena.value.get(b));
         let (ex, ey) = (self.arena.radius.get(a), self.arena.radius.get(b));
         let flushes = self.flushed(a) || self.flushed(b);
-        let open = |lane: usize| {
-            let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+        let open = |slot: usize| {
+            let (x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
             (a != b && decision::is_near(x, y)) || (flushes && decision::flush_decides(op, x, y))
         };
-        let forks: Vec<usize> = active.lanes().filter(|&lane| open(lane)).collect();
-        for (lane, out) in out.iter_mut().enumerate() {
-            *out = u32::from(op.holds(x[lane], y[lane]));
+        let forks: Vec<usize> = active.slots().filter(|&slot| open(slot)).collect();
+        for (slot, out) in out.iter_mut().enumerate() {
+            *out = u32::from(op.holds(x[slot], y[slot]));
         }
         self.note_fork(site, forks.into_iter());
     }
@@ -253,7 +253,7 @@ impl Domain for Tape<'_> {
                 Class::Infinite => x.is_infinite(),
             });
         }
-        let forks: Vec<usize> = active.lanes().filter(|&lane| !e[lane].is_finite()).collect();
+        let forks: Vec<usize> = active.slots().filter(|&slot| !e[slot].is_finite()).collect();
         self.note_fork(site, forks.into_iter());
     }
 
@@ -261,24 +261,24 @@ impl Domain for Tape<'_> {
         let a = self.id(a) as usize;
         let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
         let outside = program::interp::to_words(op, x, out);
-        let (mut low, mut high) = ([0; LANES], [0; LANES]);
+        let (mut low, mut high) = ([0; SLOTS], [0; SLOTS]);
         let texel = matches!(op, ToWords::Texel { .. });
         let (relative, absolute) = if texel { self.model.texel_slack() } else { (0.0, 0.0) };
         let flushes = self.flushed(a);
-        let reach = |lane: usize| kernels::reach(x[lane], e[lane], flushes) + relative * x[lane].abs() + absolute;
+        let reach = |slot: usize| kernels::reach(x[slot], e[slot], flushes) + relative * x[slot].abs() + absolute;
         // In real numbers the bits of an input are those that were given, the sign of a zero among them. The sign of a
         // computed zero is promised by nobody.
         let given = matches!(self.model, Model::Binary64) && matches!(self.arena.nodes[a].kind, NodeKind::Leaf);
-        let end = |lane: usize, sign: f64| if given { x[lane] } else { x[lane] + sign * reach(lane) };
-        let ends = |sign: f64| -> Lanes { std::array::from_fn(|lane| end(lane, sign)) };
+        let end = |slot: usize, sign: f64| if given { x[slot] } else { x[slot] + sign * reach(slot) };
+        let ends = |sign: f64| -> Slots { std::array::from_fn(|slot| end(slot, sign)) };
         program::interp::to_words(op, &ends(-1.0), &mut low);
         program::interp::to_words(op, &ends(1.0), &mut high);
         // A device turns coordinates into fixed point numbers of 32 bits, 8 of them within a texel.
         let far = |x: f64| !x.is_finite() || (absolute > 0.0 && x.abs() >= 8_388_608.0);
-        let lost = |lane: usize| e[lane].is_nan() || (texel && far(x[lane]));
-        let forks: Vec<usize> = active.lanes().filter(|&lane| low[lane] != high[lane] || lost(lane)).collect();
-        for &lane in forks.iter().filter(|&&lane| texel && self.forks[lane].is_none()) {
-            self.edges[lane] = true;
+        let lost = |slot: usize| e[slot].is_nan() || (texel && far(x[slot]));
+        let forks: Vec<usize> = active.slots().filter(|&slot| low[slot] != high[slot] || lost(slot)).collect();
+        for &slot in forks.iter().filter(|&&slot| texel && self.forks[slot].is_none()) {
+            self.edges[slot] = true;
         }
         self.note_fork(site, forks.into_iter());
         outside
@@ -289,8 +289,8 @@ impl Domain for Tape<'_> {
         let at = id as usize;
         if matches!(op, FromWords::Signed | FromWords::Unsigned) {
             let args = [model::Arg { value: self.arena.value.get(at), radius: self.arena.radius.get(at) }];
-            let mut local = [0.0; LANES];
-            self.model.local(Op::Convert, &args, args[0].value, &[0.0; LANES], &mut local);
+            let mut local = [0.0; SLOTS];
+            self.model.local(Op::Convert, &args, args[0].value, &[0.0; SLOTS], &mut local);
             // Integers of up to 24 bits are kept whatever the rounding.
             for (b, v) in local.iter_mut().zip(args[0].value) {
                 *b = if f64::from(*v as f32) == *v { 0.0 } else { *b };
@@ -304,17 +304,17 @@ impl Domain for Tape<'_> {
         out.0 = id;
     }
 
-    fn doubt(&mut self, site: Site, lanes: &Mask) {
-        self.note_fork(site, lanes.lanes());
+    fn doubt(&mut self, site: Site, slots: &Mask) {
+        self.note_fork(site, slots.slots());
     }
 
     fn is_full(&self) -> bool {
         self.arena.is_full()
     }
 
-    fn give_up(&mut self, site: Site, lanes: &Mask) {
-        self.note_fork(site, lanes.lanes());
-        lanes.lanes().for_each(|lane| self.given_up[lane] = Some(site));
+    fn give_up(&mut self, site: Site, slots: &Mask) {
+        self.note_fork(site, slots.slots());
+        slots.slots().for_each(|slot| self.given_up[slot] = Some(site));
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {
@@ -332,8 +332,8 @@ impl Domain for Tape<'_> {
         to.0 = self.select(mask, mark, b);
     }
 
-    fn word(&self, column: &Column, lane: usize) -> Option<f64> {
-        let value = self.values(*column)[lane];
+    fn word(&self, column: &Column, slot: usize) -> Option<f64> {
+        let value = self.values(*column)[slot];
         (!value.is_poison()).then_some(value)
     }
 

@@ -1,13 +1,13 @@
 //! What an operation may add to the error: by a profile, or by the rounding of binary64 itself.
 
-use super::arena::Lanes;
+use super::arena::Slots;
 use super::kernels::{self, Closing, rounding};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use crate::profile::{
     Acceptance, Allowed, Condition, Definition, Entry, Flush, Interval, Op, Piece, Profile, Quantity, Rounding, Rule,
 };
 
-use program::interp::LANES;
+use program::interp::SLOTS;
 use program::lane::Stage;
 
 /// Error of an evaluation in binary64, relative to the value: a function of the mathematical library
@@ -33,8 +33,8 @@ pub enum Model<'p> {
 /// An argument of an operation: its values, and how far they may be off.
 #[derive(Clone, Copy)]
 pub(super) struct Arg<'a> {
-    pub value: &'a Lanes,
-    pub radius: &'a Lanes,
+    pub value: &'a Slots,
+    pub radius: &'a Slots,
 }
 
 /// Distance between neighbouring binary32 numbers at x ≥ 0; infinite beyond the range.
@@ -105,7 +105,7 @@ impl<'p> Model<'p> {
     /// The error that an operation itself may make, in `local`, for any arguments within their
     /// radius. `carried` is how far the exact result moves with the arguments. Infinite where nothing
     /// is promised.
-    pub(super) fn local(&self, op: Op, args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+    pub(super) fn local(&self, op: Op, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
         let Self::Device { profile, stage, .. } = *self else {
             for (b, v) in local.iter_mut().zip(value) {
                 *b = v.abs() * BINARY64;
@@ -125,7 +125,7 @@ impl<'p> Model<'p> {
 
     /// Adds what holds for every operation of a device: binary64 itself, flushed results, overflow.
     /// True when some result may be subnormal.
-    pub(super) fn finish(&self, value: &Lanes, carried: &Lanes, local: &mut Lanes) -> bool {
+    pub(super) fn finish(&self, value: &Slots, carried: &Slots, local: &mut Slots) -> bool {
         let Self::Device { .. } = self else { return false };
         kernels::finish(value, carried, local, self.flushes())
     }
@@ -156,34 +156,34 @@ fn part(rounding: Rounding) -> f64 {
 }
 
 /// One rule for all arguments.
-fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
+fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
     let outward = if profile.acceptance == Acceptance::Outward { 1.0 } else { 0.0 };
     match rule {
         Rule::Exact => local.fill(0.0),
         Rule::Rounded => {
             let part = part(profile.rounding);
             number::wide(|| {
-                for lane in 0..LANES {
-                    local[lane] = rounding(part, value[lane], carried[lane]);
+                for slot in 0..SLOTS {
+                    local[slot] = rounding(part, value[slot], carried[slot]);
                 }
             });
         }
         Rule::Ulp { constant, slope } => {
             let x = args[0];
             number::wide(|| {
-                for lane in 0..LANES {
-                    let count = constant + slope * (x.value[lane].abs() + x.radius[lane]);
-                    let reach = value[lane].abs() + carried[lane];
+                for slot in 0..SLOTS {
+                    let count = constant + slope * (x.value[slot].abs() + x.radius[slot]);
+                    let reach = value[slot].abs() + carried[slot];
                     let error = count * gap(reach);
                     // The end that is moved outward may lie where numbers are twice as far apart.
-                    local[lane] = error + outward * gap(reach + error);
+                    local[slot] = error + outward * gap(reach + error);
                 }
             });
         }
         Rule::Absolute(error) => {
             number::wide(|| {
-                for lane in 0..LANES {
-                    local[lane] = error + outward * gap(value[lane].abs() + carried[lane] + error);
+                for slot in 0..SLOTS {
+                    local[slot] = error + outward * gap(value[slot].abs() + carried[slot] + error);
                 }
             });
         }
@@ -192,9 +192,9 @@ fn promised(profile: &Profile, rule: Rule, args: &[Arg<'_>], value: &Lanes, carr
 }
 
 /// Rules by the range of the arguments: the largest of those that may hold within the radius.
-fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
-    let mut part = [0.0; LANES];
-    let mut open = [true; LANES];
+fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
+    let mut part = [0.0; SLOTS];
+    let mut open = [true; SLOTS];
     local.fill(0.0);
     for (k, piece) in pieces.iter().enumerate() {
         promised(profile, piece.rule, args, value, carried, &mut part);
@@ -203,10 +203,10 @@ fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Lanes, 
             *local = part;
             return;
         }
-        for lane in 0..LANES {
-            let touched = open[lane] & touches[lane];
-            local[lane] = if touched { local[lane].max(part[lane]) } else { local[lane] };
-            open[lane] &= !covers[lane];
+        for slot in 0..SLOTS {
+            let touched = open[slot] & touches[slot];
+            local[slot] = if touched { local[slot].max(part[slot]) } else { local[slot] };
+            open[slot] &= !covers[slot];
         }
     }
     // What no piece covers is promised nothing.
@@ -217,10 +217,10 @@ fn pieced(profile: &Profile, pieces: &[Piece], args: &[Arg<'_>], value: &Lanes, 
     }
 }
 
-/// In which lanes a piece may hold for some arguments within their radii, and in which it holds for
+/// In which slots a piece may hold for some arguments within their radii, and in which it holds for
 /// all of them: [`Piece::touches`] and [`Piece::covers`].
-fn places(piece: &Piece, args: &[Arg<'_>]) -> ([bool; LANES], [bool; LANES]) {
-    let (mut touches, mut covers) = ([true; LANES], [true; LANES]);
+fn places(piece: &Piece, args: &[Arg<'_>]) -> ([bool; SLOTS], [bool; SLOTS]) {
+    let (mut touches, mut covers) = ([true; SLOTS], [true; SLOTS]);
     for Condition { quantity, range } in &piece.domain {
         let (k, size) = match quantity {
             Quantity::X => (0, false),
@@ -228,25 +228,25 @@ fn places(piece: &Piece, args: &[Arg<'_>]) -> ([bool; LANES], [bool; LANES]) {
             Quantity::AbsX => (0, true),
             Quantity::AbsY => (1, true),
         };
-        let Some(Arg { value, radius }) = args.get(k) else { return ([false; LANES], [false; LANES]) };
+        let Some(Arg { value, radius }) = args.get(k) else { return ([false; SLOTS], [false; SLOTS]) };
         number::wide(|| {
-            for lane in 0..LANES {
-                let (lo, hi) = (value[lane] - radius[lane], value[lane] + radius[lane]);
+            for slot in 0..SLOTS {
+                let (lo, hi) = (value[slot] - radius[slot], value[slot] + radius[slot]);
                 let (near, far) = (lo.abs().min(hi.abs()), lo.abs().max(hi.abs()));
                 let near = if (lo <= 0.0) & (0.0 <= hi) { 0.0 } else { near };
                 let (lo, hi) = if size { (near, far) } else { (lo, hi) };
-                touches[lane] &= (lo <= range.hi) & (range.lo <= hi);
-                covers[lane] &= (range.lo <= lo) & (lo <= range.hi) & (range.lo <= hi) & (hi <= range.hi);
+                touches[slot] &= (lo <= range.hi) & (range.lo <= hi);
+                covers[slot] &= (range.lo <= lo) & (lo <= range.hi) & (range.lo <= hi) & (hi <= range.hi);
             }
         });
     }
     (touches, covers)
 }
 
-fn boxed(args: &[Arg<'_>], lane: usize) -> [Interval; 2] {
+fn boxed(args: &[Arg<'_>], slot: usize) -> [Interval; 2] {
     std::array::from_fn(|k| match args.get(k) {
         Some(arg) => {
-            let (x, e) = (arg.value[lane], arg.radius[lane]);
+            let (x, e) = (arg.value[slot], arg.radius[slot]);
             Interval { lo: x - e, hi: x + e }
         }
         None => Interval::point(f64::NAN),
@@ -259,27 +259,27 @@ fn measured(
     op: Op,
     stage: Stage,
     args: &[Arg<'_>],
-    value: &Lanes,
-    carried: &Lanes,
-    local: &mut Lanes,
+    value: &Slots,
+    carried: &Slots,
+    local: &mut Slots,
 ) {
     if let (Op::Add | Op::Sub | Op::Mul, Entry::Measured(table)) = (op, profile.entry(op))
         && table.rounds()
     {
         return halves(profile.flush(stage) != Flush::Never, args, value, carried, local);
     }
-    for lane in 0..LANES {
-        let ranges = boxed(args, lane);
-        let exact = value[lane].abs() + carried[lane];
+    for slot in 0..SLOTS {
+        let ranges = boxed(args, slot);
+        let exact = value[slot].abs() + carried[slot];
         let at = |ends: [f64; 2]| match profile.allowed(op, &ends[..args.len()], exact, stage) {
             Allowed::Bound(bound) => bound,
             Allowed::Inherited { .. } | Allowed::NoPromise | Allowed::OutsideDomain => f64::INFINITY,
         };
-        let rounded = carried[lane] == 0.0
-            && args.iter().all(|arg| arg.radius[lane] == 0.0)
-            && f64::from(value[lane] as f32) == value[lane]
+        let rounded = carried[slot] == 0.0
+            && args.iter().all(|arg| arg.radius[slot] == 0.0)
+            && f64::from(value[slot] as f32) == value[slot]
             && matches!(op, Op::Add | Op::Sub | Op::Mul);
-        local[lane] = if rounded {
+        local[slot] = if rounded {
             0.0
         } else if ranges.iter().take(args.len()).all(|r| r.lo == r.hi) {
             at([ranges[0].lo, ranges[1].lo])
@@ -290,20 +290,20 @@ fn measured(
 }
 
 /// [`measured`] for sums and products that are rounded to nearest.
-fn halves(flushes: bool, args: &[Arg<'_>], value: &Lanes, carried: &Lanes, local: &mut Lanes) {
-    let mut sure = [0.0; LANES];
+fn halves(flushes: bool, args: &[Arg<'_>], value: &Slots, carried: &Slots, local: &mut Slots) {
+    let mut sure = [0.0; SLOTS];
     for arg in args {
         number::wide(|| sure.iter_mut().zip(arg.radius).for_each(|(sum, e)| *sum += e));
     }
     number::wide(|| {
-        for lane in 0..LANES {
-            let (v, exact) = (value[lane], value[lane].abs() + carried[lane]);
-            let kept = (carried[lane] == 0.0) & (sure[lane] == 0.0) & (f64::from(v as f32) == v);
+        for slot in 0..SLOTS {
+            let (v, exact) = (value[slot], value[slot].abs() + carried[slot]);
+            let kept = (carried[slot] == 0.0) & (sure[slot] == 0.0) & (f64::from(v as f32) == v);
             let half = 0.5 * gap(exact);
             let flushed = half.max(exact);
             let half = if flushes & (exact - half < MIN_NORMAL) { flushed } else { half };
             let half = if exact + half <= MAX_FINITE { half } else { f64::INFINITY };
-            local[lane] = if kept { 0.0 } else { half };
+            local[slot] = if kept { 0.0 } else { half };
         }
     });
 }
@@ -317,22 +317,22 @@ mod tests {
     #[test]
     fn measured_sums_are_those_of_the_table() {
         let profile = by_name("llvmpipe-22.3.6").expect("a shipped profile");
-        let x: Lanes = std::array::from_fn(|k| [0.0, 1.0, -3e38, 1e-40, 0.1, 1e300, f64::NAN][k % 7]);
-        let y: Lanes = std::array::from_fn(|k| [1.0, -2e38, 0.0, 1e-39, -0.1][k % 5]);
-        let radius: Lanes = std::array::from_fn(|k| [0.0, 1e-9, 1e36, f64::INFINITY][k / 35 % 4]);
-        let value: Lanes = std::array::from_fn(|lane| x[lane] + y[lane]);
-        let args = [Arg { value: &x, radius: &radius }, Arg { value: &y, radius: &[0.0; LANES] }];
-        let mut local = [0.0; LANES];
+        let x: Slots = std::array::from_fn(|k| [0.0, 1.0, -3e38, 1e-40, 0.1, 1e300, f64::NAN][k % 7]);
+        let y: Slots = std::array::from_fn(|k| [1.0, -2e38, 0.0, 1e-39, -0.1][k % 5]);
+        let radius: Slots = std::array::from_fn(|k| [0.0, 1e-9, 1e36, f64::INFINITY][k / 35 % 4]);
+        let value: Slots = std::array::from_fn(|slot| x[slot] + y[slot]);
+        let args = [Arg { value: &x, radius: &radius }, Arg { value: &y, radius: &[0.0; SLOTS] }];
+        let mut local = [0.0; SLOTS];
         measured(profile, Op::Add, Stage::Vertex, &args, &value, &radius, &mut local);
-        for lane in 0..LANES {
-            let exact = value[lane].abs() + radius[lane];
-            let at = |x: f64| match profile.allowed(Op::Add, &[x, y[lane]], exact, Stage::Vertex) {
+        for slot in 0..SLOTS {
+            let exact = value[slot].abs() + radius[slot];
+            let at = |x: f64| match profile.allowed(Op::Add, &[x, y[slot]], exact, Stage::Vertex) {
                 Allowed::Bound(bound) => bound,
                 _ => f64::INFINITY,
             };
-            let kept = radius[lane] == 0.0 && f64::from(value[lane] as f32) == value[lane];
-            let slow = if kept { 0.0 } else { at(x[lane] - radius[lane]).max(at(x[lane] + radius[lane])) };
-            assert_eq!(local[lane], slow, "{} ± {} and {}", x[lane], radius[lane], y[lane]);
+            let kept = radius[slot] == 0.0 && f64::from(value[slot] as f32) == value[slot];
+            let slow = if kept { 0.0 } else { at(x[slot] - radius[slot]).max(at(x[slot] + radius[slot])) };
+            assert_eq!(local[slot], slow, "{} ± {} and {}", x[slot], radius[slot], y[slot]);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Operations as nodes: values, radii, local errors and derivatives.
 
 use super::Tape;
-use super::arena::{Id, Lanes, Meta, NodeKind};
+use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
@@ -10,7 +10,7 @@ use super::model::Arg;
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op};
 
-use program::interp::{LANES, Mask, Site, Unary};
+use program::interp::{Mask, SLOTS, Site, Unary};
 
 impl Tape<'_> {
     /// An operation on one number.
@@ -163,7 +163,7 @@ impl Tape<'_> {
         let id = self.allow(id, or);
         let at = id as usize;
         let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
-        let step: Lanes = std::array::from_fn(|lane| self.model.outward(value[lane].abs() + radius[lane]));
+        let step: Slots = std::array::from_fn(|slot| self.model.outward(value[slot].abs() + radius[slot]));
         let none = step.iter().all(|step| *step == 0.0);
         if none { id } else { self.identity(Some(site), Some(op), id, &step) }
     }
@@ -194,11 +194,11 @@ impl Tape<'_> {
 
     /// The node, off by `error` more.
     fn allow(&mut self, id: Id, error: f64) -> Id {
-        if error > 0.0 { self.identity(None, None, id, &[error; LANES]) } else { id }
+        if error > 0.0 { self.identity(None, None, id, &[error; SLOTS]) } else { id }
     }
 
     /// The same value once more, with an error of its own: what is added is not regrouped.
-    fn identity(&mut self, site: Option<Site>, op: Option<Op>, a: Id, error: &Lanes) -> Id {
+    fn identity(&mut self, site: Option<Site>, op: Option<Op>, a: Id, error: &Slots) -> Id {
         let partial = self.arena.partial();
         self.arena.partials.get_mut(2 * partial as usize).fill(1.0);
         self.arena.partials.get_mut(2 * partial as usize + 1).fill(0.0);
@@ -209,8 +209,8 @@ impl Tape<'_> {
         let (before, value) = self.arena.value.split(at);
         *value = *before[a as usize];
         let (before, radius) = self.arena.radius.split(at);
-        for (lane, radius) in radius.iter_mut().enumerate() {
-            *radius = before[a as usize][lane] + error[lane];
+        for (slot, radius) in radius.iter_mut().enumerate() {
+            *radius = before[a as usize][slot] + error[slot];
         }
         *self.arena.local.get_mut(at) = *error;
         self.group(id);
@@ -220,7 +220,7 @@ impl Tape<'_> {
     /// Marks the result of an operation that is made of others, of which nothing may be promised.
     fn mark(&mut self, site: Site, op: Op, a: Id) -> Id {
         let at = a as usize;
-        let mut local = [0.0; LANES];
+        let mut local = [0.0; SLOTS];
         let args = [Arg { value: self.arena.value.get(at), radius: self.arena.radius.get(at) }];
         if matches!(self.model, super::Model::Device { .. }) && self.model.definition(op).is_none() {
             self.model.local(op, &args, args[0].value, args[0].radius, &mut local);
@@ -234,8 +234,8 @@ impl Tape<'_> {
         let mut values = before;
         program::interp::to_half(&mut values);
         // To either neighbour, of the exact value or of the device's.
-        let error: Lanes = std::array::from_fn(|lane| {
-            (values[lane] - before[lane]).abs() + 2f64.powi(-10) * before[lane].abs() + 2f64.powi(-24)
+        let error: Slots = std::array::from_fn(|slot| {
+            (values[slot] - before[slot]).abs() + 2f64.powi(-10) * before[slot].abs() + 2f64.powi(-24)
         });
         let id = self.identity(Some(site), Some(Op::Convert), a, &error);
         *self.arena.value.get_mut(id as usize) = values;
@@ -253,8 +253,8 @@ impl Tape<'_> {
             }
         });
         let id = self.product(site, Op::Ldexp, a, factor);
-        let doubt: Lanes = std::array::from_fn(|lane| {
-            let same = exponent(x[lane] - e[lane]) == exponent(x[lane] + e[lane]);
+        let doubt: Slots = std::array::from_fn(|slot| {
+            let same = exponent(x[slot] - e[slot]) == exponent(x[slot] + e[slot]);
             if same { 0.0 } else { 1.0 }
         });
         self.identity(Some(site), Some(Op::Ldexp), id, &doubt)
@@ -274,9 +274,9 @@ impl Tape<'_> {
         let (x, y) = (&before[a as usize], &before[b as usize]);
         let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
         if single {
-            for lane in 0..LANES {
-                value[lane] = signs.0 * x[lane];
-                carried[lane] = ex[lane];
+            for slot in 0..SLOTS {
+                value[slot] = signs.0 * x[slot];
+                carried[slot] = ex[slot];
             }
             self.arena.local.get_mut(at).fill(0.0);
             self.arena.nodes[at].tiny = left.tiny;
@@ -296,9 +296,9 @@ impl Tape<'_> {
             self.group(id);
             return id;
         }
-        for lane in 0..LANES {
-            value[lane] = signs.0 * x[lane] + signs.1 * y[lane];
-            carried[lane] = ex[lane] + ey[lane];
+        for slot in 0..SLOTS {
+            value[slot] = signs.0 * x[slot] + signs.1 * y[slot];
+            carried[slot] = ex[slot] + ey[slot];
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let op = if op == Op::Neg { Op::Sub } else { op };
@@ -328,9 +328,9 @@ impl Tape<'_> {
             self.group(id);
             return id;
         }
-        for lane in 0..LANES {
-            value[lane] = x[lane] * y[lane];
-            carried[lane] = or_infinite(kernels::carried_by_product(x[lane], ex[lane], y[lane], ey[lane]));
+        for slot in 0..SLOTS {
+            value[slot] = x[slot] * y[slot];
+            carried[slot] = or_infinite(kernels::carried_by_product(x[slot], ex[slot], y[slot], ey[slot]));
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
@@ -339,7 +339,7 @@ impl Tape<'_> {
         id
     }
 
-    /// `a` in the lanes of a mask, `b` in the others.
+    /// `a` in the slots of a mask, `b` in the others.
     pub(super) fn select(&mut self, mask: &Mask, a: Id, b: Id) -> Id {
         if a == b {
             return a;
@@ -386,9 +386,9 @@ impl Tape<'_> {
             if !active.is_full() {
                 [&mut *value, moves, slope, bend].into_iter().for_each(|column| column.fill(0.0));
             }
-            active.each(|lane| {
-                let found: Image1 = image1(op, x[lane], reach(x[lane], ex[lane], flushes), not_negative);
-                (value[lane], moves[lane], slope[lane], bend[lane]) =
+            active.each(|slot| {
+                let found: Image1 = image1(op, x[slot], reach(x[slot], ex[slot], flushes), not_negative);
+                (value[slot], moves[slot], slope[slot], bend[slot]) =
                     (found.value, found.moves, found.slope, found.bends);
             });
         }
@@ -432,12 +432,12 @@ impl Tape<'_> {
             if !active.is_full() {
                 [&mut *value, moves, sx, sy, bx, by].into_iter().for_each(|column| column.fill(0.0));
             }
-            active.each(|lane| {
-                let (x, y) = ((x[lane], ex[lane]), (y[lane], ey[lane]));
+            active.each(|slot| {
+                let (x, y) = ((x[slot], ex[slot]), (y[slot], ey[slot]));
                 let found: Image2 = image2(op, (x.0, reach(x.0, x.1, flushes[0])), (y.0, reach(y.0, y.1, flushes[1])));
-                (value[lane], moves[lane]) = (found.value, found.moves);
-                (sx[lane], sy[lane]) = (found.slopes[0], found.slopes[1]);
-                (bx[lane], by[lane]) = (found.bends[0], found.bends[1]);
+                (value[slot], moves[slot]) = (found.value, found.moves);
+                (sx[slot], sy[slot]) = (found.slopes[0], found.slopes[1]);
+                (bx[slot], by[slot]) = (found.bends[0], found.bends[1]);
             });
         }
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
@@ -464,36 +464,36 @@ impl Tape<'_> {
             return;
         }
         let at = id as usize;
-        let mut more = [0.0; LANES];
+        let mut more = [0.0; SLOTS];
         for (k, &(a, other)) in args.iter().enumerate() {
             let a = a as usize;
             if !self.arena.nodes[a].tiny {
                 continue;
             }
             let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
-            for lane in 0..LANES {
-                let reach = x[lane].abs() + e[lane];
-                if reach == 0.0 || x[lane].abs() - e[lane] >= MIN_NORMAL {
+            for slot in 0..SLOTS {
+                let reach = x[slot].abs() + e[slot];
+                if reach == 0.0 || x[slot].abs() - e[slot] >= MIN_NORMAL {
                     continue;
                 }
                 let slope = match (other, self.arena.nodes[at].kind) {
                     (Some(other), _) => {
                         let other = other as usize;
-                        self.arena.value.get(other)[lane].abs() + self.arena.radius.get(other)[lane]
+                        self.arena.value.get(other)[slot].abs() + self.arena.radius.get(other)[slot]
                     }
                     (None, NodeKind::One { partial, .. }) => {
                         let (slope, bend) = self.arena.partial_at(partial);
-                        slope[lane].abs() + bend[lane]
+                        slope[slot].abs() + bend[slot]
                     }
                     (None, NodeKind::Two { partials, .. }) => {
                         let (slope, bend) = self.arena.partial_at(partials[k]);
-                        slope[lane].abs() + bend[lane]
+                        slope[slot].abs() + bend[slot]
                     }
                     (None, _) => 1.0,
                 };
                 // Without a finite slope the movement counts as a whole, the flush included.
                 if slope.is_finite() {
-                    more[lane] += slope * reach.min(MIN_NORMAL);
+                    more[slot] += slope * reach.min(MIN_NORMAL);
                 }
             }
         }
@@ -503,9 +503,9 @@ impl Tape<'_> {
     /// Where a derivative is not finite, the node's movement becomes its own error.
     fn cut(&mut self, id: Id, partials: &[u32]) {
         let at = id as usize;
-        let finite = |lane: usize| {
+        let finite = |slot: usize| {
             let of = |&p: &u32| self.arena.partial_at(p);
-            partials.iter().map(of).all(|(slope, bend)| slope[lane].is_finite() && bend[lane].is_finite())
+            partials.iter().map(of).all(|(slope, bend)| slope[slot].is_finite() && bend[slot].is_finite())
         };
         let lost = partials.iter().any(|&p| {
             let (slope, bend) = self.arena.partial_at(p);
@@ -517,15 +517,15 @@ impl Tape<'_> {
         if !lost {
             return;
         }
-        let lanes: Vec<usize> = (0..LANES).filter(|&lane| !finite(lane)).collect();
-        for lane in lanes {
+        let slots: Vec<usize> = (0..SLOTS).filter(|&slot| !finite(slot)).collect();
+        for slot in slots {
             for &p in partials {
-                self.arena.partials.get_mut(2 * p as usize)[lane] = 0.0;
-                self.arena.partials.get_mut(2 * p as usize + 1)[lane] = 0.0;
+                self.arena.partials.get_mut(2 * p as usize)[slot] = 0.0;
+                self.arena.partials.get_mut(2 * p as usize + 1)[slot] = 0.0;
             }
-            let carried = self.arena.radius.get(at)[lane];
-            self.arena.local.get_mut(at)[lane] += carried;
-            self.arena.radius.get_mut(at)[lane] = 0.0;
+            let carried = self.arena.radius.get(at)[slot];
+            self.arena.local.get_mut(at)[slot] += carried;
+            self.arena.radius.get_mut(at)[slot] = 0.0;
         }
     }
 
@@ -542,8 +542,8 @@ impl Tape<'_> {
         let local = self.arena.local.get_mut(at);
         for arg in args {
             let radius = self.arena.radius.get(arg as usize);
-            for lane in 0..LANES {
-                local[lane] = if radius[lane] < f64::INFINITY { local[lane] } else { f64::INFINITY };
+            for slot in 0..SLOTS {
+                local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::Tape;
 use super::arena::{Id, NodeKind};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
-use program::interp::{LANES, Mask};
+use program::interp::{Mask, SLOTS};
 
 impl Tape<'_> {
     /// For rearrangement: the size of all terms, and how many roundings any order of them takes.
@@ -20,37 +20,37 @@ impl Tape<'_> {
         let (earlier, size) = self.arena.size.split(at);
         let (counts, height) = self.arena.roundings.split(heights);
         // The column of heights is the last one; that of terms stands just before it.
-        let mut term = [1.0; LANES];
+        let mut term = [1.0; SLOTS];
         let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
         let kind = self.arena.nodes[at].kind;
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
                 let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
-                for lane in 0..LANES {
-                    size[lane] = v[lane].abs() + e[lane];
+                for slot in 0..SLOTS {
+                    size[slot] = v[slot].abs() + e[slot];
                 }
                 height.fill(0.0);
             }
             NodeKind::Sum { a, b, signs } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
-                for lane in 0..LANES {
+                for slot in 0..SLOTS {
                     if signs.1 == 0.0 {
-                        (size[lane], term[lane], height[lane]) = (sa[lane], ta[lane], ha[lane]);
+                        (size[slot], term[slot], height[slot]) = (sa[slot], ta[slot], ha[slot]);
                     } else {
-                        size[lane] = sa[lane] + sb[lane];
-                        term[lane] = ta[lane] + tb[lane];
-                        height[lane] = ha[lane].max(hb[lane]);
+                        size[slot] = sa[slot] + sb[slot];
+                        term[slot] = ta[slot] + tb[slot];
+                        height[slot] = ha[slot].max(hb[slot]);
                     }
                 }
             }
             NodeKind::Product { a, b } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
-                for lane in 0..LANES {
-                    size[lane] = sa[lane] * sb[lane];
+                for slot in 0..SLOTS {
+                    size[slot] = sa[slot] * sb[slot];
                     // Each factor is a sum with its own roundings; one more for the product.
-                    height[lane] = ha[lane] + ta[lane] - 1.0 + hb[lane] + tb[lane] - 1.0 + 1.0;
+                    height[slot] = ha[slot] + ta[slot] - 1.0 + hb[slot] + tb[slot] - 1.0 + 1.0;
                 }
             }
             NodeKind::Select { mask, a, b } => {
@@ -73,61 +73,61 @@ impl Tape<'_> {
             let (size, peak, part) = (self.arena.size.get(at), self.arena.peak.get(at), self.arena.part.get(at));
             let radius = self.arena.radius.get_mut(at);
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
-            let mut own = [0.0; LANES];
-            for lane in 0..LANES {
-                let count = height[lane] + term[lane] - 1.0;
+            let mut own = [0.0; SLOTS];
+            for slot in 0..SLOTS {
+                let count = height[slot] + term[slot] - 1.0;
                 let relative = count * unit;
                 // Each result may be flushed, and each term as an argument before that; where factors are distributed
                 // over sums, also a part of a term, and its other factors come after.
-                let after = if part[lane] < MIN_NORMAL { size[lane].max(peak[lane]) } else { size[lane] };
-                let flushed = (count + term[lane]) * flush * (1.0 + after);
+                let after = if part[slot] < MIN_NORMAL { size[slot].max(peak[slot]) } else { size[slot] };
+                let flushed = (count + term[slot]) * flush * (1.0 + after);
                 // γ_n = n·u/(1 − n·u); flushed terms keep their size.
-                own[lane] = relative / (1.0 - relative).max(0.5) * size[lane] + flushed;
+                own[slot] = relative / (1.0 - relative).max(0.5) * size[slot] + flushed;
                 // The terms themselves may be too large, whatever their sum is.
-                if lost[lane] || peak[lane] + own[lane] > MAX_FINITE {
-                    own[lane] = f64::INFINITY;
+                if lost[slot] || peak[slot] + own[slot] > MAX_FINITE {
+                    own[slot] = f64::INFINITY;
                 }
-                radius[lane] += own[lane];
+                radius[slot] += own[slot];
             }
             *self.arena.local.get_mut(at) = own;
             self.arena.nodes[at].exact = false;
         }
     }
 
-    /// In which lanes a sum or product inside of this one leaves the range of binary32: it is too large,
+    /// In which slots a sum or product inside of this one leaves the range of binary32: it is too large,
     /// or some factors of a product give one that a device may flush to zero. What a regrouped whole errs
     /// by does not say that.
-    fn lost_inside(&self, kind: NodeKind) -> [bool; LANES] {
+    fn lost_inside(&self, kind: NodeKind) -> [bool; SLOTS] {
         let parts = match kind {
             NodeKind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
             NodeKind::Product { a, b } => [a, b],
             NodeKind::Select { mask, a, b } => return self.lost_of_chosen(&self.arena.masks[mask as usize], a, b),
-            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => return [false; LANES],
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => return [false; SLOTS],
         };
-        let mut lost = [false; LANES];
+        let mut lost = [false; SLOTS];
         for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
             let local = self.arena.local.get(part as usize);
-            for lane in 0..LANES {
-                lost[lane] |= local[lane] == f64::INFINITY;
+            for slot in 0..SLOTS {
+                lost[slot] |= local[slot] == f64::INFINITY;
             }
         }
         if let NodeKind::Product { a, b } = kind {
             let [a, b] = [a, b].map(|x| (self.arena.value.get(x as usize), self.arena.least.get(x as usize)));
-            for lane in 0..LANES {
-                let ((x, lx), (y, ly)) = ((a.0[lane].abs(), a.1[lane]), (b.0[lane].abs(), b.1[lane]));
+            for slot in 0..SLOTS {
+                let ((x, lx), (y, ly)) = ((a.0[slot].abs(), a.1[slot]), (b.0[slot].abs(), b.1[slot]));
                 // All factors together are the product itself, which may be flushed as any result.
                 let some = if lx < x || ly < y { lx * ly } else { f64::INFINITY };
-                lost[lane] |= x != 0.0 && y != 0.0 && lx.min(ly).min(some) < MIN_NORMAL;
+                lost[slot] |= x != 0.0 && y != 0.0 && lx.min(ly).min(some) < MIN_NORMAL;
             }
         }
         lost
     }
 
     /// The same for what a mask chooses between.
-    fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> [bool; LANES] {
-        std::array::from_fn(|lane| {
-            let chosen = if mask.has(lane) { a } else { b } as usize;
-            self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[lane] == f64::INFINITY
+    fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> [bool; SLOTS] {
+        std::array::from_fn(|slot| {
+            let chosen = if mask.has(slot) { a } else { b } as usize;
+            self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[slot] == f64::INFINITY
         })
     }
 
@@ -140,8 +140,8 @@ impl Tape<'_> {
         let value = self.arena.value.get(at);
         let (before, peak) = self.arena.peak.split(at);
         let (earlier, least) = self.arena.least.split(at);
-        for lane in 0..LANES {
-            least[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
+        for slot in 0..SLOTS {
+            least[slot] = if value[slot] == 0.0 { f64::INFINITY } else { value[slot].abs() };
         }
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => *peak = size,
@@ -153,8 +153,8 @@ impl Tape<'_> {
             }
             NodeKind::Sum { a, b, signs } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
-                for lane in 0..LANES {
-                    peak[lane] = if signs.1 == 0.0 { pa[lane] } else { pa[lane] + pb[lane] };
+                for slot in 0..SLOTS {
+                    peak[slot] = if signs.1 == 0.0 { pa[slot] } else { pa[slot] + pb[slot] };
                 }
                 if signs.1 == 0.0 {
                     *least = *earlier[a as usize];
@@ -163,10 +163,10 @@ impl Tape<'_> {
             NodeKind::Product { a, b } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
                 let (la, lb) = (&earlier[a as usize], &earlier[b as usize]);
-                for lane in 0..LANES {
-                    peak[lane] = pa[lane].max(pb[lane]).max(pa[lane] * pb[lane]);
-                    if value[lane] != 0.0 {
-                        least[lane] = la[lane].min(lb[lane]).min(la[lane] * lb[lane]);
+                for slot in 0..SLOTS {
+                    peak[slot] = pa[slot].max(pb[slot]).max(pa[slot] * pb[slot]);
+                    if value[slot] != 0.0 {
+                        least[slot] = la[slot].min(lb[slot]).min(la[slot] * lb[slot]);
                     }
                 }
             }
@@ -181,8 +181,8 @@ impl Tape<'_> {
         let (before, part) = self.arena.part.split(at);
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
-                for lane in 0..LANES {
-                    part[lane] = if value[lane] == 0.0 { f64::INFINITY } else { value[lane].abs() };
+                for slot in 0..SLOTS {
+                    part[slot] = if value[slot] == 0.0 { f64::INFINITY } else { value[slot].abs() };
                 }
             }
             NodeKind::Select { mask, a, b } => {
@@ -192,11 +192,11 @@ impl Tape<'_> {
             NodeKind::Sum { a, b, signs } => {
                 let other = if signs.1 == 0.0 { a } else { b };
                 let (a, b) = (&before[a as usize], &before[other as usize]);
-                (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]));
+                (0..SLOTS).for_each(|slot| part[slot] = a[slot].min(b[slot]));
             }
             NodeKind::Product { a, b } => {
                 let (a, b) = (&before[a as usize], &before[b as usize]);
-                (0..LANES).for_each(|lane| part[lane] = a[lane].min(b[lane]).min(a[lane] * b[lane]));
+                (0..SLOTS).for_each(|slot| part[slot] = a[slot].min(b[slot]).min(a[slot] * b[slot]));
             }
         }
     }

@@ -1,18 +1,18 @@
 //! The reverse sweep: how much each node's error is worth at an output.
 
-use super::arena::{Arena, Id, Lanes, NodeKind};
+use super::arena::{Arena, Id, NodeKind, Slots};
 use super::{Column, Tape};
 
-use program::interp::LANES;
+use program::interp::SLOTS;
 
 const NONE: u32 = u32::MAX;
 
 /// Derivatives of the output by a node: at the exact values, and how far they move from there.
-struct Adjoint(Lanes, Lanes);
+struct Adjoint(Slots, Slots);
 
 impl Default for Adjoint {
     fn default() -> Self {
-        Self([0.0; LANES], [0.0; LANES])
+        Self([0.0; SLOTS], [0.0; SLOTS])
     }
 }
 
@@ -20,7 +20,7 @@ impl Default for Adjoint {
 #[derive(Default)]
 pub(super) struct Scratch {
     /// For each node, the number of its adjoint.
-    slots: Vec<u32>,
+    places: Vec<u32>,
     adjoints: Vec<Box<Adjoint>>,
     free: Vec<u32>,
     spare: Option<Box<Adjoint>>,
@@ -30,53 +30,53 @@ pub(super) struct Scratch {
 
 impl Scratch {
     fn begin(&mut self, nodes: usize) {
-        self.slots.clear();
-        self.slots.resize(nodes, NONE);
+        self.places.clear();
+        self.places.resize(nodes, NONE);
         self.free.clear();
         self.free.extend(0..self.adjoints.len() as u32);
     }
 
     /// Gives back what very many nodes took.
     pub(super) fn release(&mut self) {
-        self.slots = Vec::new();
+        self.places = Vec::new();
         self.adjoints.truncate(1 << 10);
         self.free = Vec::new();
     }
 
     fn take(&mut self, node: Id) -> Option<u32> {
-        let slot = std::mem::replace(&mut self.slots[node as usize], NONE);
-        (slot != NONE).then_some(slot)
+        let place = std::mem::replace(&mut self.places[node as usize], NONE);
+        (place != NONE).then_some(place)
     }
 
     /// The adjoint of a node. True when it is new: what it holds is left from before.
     fn of(&mut self, node: Id) -> (&mut Adjoint, bool) {
-        let slot = &mut self.slots[node as usize];
-        let new = *slot == NONE;
+        let place = &mut self.places[node as usize];
+        let new = *place == NONE;
         if new {
-            *slot = self.free.pop().unwrap_or_else(|| {
+            *place = self.free.pop().unwrap_or_else(|| {
                 self.adjoints.push(Box::default());
                 (self.adjoints.len() - 1) as u32
             });
         }
-        (&mut self.adjoints[*slot as usize], new)
+        (&mut self.adjoints[*place as usize], new)
     }
 }
 
 /// What a sweep found.
 #[derive(Clone, Debug)]
 pub struct Bounds {
-    /// How far a conforming device may be from the exact value, for each lane. A sweep that was ended
+    /// How far a conforming device may be from the exact value, for each slot. A sweep that was ended
     /// early gives less. Infinite where nothing can be said.
-    pub bound: Box<[f64; LANES]>,
+    pub bound: Box<[f64; SLOTS]>,
 }
 
 /// Nodes between two looks at whether the sweep may end.
 const STRIDE: u32 = 8;
 
 impl Tape<'_> {
-    /// Bounds for one output in all lanes. The sweep may end once `enough` says so of the bounds that
+    /// Bounds for one output in all slots. The sweep may end once `enough` says so of the bounds that
     /// it has: they only grow.
-    pub fn bounds(&mut self, output: Column, enough: &mut dyn FnMut(&[f64; LANES]) -> bool) -> Bounds {
+    pub fn bounds(&mut self, output: Column, enough: &mut dyn FnMut(&[f64; SLOTS]) -> bool) -> Bounds {
         self.bounds_with(output, enough, &mut |_, _| {})
     }
 
@@ -84,19 +84,20 @@ impl Tape<'_> {
     pub(super) fn bounds_with(
         &mut self,
         output: Column,
-        enough: &mut dyn FnMut(&[f64; LANES]) -> bool,
-        see: &mut dyn FnMut(Id, &Lanes),
+        enough: &mut dyn FnMut(&[f64; SLOTS]) -> bool,
+        see: &mut dyn FnMut(Id, &Slots),
     ) -> Bounds {
         let root = self.id(&output);
         let rearranged = self.model.is_rearranged();
         let Self { arena, sweep, .. } = self;
-        let mut bounds = Bounds { bound: Box::new([0.0; LANES]) };
+        let mut bounds = Bounds { bound: Box::new([0.0; SLOTS]) };
         sweep.begin(root as usize + 1);
-        *sweep.of(root).0 = Adjoint([1.0; LANES], [0.0; LANES]);
+        *sweep.of(root).0 = Adjoint([1.0; SLOTS], [0.0; SLOTS]);
         for id in (0..=root).rev() {
-            let Some(slot) = sweep.take(id) else { continue };
+            let Some(place) = sweep.take(id) else { continue };
             // The box goes out of its place for as long as others are written.
-            let adjoint = std::mem::replace(&mut sweep.adjoints[slot as usize], sweep.spare.take().unwrap_or_default());
+            let adjoint =
+                std::mem::replace(&mut sweep.adjoints[place as usize], sweep.spare.take().unwrap_or_default());
             let meta = arena.nodes[id as usize];
             // Regrouped sums and products err as a whole, where something else takes their value.
             let counts = !meta.exact && (!rearranged || id == root || !meta.kind.is_polynomial());
@@ -113,8 +114,8 @@ impl Tape<'_> {
                 });
             }
             propagate(arena, sweep, id, &adjoint);
-            sweep.spare = Some(std::mem::replace(&mut sweep.adjoints[slot as usize], adjoint));
-            sweep.free.push(slot);
+            sweep.spare = Some(std::mem::replace(&mut sweep.adjoints[place as usize], adjoint));
+            sweep.free.push(place);
             if id % STRIDE == 0 && enough(&bounds.bound) {
                 break;
             }
@@ -129,7 +130,7 @@ impl Tape<'_> {
 }
 
 /// Adds a node's own error, times what it is worth. `share` becomes what was added.
-fn add(local: &Lanes, adjoint: &Adjoint, bound: &mut Lanes, share: &mut Lanes) {
+fn add(local: &Slots, adjoint: &Adjoint, bound: &mut Slots, share: &mut Slots) {
     let finite = number::wide(|| add_finite(local, adjoint, bound, share));
     if !finite {
         for (bound, share) in bound.iter_mut().zip(share) {
@@ -143,15 +144,15 @@ fn add(local: &Lanes, adjoint: &Adjoint, bound: &mut Lanes, share: &mut Lanes) {
 
 /// The loop of [`add`]. True when every share is finite.
 #[inline(always)]
-fn add_finite(local: &Lanes, Adjoint(m, r): &Adjoint, bound: &mut Lanes, share: &mut Lanes) -> bool {
+fn add_finite(local: &Slots, Adjoint(m, r): &Adjoint, bound: &mut Slots, share: &mut Slots) -> bool {
     let mut lost = 0_u64;
-    for lane in 0..LANES {
-        let worth = m[lane].abs() + r[lane];
+    for slot in 0..SLOTS {
+        let worth = m[slot].abs() + r[slot];
         // What does not reach the output is not looked at, whatever it is.
-        let part = worth * local[lane];
-        let part = if worth == 0.0 || local[lane] == 0.0 { 0.0 } else { part };
-        share[lane] = part;
-        bound[lane] += part;
+        let part = worth * local[slot];
+        let part = if worth == 0.0 || local[slot] == 0.0 { 0.0 } else { part };
+        share[slot] = part;
+        bound[slot] += part;
         lost |= u64::from(!(part < f64::INFINITY));
     }
     lost == 0
@@ -167,24 +168,24 @@ fn handed(m: f64, r: f64, slope: f64, bend: f64) -> (f64, f64) {
 
 /// Adds to an adjoint what a node hands on, or writes it where the adjoint is new.
 #[inline(always)]
-fn pass((Adjoint(am, ar), new): (&mut Adjoint, bool), Adjoint(m, r): &Adjoint, slope: &Lanes, bend: &Lanes) {
+fn pass((Adjoint(am, ar), new): (&mut Adjoint, bool), Adjoint(m, r): &Adjoint, slope: &Slots, bend: &Slots) {
     number::wide(|| {
         if new {
-            for lane in 0..LANES {
-                (am[lane], ar[lane]) = handed(m[lane], r[lane], slope[lane], bend[lane]);
+            for slot in 0..SLOTS {
+                (am[slot], ar[slot]) = handed(m[slot], r[slot], slope[slot], bend[slot]);
             }
         } else {
-            for lane in 0..LANES {
-                let (more, moved) = handed(m[lane], r[lane], slope[lane], bend[lane]);
-                am[lane] += more;
-                ar[lane] += moved;
+            for slot in 0..SLOTS {
+                let (more, moved) = handed(m[slot], r[slot], slope[slot], bend[slot]);
+                am[slot] += more;
+                ar[slot] += moved;
             }
         }
     });
 }
 
 /// The arguments of a function with their partials.
-fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Lanes, &Lanes))> {
+fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Slots, &Slots))> {
     let both = match arena.nodes[id as usize].kind {
         NodeKind::One { a, partial } => [Some((a, partial)), None],
         NodeKind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
@@ -199,11 +200,11 @@ fn regrouped(
     sweep: &mut Scratch,
     id: Id,
     adjoint: &Adjoint,
-    used: &mut dyn FnMut(Id, &Adjoint, &mut Lanes),
+    used: &mut dyn FnMut(Id, &Adjoint, &mut Slots),
 ) {
     for (to, (slope, bend)) in partials(arena, id) {
         if arena.nodes[to as usize].kind.is_polynomial() {
-            let mut share = [0.0; LANES];
+            let mut share = [0.0; SLOTS];
             pass((&mut sweep.part, true), adjoint, slope, bend);
             used(to, &sweep.part, &mut share);
         }
@@ -221,14 +222,14 @@ fn propagate(arena: &Arena, sweep: &mut Scratch, id: Id, adjoint: &Adjoint) {
                     let (Adjoint(am, ar), new) = sweep.of(to);
                     number::wide(|| {
                         if new {
-                            for lane in 0..LANES {
-                                am[lane] = sign * m[lane];
-                                ar[lane] = r[lane];
+                            for slot in 0..SLOTS {
+                                am[slot] = sign * m[slot];
+                                ar[slot] = r[slot];
                             }
                         } else {
-                            for lane in 0..LANES {
-                                am[lane] += sign * m[lane];
-                                ar[lane] += r[lane];
+                            for slot in 0..SLOTS {
+                                am[slot] += sign * m[slot];
+                                ar[slot] += r[slot];
                             }
                         }
                     });
@@ -254,11 +255,11 @@ fn propagate(arena: &Arena, sweep: &mut Scratch, id: Id, adjoint: &Adjoint) {
                     am.fill(0.0);
                     ar.fill(0.0);
                 }
-                for lane in 0..LANES {
-                    // A lane that is not handed on must not hand on a NaN either.
-                    if mask.has(lane) == wanted {
-                        am[lane] += m[lane];
-                        ar[lane] += r[lane];
+                for slot in 0..SLOTS {
+                    // A slot that is not handed on must not hand on a NaN either.
+                    if mask.has(slot) == wanted {
+                        am[slot] += m[slot];
+                        ar[slot] += r[slot];
                     }
                 }
             }

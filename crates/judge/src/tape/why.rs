@@ -1,4 +1,4 @@
-//! Answers about single lanes, for reports: what a bound is made of, and why there is none.
+//! Answers about single slots, for reports: what a bound is made of, and why there is none.
 
 use super::arena::{Id, NodeKind};
 use super::functions::{image1, image2};
@@ -63,31 +63,31 @@ impl Tape<'_> {
         Cause { why: Why::Singular, op: None, site: Some(site), args: Vec::new(), value: f64::NAN }
     }
 
-    /// Why a value is no finite number in a lane, or why nothing bounds its error.
-    pub fn cause(&self, output: Column, lane: usize) -> Option<Cause> {
-        let loose = |id: &Id| !self.arena.radius.get(*id as usize)[lane].is_finite();
-        let lost = |id: &Id| !self.arena.value.get(*id as usize)[lane].is_finite();
+    /// Why a value is no finite number in a slot, or why nothing bounds its error.
+    pub fn cause(&self, output: Column, slot: usize) -> Option<Cause> {
+        let loose = |id: &Id| !self.arena.radius.get(*id as usize)[slot].is_finite();
+        let lost = |id: &Id| !self.arena.value.get(*id as usize)[slot].is_finite();
         let mut id = self.id(&output);
         if !lost(&id) && !loose(&id) {
             return None;
         }
         // Arguments have smaller numbers: this ends. A lost value is followed first.
         loop {
-            let arguments = || self.arguments(id, lane);
+            let arguments = || self.arguments(id, slot);
             let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| loose(a)));
             match before {
                 Some(before) => id = before,
-                None => return Some(self.cause_at(id, lane)),
+                None => return Some(self.cause_at(id, slot)),
             }
         }
     }
 
-    /// The largest parts of a bound in a lane, largest first.
-    pub fn shares(&mut self, output: Column, lane: usize, most: usize) -> Vec<Share> {
+    /// The largest parts of a bound in a slot, largest first.
+    pub fn shares(&mut self, output: Column, slot: usize, most: usize) -> Vec<Share> {
         let mut parts: Vec<(Id, f64)> = Vec::new();
         self.bounds_with(output, &mut |_| false, &mut |id, part| {
-            if part[lane] > 0.0 {
-                parts.push((id, part[lane]));
+            if part[slot] > 0.0 {
+                parts.push((id, part[slot]));
             }
         });
         parts.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -95,66 +95,66 @@ impl Tape<'_> {
         let share = |(id, share): (Id, f64)| Share {
             op: self.arena.nodes[id as usize].op,
             site: self.arena.nodes[id as usize].site,
-            args: self.argument_values(id, lane),
-            value: self.arena.value.get(id as usize)[lane],
+            args: self.argument_values(id, slot),
+            value: self.arena.value.get(id as usize)[slot],
             share,
         };
         parts.into_iter().map(share).collect()
     }
 
-    /// The operation at which a value goes wrong in a lane: the first on the way to it that has no finite
+    /// The operation at which a value goes wrong in a slot: the first on the way to it that has no finite
     /// value, is too large for binary32, or has an error of more than `limit` of its size; of errors
     /// nothing is asked where `limit` is infinite. With its relative condition number. `None` where the
     /// value itself is fine.
-    pub fn culprit(&self, output: Column, lane: usize, limit: f64) -> Option<(Cause, f64)> {
-        let value = |id: Id| self.arena.value.get(id as usize)[lane];
+    pub fn culprit(&self, output: Column, slot: usize, limit: f64) -> Option<(Cause, f64)> {
+        let value = |id: Id| self.arena.value.get(id as usize)[slot];
         let lost = |id: &Id| !value(*id).is_finite();
         let large = |id: &Id| value(*id).abs() > MAX_FINITE;
         // Written so that a radius that is no number counts.
         let loose =
-            |id: &Id| limit.is_finite() && !(self.arena.radius.get(*id as usize)[lane] <= limit * value(*id).abs());
+            |id: &Id| limit.is_finite() && !(self.arena.radius.get(*id as usize)[slot] <= limit * value(*id).abs());
         let mut id = self.id(&output);
         if !lost(&id) && !large(&id) && !loose(&id) {
             return None;
         }
         // Arguments have smaller numbers: this ends.
         loop {
-            let arguments = || self.arguments(id, lane);
+            let arguments = || self.arguments(id, slot);
             let before = arguments().find(|a| lost(a)).or_else(|| arguments().find(|a| large(a)));
             let before = before.or_else(|| arguments().find(|a| loose(a)));
             match before {
                 Some(before) => id = before,
-                None => return Some((self.cause_at(id, lane), self.condition(Column(id), lane))),
+                None => return Some((self.cause_at(id, slot), self.condition(Column(id), slot))),
             }
         }
     }
 
-    /// The operation behind a column in a lane, selections left out.
-    fn operation(&self, column: Column, lane: usize) -> Id {
+    /// The operation behind a column in a slot, selections left out.
+    fn operation(&self, column: Column, slot: usize) -> Id {
         let mut id = self.id(&column);
         while let NodeKind::Select { .. } = self.arena.nodes[id as usize].kind {
-            let Some(before) = self.arguments(id, lane).next() else { break };
+            let Some(before) = self.arguments(id, slot).next() else { break };
             id = before;
         }
         id
     }
 
-    /// Where the operation stands that gives a column its value in a lane; `None` for an input.
-    pub fn site_of(&self, column: Column, lane: usize) -> Option<Site> {
-        self.arena.nodes[self.operation(column, lane) as usize].site
+    /// Where the operation stands that gives a column its value in a slot; `None` for an input.
+    pub fn site_of(&self, column: Column, slot: usize) -> Option<Site> {
+        self.arena.nodes[self.operation(column, slot) as usize].site
     }
 
-    /// The exact arguments of the operation that gives a column its value in a lane.
-    pub fn arguments_of(&self, column: Column, lane: usize) -> Vec<f64> {
-        self.argument_values(self.operation(column, lane), lane)
+    /// The exact arguments of the operation that gives a column its value in a slot.
+    pub fn arguments_of(&self, column: Column, slot: usize) -> Vec<f64> {
+        self.argument_values(self.operation(column, slot), slot)
     }
 
     /// The relative condition number of that operation: Σ |∂y/∂a · a| / |y| over its arguments; NaN for
     /// what is no operation.
-    pub fn condition(&self, column: Column, lane: usize) -> f64 {
-        let id = self.operation(column, lane);
-        let value = |id: Id| self.arena.value.get(id as usize)[lane];
-        let slope = |partial: u32| self.arena.partial_at(partial).0[lane];
+    pub fn condition(&self, column: Column, slot: usize) -> f64 {
+        let id = self.operation(column, slot);
+        let value = |id: Id| self.arena.value.get(id as usize)[slot];
+        let slope = |partial: u32| self.arena.partial_at(partial).0[slot];
         let moved = match self.arena.nodes[id as usize].kind {
             NodeKind::Leaf | NodeKind::Select { .. } => f64::NAN,
             NodeKind::Sum { a, b, signs } => (signs.0 * value(a)).abs() + (signs.1 * value(b)).abs(),
@@ -165,27 +165,27 @@ impl Tape<'_> {
         moved / value(id).abs()
     }
 
-    fn arguments(&self, id: Id, lane: usize) -> impl Iterator<Item = Id> + use<> {
+    fn arguments(&self, id: Id, slot: usize) -> impl Iterator<Item = Id> + use<> {
         let both = match self.arena.nodes[id as usize].kind {
             NodeKind::Leaf => [None, None],
             NodeKind::Sum { a, signs: (_, 0.0), .. } | NodeKind::One { a, .. } => [Some(a), None],
             NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Two { a, b, .. } => [Some(a), Some(b)],
             NodeKind::Select { mask, a, b } => {
-                [Some(if self.arena.masks[mask as usize].has(lane) { a } else { b }), None]
+                [Some(if self.arena.masks[mask as usize].has(slot) { a } else { b }), None]
             }
         };
         both.into_iter().flatten()
     }
 
-    fn argument_values(&self, id: Id, lane: usize) -> Vec<f64> {
-        self.arguments(id, lane).map(|a| self.arena.value.get(a as usize)[lane]).collect()
+    fn argument_values(&self, id: Id, slot: usize) -> Vec<f64> {
+        self.arguments(id, slot).map(|a| self.arena.value.get(a as usize)[slot]).collect()
     }
 
     /// True when an operation has a value wherever its arguments may be, and nothing is promised for
     /// some of these.
-    fn reaches_out(&self, id: Id, lane: usize) -> bool {
+    fn reaches_out(&self, id: Id, slot: usize) -> bool {
         let meta = self.arena.nodes[id as usize];
-        let at = |a: Id| (self.arena.value.get(a as usize)[lane], self.arena.radius.get(a as usize)[lane]);
+        let at = |a: Id| (self.arena.value.get(a as usize)[slot], self.arena.radius.get(a as usize)[slot]);
         let moves = match (meta.kind, meta.op) {
             (NodeKind::One { a, .. }, Some(op)) => {
                 let (x, e) = at(a);
@@ -197,18 +197,18 @@ impl Tape<'_> {
         moves.is_finite()
     }
 
-    fn cause_at(&self, id: Id, lane: usize) -> Cause {
+    fn cause_at(&self, id: Id, slot: usize) -> Cause {
         let at = id as usize;
         let meta = self.arena.nodes[at];
-        let (value, args) = (self.arena.value.get(at)[lane], self.argument_values(id, lane));
-        let reach = value.abs() + self.arena.radius.get(at)[lane];
+        let (value, args) = (self.arena.value.get(at)[slot], self.argument_values(id, slot));
+        let reach = value.abs() + self.arena.radius.get(at)[slot];
         let promise = match (self.model, meta.op) {
             (Model::Device { profile, stage, .. }, Some(op)) => Some(profile.allowed(op, &args, value, stage)),
             _ => None,
         };
         let why = if value.is_nan() && !value.is_poison() {
             Why::Domain
-        } else if matches!(promise, Some(Allowed::NoPromise | Allowed::OutsideDomain)) || self.reaches_out(id, lane) {
+        } else if matches!(promise, Some(Allowed::NoPromise | Allowed::OutsideDomain)) || self.reaches_out(id, slot) {
             Why::NoPromise
         } else if value.abs() > MAX_FINITE || (value.is_finite() && reach.is_finite() && reach > MAX_FINITE) {
             Why::Overflow

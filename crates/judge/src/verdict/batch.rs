@@ -15,7 +15,7 @@ use super::undefined::{self, Looker};
 use crate::profile::Op;
 use crate::profile::grid::MIN_NORMAL;
 use base::value::{Batch, Scalar, ulp_at};
-use program::interp::{Binary64, HazardKind, LANES, Machine, Mask, Number, OutputColumn, Site};
+use program::interp::{Binary64, HazardKind, Machine, Mask, Number, OutputColumn, SLOTS, Site};
 use program::lane::Actual;
 
 /// An invocation that deviates.
@@ -337,33 +337,33 @@ impl<'a> Judge<'a> {
     fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> (Vec<OpenSample>, f64) {
         let mut open = Vec::new();
         let mut max_ulp = 0.0_f64;
-        for first in range.clone().step_by(LANES) {
-            let lanes = self.meaning.run(batch, first).min(range.end - first);
-            let (near, ulp) = near_lanes(&self.meaning, actual, first, lanes);
-            let mut apart = [false; LANES];
-            let mut undefined = undefined_lanes(&self.meaning);
+        for first in range.clone().step_by(SLOTS) {
+            let slots = self.meaning.run(batch, first).min(range.end - first);
+            let (near, ulp) = near_slots(&self.meaning, actual, first, slots);
+            let mut apart = [false; SLOTS];
+            let mut undefined = undefined_slots(&self.meaning);
             let ideal = match &mut self.ideal {
                 Some(ideal) => {
                     ideal.run(batch, first);
                     apart = far_apart(&self.meaning, ideal);
-                    undefined = undefined.or(undefined_lanes(ideal));
+                    undefined = undefined.or(undefined_slots(ideal));
                     &*ideal
                 }
                 None => &self.meaning,
             };
             let columns = columns(ideal, self.context.reference);
-            let invocations: Vec<usize> = (first..first + lanes).collect();
+            let invocations: Vec<usize> = (first..first + slots).collect();
             self.evaluator.turn_to(batch, &invocations);
-            for lane in 0..lanes {
-                let invocation = first + lane;
-                self.evaluator.expected(batch, invocation, lane, &mut self.expected);
-                let shader = apart[lane] || !fits(ideal, &columns, self.context.reference, &self.expected, lane);
-                let undefined = undefined.has(lane);
-                if shader || !near[lane] || undefined {
-                    open.push(OpenSample { invocation, shader, lane: !near[lane], undefined });
+            for slot in 0..slots {
+                let invocation = first + slot;
+                self.evaluator.expected(batch, invocation, slot, &mut self.expected);
+                let shader = apart[slot] || !fits(ideal, &columns, self.context.reference, &self.expected, slot);
+                let undefined = undefined.has(slot);
+                if shader || !near[slot] || undefined {
+                    open.push(OpenSample { invocation, shader, lane: !near[slot], undefined });
                 }
-                if !shader && near[lane] {
-                    max_ulp = max_ulp.max(ulp[lane]);
+                if !shader && near[slot] {
+                    max_ulp = max_ulp.max(ulp[slot]);
                 }
             }
         }
@@ -371,21 +371,21 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The lanes that came upon an undefined value.
-fn undefined_lanes(machine: &Machine<'_, Binary64>) -> Mask {
+/// The slots that came upon an undefined value.
+fn undefined_slots(machine: &Machine<'_, Binary64>) -> Mask {
     let flags = machine.flags();
     if flags.iter().all(|flags| flags.is_empty()) {
         return Mask::NONE;
     }
-    Mask::where_(|lane| flags[lane].is_undefined())
+    Mask::where_(|slot| flags[slot].is_undefined())
 }
 
 /// Literals that binary32 rounds move outputs by little. Farther than this they have decided something.
 const APART: f64 = 1.0 / (1 << 16) as f64;
 
-/// For each lane, whether the module means something else than what the author wrote.
-fn far_apart(meaning: &Machine<'_, Binary64>, ideal: &Machine<'_, Binary64>) -> [bool; LANES] {
-    let mut apart: [bool; LANES] = std::array::from_fn(|lane| meaning.emitted()[lane] != ideal.emitted()[lane]);
+/// For each slot, whether the module means something else than what the author wrote.
+fn far_apart(meaning: &Machine<'_, Binary64>, ideal: &Machine<'_, Binary64>) -> [bool; SLOTS] {
+    let mut apart: [bool; SLOTS] = std::array::from_fn(|slot| meaning.emitted()[slot] != ideal.emitted()[slot]);
     for vertex in 0..meaning.room() {
         for word in 0..meaning.width() {
             match (meaning.output(vertex, word), ideal.output(vertex, word)) {
@@ -405,30 +405,30 @@ fn far_apart(meaning: &Machine<'_, Binary64>, ideal: &Machine<'_, Binary64>) -> 
     apart
 }
 
-/// For each lane, whether every word of the lane is the one nearest to the shader's meaning, and the
+/// For each slot, whether every word of the lane is the one nearest to the shader's meaning, and the
 /// largest error in ULP.
-fn near_lanes(
+fn near_slots(
     meaning: &Machine<'_, Binary64>,
     actual: &Actual,
     first: usize,
-    lanes: usize,
-) -> ([bool; LANES], [f64; LANES]) {
-    let mut near = [true; LANES];
-    let mut most = [0.0_f64; LANES];
+    slots: usize,
+) -> ([bool; SLOTS], [f64; SLOTS]) {
+    let mut near = [true; SLOTS];
+    let mut most = [0.0_f64; SLOTS];
     let geometry = actual.layout().max_vertices.is_some();
     let mut room = 1;
     if geometry {
         room = 0;
-        for lane in 0..lanes {
-            let invocation = first + lane;
+        for slot in 0..slots {
+            let invocation = first + slot;
             let stored = actual.stored(invocation);
             room = room.max(stored);
-            near[lane] = meaning.emitted()[lane] == actual.emitted(invocation)
-                && (1..stored).all(|v| meaning.strip(v)[lane] == actual.strip(invocation, v));
+            near[slot] = meaning.emitted()[slot] == actual.emitted(invocation)
+                && (1..stored).all(|v| meaning.strip(v)[slot] == actual.strip(invocation, v));
         }
     }
     let record = &actual.layout().vertex;
-    let mut scale = [0.0_f64; LANES];
+    let mut scale = [0.0_f64; SLOTS];
     for vertex in 0..room {
         for field in 0..record.fields().len() {
             scale.fill(0.0);
@@ -441,23 +441,23 @@ fn near_lanes(
             }
             for word in record.range(field) {
                 let column = meaning.output(vertex, word);
-                for lane in 0..lanes {
-                    let invocation = first + lane;
+                for slot in 0..slots {
+                    let invocation = first + slot;
                     if geometry && vertex >= actual.stored(invocation) {
                         continue;
                     }
                     let found = actual.vertex(invocation, vertex)[word];
                     match column {
                         OutputColumn::Real(column) => {
-                            let value = column.values()[lane];
+                            let value = column.values()[slot];
                             let error = (f64::from(f32::from_bits(found)) - value).abs();
                             // Half a gap, less what binary64 leaves open; NaN does not pass. Below the
                             // normal range a device may do what it likes, which says nothing.
-                            let small = scale[lane] < MIN_NORMAL && scale[lane] != 0.0;
-                            near[lane] &= error <= 0.499_999 * ulp_at(value) && !small;
-                            most[lane] = most[lane].max(error / ulp_at(scale[lane]));
+                            let small = scale[slot] < MIN_NORMAL && scale[slot] != 0.0;
+                            near[slot] &= error <= 0.499_999 * ulp_at(value) && !small;
+                            most[slot] = most[slot].max(error / ulp_at(scale[slot]));
                         }
-                        OutputColumn::Word(words) => near[lane] &= words[lane] == found,
+                        OutputColumn::Word(words) => near[slot] &= words[slot] == found,
                     }
                 }
             }
@@ -484,16 +484,16 @@ fn columns<'m>(machine: &'m Machine<'_, Binary64>, reference: &Reference) -> Vec
 }
 
 enum Words<'m> {
-    Real(&'m [f64; LANES]),
-    Exact(&'m [u32; LANES], Scalar),
+    Real(&'m [f64; SLOTS]),
+    Exact(&'m [u32; SLOTS], Scalar),
 }
 
 impl Words<'_> {
     #[inline]
-    fn at(&self, lane: usize) -> f64 {
+    fn at(&self, slot: usize) -> f64 {
         match self {
-            Self::Real(values) => values[lane],
-            Self::Exact(words, scalar) => <f64 as Number>::exact(words[lane], *scalar),
+            Self::Real(values) => values[slot],
+            Self::Exact(words, scalar) => <f64 as Number>::exact(words[slot], *scalar),
         }
     }
 }
@@ -506,16 +506,16 @@ pub(super) fn open_samples(
     first: usize,
 ) -> Vec<usize> {
     let reference = context.reference;
-    let lanes = ideal.run(batch, first);
+    let slots = ideal.run(batch, first);
     let columns = columns(ideal, reference);
     let (mut evaluator, mut expected) = (Evaluator::new(reference), Expected::default());
-    let invocations: Vec<usize> = (first..first + lanes).collect();
+    let invocations: Vec<usize> = (first..first + slots).collect();
     evaluator.turn_to(batch, &invocations);
     let mut open = Vec::new();
-    for lane in 0..lanes {
-        let invocation = first + lane;
-        evaluator.expected(batch, invocation, lane, &mut expected);
-        if !fits(ideal, &columns, reference, &expected, lane) {
+    for slot in 0..slots {
+        let invocation = first + slot;
+        evaluator.expected(batch, invocation, slot, &mut expected);
+        if !fits(ideal, &columns, reference, &expected, slot) {
             open.push(invocation);
         }
     }
@@ -528,11 +528,11 @@ fn fits(
     columns: &[Words<'_>],
     reference: &Reference,
     expected: &Expected,
-    lane: usize,
+    slot: usize,
 ) -> bool {
-    !machine.flags()[lane].has(HazardKind::Fuel)
-        && same_shape(machine, reference, expected, lane)
-        && means(columns, reference, expected, lane)
+    !machine.flags()[slot].has(HazardKind::Fuel)
+        && same_shape(machine, reference, expected, slot)
+        && means(columns, reference, expected, slot)
 }
 
 /// True when the shader emits what the formula emits.
@@ -540,22 +540,22 @@ pub(super) fn same_shape<D: program::interp::Domain>(
     machine: &Machine<'_, D>,
     reference: &Reference,
     expected: &Expected,
-    lane: usize,
+    slot: usize,
 ) -> bool {
     if expected.strips.is_empty() && !reference.emits() {
         return true;
     }
     let count = expected.strips.len();
-    machine.emitted()[lane] as usize == count
+    machine.emitted()[slot] as usize == count
         && count <= machine.room()
         && (1..count).all(|v| {
             let begins = expected.strips[v] != expected.strips[v - 1];
-            begins == (machine.strip(v)[lane] != machine.strip(v - 1)[lane])
+            begins == (machine.strip(v)[slot] != machine.strip(v - 1)[slot])
         })
 }
 
 /// True when the shader means what the formula says, by the first look.
-fn means(columns: &[Words<'_>], reference: &Reference, expected: &Expected, lane: usize) -> bool {
+fn means(columns: &[Words<'_>], reference: &Reference, expected: &Expected, slot: usize) -> bool {
     let vertices = expected.words.len() / reference.vertex_words.max(1);
     for vertex in 0..vertices {
         let base = vertex * reference.vertex_words;
@@ -566,7 +566,7 @@ fn means(columns: &[Words<'_>], reference: &Reference, expected: &Expected, lane
             let allowed = if output.scalar == Scalar::F32 { NEAR * scale } else { 0.0 };
             for ((k, value), column) in at.clone().zip(values).zip(&columns[at]) {
                 // Written so that NaN does not pass.
-                if !((column.at(lane) - value).abs() <= allowed + expected.slack(k)) {
+                if !((column.at(slot) - value).abs() <= allowed + expected.slack(k)) {
                     return false;
                 }
             }

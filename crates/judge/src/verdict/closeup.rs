@@ -11,7 +11,7 @@ use super::oracle::JudgeContext;
 use super::reference::{Evaluator, Expected};
 use crate::tape::Tape;
 use base::value::Batch;
-use program::interp::{LANES, Machine, Number, OutputColumn};
+use program::interp::{Machine, Number, OutputColumn, SLOTS};
 use program::lane::Actual;
 
 /// One sample with its verdict and all that was compared.
@@ -71,11 +71,11 @@ impl Seen {
 pub fn closeups(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Closeup> {
     let count = batch.invocation_count();
     let verdicts = judge_each(context, batch, actual);
-    let chunks: Vec<Vec<Vec<Vec<Seen>>>> = (0..count.div_ceil(LANES))
+    let chunks: Vec<Vec<Vec<Vec<Seen>>>> = (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || Viewer::new(context),
-            |viewer, chunk| viewer.look(batch, actual, chunk * LANES..((chunk + 1) * LANES).min(count)),
+            |viewer, chunk| viewer.look(batch, actual, chunk * SLOTS..((chunk + 1) * SLOTS).min(count)),
         )
         .collect();
     let vertices = chunks.into_iter().flatten();
@@ -112,19 +112,19 @@ impl<'a> Viewer<'a> {
         let (width, room) = (self.promise.width(), self.promise.room());
         let mut all = Vec::with_capacity(range.len());
         for invocation in range {
-            let lane = invocation - first;
-            self.evaluator.expected(batch, invocation, lane, &mut expected);
+            let slot = invocation - first;
+            self.evaluator.expected(batch, invocation, slot, &mut expected);
             let (stored, emitting) = (actual.stored(invocation), self.promise.is_emitting());
-            let meant = if emitting { (self.promise.emitted()[lane] as usize).min(room) } else { 1 };
+            let meant = if emitting { (self.promise.emitted()[slot] as usize).min(room) } else { 1 };
             let count = stored.max(meant).max(expected.strips.len());
             let mut vertices = vec![vec![Seen::NOTHING; width]; count];
             for (vertex, words) in vertices.iter_mut().enumerate() {
                 for (word, seen) in words.iter_mut().enumerate() {
                     if vertex < meant {
                         let at = vertex * width + word;
-                        seen.meaning = meanings[at][lane];
-                        seen.promised = promised[lane][at];
-                        seen.measured = measured.as_ref().map_or(f64::INFINITY, |slack| slack[lane][at]);
+                        seen.meaning = meanings[at][slot];
+                        seen.promised = promised[slot][at];
+                        seen.measured = measured.as_ref().map_or(f64::INFINITY, |slack| slack[slot][at]);
                     }
                     if vertex < stored {
                         let found = actual.vertex(invocation, vertex)[word];
@@ -146,7 +146,7 @@ impl<'a> Viewer<'a> {
 }
 
 /// The exact values of the outputs, by vertex, then by word of the record.
-fn meanings(machine: &mut Machine<'_, Tape<'_>>, actual: &Actual) -> Vec<[f64; LANES]> {
+fn meanings(machine: &mut Machine<'_, Tape<'_>>, actual: &Actual) -> Vec<[f64; SLOTS]> {
     let (room, width) = (machine.room(), machine.width());
     let mut values = Vec::with_capacity(room * width);
     for vertex in 0..room {

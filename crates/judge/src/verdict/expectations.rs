@@ -11,7 +11,7 @@ use super::oracle::JudgeContext;
 use super::second_pass::SecondPass;
 use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{HazardKind, LANES, OutputColumn};
+use program::interp::{HazardKind, OutputColumn, SLOTS};
 
 /// How far one shader's meaning is from another's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -42,12 +42,12 @@ impl Movement {
 pub fn shader_deviation(context: &JudgeContext<'_>, layout: &OutputLayout, batch: &Batch) -> Option<Failure> {
     let count = batch.invocation_count();
     let found = AtomicUsize::new(usize::MAX);
-    (0..count.div_ceil(LANES))
+    (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || (context.oracle.ideal_or_meaning(), SecondPass::new(context)),
             |(machine, second), chunk| {
-                let first = chunk * LANES;
+                let first = chunk * SLOTS;
                 if first > found.load(Ordering::Relaxed) {
                     return None;
                 }
@@ -68,7 +68,7 @@ pub fn shader_deviation(context: &JudgeContext<'_>, layout: &OutputLayout, batch
 /// How far the meaning of `after` is from that of `before`, which is the scale.
 pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &OutputLayout, batch: &Batch) -> Movement {
     let count = batch.invocation_count();
-    let chunks: Vec<Movement> = (0..count.div_ceil(LANES))
+    let chunks: Vec<Movement> = (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || {
@@ -79,16 +79,16 @@ pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &Ou
                 )
             },
             |(old, new, tape), chunk| {
-                let first = chunk * LANES;
-                let lanes = old.run(batch, first);
+                let first = chunk * SLOTS;
+                let slots = old.run(batch, first);
                 new.run(batch, first);
                 let mut movement = Movement::default();
-                let mut moved = [false; LANES];
-                for lane in 0..lanes {
-                    let shape = old.emitted()[lane] != new.emitted()[lane]
-                        || (0..old.room()).any(|v| old.is_emitting() && old.strip(v)[lane] != new.strip(v)[lane]);
-                    if shape || old.flags()[lane].has(HazardKind::Fuel) != new.flags()[lane].has(HazardKind::Fuel) {
-                        moved[lane] = true;
+                let mut moved = [false; SLOTS];
+                for slot in 0..slots {
+                    let shape = old.emitted()[slot] != new.emitted()[slot]
+                        || (0..old.room()).any(|v| old.is_emitting() && old.strip(v)[slot] != new.strip(v)[slot]);
+                    if shape || old.flags()[slot].has(HazardKind::Fuel) != new.flags()[slot].has(HazardKind::Fuel) {
+                        moved[slot] = true;
                         movement.bounds = f64::INFINITY;
                         movement.component = Some("the number of vertices".to_owned());
                     }
@@ -99,14 +99,14 @@ pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &Ou
                         let (a, b) = match (old.output(vertex, word), new.output(vertex, word)) {
                             (OutputColumn::Real(a), OutputColumn::Real(b)) => (a.values(), b.values()),
                             (OutputColumn::Word(a), OutputColumn::Word(b)) => {
-                                (0..lanes).filter(|&lane| a[lane] != b[lane]).for_each(|lane| moved[lane] = true);
+                                (0..slots).filter(|&slot| a[slot] != b[slot]).for_each(|slot| moved[slot] = true);
                                 continue;
                             }
                             _ => continue,
                         };
-                        let stored = |lane: usize| !old.is_emitting() || (vertex as u32) < old.emitted()[lane];
+                        let stored = |slot: usize| !old.is_emitting() || (vertex as u32) < old.emitted()[slot];
                         let far: Vec<usize> =
-                            (0..lanes).filter(|&lane| stored(lane) && a[lane].to_bits() != b[lane].to_bits()).collect();
+                            (0..slots).filter(|&slot| stored(slot) && a[slot].to_bits() != b[slot].to_bits()).collect();
                         if far.is_empty() {
                             continue;
                         }
@@ -116,10 +116,10 @@ pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &Ou
                         }
                         let OutputColumn::Real(&column) = tape.output(vertex, word) else { continue };
                         let bounds = tape.domain().bounds(column, &mut |_| false);
-                        for lane in far {
-                            moved[lane] = true;
-                            let part = (a[lane] - b[lane]).abs() / bounds.bound[lane];
-                            let part = if part.is_nan() && a[lane].is_nan() != b[lane].is_nan() {
+                        for slot in far {
+                            moved[slot] = true;
+                            let part = (a[slot] - b[slot]).abs() / bounds.bound[slot];
+                            let part = if part.is_nan() && a[slot].is_nan() != b[slot].is_nan() {
                                 f64::INFINITY
                             } else {
                                 part
@@ -131,7 +131,7 @@ pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &Ou
                         }
                     }
                 }
-                movement.samples = moved[..lanes].iter().filter(|moved| **moved).count() as u64;
+                movement.samples = moved[..slots].iter().filter(|moved| **moved).count() as u64;
                 movement
             },
         )

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::oracle::Oracle;
 use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{Dependence, LANES, Site, Undefined};
+use program::interp::{Dependence, SLOTS, Site, Undefined};
 use program::lane::{Actual, LaneError, Runner};
 use property::Sample;
 
@@ -121,7 +121,7 @@ impl Runner for Fence<'_> {
 fn undefined(oracle: &Oracle, batch: &Batch, counts: &(dyn Fn(&Undefined) -> bool + Sync)) -> Vec<Option<Dependence>> {
     let all: Vec<usize> = (0..batch.invocation_count()).collect();
     let chunks: Vec<Vec<Option<Dependence>>> = all
-        .par_chunks(LANES)
+        .par_chunks(SLOTS)
         .map_init(|| oracle.ideal_or_meaning(), |machine, some| machine.undefined_on_the_way(batch, some, counts))
         .collect();
     chunks.concat()

@@ -285,7 +285,7 @@ impl Deviation {
 
 impl Deviation {
     /// The deviation in words; `against` is what the shader is compared with, such as `formula`, or its own `meaning`.
-    pub fn told(&self, against: &str) -> String {
+    pub fn message(&self, against: &str) -> String {
         match self.blame {
             Blame::Shader if against == MEANING => format!("the shader is wrong by its own meaning: {self:#}"),
             Blame::Shader => format!("the shader deviates from its {against}: {self:#}"),
@@ -396,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn each_side_is_told_with_what_it_is_compared_with() {
+    fn each_side_is_reported_with_what_it_is_compared_with() {
         let shader = deviation(Blame::Shader);
         assert_eq!(shader.to_string(), "the shader deviates from its formula: `d` of vertex 3 is 0.75, expected 0.5");
         let lane = deviation(Blame::Lane);

@@ -7,19 +7,19 @@ use super::reference::{Evaluator, Expected, Reference};
 use crate::profile::Profile;
 use crate::tape::{Model, Tape};
 use base::value::{Batch, Scalar};
-use program::interp::{Binary64, LANES, Machine, Number, OutputColumn};
+use program::interp::{Binary64, Machine, Number, OutputColumn, SLOTS};
 use program::lane::Stage;
 
-/// Bounds of up to [`LANES`] invocations.
+/// Bounds of up to [`SLOTS`] invocations.
 #[derive(Clone, Debug, Default)]
 pub struct Limits {
     /// Invocations.
-    pub lanes: usize,
-    /// What the program means in binary64: by vertex, then by word of its outputs, then by lane.
+    pub slots: usize,
+    /// What the program means in binary64: by vertex, then by word of its outputs, then by slot.
     pub values: Vec<f64>,
     /// How far a device may be from that, in the same order; infinite where nothing bounds it.
     pub bounds: Vec<f64>,
-    /// Why some output of a lane has no bound.
+    /// Why some output of a slot has no bound.
     pub reasons: Vec<Option<Reason>>,
 }
 
@@ -43,22 +43,22 @@ impl<'a> Limiter<'a> {
     /// Bounds of the invocations from `first` on.
     pub fn look(&mut self, batch: &Batch, first: usize, limits: &mut Limits) {
         let machine = &mut self.machine;
-        let lanes = machine.run(batch, first);
+        let slots = machine.run(batch, first);
         let (room, width) = (machine.room(), machine.width());
-        limits.lanes = lanes;
+        limits.slots = slots;
         limits.values.clear();
         limits.bounds.clear();
         limits.reasons.clear();
-        limits.reasons.extend((0..lanes).map(|lane| open(machine.domain(), lane)));
+        limits.reasons.extend((0..slots).map(|slot| open(machine.domain(), slot)));
         for vertex in 0..room {
             for word in 0..width {
                 let column = match machine.output(vertex, word) {
                     OutputColumn::Real(&column) => column,
                     OutputColumn::Word(words) => {
                         let words = *words;
-                        let open = |lane: usize| limits.reasons.get(lane).is_some_and(Option::is_some);
-                        let bound = |lane: usize| if open(lane) { f64::INFINITY } else { 0.0 };
-                        limits.bounds.extend((0..LANES).map(bound));
+                        let open = |slot: usize| limits.reasons.get(slot).is_some_and(Option::is_some);
+                        let bound = |slot: usize| if open(slot) { f64::INFINITY } else { 0.0 };
+                        limits.bounds.extend((0..SLOTS).map(bound));
                         limits.values.extend(words.iter().map(|&w| <f64 as Number>::exact(w, Scalar::I32)));
                         continue;
                     }
@@ -68,14 +68,14 @@ impl<'a> Limiter<'a> {
                 let bounds = tape.bounds(column, &mut |_| false);
                 let at = limits.bounds.len();
                 limits.bounds.extend_from_slice(&bounds.bound[..]);
-                for lane in 0..lanes {
-                    let open = tape.fork(lane).is_some();
-                    let loose = !limits.bounds[at + lane].is_finite() || !tape.values(column)[lane].is_finite();
+                for slot in 0..slots {
+                    let open = tape.fork(slot).is_some();
+                    let loose = !limits.bounds[at + slot].is_finite() || !tape.values(column)[slot].is_finite();
                     if open || loose {
-                        limits.bounds[at + lane] = f64::INFINITY;
+                        limits.bounds[at + slot] = f64::INFINITY;
                     }
-                    if loose && limits.reasons[lane].is_none() {
-                        limits.reasons[lane] = Some(Doubt::by(tape.cause(column, lane)).reason);
+                    if loose && limits.reasons[slot].is_none() {
+                        limits.reasons[slot] = Some(Doubt::by(tape.cause(column, slot)).reason);
                     }
                 }
             }
@@ -83,9 +83,9 @@ impl<'a> Limiter<'a> {
     }
 }
 
-/// Why a lane has no bounds: it was given up in a very long loop, or a comparison could go either way.
-fn open(tape: &Tape<'_>, lane: usize) -> Option<Reason> {
-    match (tape.given_up(lane), tape.fork(lane)) {
+/// Why a slot has no bounds: it was given up in a very long loop, or a comparison could go either way.
+fn open(tape: &Tape<'_>, slot: usize) -> Option<Reason> {
+    match (tape.given_up(slot), tape.fork(slot)) {
         (Some(_), _) => Some(Reason::LongLoop),
         (None, Some(_)) => Some(Reason::Branch),
         (None, None) => None,
@@ -104,7 +104,7 @@ impl<'a> Roundoff<'a> {
     }
 
     /// Bounds on the error of the outputs of the invocations from `first` on: by vertex, then by word, then by
-    /// lane. Infinite where nothing bounds it, and where a comparison could go either way.
+    /// slot. Infinite where nothing bounds it, and where a comparison could go either way.
     pub fn look(&mut self, batch: &Batch, first: usize, slack: &mut Vec<f64>) {
         let machine = &mut self.machine;
         machine.run(batch, first);
@@ -117,10 +117,10 @@ impl<'a> Roundoff<'a> {
                 };
                 let tape = machine.domain();
                 let bounds = column.map(|column| *tape.bounds(column, &mut |_| false).bound);
-                slack.extend((0..LANES).map(|lane| match (tape.fork(lane), &bounds) {
+                slack.extend((0..SLOTS).map(|slot| match (tape.fork(slot), &bounds) {
                     (Some(_), _) => f64::INFINITY,
-                    (None, Some(bounds)) if bounds[lane].is_nan() => f64::INFINITY,
-                    (None, Some(bounds)) => bounds[lane],
+                    (None, Some(bounds)) if bounds[slot].is_nan() => f64::INFINITY,
+                    (None, Some(bounds)) => bounds[slot],
                     (None, None) => 0.0,
                 }));
             }
@@ -143,14 +143,14 @@ impl<'a> Wanted<'a> {
         Self { evaluator: Evaluator::bounded(reference), expected: Expected::default() }
     }
 
-    /// Calls `each` with the place of each of these invocations, at most [`LANES`] of them, its expected words
+    /// Calls `each` with the place of each of these invocations, at most [`SLOTS`] of them, its expected words
     /// (empty where nothing is expected), and how far each of them may be off.
     pub fn look(&mut self, batch: &Batch, first: usize, count: usize, each: Each<'_>) {
         let invocations: Vec<usize> = (first..first + count).collect();
         self.evaluator.turn_to(batch, &invocations);
-        for (lane, &invocation) in invocations.iter().enumerate() {
-            self.evaluator.expected(batch, invocation, lane, &mut self.expected);
-            each(lane, &self.expected.words, &self.expected.slack);
+        for (slot, &invocation) in invocations.iter().enumerate() {
+            self.evaluator.expected(batch, invocation, slot, &mut self.expected);
+            each(slot, &self.expected.words, &self.expected.slack);
         }
     }
 }
@@ -166,7 +166,7 @@ impl<'a> Meant<'a> {
         Self { machine: oracle.ideal_or_meaning() }
     }
 
-    /// The outputs of the invocations from `first` on: by vertex, then by word, then by lane. Whole
+    /// The outputs of the invocations from `first` on: by vertex, then by word, then by slot. Whole
     /// numbers are given as they are, and `scalars` says by word what they stand for.
     pub fn look(&mut self, batch: &Batch, first: usize, scalars: &[Scalar], values: &mut Vec<f64>) {
         let machine = &mut self.machine;

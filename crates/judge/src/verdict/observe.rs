@@ -7,7 +7,7 @@ use super::oracle::JudgeContext;
 use crate::profile::Promises;
 use crate::tape::{Model, Tape};
 use base::value::Batch;
-use program::interp::{LANES, Machine, Number, OutputColumn};
+use program::interp::{Machine, Number, OutputColumn, SLOTS};
 use program::lane::{Actual, Api, Stage};
 use property::Observed;
 
@@ -26,11 +26,11 @@ pub(super) type Slack = Vec<Vec<f64>>;
 /// The slack of the outputs of a batch; it depends on the program and its inputs alone.
 fn slack(context: &JudgeContext<'_>, batch: &Batch) -> Slack {
     let count = batch.invocation_count();
-    let chunks: Vec<Slack> = (0..count.div_ceil(LANES))
+    let chunks: Vec<Slack> = (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || context.oracle.authored_tape(context.lenient()),
-            |machine, chunk| slack_of(machine, batch, chunk * LANES),
+            |machine, chunk| slack_of(machine, batch, chunk * SLOTS),
         )
         .collect();
     chunks.into_iter().flatten().collect()
@@ -39,18 +39,18 @@ fn slack(context: &JudgeContext<'_>, batch: &Batch) -> Slack {
 /// The slack of the invocations from `first` on, as many as the machine takes. It is infinite where
 /// nothing is promised, where the shader has no value, and where a decision could go either way.
 pub(super) fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first: usize) -> Slack {
-    let lanes = machine.run(batch, first);
+    let slots = machine.run(batch, first);
     let width = machine.width();
-    let mut slack = vec![vec![0.0; machine.room() * width]; lanes];
+    let mut slack = vec![vec![0.0; machine.room() * width]; slots];
     for vertex in 0..machine.room() {
         for word in 0..width {
             let at = vertex * width + word;
             let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
             let tape = machine.domain();
             let bounds = tape.bounds(column, &mut |_| false);
-            for (lane, slack) in slack.iter_mut().enumerate() {
-                let open = tape.fork(lane).is_some() || !tape.values(column)[lane].is_finite();
-                slack[at] = if open { f64::INFINITY } else { bounds.bound[lane] };
+            for (slot, slack) in slack.iter_mut().enumerate() {
+                let open = tape.fork(slot).is_some() || !tape.values(column)[slot].is_finite();
+                slack[at] = if open { f64::INFINITY } else { bounds.bound[slot] };
             }
         }
     }
@@ -64,13 +64,13 @@ pub(super) fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first
 /// in it.
 pub fn meaning(context: &JudgeContext<'_>, batch: &Batch) -> Vec<Observed> {
     let count = batch.invocation_count();
-    let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(LANES))
+    let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || context.oracle.ideal_device_tape(strict()),
             |machine, chunk| {
-                let slack = slack_of(machine, batch, chunk * LANES);
-                let see = |(lane, slack): (usize, &Vec<f64>)| meant(context, machine, lane, slack);
+                let slack = slack_of(machine, batch, chunk * SLOTS);
+                let see = |(slot, slack): (usize, &Vec<f64>)| meant(context, machine, slot, slack);
                 slack.iter().enumerate().map(see).collect()
             },
         )
@@ -84,16 +84,16 @@ fn strict() -> Model<'static> {
     Model::Device { profile, stage: Stage::Compute, rearranged: false }
 }
 
-fn meant(context: &JudgeContext<'_>, machine: &mut Machine<'_, Tape<'_>>, lane: usize, slack: &[f64]) -> Observed {
-    let stored = if machine.is_emitting() { machine.emitted()[lane] as usize } else { 1 };
+fn meant(context: &JudgeContext<'_>, machine: &mut Machine<'_, Tape<'_>>, slot: usize, slack: &[f64]) -> Observed {
+    let stored = if machine.is_emitting() { machine.emitted()[slot] as usize } else { 1 };
     let vertices = stored.min(machine.room());
     let mut observed = Observed { vertices, words: Vec::new(), slack: Vec::new() };
     for vertex in 0..vertices {
         for output in &context.reference.seen {
             for word in output.actual.clone() {
                 let value = match machine.output(vertex, word) {
-                    OutputColumn::Real(&column) => machine.domain().values(column)[lane],
-                    OutputColumn::Word(words) => <f64 as Number>::exact(words[lane], output.scalar),
+                    OutputColumn::Real(&column) => machine.domain().values(column)[slot],
+                    OutputColumn::Word(words) => <f64 as Number>::exact(words[slot], output.scalar),
                 };
                 observed.words.push(value);
                 observed.slack.push(slack[vertex * machine.width() + word]);

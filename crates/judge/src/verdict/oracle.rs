@@ -6,7 +6,7 @@ use crate::profile::Promises;
 use crate::tape::{Literal, Model, Tape};
 use base::value::Batch;
 use program::Program;
-use program::interp::{self, Binary64, Executable, FUEL, InterpError, LANES, Machine};
+use program::interp::{self, Binary64, Executable, FUEL, InterpError, Machine, SLOTS};
 use program::lane::Stage;
 
 use super::edges::Watch;
@@ -188,7 +188,7 @@ impl<'a> JudgeContext<'a> {
         if self.oracle.readings.iter().find(precise).is_some_and(|known| known.precise) {
             return vec![true; invocations.len()];
         }
-        invocations.chunks(LANES).flat_map(|some| within_device(self, reading.oracle, batch, some)).collect()
+        invocations.chunks(SLOTS).flat_map(|some| within_device(self, reading.oracle, batch, some)).collect()
     }
 
     /// What may be allowed to a lane, the strictest first.

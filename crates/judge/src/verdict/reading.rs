@@ -6,7 +6,7 @@ use super::rounded::Rounded;
 use super::second_pass::SecondPass;
 use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{LANES, OutputColumn};
+use program::interp::{OutputColumn, SLOTS};
 
 /// The program with each literal as a function gives it.
 type Read<'r> = dyn Fn(&dyn Fn(f64) -> f64) -> Oracle + 'r;
@@ -55,7 +55,7 @@ impl<'a> Reader<'a> {
         oracle.readings.iter().map(reader).collect()
     }
 
-    /// What the reading makes of invocations in which the shader deviates as it is written, at most [`LANES`] of them:
+    /// What the reading makes of invocations in which the shader deviates as it is written, at most [`SLOTS`] of them:
     /// the verdict that takes the place of the deviation, where there is one.
     pub(super) fn look(
         &mut self,
@@ -89,27 +89,27 @@ pub(super) fn within_device(
 ) -> Vec<bool> {
     let (mut written, mut meant) = (context.oracle.ideal_or_meaning(), read.ideal_or_meaning());
     let mut device = context.oracle.tape(context.lenient());
-    let lanes = written.run_some(batch, invocations);
+    let slots = written.run_some(batch, invocations);
     meant.run_some(batch, invocations);
     device.run_some(batch, invocations);
-    let mut near: [bool; LANES] = std::array::from_fn(|lane| written.emitted()[lane] == meant.emitted()[lane]);
+    let mut near: [bool; SLOTS] = std::array::from_fn(|slot| written.emitted()[slot] == meant.emitted()[slot]);
     for vertex in 0..written.room() {
         for word in 0..written.width() {
             match (written.output(vertex, word), meant.output(vertex, word), device.output(vertex, word)) {
                 (OutputColumn::Real(a), OutputColumn::Real(b), OutputColumn::Real(&column)) => {
                     let bounds = device.domain().bounds(column, &mut |_| false);
                     let moved = a.values().iter().zip(b.values()).map(|(a, b)| (a - b).abs());
-                    for (lane, moved) in moved.enumerate().take(lanes) {
+                    for (slot, moved) in moved.enumerate().take(slots) {
                         // An infinite bound says nothing, and NaN does not pass.
-                        near[lane] &= moved == 0.0 || bounds.bound[lane].is_finite() && moved <= bounds.bound[lane];
+                        near[slot] &= moved == 0.0 || bounds.bound[slot].is_finite() && moved <= bounds.bound[slot];
                     }
                 }
                 (OutputColumn::Word(a), OutputColumn::Word(b), _) => {
                     near.iter_mut().zip(a.iter().zip(b)).for_each(|(near, (a, b))| *near &= a == b);
                 }
-                _ => near = [false; LANES],
+                _ => near = [false; SLOTS],
             }
         }
     }
-    near[..lanes].to_vec()
+    near[..slots].to_vec()
 }

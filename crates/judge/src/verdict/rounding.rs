@@ -28,9 +28,9 @@ pub fn effects(context: &JudgeContext<'_>, program: &Program, one: &Rounded, bat
     let (mut written, mut meant) = (context.oracle.ideal_or_meaning(), read.ideal_or_meaning());
     let mut all = Vec::with_capacity(batch.invocation_count());
     while all.len() < batch.invocation_count() {
-        let lanes = written.run(batch, all.len());
+        let slots = written.run(batch, all.len());
         meant.run(batch, all.len());
-        all.extend((0..lanes).map(|lane| largest(record, &written, &meant, lane)));
+        all.extend((0..slots).map(|slot| largest(record, &written, &meant, slot)));
     }
     all
 }
@@ -40,13 +40,13 @@ fn largest(
     record: &Record,
     written: &Machine<'_, Binary64>,
     meant: &Machine<'_, Binary64>,
-    lane: usize,
+    slot: usize,
 ) -> Option<Effect> {
     let value = |machine: &Machine<'_, Binary64>, vertex: usize, word: usize| match machine.output(vertex, word) {
-        OutputColumn::Real(column) => Some(column.values()[lane]),
+        OutputColumn::Real(column) => Some(column.values()[slot]),
         OutputColumn::Word(_) => None,
     };
-    let stored = if meant.is_emitting() { meant.room().min(meant.emitted()[lane] as usize) } else { 1 };
+    let stored = if meant.is_emitting() { meant.room().min(meant.emitted()[slot] as usize) } else { 1 };
     let mut most: Option<Effect> = None;
     for vertex in 0..stored {
         for field in 0..record.fields().len() {

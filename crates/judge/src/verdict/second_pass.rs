@@ -13,7 +13,7 @@ use crate::profile::grid::MIN_NORMAL;
 use crate::tape::{FADED, Model, Tape};
 use base::value::{Batch, Scalar, ulp_at};
 use program::OutputLayout;
-use program::interp::{Binary64, HazardKind, LANES, Machine, Number, OutputColumn, POISON};
+use program::interp::{Binary64, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
 use program::lane::Actual;
 
 /// An error of this part of the values' size is no test any more, even if it is allowed.
@@ -87,7 +87,7 @@ impl<'a> SecondPass<'a> {
         self.forked.clear();
         let mut verdicts: Vec<Option<Verdict>> = vec![None; samples.len()];
         let shaders: Vec<usize> = (0..samples.len()).filter(|&k| samples[k].shader).collect();
-        for group in shaders.chunks(LANES) {
+        for group in shaders.chunks(SLOTS) {
             let invocations: Vec<usize> = group.iter().map(|&k| samples[k].invocation).collect();
             for (&k, verdict) in group.iter().zip(self.shader(batch, actual.layout(), Some(actual), &invocations)) {
                 verdicts[k] = verdict;
@@ -101,7 +101,7 @@ impl<'a> SecondPass<'a> {
         let mut permitted = HashSet::new();
         for tier in 0..self.tiers.len() {
             let mut open = Vec::new();
-            for group in lanes.chunks(LANES) {
+            for group in lanes.chunks(SLOTS) {
                 let invocations: Vec<usize> = group.iter().map(|&k| samples[k].invocation).collect();
                 for (&k, found) in group.iter().zip(self.lane(tier, batch, actual, &invocations)) {
                     // What is not promised is not held against a lane that is not as it was measured.
@@ -198,15 +198,15 @@ impl<'a> SecondPass<'a> {
         }
     }
 
-    /// For each invocation, whether a loop of the shader goes on without end; at most [`LANES`] of them.
+    /// For each invocation, whether a loop of the shader goes on without end; at most [`SLOTS`] of them.
     fn endless(&mut self, batch: &Batch, invocations: &[usize]) -> Vec<bool> {
         let oracle = self.context.oracle;
         if !oracle.executable().has_loops() {
-            return vec![false; invocations.len().min(LANES)];
+            return vec![false; invocations.len().min(SLOTS)];
         }
         let machine = self.ends.get_or_insert_with(|| oracle.ideal_or_meaning());
-        let lanes = machine.run_some(batch, invocations);
-        machine.flags()[..lanes].iter().map(|flags| flags.has(HazardKind::Fuel)).collect()
+        let slots = machine.run_some(batch, invocations);
+        machine.flags()[..slots].iter().map(|flags| flags.has(HazardKind::Fuel)).collect()
     }
 
     /// The same for invocations that end.
@@ -221,33 +221,33 @@ impl<'a> SecondPass<'a> {
         let Self { context, ideal, evaluator, .. } = self;
         let reference = context.reference;
         let machine = ideal.get_or_insert_with(|| context.oracle.ideal_tape());
-        let lanes = machine.run_some(batch, invocations);
-        let mut verdicts = vec![None; lanes];
-        let mut expected = vec![Expected::default(); lanes];
-        evaluator.turn_to(batch, &invocations[..lanes]);
-        for lane in 0..lanes {
-            evaluator.expected(batch, invocations[lane], lane, &mut expected[lane]);
-            verdicts[lane] = match cut(machine.domain(), lane) {
+        let slots = machine.run_some(batch, invocations);
+        let mut verdicts = vec![None; slots];
+        let mut expected = vec![Expected::default(); slots];
+        evaluator.turn_to(batch, &invocations[..slots]);
+        for slot in 0..slots {
+            evaluator.expected(batch, invocations[slot], slot, &mut expected[slot]);
+            verdicts[slot] = match cut(machine.domain(), slot) {
                 Some(doubt) => Some(Verdict::Undetermined(doubt)),
-                None => shape_of_shader(machine, context, &expected[lane], lane).map(Verdict::Deviate),
+                None => shape_of_shader(machine, context, &expected[slot], slot).map(Verdict::Deviate),
             };
         }
-        let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
+        let known: Vec<bool> = (0..slots).map(|slot| machine.domain().given_up(slot).is_none()).collect();
         for vertex in 0..machine.room() {
             for output in &reference.outputs {
                 let base = vertex * reference.vertex_words;
-                let scale = |lane: usize| {
-                    let values = expected[lane].words.get(base + output.expected.start..base + output.expected.end);
+                let scale = |slot: usize| {
+                    let values = expected[slot].words.get(base + output.expected.start..base + output.expected.end);
                     values.map_or(0.0, |values| values.iter().fold(0.0_f64, |m, v| m.max(v.abs())))
                 };
-                let scales: Vec<f64> = (0..lanes).map(scale).collect();
+                let scales: Vec<f64> = (0..slots).map(scale).collect();
                 for k in 0..output.expected.len() {
                     let at = base + output.expected.start + k;
-                    let target = |lane: usize| expected[lane].words.get(at).copied();
-                    let slack = |lane: usize| expected[lane].slack(at);
-                    let open: Vec<usize> = (0..lanes)
-                        .filter(|&lane| known[lane] && target(lane).is_some())
-                        .filter(|&lane| !matches!(verdicts[lane], Some(Verdict::Deviate(_))))
+                    let target = |slot: usize| expected[slot].words.get(at).copied();
+                    let slack = |slot: usize| expected[slot].slack(at);
+                    let open: Vec<usize> = (0..slots)
+                        .filter(|&slot| known[slot] && target(slot).is_some())
+                        .filter(|&slot| !matches!(verdicts[slot], Some(Verdict::Deviate(_))))
                         .collect();
                     let word = output.actual.start + k;
                     let found = word_of_shader(
@@ -257,16 +257,16 @@ impl<'a> SecondPass<'a> {
                         &open,
                         &Aim { target: &target, slack: &slack, scales: &scales },
                     );
-                    for (lane, verdict) in found {
+                    for (slot, verdict) in found {
                         let verdict = match verdict {
                             Err(doubt) => Verdict::Undetermined(doubt),
                             Ok((meaning, bound)) => {
                                 let value = Value {
                                     component: layout.vertex.word_name(word),
                                     vertex: reference.emits().then_some(vertex),
-                                    expected: target(lane),
+                                    expected: target(slot),
                                     meaning: meaning.unwrap_or(f64::NAN),
-                                    actual: actual.map_or(POISON, |a| found_word(a, invocations[lane], vertex, word)),
+                                    actual: actual.map_or(POISON, |a| found_word(a, invocations[slot], vertex, word)),
                                     scalar: output.scalar,
                                     bound,
                                 };
@@ -277,7 +277,7 @@ impl<'a> SecondPass<'a> {
                                 Verdict::Deviate(Deviation { blame: Blame::Shader, what })
                             }
                         };
-                        verdicts[lane] = Some(worse(verdicts[lane].take(), verdict, 0));
+                        verdicts[slot] = Some(worse(verdicts[slot].take(), verdict, 0));
                     }
                 }
             }
@@ -296,9 +296,9 @@ impl<'a> SecondPass<'a> {
             return vec![None; invocations.len()];
         }
         let mut machine = self.context.oracle.rounded_tape();
-        let lanes = machine.run_some(batch, invocations);
+        let slots = machine.run_some(batch, invocations);
         let tape = machine.domain();
-        (0..lanes).map(|lane| tape.fork(lane).map(|_| fork(tape, lane))).collect()
+        (0..slots).map(|slot| tape.fork(slot).map(|_| fork(tape, slot))).collect()
     }
 
     /// Whether a lane is within what a tier allows.
@@ -306,35 +306,35 @@ impl<'a> SecondPass<'a> {
         let Self { context, tiers, max_ulp, forked, faded, .. } = self;
         let Tier { promise, model, machine } = &mut tiers[tier];
         let machine = machine.get_or_insert_with(|| context.oracle.tape(*model));
-        let lanes = machine.run_some(batch, invocations);
-        let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); lanes];
-        let mut ulps = vec![0.0_f64; lanes];
-        let mut faded_lanes = [false; LANES];
+        let slots = machine.run_some(batch, invocations);
+        let mut verdicts: Vec<Verdict> = vec![Verdict::Agree(*promise); slots];
+        let mut ulps = vec![0.0_f64; slots];
+        let mut faded_slots = [false; SLOTS];
         let vectors: Vec<f64> =
             invocations.iter().map(|&invocation| context.reference.vector_size(batch, invocation)).collect();
         // Sums may be regrouped; what a comparison sees is taken to be in the order of the source.
         let regrouped = *promise == Promise::Rearranged;
-        for lane in (0..lanes).filter(|_| !regrouped) {
-            if machine.domain().fork(lane).is_some() {
-                forked.insert(invocations[lane]);
+        for slot in (0..slots).filter(|_| !regrouped) {
+            if machine.domain().fork(slot).is_some() {
+                forked.insert(invocations[slot]);
             }
         }
-        let decided: Vec<bool> = (0..lanes).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
-        let known: Vec<bool> = (0..lanes).map(|lane| machine.domain().given_up(lane).is_none()).collect();
-        for lane in 0..lanes {
-            if let Some(doubt) = cut(machine.domain(), lane) {
-                verdicts[lane] = Verdict::Undetermined(doubt);
+        let decided: Vec<bool> = (0..slots).map(|k| regrouped && !forked.contains(&invocations[k])).collect();
+        let known: Vec<bool> = (0..slots).map(|slot| machine.domain().given_up(slot).is_none()).collect();
+        for slot in 0..slots {
+            if let Some(doubt) = cut(machine.domain(), slot) {
+                verdicts[slot] = Verdict::Undetermined(doubt);
                 continue;
             }
-            let Some(deviation) = shape_of_lane(machine, actual, invocations[lane], lane) else { continue };
+            let Some(deviation) = shape_of_lane(machine, actual, invocations[slot], slot) else { continue };
             let tape = machine.domain();
-            let open = !decided[lane] && tape.fork(lane).is_some();
-            verdicts[lane] = if open { Verdict::Undetermined(fork(tape, lane)) } else { Verdict::Deviate(deviation) };
+            let open = !decided[slot] && tape.fork(slot).is_some();
+            verdicts[slot] = if open { Verdict::Undetermined(fork(tape, slot)) } else { Verdict::Deviate(deviation) };
         }
         let record = actual.layout().vertex.clone();
         for vertex in 0..machine.room() {
             for (field, shape) in record.fields().iter().enumerate().map(|(k, f)| (k, f.shape)) {
-                let mut scale = [0.0_f64; LANES];
+                let mut scale = [0.0_f64; SLOTS];
                 for word in record.range(field) {
                     if let OutputColumn::Real(&column) = machine.output(vertex, word) {
                         let values = machine.domain().values(column);
@@ -342,40 +342,40 @@ impl<'a> SecondPass<'a> {
                     }
                 }
                 for word in record.range(field) {
-                    let open: Vec<usize> = (0..lanes)
-                        .filter(|&lane| known[lane] && !matches!(verdicts[lane], Verdict::Deviate(_)))
-                        .filter(|&lane| vertex < actual.stored(invocations[lane]))
+                    let open: Vec<usize> = (0..slots)
+                        .filter(|&slot| known[slot] && !matches!(verdicts[slot], Verdict::Deviate(_)))
+                        .filter(|&slot| vertex < actual.stored(invocations[slot]))
                         .collect();
                     // Of two doubts on a sample the first is kept: no cause is looked for again.
-                    let mut doubted = [false; LANES];
-                    open.iter().for_each(|&lane| doubted[lane] = matches!(verdicts[lane], Verdict::Undetermined(_)));
+                    let mut doubted = [false; SLOTS];
+                    open.iter().for_each(|&slot| doubted[slot] = matches!(verdicts[slot], Verdict::Undetermined(_)));
                     let known = Known { open: &open, decided: &decided, doubted: &doubted };
-                    for (lane, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
-                        let scale = scale[lane];
-                        let size = scale.max(vectors[lane]);
+                    for (slot, outcome, error) in open_words(machine, actual, invocations, &known, (vertex, word)) {
+                        let scale = scale[slot];
+                        let size = scale.max(vectors[slot]);
                         let verdict = match outcome {
-                            Allowed::Within if doubted[lane] => continue,
+                            Allowed::Within if doubted[slot] => continue,
                             Allowed::Within if shape.scalar == Scalar::F32 && scale < MIN_NORMAL && scale > 0.0 => {
-                                Verdict::Undetermined(underflow(machine, vertex, word, lane))
+                                Verdict::Undetermined(underflow(machine, vertex, word, slot))
                             }
                             // Beside its value at the start, what has faded out is 0 on every device.
                             Allowed::Within
-                                if error <= FADED && scale <= FADED && fades(machine, vertex, word, lane) =>
+                                if error <= FADED && scale <= FADED && fades(machine, vertex, word, slot) =>
                             {
-                                faded_lanes[lane] |= error > USELESS * size.max(MIN_NORMAL);
+                                faded_slots[slot] |= error > USELESS * size.max(MIN_NORMAL);
                                 continue;
                             }
                             Allowed::Within if error > USELESS * size.max(MIN_NORMAL) => {
                                 let reason = Reason::IllConditioned;
-                                Verdict::Undetermined(Doubt { reason, ..underflow(machine, vertex, word, lane) })
+                                Verdict::Undetermined(Doubt { reason, ..underflow(machine, vertex, word, slot) })
                             }
                             Allowed::Within => {
-                                ulps[lane] = ulps[lane].max(error / ulp_at(size));
+                                ulps[slot] = ulps[slot].max(error / ulp_at(size));
                                 continue;
                             }
                             Allowed::Doubtful(doubt) => Verdict::Undetermined(doubt),
                             Allowed::Outside { meaning, bound } => {
-                                let found = found_word(actual, invocations[lane], vertex, word);
+                                let found = found_word(actual, invocations[slot], vertex, word);
                                 let component = record.word_name(word);
                                 let on = actual.layout().max_vertices.map(|_| vertex);
                                 let what = if actual.is_unwritten(found) {
@@ -394,17 +394,17 @@ impl<'a> SecondPass<'a> {
                                 Verdict::Deviate(Deviation { blame: Blame::Lane, what })
                             }
                         };
-                        let before = std::mem::replace(&mut verdicts[lane], Verdict::Agree(*promise));
-                        verdicts[lane] = worse(Some(before), verdict, 0);
+                        let before = std::mem::replace(&mut verdicts[slot], Verdict::Agree(*promise));
+                        verdicts[slot] = worse(Some(before), verdict, 0);
                     }
                 }
             }
         }
-        for (lane, (ulp, verdict)) in ulps.iter().zip(&verdicts).enumerate() {
+        for (slot, (ulp, verdict)) in ulps.iter().zip(&verdicts).enumerate() {
             if matches!(verdict, Verdict::Agree(_)) {
                 *max_ulp = max_ulp.max(*ulp);
-                if faded_lanes[lane] {
-                    faded.insert(invocations[lane]);
+                if faded_slots[slot] {
+                    faded.insert(invocations[slot]);
                 }
             }
         }
@@ -432,7 +432,7 @@ fn worse(before: Option<Verdict>, verdict: Verdict, tier: usize) -> Verdict {
     }
 }
 
-/// What came of one word of one lane.
+/// What came of one word of one slot.
 enum Allowed {
     /// The error is within the bound, or within a part of it.
     Within,
@@ -443,17 +443,17 @@ enum Allowed {
     },
 }
 
-/// Lanes of a chunk about which something is known.
+/// Slots of a chunk about which something is known.
 struct Known<'k> {
     /// Those to judge.
     open: &'k [usize],
     /// Those in which no comparison is in doubt.
     decided: &'k [bool],
     /// Those that are in doubt already: theirs come without a cause, and with any reason.
-    doubted: &'k [bool; LANES],
+    doubted: &'k [bool; SLOTS],
 }
 
-/// Judges one output word in some lanes. Gives the lane, what came of it, and its error.
+/// Judges one output word in some slots. Gives the slot, what came of it, and its error.
 fn open_words(
     machine: &mut Machine<'_, Tape<'_>>,
     actual: &Actual,
@@ -461,22 +461,22 @@ fn open_words(
     &Known { open, decided, doubted }: &Known<'_>,
     (vertex, word): (usize, usize),
 ) -> Vec<(usize, Allowed, f64)> {
-    let found = |lane: usize| actual.vertex(invocations[lane], vertex)[word];
+    let found = |slot: usize| actual.vertex(invocations[slot], vertex)[word];
     let column = match machine.output(vertex, word) {
         OutputColumn::Real(&column) => column,
         OutputColumn::Word(words) => {
             let (words, scalar) = (*words, actual.layout().vertex.scalar_of(word));
             let tape = machine.domain();
-            let judge = |&lane: &usize| {
-                let unwritten = words[lane] == POISON && actual.is_unwritten(found(lane));
-                let outcome = if words[lane] == found(lane) || unwritten {
+            let judge = |&slot: &usize| {
+                let unwritten = words[slot] == POISON && actual.is_unwritten(found(slot));
+                let outcome = if words[slot] == found(slot) || unwritten {
                     Allowed::Within
-                } else if !decided[lane] && tape.fork(lane).is_some() {
-                    Allowed::Doubtful(fork(tape, lane))
+                } else if !decided[slot] && tape.fork(slot).is_some() {
+                    Allowed::Doubtful(fork(tape, slot))
                 } else {
-                    Allowed::Outside { meaning: real(words[lane], scalar), bound: 0.0 }
+                    Allowed::Outside { meaning: real(words[slot], scalar), bound: 0.0 }
                 };
-                (lane, outcome, 0.0)
+                (slot, outcome, 0.0)
             };
             return open.iter().map(judge).collect();
         }
@@ -485,39 +485,39 @@ fn open_words(
     let values = *tape.values(column);
     // NaN on either side gives an error that is within nothing.
     let errors: Vec<(usize, f64)> =
-        open.iter().map(|&lane| (lane, (f64::from(f32::from_bits(found(lane))) - values[lane]).abs())).collect();
-    let equal = |lane: usize| f64::from(f32::from_bits(found(lane))) == values[lane];
+        open.iter().map(|&slot| (slot, (f64::from(f32::from_bits(found(slot))) - values[slot]).abs())).collect();
+    let equal = |slot: usize| f64::from(f32::from_bits(found(slot))) == values[slot];
     // What is infinite stays so.
     let settled =
-        |lane: usize, error: f64, bound: f64| bound == f64::INFINITY || equal(lane) || agrees(error, 0.0, bound);
-    let bounds = tape.bounds(column, &mut |bound| errors.iter().all(|&(lane, e)| settled(lane, e, bound[lane])));
+        |slot: usize, error: f64, bound: f64| bound == f64::INFINITY || equal(slot) || agrees(error, 0.0, bound);
+    let bounds = tape.bounds(column, &mut |bound| errors.iter().all(|&(slot, e)| settled(slot, e, bound[slot])));
     errors
         .into_iter()
-        .map(|(lane, error)| {
-            let bound = bounds.bound[lane];
-            if equal(lane) || agrees(error, 0.0, bound) {
-                return (lane, Allowed::Within, if error.is_nan() { 0.0 } else { error });
+        .map(|(slot, error)| {
+            let bound = bounds.bound[slot];
+            if equal(slot) || agrees(error, 0.0, bound) {
+                return (slot, Allowed::Within, if error.is_nan() { 0.0 } else { error });
             }
             // What the shader itself leaves unwritten, a lane may leave so.
-            if values[lane].is_poison() && actual.is_unwritten(found(lane)) {
-                return (lane, Allowed::Within, 0.0);
+            if values[slot].is_poison() && actual.is_unwritten(found(slot)) {
+                return (slot, Allowed::Within, 0.0);
             }
-            let outcome = if !values[lane].is_finite() || !bound.is_finite() {
-                let cause = || Doubt::by(tape.cause(column, lane));
-                Allowed::Doubtful(if doubted[lane] { Doubt::of(Reason::Branch) } else { cause() })
-            } else if !decided[lane] && tape.fork(lane).is_some() {
-                Allowed::Doubtful(fork(tape, lane))
+            let outcome = if !values[slot].is_finite() || !bound.is_finite() {
+                let cause = || Doubt::by(tape.cause(column, slot));
+                Allowed::Doubtful(if doubted[slot] { Doubt::of(Reason::Branch) } else { cause() })
+            } else if !decided[slot] && tape.fork(slot).is_some() {
+                Allowed::Doubtful(fork(tape, slot))
             } else {
-                Allowed::Outside { meaning: values[lane], bound }
+                Allowed::Outside { meaning: values[slot], bound }
             };
-            (lane, outcome, error)
+            (slot, outcome, error)
         })
         .collect()
 }
 
 type Reevaluated = (usize, Result<(Option<f64>, f64), Doubt>);
 
-/// What one word should be, for each lane.
+/// What one word should be, for each slot.
 struct Aim<'t> {
     target: &'t dyn Fn(usize) -> Option<f64>,
     /// How far the target itself may be off.
@@ -526,7 +526,7 @@ struct Aim<'t> {
     scales: &'t [f64],
 }
 
-/// Judges one word of the formula in some lanes: those in which the shader means something else, with
+/// Judges one word of the formula in some slots: those in which the shader means something else, with
 /// its meaning and what binary64 allows, or with a doubt.
 fn word_of_shader(
     machine: &mut Machine<'_, Tape<'_>>,
@@ -539,18 +539,18 @@ fn word_of_shader(
         OutputColumn::Real(&column) => column,
         OutputColumn::Word(words) => {
             let words = *words;
-            let wrong = |&lane: &usize| {
-                let (meaning, wanted) = (<f64 as Number>::exact(words[lane], output.scalar), target(lane)?);
-                let meaning = (words[lane] != POISON).then_some(meaning);
-                if meaning.is_some_and(|meaning| agrees(meaning, wanted, slack(lane)) || meaning == wanted) {
+            let wrong = |&slot: &usize| {
+                let (meaning, wanted) = (<f64 as Number>::exact(words[slot], output.scalar), target(slot)?);
+                let meaning = (words[slot] != POISON).then_some(meaning);
+                if meaning.is_some_and(|meaning| agrees(meaning, wanted, slack(slot)) || meaning == wanted) {
                     return None;
                 }
-                if wanted.is_nan() || slack(lane) == f64::INFINITY {
+                if wanted.is_nan() || slack(slot) == f64::INFINITY {
                     // Nothing is expected here, or it is not known what.
                     let reason = if wanted.is_nan() { Reason::Domain } else { Reason::Branch };
-                    return Some((lane, Err(Doubt::of(reason))));
+                    return Some((slot, Err(Doubt::of(reason))));
                 }
-                Some((lane, Ok((meaning, slack(lane)))))
+                Some((slot, Ok((meaning, slack(slot)))))
             };
             return open.iter().filter_map(wrong).collect();
         }
@@ -559,39 +559,39 @@ fn word_of_shader(
     let values = *tape.values(column);
     let far: Vec<(usize, f64)> = open
         .iter()
-        .filter_map(|&lane| Some((lane, (values[lane] - target(lane)?).abs())))
-        .filter(|&(lane, error)| !(error <= NEAR * scales[lane]))
+        .filter_map(|&slot| Some((slot, (values[slot] - target(slot)?).abs())))
+        .filter(|&(slot, error)| !(error <= NEAR * scales[slot]))
         .collect();
     if far.is_empty() {
         return Vec::new();
     }
     let bounds = tape.bounds(column, &mut |_| false);
-    let judge = |(lane, error): (usize, f64)| -> Option<Reevaluated> {
-        let wanted = target(lane)?;
-        let bound = TWO_WAYS * bounds.bound[lane] + NEAR * scales[lane] + slack(lane);
-        if values[lane].is_poison() {
-            return Some((lane, Ok((None, 0.0))));
+    let judge = |(slot, error): (usize, f64)| -> Option<Reevaluated> {
+        let wanted = target(slot)?;
+        let bound = TWO_WAYS * bounds.bound[slot] + NEAR * scales[slot] + slack(slot);
+        if values[slot].is_poison() {
+            return Some((slot, Ok((None, 0.0))));
         }
         if wanted.is_nan() {
             // The formula has no value here.
-            return Some((lane, Err(Doubt { reason: Reason::Domain, cause: tape.cause(column, lane) })));
+            return Some((slot, Err(Doubt { reason: Reason::Domain, cause: tape.cause(column, slot) })));
         }
-        if slack(lane) == f64::INFINITY {
+        if slack(slot) == f64::INFINITY {
             // What is expected is not known well enough to be compared with.
-            return Some((lane, Err(Doubt::of(Reason::IllConditioned))));
+            return Some((slot, Err(Doubt::of(Reason::IllConditioned))));
         }
         if agrees(error, 0.0, bound) {
-            let useless = error - slack(lane) > USELESS_64 * scales[lane].max(MIN_NORMAL);
-            return useless.then(|| (lane, Err(Doubt::of(Reason::IllConditioned))));
+            let useless = error - slack(slot) > USELESS_64 * scales[slot].max(MIN_NORMAL);
+            return useless.then(|| (slot, Err(Doubt::of(Reason::IllConditioned))));
         }
         // A shader without a value where the formula has one is wrong.
-        if values[lane].is_finite() && !bound.is_finite() {
-            return Some((lane, Err(Doubt::by(tape.cause(column, lane)))));
+        if values[slot].is_finite() && !bound.is_finite() {
+            return Some((slot, Err(Doubt::by(tape.cause(column, slot)))));
         }
-        if values[lane].is_finite() && tape.fork(lane).is_some() {
-            return Some((lane, Err(fork(tape, lane))));
+        if values[slot].is_finite() && tape.fork(slot).is_some() {
+            return Some((slot, Err(fork(tape, slot))));
         }
-        Some((lane, Ok((Some(values[lane]), if bound.is_finite() { bound } else { 0.0 }))))
+        Some((slot, Ok((Some(values[slot]), if bound.is_finite() { bound } else { 0.0 }))))
     };
     far.into_iter().filter_map(judge).collect()
 }

@@ -11,7 +11,7 @@ use super::tightness::{Gauge, Tightness, Word, Worst, keep_worse};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::Tape;
 use base::value::Batch;
-use program::interp::{LANES, Machine, OutputColumn};
+use program::interp::{Machine, OutputColumn, SLOTS};
 use program::lane::Actual;
 
 /// Bounds of a part of a batch, and what the lane made of them.
@@ -47,11 +47,11 @@ impl Survey {
 pub fn survey(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, most: usize) -> Survey {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
     let count = actual.count().min(most);
-    let chunks: Vec<Tally> = (0..count.div_ceil(LANES))
+    let chunks: Vec<Tally> = (0..count.div_ceil(SLOTS))
         .into_par_iter()
         .map_init(
             || Surveyor::new(context),
-            |surveyor, chunk| surveyor.look(batch, actual, chunk * LANES..((chunk + 1) * LANES).min(count)),
+            |surveyor, chunk| surveyor.look(batch, actual, chunk * SLOTS..((chunk + 1) * SLOTS).min(count)),
         )
         .collect();
     let mut all = Tally::default();
@@ -107,9 +107,9 @@ impl<'a> Surveyor<'a> {
         let values = values(&mut self.promise);
         let mut tally = Tally::default();
         for invocation in range {
-            let lane = invocation - first;
+            let slot = invocation - first;
             let machine = &self.promise;
-            let stored = if machine.is_emitting() { machine.emitted()[lane] as usize } else { 1 };
+            let stored = if machine.is_emitting() { machine.emitted()[slot] as usize } else { 1 };
             if stored != actual.stored(invocation) {
                 continue;
             }
@@ -119,7 +119,7 @@ impl<'a> Surveyor<'a> {
                 let record = &actual.layout().vertex;
                 for field in 0..record.fields().len() {
                     let at = |word: usize| vertex * machine.width() + word;
-                    let value = |word: usize| values[at(word)].as_ref().map(|column| column[lane]);
+                    let value = |word: usize| values[at(word)].as_ref().map(|column| column[slot]);
                     let size = record.range(field).filter_map(value).fold(0.0_f64, |m, v| m.max(v.abs()));
                     if size > 0.0 && size < MIN_NORMAL {
                         continue;
@@ -129,12 +129,12 @@ impl<'a> Surveyor<'a> {
                         let found = f64::from(f32::from_bits(actual.vertex(invocation, vertex)[word]));
                         let seen = |bound: f64| Word { word, field, error: (found - value).abs(), bound, size };
                         let on = actual.layout().max_vertices.map(|_| vertex);
-                        let promised = seen(promised[lane][at(word)]);
+                        let promised = seen(promised[slot][at(word)]);
                         let name = |seen: &Word| seen.worst(record, on, invocation);
                         tally.promise.see(&promised, name);
                         broken |= promised.bound.is_finite() && !agrees(promised.error, 0.0, promised.bound);
                         let Some(measured) = &measured else { continue };
-                        let measured = seen(measured[lane][at(word)]);
+                        let measured = seen(measured[slot][at(word)]);
                         tally.measured.see(&measured, name);
                         if measured.bound.is_finite() && !agrees(measured.error, 0.0, measured.bound) {
                             keep_worse(&mut beyond, Some(name(&measured)));
@@ -152,7 +152,7 @@ impl<'a> Surveyor<'a> {
 }
 
 /// The exact values of the outputs that are real numbers, by vertex, then by word of the record.
-fn values(machine: &mut Machine<'_, Tape<'_>>) -> Vec<Option<[f64; LANES]>> {
+fn values(machine: &mut Machine<'_, Tape<'_>>) -> Vec<Option<[f64; SLOTS]>> {
     let (room, width) = (machine.room(), machine.width());
     let mut values = Vec::with_capacity(room * width);
     for vertex in 0..room {

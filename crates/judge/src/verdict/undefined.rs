@@ -8,7 +8,7 @@ use super::oracle::{JudgeContext, Oracle};
 use super::reference::{Evaluator, Expected};
 use crate::tape::{Cause, Why};
 use base::value::Batch;
-use program::interp::{Binary64, Dependence, LANES, Machine, Site};
+use program::interp::{Binary64, Dependence, Machine, SLOTS, Site};
 
 /// Looks for them. The machine is made when it is first needed.
 pub(super) struct Looker<'a> {
@@ -28,7 +28,7 @@ impl<'a> Looker<'a> {
     pub(super) fn look(&mut self, batch: &Batch, invocations: &[usize], any: bool) -> Dependences {
         let oracle = self.oracle;
         let mut all = Dependences::new();
-        for some in invocations.chunks(LANES) {
+        for some in invocations.chunks(SLOTS) {
             let machine = self.machine.get_or_insert_with(|| oracle.ideal_or_meaning());
             let found = machine.dependences(batch, some, any);
             all.extend(some.iter().zip(found).filter_map(|(&invocation, found)| Some((invocation, found?))));
@@ -40,7 +40,7 @@ impl<'a> Looker<'a> {
     pub(super) fn on_the_way(&mut self, batch: &Batch, invocations: &[usize]) -> Dependences {
         let oracle = self.oracle;
         let mut all = Dependences::new();
-        for some in invocations.chunks(LANES) {
+        for some in invocations.chunks(SLOTS) {
             let machine = self.machine.get_or_insert_with(|| oracle.ideal_or_meaning());
             let found = machine.undefined_on_the_way(batch, some, &|_| true);
             all.extend(some.iter().zip(found).filter_map(|(&invocation, found)| Some((invocation, found?))));
@@ -56,10 +56,10 @@ pub(super) fn verdicts(context: &JudgeContext<'_>, batch: &Batch, found: &Depend
     invocations.sort_unstable();
     let (mut evaluator, mut expected) = (Evaluator::new(context.reference), Expected::default());
     let mut all = Vec::with_capacity(invocations.len());
-    for some in invocations.chunks(LANES) {
+    for some in invocations.chunks(SLOTS) {
         evaluator.turn_to(batch, some);
-        for (lane, &invocation) in some.iter().enumerate() {
-            evaluator.expected(batch, invocation, lane, &mut expected);
+        for (slot, &invocation) in some.iter().enumerate() {
+            evaluator.expected(batch, invocation, slot, &mut expected);
             let none = expected.words.iter().any(|word| word.is_nan());
             let reason = if none { Reason::Domain } else { Reason::Undefined };
             let cause = found.get(&invocation).map(|found| at(found.of.site));

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::oracle::JudgeContext;
 use crate::tape::Model;
 use base::value::Batch;
-use program::interp::{LANES, OutputColumn};
+use program::interp::{OutputColumn, SLOTS};
 use program::lane::Actual;
 
 /// An error beside its bound.
@@ -37,21 +37,21 @@ pub fn used(
     let mut machine = context.oracle.tape(model);
     let record = &actual.layout().vertex;
     let mut most: Option<(f64, usize)> = None;
-    for first in range.clone().step_by(LANES) {
-        let lanes = machine.run(batch, first).min(range.end - first);
+    for first in range.clone().step_by(SLOTS) {
+        let slots = machine.run(batch, first).min(range.end - first);
         for vertex in 0..machine.room() {
             for word in 0..machine.width() {
                 let OutputColumn::Real(&column) = machine.output(vertex, word) else { continue };
                 let tape = machine.domain();
                 let bounds = tape.bounds(column, &mut |_| false);
                 let values = tape.values(column);
-                for lane in (0..lanes).filter(|&lane| vertex < actual.stored(first + lane)) {
-                    let bound = bounds.bound[lane];
-                    if tape.fork(lane).is_some() || !values[lane].is_finite() || !bound.is_finite() || bound == 0.0 {
+                for slot in (0..slots).filter(|&slot| vertex < actual.stored(first + slot)) {
+                    let bound = bounds.bound[slot];
+                    if tape.fork(slot).is_some() || !values[slot].is_finite() || !bound.is_finite() || bound == 0.0 {
                         continue;
                     }
-                    let found = f32::from_bits(actual.vertex(first + lane, vertex)[word]);
-                    let error = (f64::from(found) - values[lane]).abs();
+                    let found = f32::from_bits(actual.vertex(first + slot, vertex)[word]);
+                    let error = (f64::from(found) - values[slot]).abs();
                     let part = if error.is_nan() { f64::INFINITY } else { error / bound };
                     if most.is_none_or(|(most, _)| part > most) {
                         most = Some((part, word));

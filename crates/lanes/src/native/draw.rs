@@ -311,7 +311,7 @@ impl Draws {
             let blocks = uniforms.buffer.words().chunks_exact_mut(uniforms.stride);
             for (case, block) in blocks.enumerate().take(batch.case_count()) {
                 let values = batch.case(case);
-                for &(word, byte) in &uniforms.block.slots {
+                for &(word, byte) in &uniforms.block.places {
                     block[byte as usize / 4] = values[word];
                 }
             }

@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_refusal_is_told_with_its_line() {
+    fn a_refusal_is_reported_with_its_line() {
         let out =
             b"stdin\nERROR: 0:3: 'x' : undeclared identifier \nERROR: 1 compilation errors.  No code generated.\n";
         assert_eq!(refusal(out, b"").unwrap(), "glslang, line 3: 'x' : undeclared identifier");

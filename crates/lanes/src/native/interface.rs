@@ -22,7 +22,7 @@ pub(super) struct Block {
     /// Size in bytes.
     pub bytes: u32,
     /// For words of a case, the byte at which each lies.
-    pub slots: Vec<(usize, u32)>,
+    pub places: Vec<(usize, u32)>,
 }
 
 /// How a value is laid out in a block: what stands beside the type.
@@ -52,7 +52,7 @@ pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block
         let bytes = all.iter().max().map_or(16, |last| (last + 4).next_multiple_of(16));
         open += all.len();
         let (set, binding) = (of(Decoration::DescriptorSet), of(Decoration::Binding));
-        blocks.push(Block { set, binding, bytes, slots: Vec::new() });
+        blocks.push(Block { set, binding, bytes, places: Vec::new() });
     }
     for (index, field) in case.fields().iter().enumerate() {
         let found = variables.iter().enumerate().find_map(|(k, &v)| Some((k, place(reflection, v, &field.name)?)));
@@ -64,7 +64,7 @@ pub(super) fn blocks(reflection: &Reflection, case: &Record) -> Result<Vec<Block
             return Err(unsupported(format!("uniform `{}` with {} numbers in SPIR-V", field.name, bytes.len())));
         }
         open = open.saturating_sub(bytes.len());
-        blocks[block].slots.extend(words.zip(bytes));
+        blocks[block].places.extend(words.zip(bytes));
     }
     // A number that is read and not fed would be taken for one of the case.
     if open > 0 {

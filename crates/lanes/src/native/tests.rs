@@ -124,12 +124,12 @@ fn an_output_that_is_not_written_shows() {
 }
 
 #[test]
-fn what_glslang_refuses_is_told_in_its_words() {
+fn what_glslang_refuses_is_reported_in_its_words() {
     let translator = Translator::find().expect(NEEDED);
     let text = "#version 150\nvoid main() {\n  gl_Position = nothing;\n}\n";
     let Err(error) = translator.translate(TextStage::Vertex, text, &[]) else { panic!("it is taken") };
-    let told = "glslang, line 3: 'nothing' : undeclared identifier";
-    assert!(matches!(&error, LaneError::Unsupported(what) if what.starts_with(told)), "{error}");
+    let reported = "glslang, line 3: 'nothing' : undeclared identifier";
+    assert!(matches!(&error, LaneError::Unsupported(what) if what.starts_with(reported)), "{error}");
     let old = "#version 120\nvoid main() { gl_Position = vec4(0.0); }\n";
     assert!(matches!(translator.translate(TextStage::Vertex, old, &[]), Err(LaneError::Unsupported(_))));
 }

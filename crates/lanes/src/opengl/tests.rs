@@ -139,7 +139,7 @@ void main() { c = texture(map, uv / vec2(16.0, 8.0)); w = texelFetch(whole, ivec
 }
 
 #[test]
-fn a_text_that_the_driver_refuses_is_told_at_the_authors_place() {
+fn a_text_that_the_driver_refuses_is_reported_at_the_authors_place() {
     let program = program("p.vert", "#version 150\nin vec4 p;\nvoid main() { gl_Position = p; }\n");
     let mut kernel = program.vertex_kernel(&[4]).unwrap();
     let mut altered = (*kernel.program).clone();

@@ -36,7 +36,7 @@ struct Block {
     /// Bytes of the block.
     bytes: usize,
     /// Word of the record of a case, and where in the block it goes, in words.
-    slots: Vec<(usize, usize)>,
+    places: Vec<(usize, usize)>,
 }
 
 impl Uniforms {
@@ -62,7 +62,7 @@ impl Uniforms {
                     gl.get_active_uniform_block_parameter_i32(program, k, glow::UNIFORM_BLOCK_DATA_SIZE) as usize;
                 gl.uniform_block_binding(program, k, k);
                 let bytes = bytes.next_multiple_of(16);
-                this.blocks.push(Block { stride: bytes.next_multiple_of(align), bytes, slots: Vec::new() });
+                this.blocks.push(Block { stride: bytes.next_multiple_of(align), bytes, places: Vec::new() });
             }
             for k in 0..gl.get_active_uniforms(program) {
                 let Some(active) = gl.get_active_uniform(program, k) else { continue };
@@ -91,8 +91,8 @@ impl Uniforms {
                             matrix: parameter(glow::UNIFORM_MATRIX_STRIDE).max(0) as usize,
                             rows_first: parameter(glow::UNIFORM_IS_ROW_MAJOR) != 0,
                         };
-                        let slots = &mut this.blocks[block].slots;
-                        slots.extend(layout.words(uniform.shape, elements).map(|(word, at)| (first + word, at)));
+                        let places = &mut this.blocks[block].places;
+                        places.extend(layout.words(uniform.shape, elements).map(|(word, at)| (first + word, at)));
                     }
                 }
             }
@@ -117,7 +117,7 @@ impl Uniforms {
         for (case, to) in cases.chunks_exact(case_words.max(1)).zip(words.chunks_exact_mut(stride)) {
             let mut start = 0;
             for block in &self.blocks {
-                block.slots.iter().for_each(|&(word, at)| to[start + at] = case[word]);
+                block.places.iter().for_each(|&(word, at)| to[start + at] = case[word]);
                 start += block.stride / 4;
             }
         }

@@ -174,8 +174,8 @@ impl VertexRunner {
             let mut words = vec![0; stride * batch.case_count()];
             for (case, block) in words.chunks_exact_mut(stride).enumerate() {
                 let values = batch.case(case);
-                for slot in &uniforms.block.slots {
-                    block[slot.byte as usize / 4] = values[slot.word as usize];
+                for place in &uniforms.block.places {
+                    block[place.byte as usize / 4] = values[place.word as usize];
                 }
             }
             self.gpu.queue.write_buffer(&uniforms.buffer, 0, as_bytes(&words));

@@ -25,7 +25,7 @@ pub trait Peer {
     fn start(&self) -> Option<u64>;
 
     /// Says something that has no answer.
-    fn tell(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss>;
+    fn send(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss>;
 
     /// Asks something, and waits for the answer for so long at most.
     fn ask(&mut self, ask: &Ask, words: &[&[u32]], limit: Duration) -> Result<(Answer, Vec<u32>), Loss>;
@@ -39,7 +39,7 @@ impl Peer for Worker {
         Self::start(self)
     }
 
-    fn tell(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss> {
+    fn send(&mut self, ask: &Ask, words: &[&[u32]]) -> Result<(), Loss> {
         self.send(ask, words)
     }
 
@@ -208,7 +208,7 @@ impl Drop for Away {
         let Ok(mut line) = self.line.try_borrow_mut() else { return };
         if self.start.is_some() && self.start == line.peer.start() {
             // A process that is gone has forgotten it anyway.
-            let _ = line.peer.tell(&Ask::Drop { id: self.job.id }, &[]);
+            let _ = line.peer.send(&Ask::Drop { id: self.job.id }, &[]);
         }
     }
 }

@@ -73,7 +73,7 @@ impl Peer for Fake {
         self.start
     }
 
-    fn tell(&mut self, _: &Ask, _: &[&[u32]]) -> Result<(), Loss> {
+    fn send(&mut self, _: &Ask, _: &[&[u32]]) -> Result<(), Loss> {
         Ok(())
     }
 
@@ -204,7 +204,7 @@ fn a_process_that_was_lost_is_started_again_with_its_kernel() {
 }
 
 #[test]
-fn a_text_that_tint_refuses_is_told_with_its_line() {
+fn a_text_that_tint_refuses_is_reported_with_its_line() {
     let error = runner(Fault::Refuse, LIMITS, 16).0.err().unwrap().to_string();
     assert!(error.contains("Tint refuses the WGSL of this kernel at 1:4: unresolved call target 'f': `"), "{error}");
 }
@@ -238,7 +238,7 @@ fn devices_are_known_by_the_names_of_their_drivers() {
 }
 
 #[test]
-fn what_is_missing_is_told_with_the_command_that_brings_it() {
+fn what_is_missing_is_reported_with_the_command_that_brings_it() {
     let program = Command_ { path: "/nowhere/node".into(), arguments: Vec::new() };
     let missing = open_at("/nowhere".as_ref(), &program).err().unwrap();
     assert!(missing.why.starts_with("`node` cannot be started"), "{missing}");

@@ -20,7 +20,7 @@ fn loss(script: &str) -> String {
 }
 
 #[test]
-fn a_process_that_is_killed_from_outside_is_told_with_its_signal() {
+fn a_process_that_is_killed_from_outside_is_reported_with_its_signal() {
     let said = loss("head -c 20 > /dev/null; kill -9 $$");
     assert!(said.contains("signal 9 (killed)"), "{said}");
     let said = loss("head -c 20 > /dev/null; kill -11 $$");
@@ -28,7 +28,7 @@ fn a_process_that_is_killed_from_outside_is_told_with_its_signal() {
 }
 
 #[test]
-fn a_process_that_dies_at_its_start_is_told_with_its_last_words() {
+fn a_process_that_dies_at_its_start_is_reported_with_its_last_words() {
     let said = loss("head -c 20 > /dev/null; echo first >&2; echo no such library >&2; exit 7");
     assert!(said.contains("status 7") && said.ends_with("it said: no such library"), "{said}");
 }
@@ -67,7 +67,7 @@ fn a_process_that_takes_no_message_is_ended_after_its_time() {
 }
 
 #[test]
-fn a_program_that_is_not_there_is_told() {
+fn a_program_that_is_not_there_is_reported() {
     let program = Program { path: "/nowhere/shadercheck".into(), arguments: Vec::new() };
     let error = Worker::new(&program, &[]).send(&"ask", &[]).unwrap_err().to_string();
     assert!(error.starts_with("cannot be started"), "{error}");

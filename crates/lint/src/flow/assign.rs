@@ -9,7 +9,7 @@ use syntax::symbols::SymbolId;
 
 use super::graph::{Event, Graph, Kind};
 
-/// Components of a slot that have a value.
+/// Components of a variable that have a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Assigned {
     /// On all paths.
@@ -24,7 +24,7 @@ pub type States = Vec<Option<Vec<Assigned>>>;
 /// What is assigned at the start of each block, with or without weak edges.
 pub fn solve(graph: &Graph, weak: bool) -> States {
     let mut states: States = vec![None; graph.blocks.len()];
-    states[0] = Some(vec![Assigned::default(); graph.slots.len()]);
+    states[0] = Some(vec![Assigned::default(); graph.variables.len()]);
     let mut todo = VecDeque::from([0]);
     while let Some(at) = todo.pop_front() {
         let Some(mut state) = states[at].clone() else { continue };
@@ -52,12 +52,12 @@ pub fn solve(graph: &Graph, weak: bool) -> States {
 /// What an event does.
 pub fn step(state: &mut [Assigned], event: &Event) {
     match event.kind {
-        Kind::Declare => state[event.slot] = Assigned::default(),
+        Kind::Declare => state[event.variable] = Assigned::default(),
         Kind::Write { .. } => {
-            state[event.slot].must |= event.mask;
-            state[event.slot].may |= event.mask;
+            state[event.variable].must |= event.mask;
+            state[event.variable].may |= event.mask;
         }
-        Kind::Copy { from } => state[event.slot] = state[from],
+        Kind::Copy { from } => state[event.variable] = state[from],
         Kind::Read { .. } | Kind::Emit | Kind::EndPrimitive | Kind::NoReturn { .. } => {}
     }
 }
@@ -105,9 +105,9 @@ pub fn unassigned(shader: &Shader, graph: &Graph) -> Vec<Unassigned> {
         for (index, event) in block.events.iter().enumerate() {
             if let (Kind::Read { all, accumulates }, Some(expr)) = (event.kind, event.expr) {
                 let missing = |a: &Assigned| if all || a.must & event.mask == 0 { event.mask & !a.must } else { 0 };
-                let mask = missing(&state[event.slot]);
+                let mask = missing(&state[event.variable]);
                 if mask != 0 {
-                    let written = state[event.slot].may & event.mask;
+                    let written = state[event.variable].may & event.mask;
                     let never = if all {
                         mask & !written
                     } else if written == 0 {
@@ -115,17 +115,17 @@ pub fn unassigned(shader: &Shader, graph: &Graph) -> Vec<Unassigned> {
                     } else {
                         0
                     };
-                    let certainty = if never != 0 || comes_first(graph, &dominators, at, index, event.slot, mask) {
+                    let certainty = if never != 0 || comes_first(graph, &dominators, at, index, event.variable, mask) {
                         Certainty::Always
-                    } else if likely.as_ref().is_some_and(|l| missing(&l[event.slot]) != 0)
-                        && declared(graph, &dominators, event.slot, at).is_some_and(|d| followed[d].has(at))
+                    } else if likely.as_ref().is_some_and(|l| missing(&l[event.variable]) != 0)
+                        && declared(graph, &dominators, event.variable, at).is_some_and(|d| followed[d].has(at))
                     {
                         Certainty::SomePath
                     } else {
                         Certainty::Perhaps
                     };
                     let mask = if never == 0 { mask } else { never };
-                    let symbol = graph.slots[event.slot].symbol;
+                    let symbol = graph.variables[event.variable].symbol;
                     let read = Unassigned { symbol, mask, expr, span: event.span, certainty, accumulates };
                     let key = |u: &Unassigned| (u.certainty, u.span, u.expr);
                     let best = found.entry(symbol).or_insert(read);
@@ -151,14 +151,14 @@ fn comes_first(
     dominators: &[super::graph::Bits],
     at: usize,
     index: usize,
-    slot: usize,
+    variable: usize,
     mask: u64,
 ) -> bool {
     graph.blocks.iter().enumerate().all(|(other, block)| {
         block.events.iter().enumerate().all(|(i, event)| {
             let writes = match event.kind {
-                Kind::Write { .. } => event.slot == slot && event.mask & mask != 0,
-                Kind::Copy { .. } => event.slot == slot,
+                Kind::Write { .. } => event.variable == variable && event.mask & mask != 0,
+                Kind::Copy { .. } => event.variable == variable,
                 Kind::Declare | Kind::Read { .. } | Kind::Emit | Kind::EndPrimitive | Kind::NoReturn { .. } => false,
             };
             !writes || if other == at { index < i } else { dominators[other].has(at) }
@@ -166,9 +166,10 @@ fn comes_first(
     })
 }
 
-/// The last block on every path to `at` in which a slot is declared.
-fn declared(graph: &Graph, dominators: &[super::graph::Bits], slot: usize, at: usize) -> Option<usize> {
-    let declares = |b: &usize| graph.blocks[*b].events.iter().any(|e| e.slot == slot && e.kind == Kind::Declare);
+/// The last block on every path to `at` in which a variable is declared.
+fn declared(graph: &Graph, dominators: &[super::graph::Bits], variable: usize, at: usize) -> Option<usize> {
+    let declares =
+        |b: &usize| graph.blocks[*b].events.iter().any(|e| e.variable == variable && e.kind == Kind::Declare);
     let mut above = (0..graph.blocks.len()).filter(|b| dominators[at].has(*b)).filter(declares);
     let first = above.next()?;
     above.next().is_none().then_some(first)

@@ -9,7 +9,7 @@ use syntax::symbols::{Direction, FunctionId, SymbolId, SymbolKind};
 use syntax::types::Type;
 use syntax::{Const, Shader, Stage};
 
-use super::graph::{Block, Edge, Event, Graph, Kind, Slot, Store};
+use super::graph::{Block, Edge, Event, Graph, Kind, Store, Variable};
 use super::place::full;
 
 /// Graphs with more blocks or events are given up.
@@ -29,8 +29,8 @@ pub fn graph(shader: &Shader, root: FunctionId) -> Option<Graph> {
     let mut builder = Builder {
         shader,
         declared,
-        graph: Graph { blocks: vec![Block::default()], exit: 0, slots: Vec::new(), functions: Vec::new() },
-        slots: HashMap::new(),
+        graph: Graph { blocks: vec![Block::default()], exit: 0, variables: Vec::new(), functions: Vec::new() },
+        variables: HashMap::new(),
         current: 0,
         frames: Vec::new(),
         copies: 0,
@@ -40,7 +40,7 @@ pub fn graph(shader: &Shader, root: FunctionId) -> Option<Graph> {
         failed: false,
     };
     builder.root(root);
-    let small = builder.graph.blocks.len() * builder.graph.slots.len() <= 2_000_000;
+    let small = builder.graph.blocks.len() * builder.graph.variables.len() <= 2_000_000;
     (!builder.failed && small).then_some(builder.graph)
 }
 
@@ -73,7 +73,7 @@ pub(super) struct Builder<'s> {
     pub(super) shader: &'s Shader,
     pub(super) declared: HashMap<Span, SymbolId>,
     pub(super) graph: Graph,
-    pub(super) slots: HashMap<(SymbolId, u32), usize>,
+    pub(super) variables: HashMap<(SymbolId, u32), usize>,
     pub(super) current: usize,
     pub(super) frames: Vec<Frame>,
     pub(super) copies: u32,
@@ -106,16 +106,16 @@ impl<'s> Builder<'s> {
         next
     }
 
-    pub(super) fn event(&mut self, kind: Kind, slot: usize, mask: u64, span: Span, expr: Option<ExprId>) {
+    pub(super) fn event(&mut self, kind: Kind, variable: usize, mask: u64, span: Span, expr: Option<ExprId>) {
         self.events += 1;
         if self.events > MOST * 4 {
             self.failed = true;
         } else {
-            self.graph.blocks[self.current].events.push(Event { kind, slot, mask, span, expr });
+            self.graph.blocks[self.current].events.push(Event { kind, variable, mask, span, expr });
         }
     }
 
-    pub(super) fn slot(&mut self, symbol: SymbolId) -> Option<usize> {
+    pub(super) fn variable(&mut self, symbol: SymbolId) -> Option<usize> {
         if !is_followed(self.shader, symbol) {
             return None;
         }
@@ -123,10 +123,10 @@ impl<'s> Builder<'s> {
         let own = matches!(info.kind, SymbolKind::Local | SymbolKind::Param(_));
         let copy = if own { self.frames.last().map_or(0, |f| f.copy) } else { 0 };
         let loops = if own { self.loops } else { 0 };
-        let slots = &mut self.graph.slots;
-        Some(*self.slots.entry((symbol, copy)).or_insert_with(|| {
-            slots.push(Slot { symbol, full: full(&info.ty), loops });
-            slots.len() - 1
+        let variables = &mut self.graph.variables;
+        Some(*self.variables.entry((symbol, copy)).or_insert_with(|| {
+            variables.push(Variable { symbol, full: full(&info.ty), loops });
+            variables.len() - 1
         }))
     }
 
@@ -148,12 +148,12 @@ impl<'s> Builder<'s> {
                 use syntax::ast::StorageQualifier::InOut;
                 v.initializer.is_some() || v.qualifiers.storage().is_some_and(|(s, _)| s == InOut)
             });
-            let Some(slot) = self.slot(id) else { continue };
+            let Some(variable) = self.variable(id) else { continue };
             let span = symbol.span.unwrap_or_default();
             if given || !is_main {
-                self.event(Kind::Write { exact: true, store: Store::Passed }, slot, full(&symbol.ty), span, None);
+                self.event(Kind::Write { exact: true, store: Store::Passed }, variable, full(&symbol.ty), span, None);
             } else {
-                self.event(Kind::Declare, slot, full(&symbol.ty), span, None);
+                self.event(Kind::Declare, variable, full(&symbol.ty), span, None);
             }
         }
         let exit = self.block();
@@ -161,12 +161,12 @@ impl<'s> Builder<'s> {
         self.frames.push(Frame { function: root, copy: 0, exit, breaks: Vec::new(), continues: Vec::new() });
         self.graph.functions.push(root);
         for param in &info.params {
-            let Some(slot) = param.symbol.and_then(|s| self.slot(s)) else { continue };
+            let Some(variable) = param.symbol.and_then(|s| self.variable(s)) else { continue };
             let kind = match param.direction {
                 Direction::In | Direction::InOut => Kind::Write { exact: true, store: Store::Passed },
                 Direction::Out => Kind::Declare,
             };
-            self.event(kind, slot, full(&param.ty), param.span, None);
+            self.event(kind, variable, full(&param.ty), param.span, None);
         }
         self.body(body, &info.return_type);
     }
@@ -244,12 +244,12 @@ impl<'s> Builder<'s> {
                 self.value(initializer.value);
             }
             let Some(&symbol) = self.declared.get(&declarator.name.span) else { continue };
-            let Some(slot) = self.slot(symbol) else { continue };
+            let Some(variable) = self.variable(symbol) else { continue };
             let mask = full(&self.shader.symbol(symbol).ty);
-            self.event(Kind::Declare, slot, mask, declarator.name.span, None);
+            self.event(Kind::Declare, variable, mask, declarator.name.span, None);
             if declarator.initializer.is_some() {
                 let kind = Kind::Write { exact: true, store: Store::Initial };
-                self.event(kind, slot, mask, declarator.name.span, None);
+                self.event(kind, variable, mask, declarator.name.span, None);
             }
         }
     }

@@ -19,7 +19,7 @@ pub struct Stale {
     pub set: Span,
 }
 
-/// What happened to a slot since an `EmitVertex`; on paths that passed one.
+/// What happened to a variable since an `EmitVertex`; on paths that passed one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Since {
     /// Components that some path did not set again.
@@ -31,7 +31,7 @@ struct Since {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct State {
     emitted: bool,
-    slots: Vec<Since>,
+    variables: Vec<Since>,
 }
 
 impl State {
@@ -39,16 +39,16 @@ impl State {
         match event.kind {
             Kind::Emit => {
                 self.emitted = true;
-                for (since, slot) in self.slots.iter_mut().zip(&graph.slots) {
-                    *since = Since { stale: slot.full, fresh: 0 };
+                for (since, variable) in self.variables.iter_mut().zip(&graph.variables) {
+                    *since = Since { stale: variable.full, fresh: 0 };
                 }
             }
             Kind::Write { .. } if self.emitted => {
-                self.slots[event.slot].stale &= !event.mask;
-                self.slots[event.slot].fresh |= event.mask;
+                self.variables[event.variable].stale &= !event.mask;
+                self.variables[event.variable].fresh |= event.mask;
             }
             // Of what is passed to a function and back, nothing is known.
-            Kind::Copy { .. } => self.slots[event.slot].stale = 0,
+            Kind::Copy { .. } => self.variables[event.variable].stale = 0,
             Kind::Declare | Kind::Write { .. } | Kind::Read { .. } | Kind::EndPrimitive | Kind::NoReturn { .. } => {}
         }
     }
@@ -58,7 +58,7 @@ impl State {
 /// tells which variables are outputs.
 pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
     let assigned = assign::solve(graph, false);
-    let start = State { emitted: false, slots: vec![Since::default(); graph.slots.len()] };
+    let start = State { emitted: false, variables: vec![Since::default(); graph.variables.len()] };
     let mut states: Vec<Option<State>> = vec![None; graph.blocks.len()];
     states[0] = Some(start);
     let mut todo = VecDeque::from([0]);
@@ -69,7 +69,7 @@ pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
             let mut joined = state.clone();
             if let Some(old) = &states[edge.to] {
                 joined.emitted |= old.emitted;
-                for (a, b) in joined.slots.iter_mut().zip(&old.slots) {
+                for (a, b) in joined.variables.iter_mut().zip(&old.variables) {
                     *a = Since { stale: a.stale | b.stale, fresh: a.fresh | b.fresh };
                 }
             }
@@ -79,15 +79,16 @@ pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
             }
         }
     }
-    let set =
-        |slot: usize| graph.events().find(|e| e.slot == slot && matches!(e.kind, Kind::Write { .. })).map(|e| e.span);
+    let set = |variable: usize| {
+        graph.events().find(|e| e.variable == variable && matches!(e.kind, Kind::Write { .. })).map(|e| e.span)
+    };
     let mut found: BTreeMap<SymbolId, Stale> = BTreeMap::new();
     for (at, block) in graph.blocks.iter().enumerate() {
         let (Some(mut state), Some(mut known)) = (states[at].clone(), assigned[at].clone()) else { continue };
         for event in &block.events {
             if event.kind == Kind::Emit && state.emitted {
-                for (index, since) in state.slots.iter().enumerate() {
-                    let symbol = graph.slots[index].symbol;
+                for (index, since) in state.variables.iter().enumerate() {
+                    let symbol = graph.variables[index].symbol;
                     if known[index].may & since.stale & !since.fresh == 0 || !outputs(symbol) {
                         continue;
                     }
@@ -108,19 +109,19 @@ pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
 
 /// The first `EmitVertex` that comes before `symbol` is set on any path, with whether it is set at all.
 pub fn unset(graph: &Graph, symbol: Option<SymbolId>) -> Option<(Span, bool)> {
-    let slot = symbol.and_then(|s| graph.slot(s));
+    let variable = symbol.and_then(|s| graph.variable(s));
     let states = assign::solve(graph, true);
     let mut first: Option<Span> = None;
     for (block, state) in graph.blocks.iter().zip(states) {
         let Some(mut state) = state else { continue };
         for event in &block.events {
-            if event.kind == Kind::Emit && slot.is_none_or(|s| state[s].may == 0) {
+            if event.kind == Kind::Emit && variable.is_none_or(|s| state[s].may == 0) {
                 first = Some(first.map_or(event.span, |f| f.min(event.span)));
             }
             assign::step(&mut state, event);
         }
     }
-    let set = slot.is_some_and(|s| graph.events().any(|e| e.slot == s && matches!(e.kind, Kind::Write { .. })));
+    let set = variable.is_some_and(|s| graph.events().any(|e| e.variable == s && matches!(e.kind, Kind::Write { .. })));
     first.map(|span| (span, set))
 }
 

@@ -33,11 +33,12 @@ impl<'s> Builder<'s> {
             ExprKind::Name(_) | ExprKind::Index { .. } | ExprKind::Field { .. } => match place(shader, id) {
                 Some(place) => {
                     self.indices(id);
-                    let Some(slot) = self.slot(place.root) else { return };
+                    let Some(variable) = self.variable(place.root) else { return };
                     let numeric = shader.type_of(id).components().is_some();
-                    let accumulates = self.assigning == Some(place.root) && self.loops > self.graph.slots[slot].loops;
+                    let accumulates =
+                        self.assigning == Some(place.root) && self.loops > self.graph.variables[variable].loops;
                     let kind = Kind::Read { all: all && numeric && place.exact, accumulates };
-                    self.event(kind, slot, place.mask, expr.span, Some(id));
+                    self.event(kind, variable, place.mask, expr.span, Some(id));
                 }
                 None => expr.children().into_iter().for_each(|c| self.value(c)),
             },
@@ -122,9 +123,9 @@ impl<'s> Builder<'s> {
 
     fn write(&mut self, target: ExprId, store: Store, by: ExprId) {
         let Some(place) = place(self.shader, target) else { return };
-        let Some(slot) = self.slot(place.root) else { return };
+        let Some(variable) = self.variable(place.root) else { return };
         let span = self.shader.expr(target).span;
-        self.event(Kind::Write { exact: place.exact, store }, slot, place.mask, span, Some(by));
+        self.event(Kind::Write { exact: place.exact, store }, variable, place.mask, span, Some(by));
     }
 
     fn call(&mut self, id: ExprId, args: &[ExprId]) {
@@ -177,7 +178,7 @@ impl<'s> Builder<'s> {
                 Direction::Out | Direction::InOut => {
                     self.indices(arg);
                     let place = place(shader, arg).filter(|p| p.exact && p.mask == full(&shader.symbol(p.root).ty));
-                    place.filter(|p| shader.symbol(p.root).ty == param.ty).and_then(|p| self.slot(p.root))
+                    place.filter(|p| shader.symbol(p.root).ty == param.ty).and_then(|p| self.variable(p.root))
                 }
             };
             passed.push(whole);
@@ -191,7 +192,7 @@ impl<'s> Builder<'s> {
         let assigning = self.assigning.take();
         let mut back = Vec::new();
         for (param, whole) in info.params.iter().zip(&passed) {
-            let Some(slot) = param.symbol.and_then(|s| self.slot(s)) else {
+            let Some(variable) = param.symbol.and_then(|s| self.variable(s)) else {
                 back.push(None);
                 continue;
             };
@@ -200,15 +201,15 @@ impl<'s> Builder<'s> {
                 (Direction::InOut, Some(from)) => Kind::Copy { from: *from },
                 (Direction::In | Direction::InOut, _) => Kind::Write { exact: true, store: Store::Passed },
             };
-            self.event(kind, slot, full(&param.ty), param.span, None);
-            back.push(Some(slot));
+            self.event(kind, variable, full(&param.ty), param.span, None);
+            back.push(Some(variable));
         }
         self.body(body, &info.return_type);
         self.frames.pop();
         self.assigning = assigning;
         let span = shader.expr(id).span;
-        for (((&arg, param), whole), slot) in args.iter().zip(&info.params).zip(passed).zip(back) {
-            match (param.direction, whole, slot) {
+        for (((&arg, param), whole), variable) in args.iter().zip(&info.params).zip(passed).zip(back) {
+            match (param.direction, whole, variable) {
                 (Direction::In, ..) => {}
                 (Direction::InOut, Some(to), Some(from)) => {
                     self.event(Kind::Copy { from }, to, full(&param.ty), span, Some(id));

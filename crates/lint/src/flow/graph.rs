@@ -12,7 +12,7 @@ pub struct Graph {
     /// The block behind a normal return.
     pub exit: usize,
     /// The variables that are followed.
-    pub slots: Vec<Slot>,
+    pub variables: Vec<Variable>,
     /// The functions whose bodies are part of it, the root included.
     pub functions: Vec<FunctionId>,
 }
@@ -38,7 +38,7 @@ pub struct Edge {
 
 /// A variable in one copy of its function.
 #[derive(Clone, Copy, Debug)]
-pub struct Slot {
+pub struct Variable {
     /// The variable.
     pub symbol: SymbolId,
     /// All of its components.
@@ -52,8 +52,8 @@ pub struct Slot {
 pub struct Event {
     /// What happens.
     pub kind: Kind,
-    /// To which slot.
-    pub slot: usize,
+    /// To which variable.
+    pub variable: usize,
     /// To which components.
     pub mask: u64,
     /// Where.
@@ -62,7 +62,7 @@ pub struct Event {
     pub expr: Option<ExprId>,
 }
 
-/// What happens to a slot.
+/// What happens to a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// It begins to exist, without a value.
@@ -81,16 +81,16 @@ pub enum Kind {
         /// How.
         store: Store,
     },
-    /// It becomes a copy of another slot.
+    /// It becomes a copy of another variable.
     Copy {
         /// The other one.
         from: usize,
     },
-    /// `EmitVertex`; no slot.
+    /// `EmitVertex`; no variable.
     Emit,
-    /// `EndPrimitive`; no slot.
+    /// `EndPrimitive`; no variable.
     EndPrimitive,
-    /// The end of a body that should have returned a value; no slot.
+    /// The end of a body that should have returned a value; no variable.
     NoReturn {
         /// True in the body of the root.
         root: bool,
@@ -137,9 +137,9 @@ impl Graph {
         self.blocks.iter().enumerate().filter(move |(i, _)| reached[*i]).flat_map(|(_, b)| &b.events)
     }
 
-    /// The slot of a variable that exists once: a global one, or one of the root.
-    pub fn slot(&self, symbol: SymbolId) -> Option<usize> {
-        self.slots.iter().position(|s| s.symbol == symbol)
+    /// The variable of a variable that exists once: a global one, or one of the root.
+    pub fn variable(&self, symbol: SymbolId) -> Option<usize> {
+        self.variables.iter().position(|s| s.symbol == symbol)
     }
 
     /// For each block the blocks that every path to it passes, as bits; itself included. `entries` are

@@ -34,19 +34,19 @@ fn outlives(shader: &Shader, symbol: SymbolId) -> bool {
 
 fn step(live: &mut [u64], event: &Event, graph: &Graph, kept: &[bool]) {
     match event.kind {
-        Kind::Read { .. } => live[event.slot] |= event.mask,
-        Kind::Write { exact: true, store: _ } => live[event.slot] &= !event.mask,
+        Kind::Read { .. } => live[event.variable] |= event.mask,
+        Kind::Write { exact: true, store: _ } => live[event.variable] &= !event.mask,
         Kind::Write { exact: false, store: _ } => {}
-        Kind::Declare => live[event.slot] = 0,
+        Kind::Declare => live[event.variable] = 0,
         Kind::Copy { from } => {
-            let needed = live[event.slot];
-            live[event.slot] = 0;
+            let needed = live[event.variable];
+            live[event.variable] = 0;
             live[from] |= needed;
         }
         Kind::Emit => {
-            for ((live, slot), kept) in live.iter_mut().zip(&graph.slots).zip(kept) {
+            for ((live, variable), kept) in live.iter_mut().zip(&graph.variables).zip(kept) {
                 if *kept {
-                    *live |= slot.full;
+                    *live |= variable.full;
                 }
             }
         }
@@ -56,12 +56,12 @@ fn step(live: &mut [u64], event: &Event, graph: &Graph, kept: &[bool]) {
 
 /// Assignments whose value is overwritten or dropped on every path, in each copy of their function.
 pub fn dead(shader: &Shader, graph: &Graph) -> Vec<Dead> {
-    let kept: Vec<bool> = graph.slots.iter().map(|s| outlives(shader, s.symbol)).collect();
+    let kept: Vec<bool> = graph.variables.iter().map(|s| outlives(shader, s.symbol)).collect();
     let before = graph.before();
     let n = graph.blocks.len();
-    let at_exit: Vec<u64> = graph.slots.iter().zip(&kept).map(|(s, k)| if *k { s.full } else { 0 }).collect();
+    let at_exit: Vec<u64> = graph.variables.iter().zip(&kept).map(|(s, k)| if *k { s.full } else { 0 }).collect();
     // What is live at the end of each block.
-    let mut live: Vec<Vec<u64>> = vec![vec![0; graph.slots.len()]; n];
+    let mut live: Vec<Vec<u64>> = vec![vec![0; graph.variables.len()]; n];
     live[graph.exit].clone_from(&at_exit);
     let mut todo: VecDeque<usize> = (0..n).rev().collect();
     while let Some(at) = todo.pop_front() {
@@ -85,8 +85,8 @@ pub fn dead(shader: &Shader, graph: &Graph) -> Vec<Dead> {
         let mut state = live[at].clone();
         for event in graph.blocks[at].events.iter().rev() {
             if let (Kind::Write { store: Store::Assigned, exact: _ }, Some(expr)) = (event.kind, event.expr) {
-                let unused = state[event.slot] & event.mask == 0 && ends[at];
-                let symbol = graph.slots[event.slot].symbol;
+                let unused = state[event.variable] & event.mask == 0 && ends[at];
+                let symbol = graph.variables[event.variable].symbol;
                 let store = stores.entry(expr).or_insert((Dead { symbol, expr, span: event.span }, true));
                 store.1 &= unused;
             }

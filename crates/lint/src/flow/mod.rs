@@ -134,17 +134,17 @@ impl Flow {
             self.unplaced = emit::unset(graph, shader.builtin("gl_Position"));
         }
         let likely = assign::solve(graph, false);
-        for (index, slot) in graph.slots.iter().enumerate().filter(|(_, s)| is_output(s.symbol)) {
-            let writes = |e: &&graph::Event| e.slot == index && matches!(e.kind, graph::Kind::Write { .. });
+        for (index, variable) in graph.variables.iter().enumerate().filter(|(_, s)| is_output(s.symbol)) {
+            let writes = |e: &&graph::Event| e.variable == index && matches!(e.kind, graph::Kind::Write { .. });
             let written = graph.events().filter(writes).fold(0, |mask, e| mask | e.mask);
             // A copy is an argument of a function: it may be written there.
-            let copied = graph.events().any(|e| e.slot == index && matches!(e.kind, graph::Kind::Copy { .. }));
-            let surely = likely[graph.exit].as_ref().map_or(slot.full, |s| s[index].must);
+            let copied = graph.events().any(|e| e.variable == index && matches!(e.kind, graph::Kind::Copy { .. }));
+            let surely = likely[graph.exit].as_ref().map_or(variable.full, |s| s[index].must);
             self.outputs.push(Output {
-                symbol: slot.symbol,
-                full: slot.full,
-                written: if copied { slot.full } else { written },
-                surely: if copied { slot.full } else { surely },
+                symbol: variable.symbol,
+                full: variable.full,
+                written: if copied { variable.full } else { written },
+                surely: if copied { variable.full } else { surely },
                 write: graph.events().find(writes).map(|e| e.span),
             });
         }
@@ -158,9 +158,9 @@ impl Flow {
         }
         let end = assign::solve(graph, true).swap_remove(graph.exit);
         for (index, param) in shader.function_info(id).params.iter().enumerate() {
-            let slot = param.symbol.and_then(|s| graph.slot(s));
-            let (Direction::Out, Some(slot), Some(end)) = (param.direction, slot, &end) else { continue };
-            if end[slot].may == 0 {
+            let variable = param.symbol.and_then(|s| graph.variable(s));
+            let (Direction::Out, Some(variable), Some(end)) = (param.direction, variable, &end) else { continue };
+            if end[variable].may == 0 {
                 self.unwritten.push((id, index));
             }
         }

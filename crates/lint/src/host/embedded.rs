@@ -233,8 +233,9 @@ mod tests {
     fn rules_on_shaders_report_at_the_line_of_the_host_file() {
         let text = "const char *fs =\n  \"#version 150 core\\n\"\n  \"out vec4 c;\\n\"\n  \"void main() { c = vec4(3.1416); }\\n\";\n";
         let found = run(&[Input::new(SourceFile::new("m.cpp", text))]);
-        let told: Vec<String> = found.iter().map(|d| format!("{} {}", d.file.locate(d.span.start), d.code)).collect();
-        assert_eq!(told, ["m.cpp:4:27 N014"]);
+        let reported: Vec<String> =
+            found.iter().map(|d| format!("{} {}", d.file.locate(d.span.start), d.code)).collect();
+        assert_eq!(reported, ["m.cpp:4:27 N014"]);
         let fix = found[0].fix.as_ref().unwrap();
         assert_eq!(found[0].file.slice(fix.edits[0].span), "3.1416");
     }

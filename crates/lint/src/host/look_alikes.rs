@@ -53,7 +53,7 @@ fn setters_that_fit_are_silent() {
 }
 
 #[test]
-fn setters_that_do_not_fit_are_told() {
+fn setters_that_do_not_fit_are_reported() {
     for (name, call, expected) in [
         ("mc", "glUniformMatrix3fv(l, 1, GL_FALSE, p);", "H019"),
         ("mc", "glUniform4fv(l, 4, p);", "H019"),
@@ -87,7 +87,7 @@ fn helper_methods_are_known_by_their_shape() {
     ] {
         assert!(codes(silent).is_empty(), "{silent}");
     }
-    for (told, expected) in [
+    for (reported, expected) in [
         ("s.setMat4(\"world\", m);", "H003"),
         ("s.setUniformValue(\"colour\", v);", "H003"),
         ("s.setVec4((\"lamps[\" + std::to_string(i) + \"].place\").c_str(), v);", "H003"),
@@ -96,7 +96,7 @@ fn helper_methods_are_known_by_their_shape() {
         ("s.setMat3(\"mc\", m);", "H019"),
         ("s.setFloat(\"image\", 0.0f);", "H011"),
     ] {
-        assert_eq!(codes(told), [expected], "{told}");
+        assert_eq!(codes(reported), [expected], "{reported}");
     }
 }
 
@@ -148,13 +148,13 @@ fn pointers_of_attributes() {
     ] {
         assert!(codes(silent).is_empty(), "{silent}");
     }
-    for (told, expected) in [
+    for (reported, expected) in [
         ("glVertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, 0, 0);", "H007"),
         ("glVertexAttribPointer(1, 2, GL_UNSIGNED_INT, GL_FALSE, 0, 0);", "H008"),
         ("glVertexAttribIPointer(0, 3, GL_INT, 0, 0);", "H008"),
         ("glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 8, 0);", "H009"),
     ] {
-        assert_eq!(codes(told), [expected], "{told}");
+        assert_eq!(codes(reported), [expected], "{reported}");
     }
 }
 

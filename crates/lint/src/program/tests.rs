@@ -41,7 +41,7 @@ fn outputs_and_inputs_meet_by_location_or_name() {
 }
 
 #[test]
-fn what_does_not_meet_is_told_once() {
+fn what_does_not_meet_is_reported_once() {
     for (out, body, input, value, expected) in [
         ("", "", "in vec3 a;", "a, 1.0", "I001"),
         ("out vec3 aa;", "aa = p.xyz;", "in vec3 a;", "a, 1.0", "I001"),
@@ -66,20 +66,20 @@ fn an_input_that_only_a_function_without_calls_reads_is_left_alone() {
             "#version 330 core\nin vec3 a;\nout vec4 c;\nvec4 f() {{ return vec4(a, 1.0); }}\nvec4 g() {{ return f(); }}\nvoid main() {{ c = {main}; }}\n"
         )
     };
-    let told = |main: &str| codes(&[("a.vert", &vertex("", "")), ("a.frag", &f(main))]);
-    assert!(told("vec4(1.0)").is_empty());
-    assert_eq!(told("g()"), ["I001"]);
+    let reported = |main: &str| codes(&[("a.vert", &vertex("", "")), ("a.frag", &f(main))]);
+    assert!(reported("vec4(1.0)").is_empty());
+    assert_eq!(reported("g()"), ["I001"]);
 }
 
 #[test]
 fn a_program_is_known_for_certain_or_not_at_all() {
     let v = vertex("", "");
     let f = fragment("in vec3 a;", "a, 1.0");
-    let told = |files: &[(&str, &str)]| codes(files).len();
-    assert_eq!(told(&[("a.vert", &v), ("a.frag", &f)]), 1);
-    assert_eq!(told(&[("a.vert", &v), ("b.frag", &f)]), 0, "two names");
-    assert_eq!(told(&[("x/a.vert", &v), ("y/a.frag", &f)]), 0, "two folders");
-    assert_eq!(told(&[("a.vert", &v), ("a.vs", &v), ("a.frag", &f)]), 0, "two vertex stages");
+    let reported = |files: &[(&str, &str)]| codes(files).len();
+    assert_eq!(reported(&[("a.vert", &v), ("a.frag", &f)]), 1);
+    assert_eq!(reported(&[("a.vert", &v), ("b.frag", &f)]), 0, "two names");
+    assert_eq!(reported(&[("x/a.vert", &v), ("y/a.frag", &f)]), 0, "two folders");
+    assert_eq!(reported(&[("a.vert", &v), ("a.vs", &v), ("a.frag", &f)]), 0, "two vertex stages");
     let host = |text: &str| format!("void f() {{ {text} }}");
     for (text, expected) in [
         ("GLuint p = load(\"a.vert\", \"b.frag\");", 1),
@@ -103,10 +103,10 @@ fn a_program_is_known_for_certain_or_not_at_all() {
         ("prog.compileShader(\"a.vert\"); prog.compileShader(name); prog.link();", 0),
         ("glProgramParameteri(p, GL_PROGRAM_SEPARABLE, 1); load(\"a.vert\", \"b.frag\");", 0),
     ] {
-        assert_eq!(told(&[("a.vert", &v), ("b.frag", &f), ("m.cpp", &host(text))]), expected, "{text}");
+        assert_eq!(reported(&[("a.vert", &v), ("b.frag", &f), ("m.cpp", &host(text))]), expected, "{text}");
     }
     // A shader that a host file uses otherwise is not taken for part of a program by its name.
-    assert_eq!(told(&[("a.vert", &v), ("a.frag", &f), ("m.cpp", &host("load(\"a.vert\", other);"))]), 0);
+    assert_eq!(reported(&[("a.vert", &v), ("a.frag", &f), ("m.cpp", &host("load(\"a.vert\", other);"))]), 0);
 }
 
 #[test]
@@ -133,8 +133,8 @@ void f() {
 }
 "##;
     let found = run(&inputs(&[("m.cpp", text)]));
-    let told: Vec<String> = found.iter().map(|d| format!("{} {}", d.file.locate(d.span.start), d.code)).collect();
-    assert_eq!(told, ["m.cpp:3:12 I001"]);
+    let reported: Vec<String> = found.iter().map(|d| format!("{} {}", d.file.locate(d.span.start), d.code)).collect();
+    assert_eq!(reported, ["m.cpp:3:12 I001"]);
 }
 
 #[test]
@@ -148,11 +148,11 @@ fn a_geometry_stage_takes_arrays() {
     };
     let f = fragment("in vec3 m;", "m, 1.0");
     let host = "void f() { load(\"a.vert\", \"a.geom\", \"a.frag\"); }";
-    let told = |g: &str| codes(&[("a.vert", &v), ("a.geom", g), ("a.frag", &f), ("m.cpp", host)]);
-    assert!(told(&g("in vec3 n[];", "n[0]")).is_empty());
-    assert!(told(&g("in vec3 n[1];", "n[0]")).is_empty());
-    assert_eq!(told(&g("in vec4 n[];", "n[0].xyz")), ["I002"]);
-    assert_eq!(told(&g("in vec3 k[];", "k[0]")), ["I001"]);
+    let reported = |g: &str| codes(&[("a.vert", &v), ("a.geom", g), ("a.frag", &f), ("m.cpp", host)]);
+    assert!(reported(&g("in vec3 n[];", "n[0]")).is_empty());
+    assert!(reported(&g("in vec3 n[1];", "n[0]")).is_empty());
+    assert_eq!(reported(&g("in vec4 n[];", "n[0].xyz")), ["I002"]);
+    assert_eq!(reported(&g("in vec3 k[];", "k[0]")), ["I001"]);
 }
 
 #[test]

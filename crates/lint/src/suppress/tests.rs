@@ -11,7 +11,7 @@ fn shader(body: &str) -> Vec<Input> {
 }
 
 #[track_caller]
-fn told(body: &str, expected: &[&str]) {
+fn reported(body: &str, expected: &[&str]) {
     let found = run(&shader(body));
     assert_eq!(found.iter().map(|d| d.code.0).collect::<Vec<_>>(), expected, "{body}\n{found:#?}");
 }
@@ -20,46 +20,46 @@ const LITERAL: &str = "  float th = 6.283185 * turn;";
 
 #[test]
 fn the_same_line_and_the_line_before_are_silenced() {
-    told(LITERAL, &["N014"]);
-    told(&format!("{LITERAL} // shadercheck: ignore[N014]"), &[]);
-    told(&format!("{LITERAL} /* shadercheck: ignore[N014] as told */"), &[]);
-    told(&format!("  /* shadercheck: ignore[N014] */{LITERAL}"), &[]);
-    told(&format!("  // shadercheck: ignore[N014] reason\n{LITERAL}"), &[]);
-    told(&format!("  /*\n   * shadercheck: ignore[N014] reason\n   */\n{LITERAL}"), &[]);
-    told(&format!("  //shadercheck:ignore [ n014 ]\n{LITERAL}"), &[]);
+    reported(LITERAL, &["N014"]);
+    reported(&format!("{LITERAL} // shadercheck: ignore[N014]"), &[]);
+    reported(&format!("{LITERAL} /* shadercheck: ignore[N014] as told */"), &[]);
+    reported(&format!("  /* shadercheck: ignore[N014] */{LITERAL}"), &[]);
+    reported(&format!("  // shadercheck: ignore[N014] reason\n{LITERAL}"), &[]);
+    reported(&format!("  /*\n   * shadercheck: ignore[N014] reason\n   */\n{LITERAL}"), &[]);
+    reported(&format!("  //shadercheck:ignore [ n014 ]\n{LITERAL}"), &[]);
 }
 
 #[test]
 fn comments_may_be_stacked_above_the_line() {
     let above = "  // shadercheck: ignore[N014] digits of the source\n  // the angle\n\n";
-    told(&format!("{above}{LITERAL}"), &[]);
+    reported(&format!("{above}{LITERAL}"), &[]);
 }
 
 #[test]
-fn other_lines_and_other_codes_are_told() {
-    told(&format!("  // shadercheck: ignore[N014]\n  float a = turn;\n{LITERAL}\n  th += a;"), &["X001", "N014"]);
-    told(&format!("  float a = turn; // shadercheck: ignore[N014]\n{LITERAL}\n  th += a;"), &["X001", "N014"]);
-    told(&format!("{LITERAL} // shadercheck: ignore[T001]"), &["N014", "X001"]);
-    told(&format!("{LITERAL} // see shadercheck: ignore[N014]"), &["N014"]);
+fn other_lines_and_other_codes_are_reported() {
+    reported(&format!("  // shadercheck: ignore[N014]\n  float a = turn;\n{LITERAL}\n  th += a;"), &["X001", "N014"]);
+    reported(&format!("  float a = turn; // shadercheck: ignore[N014]\n{LITERAL}\n  th += a;"), &["X001", "N014"]);
+    reported(&format!("{LITERAL} // shadercheck: ignore[T001]"), &["N014", "X001"]);
+    reported(&format!("{LITERAL} // see shadercheck: ignore[N014]"), &["N014"]);
 }
 
 #[test]
 fn a_whole_file_is_silenced_from_anywhere() {
-    told(&format!("{LITERAL}\n  th *= 6.283185;\n  // shadercheck: ignore-file[N014] given digits"), &[]);
+    reported(&format!("{LITERAL}\n  th *= 6.283185;\n  // shadercheck: ignore-file[N014] given digits"), &[]);
 }
 
 #[test]
 fn a_rule_is_silenced_by_its_name_as_by_its_code() {
     for rule in ["N014", "n014", "low-precision-pi", "Low_Precision_Pi"] {
-        told(&format!("{LITERAL} // shadercheck: ignore[{rule}] digits of the data sheet"), &[]);
-        told(&format!("  // shadercheck: ignore-file[{rule}]\n{LITERAL}"), &[]);
+        reported(&format!("{LITERAL} // shadercheck: ignore[{rule}] digits of the data sheet"), &[]);
+        reported(&format!("  // shadercheck: ignore-file[{rule}]\n{LITERAL}"), &[]);
     }
 }
 
 #[test]
 fn errors_of_the_front_end_are_silenced_by_their_codes() {
-    told("  float th = turn + nowhere;", &["E020"]);
-    told("  float th = turn + nowhere; // shadercheck: ignore[E020] a macro of the loader", &[]);
+    reported("  float th = turn + nowhere;", &["E020"]);
+    reported("  float th = turn + nowhere; // shadercheck: ignore[E020] a macro of the loader", &[]);
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn host_code_has_the_same_comments() {
 }
 
 #[test]
-fn what_cannot_be_read_is_told_with_its_place() {
+fn what_cannot_be_read_is_reported_with_its_place() {
     for (comment, message) in [
         ("shadercheck: ignore", "names no rule"),
         ("shadercheck: ignore[]", "names no rule"),
@@ -139,7 +139,7 @@ fn what_is_silenced_is_not_fixed_and_unused_codes_leave_the_list() {
 #[test]
 fn comments_that_state_domains_are_left_alone() {
     for hint in ["turn in [0, 1], normalised n", "t > 0", "nonzero v", "n normalised"] {
-        told(&format!("  // shadercheck: {hint}\n{LITERAL}"), &["N014"]);
+        reported(&format!("  // shadercheck: {hint}\n{LITERAL}"), &["N014"]);
     }
-    told(&format!("  // shadercheck: ignored in [0, 1]\n{LITERAL}"), &["X002", "N014"]);
+    reported(&format!("  // shadercheck: ignored in [0, 1]\n{LITERAL}"), &["X002", "N014"]);
 }

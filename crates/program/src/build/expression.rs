@@ -273,8 +273,8 @@ impl Fun<'_, '_> {
             Fit::TooFew { given } => (format!("only {given} are given"), "give the missing components"),
         };
         let message = format!("`{ty}` takes {needs} components, and {given}");
-        let told = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
-        Err(Box::new(told.with_help(help)))
+        let reported = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
+        Err(Box::new(reported.with_help(help)))
     }
 
     /// A call: a constructor, a function of the shader or a built-in one.

@@ -394,14 +394,14 @@ impl<'s> Build<'s> {
         parts(name, ty, &[], &mut found, &mut unfed);
         let shaped = |part: Part| part.ty.shape().map(|shape| (part.name, part.path, shape));
         let message = "memory that is written or read by index cannot be fed or read".to_owned();
-        let told = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
+        let reported = Diagnostic::new(UNSUPPORTED, Severity::Error, self.shader.file(), span, message);
         self.memory.push(Memory {
             global,
             parts: found.into_iter().filter_map(shaped).collect(),
             written,
             partial: !unfed.is_empty(),
             open: is_open(&self.module, self.module.global_variables[global].ty),
-            told: told.with_help("it can be translated; a stage whose invocations need no other can be run"),
+            diagnostic: reported.with_help("it can be translated; a stage whose invocations need no other can be run"),
         });
     }
 

@@ -8,7 +8,7 @@ use naga::{
 
 use super::builder::{Builder, add_global};
 use super::compute::{Harness, entry_point, param, scaled};
-use super::vertex::{Attribute, UniformBlock, UniformSlot};
+use super::vertex::{Attribute, UniformBlock, UniformPlace};
 use super::words::{Supply, WordsAt};
 use super::{ENTRY_POINT, Form, WORKGROUP, binding};
 use crate::Program;
@@ -207,9 +207,9 @@ impl<'a> Feeding<'a> {
             Feed::Uniforms => Form::Uniforms,
             Feed::Constants(_) => Form::Constants,
             Feed::Attributes => {
-                let slots = (0..self.case_words as u32).map(|word| UniformSlot { word, byte: 4 * word }).collect();
+                let places = (0..self.case_words as u32).map(|word| UniformPlace { word, byte: 4 * word }).collect();
                 let bytes = 4 * self.case_words.next_multiple_of(4) as u32;
-                let blocks = if self.case_words > 0 { vec![UniformBlock { bytes, slots }] } else { Vec::new() };
+                let blocks = if self.case_words > 0 { vec![UniformBlock { bytes, places }] } else { Vec::new() };
                 Form::Vertex { attributes: self.attributes.clone(), blocks, drawn: Vec::new() }
             }
         }

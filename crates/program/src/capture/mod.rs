@@ -23,7 +23,7 @@ use super::{Drawn, Program, ProgramError};
 use base::value::{Batch, Field, Record};
 
 pub(super) use builder::add_global;
-pub use vertex::{Attribute, UniformBlock, UniformSlot};
+pub use vertex::{Attribute, UniformBlock, UniformPlace};
 pub use words::shape_of;
 
 /// Bindings of group 0 of every kernel.

@@ -35,12 +35,12 @@ pub struct UniformBlock {
     /// Size in bytes.
     pub bytes: u32,
     /// Which words of a case go where.
-    pub slots: Vec<UniformSlot>,
+    pub places: Vec<UniformPlace>,
 }
 
 /// One word of a case in a uniform buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct UniformSlot {
+pub struct UniformPlace {
     /// Index of the word in the case record.
     pub word: u32,
     /// Offset in the buffer, in bytes.
@@ -174,12 +174,12 @@ fn uniform_blocks(program: &Program, module: &mut Module) -> Result<Vec<UniformB
         let at = blocks.iter().position(|(g, _)| *g == global).unwrap_or_else(|| {
             let ty = module.global_variables[global].ty;
             let bytes = layouter[ty].size.next_multiple_of(16);
-            blocks.push((global, UniformBlock { bytes, slots: Vec::new() }));
+            blocks.push((global, UniformBlock { bytes, places: Vec::new() }));
             blocks.len() - 1
         });
         let mut bytes = Vec::new();
         byte_offsets(module, port.ty, start, &mut bytes);
-        blocks[at].1.slots.extend((word..).zip(&bytes).map(|(word, &byte)| UniformSlot { word, byte }));
+        blocks[at].1.places.extend((word..).zip(&bytes).map(|(word, &byte)| UniformPlace { word, byte }));
         word += bytes.len() as u32;
     }
     for (k, (global, _)) in blocks.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! What the machine runs: scalar instructions on registers, in structured blocks.
 //!
 //! There are two files of registers: real numbers, kept by the domain, and words. A register is one
-//! column, a value for each lane. Variables have registers of their own, one for each scalar of their
+//! column, a value for each slot. Variables have registers of their own, one for each scalar of their
 //! type; calls are expanded in place, which gives every variable a fixed one.
 
 use std::collections::HashSet;
@@ -20,14 +20,14 @@ pub(super) const TEMPORARY: Reg = 1 << 31;
 
 /// A scalar: its type says in which file it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slot {
+pub struct Register {
     /// Type of the scalar.
     pub scalar: Scalar,
     /// Its register.
     pub reg: Reg,
 }
 
-impl Slot {
+impl Register {
     pub(super) fn file(self) -> File {
         File::of(self.scalar)
     }
@@ -201,7 +201,7 @@ pub(super) struct Stray {
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     /// Where the selected component goes to, or comes from.
-    pub one: Slot,
+    pub one: Register,
     /// The registers among which the index selects.
     pub of: Vec<Reg>,
 }
@@ -281,7 +281,7 @@ pub(super) enum Inst {
         args: [Reg; 4],
         site: Option<Site>,
     },
-    /// Copies the result of a function, and notes the lanes in which it is undefined.
+    /// Copies the result of a function, and notes the slots in which it is undefined.
     Guard {
         what: Guarded,
         to: Reg,
@@ -292,24 +292,24 @@ pub(super) enum Inst {
     /// The same for `clamp` of integers: its ends.
     GuardWords {
         signed: bool,
-        to: Slot,
+        to: Register,
         from: Reg,
         args: [Reg; 2],
         site: Site,
     },
     /// A variable without a value comes to life, with zeros.
     Begin {
-        to: Slot,
+        to: Register,
         zero: Reg,
         site: Site,
     },
-    /// Notes the lanes in which a variable that is read has no value.
+    /// Notes the slots in which a variable that is read has no value.
     Read {
-        from: Slot,
+        from: Register,
         kind: HazardKind,
         site: Site,
     },
-    /// A word of a texel, 0 in lanes that are not inside.
+    /// A word of a texel, 0 in slots that are not inside.
     Texel {
         table: u32,
         index: Reg,
@@ -319,19 +319,19 @@ pub(super) enum Inst {
         site: Site,
     },
     Select {
-        to: Slot,
+        to: Register,
         condition: Reg,
         accept: Reg,
         reject: Reg,
     },
-    /// Copies in all lanes: to a temporary, or to a variable that comes to life.
+    /// Copies in all slots: to a temporary, or to a variable that comes to life.
     Copy {
-        to: Slot,
+        to: Register,
         from: Reg,
     },
-    /// Copies in the lanes that are active.
+    /// Copies in the slots that are active.
     Store {
-        to: Slot,
+        to: Register,
         from: Reg,
     },
     /// Reads the elements at an index, which lies inside. `unset` is the place where one of them may have no value.
@@ -341,7 +341,7 @@ pub(super) enum Inst {
         strays: Vec<Stray>,
         unset: Option<Site>,
     },
-    /// Writes the elements at an index, which lies inside, in the lanes that are active.
+    /// Writes the elements at an index, which lies inside, in the slots that are active.
     Scatter {
         index: Reg,
         choices: Vec<Choice>,
@@ -368,7 +368,7 @@ pub(super) enum Inst {
     },
     /// An `out` argument that is the same place as another, always or where two indices are equal.
     Overlap {
-        of: Slot,
+        of: Register,
         equal: Option<[Reg; 2]>,
         site: Site,
     },
@@ -506,7 +506,7 @@ pub struct Place {
 /// A column that is filled from the words of a batch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fill {
-    pub to: Slot,
+    pub to: Register,
     pub source: WordSource,
 }
 
@@ -528,8 +528,8 @@ pub struct Executable {
     /// Variables that start with zeros.
     pub(super) fills: Vec<Fill>,
     /// Variables that start as never written, unless they are filled.
-    pub(super) poisoned: Vec<Slot>,
-    pub(super) outputs: Vec<Slot>,
+    pub(super) poisoned: Vec<Register>,
+    pub(super) outputs: Vec<Register>,
     /// Registers of variables that come to life without a value, by file.
     pub(super) unset: [HashSet<Reg>; 2],
     pub(super) max_vertices: Option<u32>,
@@ -560,7 +560,7 @@ impl Executable {
 
     /// Types of the output words of one vertex.
     pub fn outputs(&self) -> impl ExactSizeIterator<Item = Scalar> + '_ {
-        self.outputs.iter().map(|slot| slot.scalar)
+        self.outputs.iter().map(|register| register.scalar)
     }
 
     /// For a geometry stage, the number of vertices that are stored.

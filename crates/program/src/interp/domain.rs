@@ -3,14 +3,14 @@
 //! The interpreter splits every operation on vectors and matrices, and every function that the
 //! specifications define by a formula (`dot`, `length`, `mix`, matrix products …), into the scalar
 //! operations of this file, in the order of the source. A domain gives these a meaning. It sees
-//! columns: one value for each lane. Integers and booleans are exact in every domain, and the
+//! columns: one value for each slot. Integers and booleans are exact in every domain, and the
 //! interpreter keeps them itself.
 //!
-//! An operation may be carried out in all lanes, those that do not take this path included: what they
+//! An operation may be carried out in all slots, those that do not take this path included: what they
 //! get is never looked at. [`Domain::merge`] and [`Domain::poison`] alone have to respect their mask.
 
 use super::code::Guarded;
-use super::lanes::{Mask, Words};
+use super::slots::{Mask, Words};
 use base::value::Scalar;
 
 /// Names the expression that an operation belongs to; see
@@ -271,9 +271,9 @@ pub enum WordSource {
     Case(u32),
 }
 
-/// A domain of numbers, with what it has to remember about one chunk of lanes.
+/// A domain of numbers, with what it has to remember about one chunk of slots.
 pub trait Domain {
-    /// One value for each lane. A default column need not hold any: it marks a place.
+    /// One value for each slot. A default column need not hold any: it marks a place.
     type Column: Default + Send;
     /// What an output word is handed out as.
     type Word: Copy + Default + Send + Sync + std::fmt::Debug;
@@ -287,9 +287,9 @@ pub trait Domain {
     fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Self::Column);
     /// An input: the bits of binary32 numbers.
     fn input(&mut self, source: WordSource, words: &Words, out: &mut Self::Column);
-    /// An operation on one number. Results matter in the lanes of `active` alone.
+    /// An operation on one number. Results matter in the slots of `active` alone.
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Self::Column, out: &mut Self::Column);
-    /// An operation on two numbers. Results matter in the lanes of `active` alone.
+    /// An operation on two numbers. Results matter in the slots of `active` alone.
     fn binary(
         &mut self,
         site: Site,
@@ -301,7 +301,7 @@ pub trait Domain {
     );
     /// a·2^e for signed integers e.
     fn scale(&mut self, site: Site, a: &Self::Column, exponent: &Words, out: &mut Self::Column);
-    /// Compares two numbers. Answers matter in the lanes of `active` alone.
+    /// Compares two numbers. Answers matter in the slots of `active` alone.
     fn compare(
         &mut self,
         site: Site,
@@ -311,49 +311,49 @@ pub trait Domain {
         b: &Self::Column,
         out: &mut Words,
     );
-    /// Notes a question about two whole numbers, which the interpreter answers itself. Only the lanes of `active`
+    /// Notes a question about two whole numbers, which the interpreter answers itself. Only the slots of `active`
     /// ask it.
     #[inline]
     fn compare_words(&mut self, site: Site, op: Comparison, signed: bool, active: &Mask, a: &Words, b: &Words) {
         let _ = (site, op, signed, active, a, b);
     }
-    /// Asks what kind of number it is. Answers matter in the lanes of `active` alone.
+    /// Asks what kind of number it is. Answers matter in the slots of `active` alone.
     fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Self::Column, out: &mut Words);
-    /// Converts to words. Gives the lanes whose value does not fit. Results matter in the lanes of
+    /// Converts to words. Gives the slots whose value does not fit. Results matter in the slots of
     /// `active` alone.
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Self::Column, out: &mut Words) -> Mask;
     /// Converts from words.
     fn reals_of(&mut self, site: Site, op: FromWords, a: &Words, out: &mut Self::Column);
-    /// Lanes of `active` in which the result of a function is undefined; none for a domain that does not look.
+    /// Slots of `active` in which the result of a function is undefined; none for a domain that does not look.
     fn outside(&self, what: Guarded, active: &Mask, x: &Self::Column, y: &Self::Column) -> Mask {
         let _ = (what, active, x, y);
         Mask::NONE
     }
-    /// Arguments in one lane as numbers, for messages.
-    fn shown(&self, column: &Self::Column, lane: usize) -> f64 {
-        let _ = (column, lane);
+    /// Arguments in one slot as numbers, for messages.
+    fn shown(&self, column: &Self::Column, slot: usize) -> f64 {
+        let _ = (column, slot);
         f64::NAN
     }
-    /// Notes that what comes of this place in these lanes is not promised.
-    fn doubt(&mut self, site: Site, lanes: &Mask) {
-        let _ = (site, lanes);
+    /// Notes that what comes of this place in these slots is not promised.
+    fn doubt(&mut self, site: Site, slots: &Mask) {
+        let _ = (site, slots);
     }
-    /// True when it has no room for another round of a loop: the lanes that go on are given up then.
+    /// True when it has no room for another round of a loop: the slots that go on are given up then.
     fn is_full(&self) -> bool {
         false
     }
-    /// Notes that these lanes are given up in a loop: nothing is known of what comes of them.
-    fn give_up(&mut self, site: Site, lanes: &Mask) {
-        let _ = (site, lanes);
+    /// Notes that these slots are given up in a loop: nothing is known of what comes of them.
+    fn give_up(&mut self, site: Site, slots: &Mask) {
+        let _ = (site, slots);
     }
     /// Copies a column.
     fn copy(&mut self, from: &Self::Column, to: &mut Self::Column);
-    /// Copies the lanes of `mask` and leaves the others.
+    /// Copies the slots of `mask` and leaves the others.
     fn merge(&mut self, mask: &Mask, from: &Self::Column, to: &mut Self::Column);
-    /// Marks the lanes of `mask` as never written.
+    /// Marks the slots of `mask` as never written.
     fn poison(&mut self, mask: &Mask, to: &mut Self::Column);
-    /// The value of a lane as an output word; `None` when it was never written.
-    fn word(&self, column: &Self::Column, lane: usize) -> Option<Self::Word>;
+    /// The value of a slot as an output word; `None` when it was never written.
+    fn word(&self, column: &Self::Column, slot: usize) -> Option<Self::Word>;
     /// An exact word as an output word.
     fn exact(word: u32, scalar: Scalar) -> Self::Word;
 }

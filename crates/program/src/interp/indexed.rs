@@ -1,13 +1,13 @@
-//! Loads and stores at an index of each lane's own.
+//! Loads and stores at an index of each slot's own.
 
-use super::code::{Choice, Slot, Stray};
+use super::code::{Choice, Register, Stray};
 use super::domain::{Domain, Site};
-use super::lanes::Mask;
 use super::machine::Machine;
 use super::meaning::HazardKind;
+use super::slots::Mask;
 use super::undefined::{Operand, Undefined};
 
-/// Lanes that have one index.
+/// Slots that have one index.
 type Group = (usize, Mask);
 
 impl<D: Domain> Machine<'_, D> {
@@ -15,7 +15,7 @@ impl<D: Domain> Machine<'_, D> {
         let groups = self.groups(index);
         for Choice { one, of } in choices {
             match groups[..] {
-                // Lanes that are not active may get any value.
+                // Slots that are not active may get any value.
                 [(value, _)] => self.copy(*one, of[value]),
                 _ => {
                     for (value, mask) in &groups {
@@ -40,7 +40,7 @@ impl<D: Domain> Machine<'_, D> {
         }
         for (value, mask) in groups {
             for Choice { one, of } in choices {
-                let to = Slot { reg: of[value], ..*one };
+                let to = Register { reg: of[value], ..*one };
                 self.assign(to, mask);
                 self.merge(&mask, to, one.reg);
             }
@@ -64,10 +64,10 @@ impl<D: Domain> Machine<'_, D> {
         for stray in strays.iter().filter(|stray| self.replaces(HazardKind::Index, stray.site)) {
             let mask = self.outside(stray);
             let before = groups.clone();
-            groups.iter_mut().for_each(|(_, lanes)| *lanes = lanes.minus(mask));
+            groups.iter_mut().for_each(|(_, slots)| *slots = slots.minus(mask));
             let round = self.probe.as_ref().map_or(0, |probe| probe.round);
             if round % 2 == 1 && elements > 1 {
-                let moved = before.into_iter().map(|(at, lanes)| ((at + round) % elements, lanes.and(mask)));
+                let moved = before.into_iter().map(|(at, slots)| ((at + round) % elements, slots.and(mask)));
                 groups.extend(moved);
             }
         }
@@ -75,6 +75,6 @@ impl<D: Domain> Machine<'_, D> {
 
     fn outside(&self, stray: &Stray) -> Mask {
         let index = &self.words[stray.reg as usize];
-        Mask::where_(|lane| index[lane] >= stray.len).and(self.active)
+        Mask::where_(|slot| index[slot] >= stray.len).and(self.active)
     }
 }

@@ -1,13 +1,13 @@
 //! Operations on words, by the rules of WGSL, with a report where those rules paper over something.
 
 use super::code::{Field, Reg, Word1, Word2};
-use super::lanes::{LANES, Mask, Words};
 use super::meaning::HazardKind;
+use super::slots::{Mask, SLOTS, Words};
 use super::undefined::Operand;
 
 #[inline]
 fn map(a: &Words, f: impl Fn(u32) -> u32) -> Words {
-    let mut out = [0; LANES];
+    let mut out = [0; SLOTS];
     for (out, &a) in out.iter_mut().zip(a) {
         *out = f(a);
     }
@@ -43,9 +43,9 @@ fn highest(a: u32) -> u32 {
 
 #[inline]
 fn zip(a: &Words, b: &Words, f: impl Fn(u32, u32) -> u32) -> Words {
-    let mut out = [0; LANES];
-    for (lane, out) in out.iter_mut().enumerate() {
-        *out = f(a[lane], b[lane]);
+    let mut out = [0; SLOTS];
+    for (slot, out) in out.iter_mut().enumerate() {
+        *out = f(a[slot], b[slot]);
     }
     out
 }
@@ -92,7 +92,7 @@ pub(super) fn word2(op: Word2, a: &Words, b: &Words) -> Words {
     }
 }
 
-/// Lanes in which an operation on one word leaves its range.
+/// Slots in which an operation on one word leaves its range.
 pub(super) fn doubts1(op: Word1, a: &Words) -> Option<(HazardKind, Mask)> {
     match op {
         Word1::Negate | Word1::Abs => Some((HazardKind::Overflow, Mask::where_(|k| a[k].cast_signed() == i32::MIN))),
@@ -109,7 +109,7 @@ pub(super) fn doubts1(op: Word1, a: &Words) -> Option<(HazardKind, Mask)> {
     }
 }
 
-/// Lanes in which an operation leaves its range. Unsigned sums and products wrap on purpose.
+/// Slots in which an operation leaves its range. Unsigned sums and products wrap on purpose.
 pub(super) fn doubts2(op: Word2, a: &Words, b: &Words) -> [Option<(HazardKind, Mask)>; 2] {
     let overflow = |f: fn(i32, i32) -> Option<i32>| {
         let mask = Mask::where_(|k| f(a[k].cast_signed(), b[k].cast_signed()).is_none());
@@ -160,7 +160,7 @@ pub(super) fn bits_of(op: Field) -> (usize, usize) {
     }
 }
 
-/// Lanes in which a bit field reaches outside of the word.
+/// Slots in which a bit field reaches outside of the word.
 pub(super) fn doubts_of_field(op: Field, args: [&Words; 4]) -> Mask {
     let (offset, count) = bits_of(op);
     Mask::where_(|k| u64::from(args[offset][k]) + u64::from(args[count][k]) > 32)
@@ -176,9 +176,9 @@ pub(super) fn operands(op: Word2, (a, b): (Reg, Reg)) -> [Operand; 2] {
 
 /// WGSL, 17.3: offset and count are cut to the word.
 pub(super) fn field(op: Field, args: [&Words; 4]) -> Words {
-    let mut out = [0; LANES];
-    for (lane, out) in out.iter_mut().enumerate() {
-        let [a, b, c, d] = args.map(|arg| arg[lane]);
+    let mut out = [0; SLOTS];
+    for (slot, out) in out.iter_mut().enumerate() {
+        let [a, b, c, d] = args.map(|arg| arg[slot]);
         *out = match op {
             Field::ExtractSigned | Field::ExtractUnsigned => {
                 let offset = b.min(32);

@@ -1,14 +1,14 @@
-//! Runs an executable on the lanes of one chunk.
+//! Runs an executable on the slots of one chunk.
 
 use std::collections::HashMap;
 use std::mem::take;
 
 use super::POISON;
-use super::code::{Constant, Executable, File, Guarded, Inst, Slot, Word2};
+use super::code::{Constant, Executable, File, Guarded, Inst, Register, Word2};
 use super::domain::{Domain, Site, WordSource};
 use super::integer;
-use super::lanes::{LANES, Mask, Words};
 use super::meaning::{Finding, Flags, HazardKind};
+use super::slots::{Mask, SLOTS, Words};
 use super::undefined::{Operand, Probe, Undefined};
 use base::value::{Batch, Scalar};
 
@@ -21,11 +21,11 @@ pub enum OutputColumn<'m, C> {
     Word(&'m Words),
 }
 
-/// A loop or switch that lanes can leave.
+/// A loop or switch that slots can leave.
 #[derive(Default)]
 struct Breakable {
     left: Mask,
-    /// Lanes that go on with the next round; `None` for a switch.
+    /// Slots that go on with the next round; `None` for a switch.
     next: Option<Mask>,
 }
 
@@ -41,76 +41,76 @@ pub struct Machine<'e, D: Domain> {
     pub(super) emitted: Words,
     pub(super) ended: Words,
     pub(super) active: Mask,
-    /// Lanes that were discarded, ran out of fuel or were given up.
+    /// Slots that were discarded, ran out of fuel or were given up.
     stopped: Mask,
     breakable: Vec<Breakable>,
     fuel: Words,
     fuel_limit: u32,
-    pub(super) flags: [Flags; LANES],
+    pub(super) flags: [Flags; SLOTS],
     pub(super) findings: Vec<Finding>,
-    /// Of variables that come to life without a value, the lanes in which they have one: by file and register.
+    /// Of variables that come to life without a value, the slots in which they have one: by file and register.
     pub(super) assigned: [HashMap<u32, Mask>; 2],
     /// What is put in the place of undefined values, and what is noted of them.
     pub(super) probe: Option<Probe>,
-    /// The invocation of each lane; lanes behind the last one follow the first.
-    invocations: [usize; LANES],
-    pub(super) lanes: usize,
+    /// The invocation of each slot; slots behind the last one follow the first.
+    invocations: [usize; SLOTS],
+    pub(super) slots: usize,
 }
 
 impl<'e, D: Domain> Machine<'e, D> {
-    /// A machine for an executable. Each lane may go through `fuel` rounds of loops.
+    /// A machine for an executable. Each slot may go through `fuel` rounds of loops.
     pub fn new(executable: &'e Executable, mut domain: D, fuel: u32) -> Self {
         let room = executable.max_vertices.unwrap_or(0) as usize;
-        let reals_out = executable.outputs.iter().filter(|slot| slot.file() == File::Real).count();
+        let reals_out = executable.outputs.iter().filter(|register| register.file() == File::Real).count();
         let words_out = executable.outputs.len() - reals_out;
         let mut columns = |n: usize| (0..n).map(|_| domain.column()).collect::<Vec<_>>();
         let reals = columns(executable.reals);
-        let vertices = (0..room).map(|_| (columns(reals_out), vec![[0; LANES]; words_out])).collect();
+        let vertices = (0..room).map(|_| (columns(reals_out), vec![[0; SLOTS]; words_out])).collect();
         Self {
             executable,
             domain,
             reals,
-            words: vec![[0; LANES]; executable.words],
+            words: vec![[0; SLOTS]; executable.words],
             vertices,
-            strips: vec![[0; LANES]; room],
-            emitted: [0; LANES],
-            ended: [0; LANES],
+            strips: vec![[0; SLOTS]; room],
+            emitted: [0; SLOTS],
+            ended: [0; SLOTS],
             active: Mask::NONE,
             stopped: Mask::NONE,
             breakable: Vec::new(),
-            fuel: [0; LANES],
+            fuel: [0; SLOTS],
             fuel_limit: fuel,
-            flags: [Flags::default(); LANES],
+            flags: [Flags::default(); SLOTS],
             findings: Vec::new(),
             assigned: std::array::from_fn(|file| executable.unset[file].iter().map(|&reg| (reg, Mask::NONE)).collect()),
             probe: None,
-            invocations: [0; LANES],
-            lanes: 0,
+            invocations: [0; SLOTS],
+            slots: 0,
         }
     }
 
-    /// Runs the invocations of `batch` from `first` on, at most [`LANES`] of them. Gives their number.
+    /// Runs the invocations of `batch` from `first` on, at most [`SLOTS`] of them. Gives their number.
     pub fn run(&mut self, batch: &Batch, first: usize) -> usize {
-        let lanes = batch.invocation_count().saturating_sub(first).min(LANES);
-        self.start(batch, lanes, |lane| first + lane);
-        lanes
+        let slots = batch.invocation_count().saturating_sub(first).min(SLOTS);
+        self.start(batch, slots, |slot| first + slot);
+        slots
     }
 
-    /// Runs any invocations of `batch`, at most [`LANES`] of them: those past that are left out. Gives
+    /// Runs any invocations of `batch`, at most [`SLOTS`] of them: those past that are left out. Gives
     /// their number.
     ///
     /// # Panics
     /// When the batch has no such invocation: a defect of the caller.
     pub fn run_some(&mut self, batch: &Batch, invocations: &[usize]) -> usize {
-        let lanes = invocations.len().min(LANES);
-        self.start(batch, lanes, |lane| invocations[lane]);
-        lanes
+        let slots = invocations.len().min(SLOTS);
+        self.start(batch, slots, |slot| invocations[slot]);
+        slots
     }
 
-    fn start(&mut self, batch: &Batch, lanes: usize, invocation: impl Fn(usize) -> usize) {
-        self.lanes = lanes;
-        if lanes > 0 {
-            self.invocations = std::array::from_fn(|lane| invocation(if lane < lanes { lane } else { 0 }));
+    fn start(&mut self, batch: &Batch, slots: usize, invocation: impl Fn(usize) -> usize) {
+        self.slots = slots;
+        if slots > 0 {
+            self.invocations = std::array::from_fn(|slot| invocation(if slot < slots { slot } else { 0 }));
         }
         self.domain.begin();
         for &constant in &self.executable.constants {
@@ -118,24 +118,24 @@ impl<'e, D: Domain> Machine<'e, D> {
                 Constant::Real { to, value, site } => {
                     self.domain.constant(site, value, &mut self.reals[to as usize]);
                 }
-                Constant::Word { to, value } => self.words[to as usize] = [value; LANES],
+                Constant::Word { to, value } => self.words[to as usize] = [value; SLOTS],
             }
         }
-        if lanes > 0 {
+        if slots > 0 {
             self.fill(batch);
         }
         for k in 0..self.executable.poisoned.len() {
             self.poison(self.executable.poisoned[k], Mask::ALL);
         }
-        (self.emitted, self.ended) = ([0; LANES], [0; LANES]);
-        self.flags = [Flags::default(); LANES];
-        self.fuel = [self.fuel_limit; LANES];
-        self.active = Mask::first(lanes);
+        (self.emitted, self.ended) = ([0; SLOTS], [0; SLOTS]);
+        self.flags = [Flags::default(); SLOTS];
+        self.fuel = [self.fuel_limit; SLOTS];
+        self.active = Mask::first(slots);
         self.stopped = Mask::NONE;
         self.breakable.clear();
         let executable = self.executable;
-        // Lanes behind the last invocation follow the first one, so that full masks stay full.
-        if lanes > 0 {
+        // Slots behind the last invocation follow the first one, so that full masks stay full.
+        if slots > 0 {
             self.active = Mask::ALL;
             self.block(&executable.body);
         }
@@ -143,17 +143,17 @@ impl<'e, D: Domain> Machine<'e, D> {
 
     fn fill(&mut self, batch: &Batch) {
         let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
-        let mut column = [0; LANES];
+        let mut column = [0; SLOTS];
         for fill in &self.executable.fills {
             match fill.source {
                 WordSource::Invocation(word) => {
-                    for (lane, value) in column.iter_mut().enumerate() {
-                        *value = batch.invocations[self.invocations[lane] * words + word as usize];
+                    for (slot, value) in column.iter_mut().enumerate() {
+                        *value = batch.invocations[self.invocations[slot] * words + word as usize];
                     }
                 }
                 WordSource::Case(word) => {
-                    for (lane, value) in column.iter_mut().enumerate() {
-                        let case = self.invocations[lane] / batch.per_case;
+                    for (slot, value) in column.iter_mut().enumerate() {
+                        let case = self.invocations[slot] / batch.per_case;
                         *value = batch.cases[case * case_words + word as usize];
                     }
                 }
@@ -167,30 +167,30 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    fn poison(&mut self, slot: Slot, mask: Mask) {
-        match slot.file() {
-            File::Real => self.domain.poison(&mask, &mut self.reals[slot.reg as usize]),
-            File::Word => mask.merge(&[POISON; LANES], &mut self.words[slot.reg as usize]),
+    fn poison(&mut self, register: Register, mask: Mask) {
+        match register.file() {
+            File::Real => self.domain.poison(&mask, &mut self.reals[register.reg as usize]),
+            File::Word => mask.merge(&[POISON; SLOTS], &mut self.words[register.reg as usize]),
         }
     }
 
     pub(super) fn report(&mut self, kind: HazardKind, site: Site, mask: Mask) {
-        let mask = mask.and(self.active).and(Mask::first(self.lanes));
+        let mask = mask.and(self.active).and(Mask::first(self.slots));
         if mask.is_empty() {
             return;
         }
-        for lane in mask.lanes() {
-            self.flags[lane].set(kind);
+        for slot in mask.slots() {
+            self.flags[slot].set(kind);
         }
         let count = mask.count() as u64;
-        // Discarding is an event of the lane and not of a place.
+        // Discarding is an event of the slot and not of a place.
         if kind == HazardKind::Killed {
             return;
         }
         match self.findings.iter_mut().find(|finding| finding.kind == kind && finding.site == site) {
             Some(finding) => finding.count += count,
             None => {
-                let invocation = self.invocations[mask.lanes().next().unwrap_or(0)];
+                let invocation = self.invocations[mask.slots().next().unwrap_or(0)];
                 self.findings.push(Finding { kind, site, invocation, count });
             }
         }
@@ -239,7 +239,7 @@ impl<'e, D: Domain> Machine<'e, D> {
             Inst::ToWords { op, to, a, site } => {
                 let (from, out) = (&self.reals[*a as usize], &mut self.words[*to as usize]);
                 let outside = self.domain.words_of(*site, *op, &self.active, from, out);
-                let to = Slot { scalar: Scalar::I32, reg: *to };
+                let to = Register { scalar: Scalar::I32, reg: *to };
                 let found = Undefined { kind: HazardKind::Conversion, site: *site, what: None };
                 self.undefined(found, outside, Some(to), [Operand::Real(*a), Operand::None]);
             }
@@ -263,7 +263,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.words[*to as usize] = out;
                 let args = integer::operands(*op, (*a_reg, *b_reg));
                 // An index is looked at again where it is used.
-                let to = (*op != Word2::Index).then_some(Slot { scalar: Scalar::I32, reg: *to });
+                let to = (*op != Word2::Index).then_some(Register { scalar: Scalar::I32, reg: *to });
                 for (kind, mask) in doubts.into_iter().flatten() {
                     self.undefined(Undefined { kind, site: *site, what: None }, mask, to, args);
                 }
@@ -275,12 +275,12 @@ impl<'e, D: Domain> Machine<'e, D> {
                 if let Some(site) = *site {
                     let (offset, count) = integer::bits_of(*op);
                     let found = Undefined { kind: HazardKind::BitField, site, what: None };
-                    let to = Slot { scalar: Scalar::I32, reg: *to };
+                    let to = Register { scalar: Scalar::I32, reg: *to };
                     self.undefined(found, outside, Some(to), [args[offset], args[count]].map(Operand::Signed));
                 }
             }
             Inst::Guard { what, to, from, args, site } => {
-                let to = Slot { scalar: Scalar::F32, reg: *to };
+                let to = Register { scalar: Scalar::F32, reg: *to };
                 self.copy(to, *from);
                 let [x, y] = args.map(|reg| &self.reals[reg as usize]);
                 let outside = self.domain.outside(*what, &self.active, x, y);
@@ -291,7 +291,7 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.copy(*to, *from);
                 let [low, high] = args.map(|reg| &self.words[reg as usize]);
                 let number = |word: u32| if *signed { i64::from(word.cast_signed()) } else { i64::from(word) };
-                let outside = Mask::where_(|lane| number(low[lane]) > number(high[lane]));
+                let outside = Mask::where_(|slot| number(low[slot]) > number(high[slot]));
                 let found = Undefined { kind: HazardKind::Argument, site: *site, what: Some(Guarded::Clamp) };
                 let operand = if *signed { Operand::Signed } else { Operand::Unsigned };
                 self.undefined(found, outside, Some(*to), args.map(operand));
@@ -313,11 +313,11 @@ impl<'e, D: Domain> Machine<'e, D> {
                 if !outside.is_empty() {
                     self.domain.doubt(*site, &outside);
                 }
-                let word = |lane: usize| table.get(4 * index[lane] as usize + usize::from(*channel)).copied();
-                let found = |lane: usize| if inside.has(lane) { word(lane).unwrap_or(0) } else { 0 };
+                let word = |slot: usize| table.get(4 * index[slot] as usize + usize::from(*channel)).copied();
+                let found = |slot: usize| if inside.has(slot) { word(slot).unwrap_or(0) } else { 0 };
                 self.words[*to as usize] = std::array::from_fn(found);
                 let of = Undefined { kind: HazardKind::Index, site: *site, what: None };
-                self.undefined(of, outside, Some(Slot { scalar: Scalar::I32, reg: *to }), [Operand::None; 2]);
+                self.undefined(of, outside, Some(Register { scalar: Scalar::I32, reg: *to }), [Operand::None; 2]);
             }
             Inst::Select { to, condition, accept, reject } => {
                 let mask = Mask::of(&self.words[*condition as usize]);
@@ -372,14 +372,14 @@ impl<'e, D: Domain> Machine<'e, D> {
             }
             Inst::EmitVertex => self.emit_vertex(),
             Inst::EndPrimitive => {
-                for lane in self.active.lanes() {
-                    self.ended[lane] += 1;
+                for slot in self.active.slots() {
+                    self.ended[slot] += 1;
                 }
             }
         }
     }
 
-    pub(super) fn copy(&mut self, to: Slot, from: u32) {
+    pub(super) fn copy(&mut self, to: Register, from: u32) {
         let (at, from) = (to.reg as usize, from as usize);
         if at == from {
             return;
@@ -394,7 +394,7 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    pub(super) fn merge(&mut self, mask: &Mask, to: Slot, from: u32) {
+    pub(super) fn merge(&mut self, mask: &Mask, to: Register, from: u32) {
         if mask.is_full() {
             return self.copy(to, from);
         }
@@ -415,14 +415,14 @@ impl<'e, D: Domain> Machine<'e, D> {
         }
     }
 
-    /// For each value that the index takes in the active lanes, the lanes that have it.
+    /// For each value that the index takes in the active slots, the slots that have it.
     pub(super) fn groups(&self, index: u32) -> Vec<(usize, Mask)> {
         let index = &self.words[index as usize];
         let mut rest = self.active;
         let mut groups = Vec::new();
-        while let Some(lane) = rest.lanes().next() {
-            let value = index[lane];
-            let same = Mask::where_(|lane| index[lane] == value).and(self.active);
+        while let Some(slot) = rest.slots().next() {
+            let value = index[slot];
+            let same = Mask::where_(|slot| index[slot] == value).and(self.active);
             groups.push((value as usize, same));
             rest = rest.minus(same);
         }
@@ -432,7 +432,7 @@ impl<'e, D: Domain> Machine<'e, D> {
     fn switch(&mut self, selector: u32, cases: &'e [super::code::Case]) {
         let before = self.active;
         let selector = self.words[selector as usize];
-        let matching = |value: u32| Mask::where_(|lane| selector[lane] == value).and(before);
+        let matching = |value: u32| Mask::where_(|slot| selector[slot] == value).and(before);
         let named = cases.iter().filter_map(|case| case.value).fold(Mask::NONE, |all, value| all.or(matching(value)));
         self.breakable.push(Breakable::default());
         let (mut falling, mut done) = (Mask::NONE, Mask::NONE);
@@ -456,7 +456,7 @@ impl<'e, D: Domain> Machine<'e, D> {
     fn repeat(&mut self, body: &'e [Inst], continuing: &'e [Inst], break_if: Option<u32>, site: Site) {
         self.breakable.push(Breakable { left: Mask::NONE, next: Some(Mask::NONE) });
         while !self.active.is_empty() {
-            let dry = Mask::where_(|lane| self.fuel[lane] == 0).and(self.active);
+            let dry = Mask::where_(|slot| self.fuel[slot] == 0).and(self.active);
             if !dry.is_empty() {
                 self.report(HazardKind::Fuel, site, dry);
                 self.stopped = self.stopped.or(dry);
@@ -467,8 +467,8 @@ impl<'e, D: Domain> Machine<'e, D> {
                 self.stopped = self.stopped.or(self.active);
                 self.active = Mask::NONE;
             }
-            for (lane, fuel) in self.fuel.iter_mut().enumerate() {
-                *fuel -= u32::from(self.active.has(lane));
+            for (slot, fuel) in self.fuel.iter_mut().enumerate() {
+                *fuel -= u32::from(self.active.has(slot));
             }
             self.block(body);
             let next = self.breakable.last_mut().and_then(|b| b.next.as_mut()).map_or(Mask::NONE, take);
@@ -488,16 +488,16 @@ impl<'e, D: Domain> Machine<'e, D> {
     fn emit_vertex(&mut self) {
         let room = self.vertices.len() as u32;
         let mut rest = self.active;
-        while let Some(lane) = rest.lanes().next() {
-            let count = self.emitted[lane];
-            let same = Mask::where_(|lane| self.emitted[lane] == count).and(self.active);
+        while let Some(slot) = rest.slots().next() {
+            let count = self.emitted[slot];
+            let same = Mask::where_(|slot| self.emitted[slot] == count).and(self.active);
             rest = rest.minus(same);
             if count < room {
                 let (reals, words) = &mut self.vertices[count as usize];
                 let (mut reals, mut words) = (reals.iter_mut(), words.iter_mut());
-                for slot in &self.executable.outputs {
-                    let reg = slot.reg as usize;
-                    match slot.file() {
+                for register in &self.executable.outputs {
+                    let reg = register.reg as usize;
+                    match register.file() {
                         File::Real => {
                             if let Some(to) = reals.next() {
                                 self.domain.merge(&same, &self.reals[reg], to);
@@ -513,8 +513,8 @@ impl<'e, D: Domain> Machine<'e, D> {
                 same.merge(&self.ended, &mut self.strips[count as usize]);
             }
         }
-        for lane in self.active.lanes() {
-            self.emitted[lane] += 1;
+        for slot in self.active.slots() {
+            self.emitted[slot] += 1;
         }
         // Outputs are undefined behind EmitVertex (GLSL 4.60, 8.15): whatever is read again shows.
         for k in 0..self.executable.outputs.len() {
@@ -530,13 +530,13 @@ impl<D: Domain> Machine<'_, D> {
         &mut self.domain
     }
 
-    /// An output word of a vertex (0 for a pointwise program), in all lanes.
+    /// An output word of a vertex (0 for a pointwise program), in all slots.
     pub fn output(&self, vertex: usize, word: usize) -> OutputColumn<'_, D::Column> {
-        let slot = self.executable.outputs[word];
+        let register = self.executable.outputs[word];
         let before = &self.executable.outputs[..word];
-        let nth = before.iter().filter(|other| other.file() == slot.file()).count();
-        let reg = slot.reg as usize;
-        match (self.executable.max_vertices, slot.file()) {
+        let nth = before.iter().filter(|other| other.file() == register.file()).count();
+        let reg = register.reg as usize;
+        match (self.executable.max_vertices, register.file()) {
             (Some(_), File::Real) => OutputColumn::Real(&self.vertices[vertex].0[nth]),
             (Some(_), File::Word) => OutputColumn::Word(&self.vertices[vertex].1[nth]),
             (None, File::Real) => OutputColumn::Real(&self.reals[reg]),
@@ -544,12 +544,12 @@ impl<D: Domain> Machine<'_, D> {
         }
     }
 
-    /// An output word of one lane, from its column; `None` when it was never written.
-    pub fn word(&self, column: &OutputColumn<'_, D::Column>, word: usize, lane: usize) -> Option<D::Word> {
+    /// An output word of one slot, from its column; `None` when it was never written.
+    pub fn word(&self, column: &OutputColumn<'_, D::Column>, word: usize, slot: usize) -> Option<D::Word> {
         match column {
-            OutputColumn::Real(column) => self.domain.word(column, lane),
+            OutputColumn::Real(column) => self.domain.word(column, slot),
             OutputColumn::Word(words) => {
-                let value = words[lane];
+                let value = words[slot];
                 (value != POISON).then(|| D::exact(value, self.executable.outputs[word].scalar))
             }
         }
@@ -565,28 +565,28 @@ impl<D: Domain> Machine<'_, D> {
         self.executable.outputs.len()
     }
 
-    /// Vertices that are stored for each lane at most; 1 for a pointwise program.
+    /// Vertices that are stored for each slot at most; 1 for a pointwise program.
     pub fn room(&self) -> usize {
         self.executable.max_vertices.unwrap_or(1) as usize
     }
 
-    /// Vertices that each lane emitted, those past the limit included.
+    /// Vertices that each slot emitted, those past the limit included.
     pub fn emitted(&self) -> &Words {
         &self.emitted
     }
 
-    /// Strips that each lane ended.
+    /// Strips that each slot ended.
     pub fn ended(&self) -> &Words {
         &self.ended
     }
 
-    /// The strip of a stored vertex in each lane.
+    /// The strip of a stored vertex in each slot.
     pub fn strip(&self, vertex: usize) -> &Words {
         &self.strips[vertex]
     }
 
-    /// What each lane came upon.
-    pub fn flags(&self) -> &[Flags; LANES] {
+    /// What each slot came upon.
+    pub fn flags(&self) -> &[Flags; SLOTS] {
         &self.flags
     }
 

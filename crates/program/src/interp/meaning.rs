@@ -2,7 +2,7 @@
 
 use super::domain::Site;
 
-/// Something that a lane came upon.
+/// Something that a slot came upon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum HazardKind {
     /// An index outside of its array, vector or matrix; the last element was taken.
@@ -29,9 +29,9 @@ pub enum HazardKind {
     NoReturn,
     /// Two `out` arguments that are one variable; the last was copied back last.
     Overlap,
-    /// A loop that ran for longer than the fuel; the lane was stopped.
+    /// A loop that ran for longer than the fuel; the slot was stopped.
     Fuel,
-    /// The lane was discarded, which is no finding of its own.
+    /// The slot was discarded, which is no finding of its own.
     Killed,
 }
 

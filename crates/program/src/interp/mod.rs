@@ -2,7 +2,7 @@
 //!
 //! It takes the module itself and no translation of it, and shares nothing with the lanes: what they
 //! give can be compared with it. A module is compiled to scalar instructions ([`Executable`]), which a
-//! [`Machine`] runs on the columns of [`LANES`] invocations at a time. What numbers are is said by a
+//! [`Machine`] runs on the columns of [`SLOTS`] invocations at a time. What numbers are is said by a
 //! [`Domain`]: [`Binary64`] is the meaning in real numbers, as near as binary64 comes to it,
 //! [`Binary32`] what a device gives that rounds every operation correctly and rearranges nothing.
 //!
@@ -17,12 +17,12 @@ mod domain;
 mod half;
 mod indexed;
 mod integer;
-mod lanes;
 mod machine;
 mod meaning;
 mod plain;
 mod rearrange;
 mod shape;
+mod slots;
 #[cfg(test)]
 mod tests;
 mod undefined;
@@ -36,11 +36,11 @@ use base::value::{Batch, Scalar};
 pub use code::{Executable, Guarded, Place};
 pub use compile::{Binding, Subject};
 pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
-pub use lanes::{LANES, Mask, Words};
 pub use machine::{Machine, OutputColumn};
 pub use meaning::{Finding, Flags, HazardKind, Meaning};
 pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
 pub use rearrange::Laws;
+pub use slots::{Mask, SLOTS, Words};
 pub use undefined::{Dependence, Undefined};
 
 /// Bits of an output that was never written: a quiet NaN with a payload of its own.
@@ -193,14 +193,14 @@ impl Executable {
         self.check(batch)?;
         let count = batch.invocation_count();
         let (room, width) = (self.max_vertices.unwrap_or(1) as usize, self.outputs.len());
-        let pieces: Vec<Meaning<D::Word>> = (0..count.div_ceil(LANES))
+        let pieces: Vec<Meaning<D::Word>> = (0..count.div_ceil(SLOTS))
             .into_par_iter()
             .map_init(
                 || Machine::new(self, domain(), fuel),
                 |machine, chunk| {
-                    let first = chunk * LANES;
-                    let lanes = machine.run(batch, first);
-                    piece(machine, first, lanes, (room, width), self.max_vertices)
+                    let first = chunk * SLOTS;
+                    let slots = machine.run(batch, first);
+                    piece(machine, first, slots, (room, width), self.max_vertices)
                 },
             )
             .collect();
@@ -257,38 +257,38 @@ impl Executable {
 fn piece<D: Domain>(
     machine: &mut Machine<'_, D>,
     first: usize,
-    lanes: usize,
+    slots: usize,
     (room, width): (usize, usize),
     max_vertices: Option<u32>,
 ) -> Meaning<D::Word> {
     let mut piece = Meaning {
         vertex_words: width,
         max_vertices,
-        words: vec![D::Word::default(); lanes * room * width],
+        words: vec![D::Word::default(); slots * room * width],
         unwritten: Vec::new(),
         emitted: Vec::new(),
         ended: Vec::new(),
         strips: Vec::new(),
-        flags: machine.flags()[..lanes].to_vec(),
+        flags: machine.flags()[..slots].to_vec(),
         findings: machine.take_findings(),
     };
     if max_vertices.is_some() {
-        piece.emitted = machine.emitted()[..lanes].to_vec();
-        piece.ended = machine.ended()[..lanes].to_vec();
+        piece.emitted = machine.emitted()[..slots].to_vec();
+        piece.ended = machine.ended()[..slots].to_vec();
         piece.strips =
-            (0..lanes).flat_map(|lane| (0..room).map(move |v| (lane, v))).map(|(l, v)| machine.strip(v)[l]).collect();
+            (0..slots).flat_map(|slot| (0..room).map(move |v| (slot, v))).map(|(l, v)| machine.strip(v)[l]).collect();
     }
     let unwritten = D::exact(POISON, Scalar::F32);
-    let stored = |lane: usize, vertex: usize| max_vertices.is_none() || vertex < machine.emitted()[lane] as usize;
+    let stored = |slot: usize, vertex: usize| max_vertices.is_none() || vertex < machine.emitted()[slot] as usize;
     for vertex in 0..room {
         for word in 0..width {
             let column = machine.output(vertex, word);
-            for lane in (0..lanes).filter(|&lane| stored(lane, vertex)) {
-                let value = machine.word(&column, word, lane);
+            for slot in (0..slots).filter(|&slot| stored(slot, vertex)) {
+                let value = machine.word(&column, word, slot);
                 if value.is_none() {
-                    piece.unwritten.push((first + lane, vertex, word));
+                    piece.unwritten.push((first + slot, vertex, word));
                 }
-                piece.words[(lane * room + vertex) * width + word] = value.unwrap_or(unwritten);
+                piece.words[(slot * room + vertex) * width + word] = value.unwrap_or(unwritten);
             }
         }
     }

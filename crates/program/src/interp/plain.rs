@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::code::Guarded;
 use super::domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
 use super::half;
-use super::lanes::{LANES, Mask, Words};
+use super::slots::{Mask, SLOTS, Words};
 use base::value::Scalar;
 
 /// A type of floating-point numbers.
@@ -50,23 +50,23 @@ pub trait Number:
     /// The mark of what was never written: a quiet NaN with a payload of its own.
     fn poison() -> Self;
 
-    /// A function on all lanes, each result rounded once.
-    fn column(function: &number::Unary, a: &[Self; LANES], out: &mut [Self; LANES]);
-    /// A function of two numbers on all lanes, each result rounded once.
-    fn columns(function: &number::Binary, a: &[Self; LANES], b: &[Self; LANES], out: &mut [Self; LANES]);
+    /// A function on all slots, each result rounded once.
+    fn column(function: &number::Unary, a: &[Self; SLOTS], out: &mut [Self; SLOTS]);
+    /// A function of two numbers on all slots, each result rounded once.
+    fn columns(function: &number::Binary, a: &[Self; SLOTS], b: &[Self; SLOTS], out: &mut [Self; SLOTS]);
 }
 
 /// Binary32 numbers as binary64 numbers.
 #[inline]
-fn widened(from: &[f32; LANES]) -> [f64; LANES] {
-    let mut to = [0.0; LANES];
+fn widened(from: &[f32; SLOTS]) -> [f64; SLOTS] {
+    let mut to = [0.0; SLOTS];
     number::map(from, &mut to, f64::from);
     to
 }
 
 /// Binary64 numbers rounded to binary32.
 #[inline]
-fn narrowed(from: &[f64; LANES], to: &mut [f32; LANES]) {
+fn narrowed(from: &[f64; SLOTS], to: &mut [f32; SLOTS]) {
     number::map(from, to, |x| x as f32);
 }
 
@@ -113,10 +113,10 @@ impl Number for f64 {
         Self::from_bits(0x7ffa_b479_2000_0000)
     }
 
-    fn column(function: &number::Unary, a: &[Self; LANES], out: &mut [Self; LANES]) {
+    fn column(function: &number::Unary, a: &[Self; SLOTS], out: &mut [Self; SLOTS]) {
         function.column(a, out);
     }
-    fn columns(function: &number::Binary, a: &[Self; LANES], b: &[Self; LANES], out: &mut [Self; LANES]) {
+    fn columns(function: &number::Binary, a: &[Self; SLOTS], b: &[Self; SLOTS], out: &mut [Self; SLOTS]) {
         function.column(a, b, out);
     }
 }
@@ -159,13 +159,13 @@ impl Number for f32 {
         Self::from_bits(super::POISON)
     }
 
-    fn column(function: &number::Unary, a: &[Self; LANES], out: &mut [Self; LANES]) {
-        let mut wide = [0.0; LANES];
+    fn column(function: &number::Unary, a: &[Self; SLOTS], out: &mut [Self; SLOTS]) {
+        let mut wide = [0.0; SLOTS];
         function.column(&widened(a), &mut wide);
         narrowed(&wide, out);
     }
-    fn columns(function: &number::Binary, a: &[Self; LANES], b: &[Self; LANES], out: &mut [Self; LANES]) {
-        let mut wide = [0.0; LANES];
+    fn columns(function: &number::Binary, a: &[Self; SLOTS], b: &[Self; SLOTS], out: &mut [Self; SLOTS]) {
+        let mut wide = [0.0; SLOTS];
         function.column(&widened(a), &widened(b), &mut wide);
         narrowed(&wide, out);
     }
@@ -194,22 +194,22 @@ pub type Binary64 = Plain<f64>;
 /// from binary64; subnormals kept.
 pub type Binary32 = Plain<f32>;
 
-/// One number for each lane.
+/// One number for each slot.
 #[derive(Clone, Debug, Default)]
 pub struct Column<T>(Box<[T]>);
 
 impl<T> Column<T> {
     /// The numbers.
     #[inline]
-    pub fn values(&self) -> &[T; LANES] {
+    pub fn values(&self) -> &[T; SLOTS] {
         // A default column only marks a place and is never read: see `Domain::Column`.
-        self.0.first_chunk().expect("a column has a number for each lane")
+        self.0.first_chunk().expect("a column has a number for each slot")
     }
 
     /// The numbers, to be changed.
     #[inline]
-    pub fn values_mut(&mut self) -> &mut [T; LANES] {
-        self.0.first_chunk_mut().expect("a column has a number for each lane")
+    pub fn values_mut(&mut self) -> &mut [T; SLOTS] {
+        self.0.first_chunk_mut().expect("a column has a number for each slot")
     }
 }
 
@@ -223,12 +223,12 @@ fn map<T: Copy>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(T) -> T) {
 #[inline]
 fn zip<T: Copy>(a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: impl Fn(T, T) -> T) {
     let (a, b) = (a.values(), b.values());
-    for (lane, out) in out.values_mut().iter_mut().enumerate() {
-        *out = f(a[lane], b[lane]);
+    for (slot, out) in out.values_mut().iter_mut().enumerate() {
+        *out = f(a[slot], b[slot]);
     }
 }
 
-/// A function with exact results, on all lanes.
+/// A function with exact results, on all slots.
 #[inline]
 fn exact<T: Number>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(f64) -> f64) {
     number::map(a.values(), out.values_mut(), |x| T::nearest(f(x.widen())));
@@ -254,12 +254,12 @@ fn ldexp(x: f64, e: i32) -> f64 {
     x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
 }
 
-/// Active lanes from which on a column as a whole is quicker than the lanes one by one. The results
+/// Active slots from which on a column as a whole is quicker than the slots one by one. The results
 /// are the same.
-const WORTH_A_COLUMN: usize = LANES / 8;
+const WORTH_A_COLUMN: usize = SLOTS / 8;
 
-/// Converts numbers to words. Gives the lanes whose value does not fit.
-pub fn to_words(op: ToWords, a: &[f64; LANES], out: &mut Words) -> Mask {
+/// Converts numbers to words. Gives the slots whose value does not fit.
+pub fn to_words(op: ToWords, a: &[f64; SLOTS], out: &mut Words) -> Mask {
     for (out, &x) in out.iter_mut().zip(a) {
         // `as` clamps and takes NaN to 0.
         *out = match op {
@@ -283,7 +283,7 @@ pub fn to_words(op: ToWords, a: &[f64; LANES], out: &mut Words) -> Mask {
 }
 
 /// Converts words to numbers.
-pub fn from_words(op: FromWords, a: &Words, out: &mut [f64; LANES]) {
+pub fn from_words(op: FromWords, a: &Words, out: &mut [f64; SLOTS]) {
     for (out, &word) in out.iter_mut().zip(a) {
         *out = match op {
             FromWords::Signed => f64::from(word.cast_signed()),
@@ -295,7 +295,7 @@ pub fn from_words(op: FromWords, a: &Words, out: &mut [f64; LANES]) {
 }
 
 /// Replaces numbers by the nearest binary16.
-pub fn to_half(values: &mut [f64; LANES]) {
+pub fn to_half(values: &mut [f64; SLOTS]) {
     for value in values {
         *value = half::from_bits(half::to_bits(*value));
     }
@@ -307,18 +307,18 @@ impl<T: Number> Domain for Plain<T> {
 
     fn outside(&self, what: Guarded, active: &Mask, x: &Column<T>, y: &Column<T>) -> Mask {
         let (x, y) = (x.values(), y.values());
-        let at = |lane: usize| what.is_outside(x[lane].widen(), y[lane].widen());
-        // Hardly ever any: one look at all lanes without branches.
-        let some = (0..LANES).fold(false, |some, lane| some | at(lane));
+        let at = |slot: usize| what.is_outside(x[slot].widen(), y[slot].widen());
+        // Hardly ever any: one look at all slots without branches.
+        let some = (0..SLOTS).fold(false, |some, slot| some | at(slot));
         if some { Mask::where_(at).and(*active) } else { Mask::NONE }
     }
 
-    fn shown(&self, column: &Column<T>, lane: usize) -> f64 {
-        column.values()[lane].widen()
+    fn shown(&self, column: &Column<T>, slot: usize) -> f64 {
+        column.values()[slot].widen()
     }
 
     fn column(&mut self) -> Column<T> {
-        Column(vec![T::ZERO; LANES].into_boxed_slice())
+        Column(vec![T::ZERO; SLOTS].into_boxed_slice())
     }
 
     fn constant(&mut self, site: Option<Site>, value: f32, out: &mut Column<T>) {
@@ -337,14 +337,14 @@ impl<T: Number> Domain for Plain<T> {
         // Functions of the mathematical library cost more than looking at the mask.
         let slow = |a: &Column<T>, out: &mut Column<T>, f: fn(f64) -> f64| {
             let (a, out) = (a.values(), out.values_mut());
-            active.each(|lane| out[lane] = T::nearest(f(a[lane].widen())));
+            active.each(|slot| out[slot] = T::nearest(f(a[slot].widen())));
         };
         let fast = |a: &Column<T>, out: &mut Column<T>, f: number::Unary| {
             let (a, out) = (a.values(), out.values_mut());
             if active.count() >= WORTH_A_COLUMN {
                 T::column(&f, a, out);
             } else {
-                active.each(|lane| out[lane] = T::nearest(f.value(a[lane].widen())));
+                active.each(|slot| out[slot] = T::nearest(f.value(a[slot].widen())));
             }
         };
         match op {
@@ -396,7 +396,7 @@ impl<T: Number> Domain for Plain<T> {
             if active.count() >= WORTH_A_COLUMN {
                 T::columns(&f, a, b, out);
             } else {
-                active.each(|lane| out[lane] = T::nearest(f.value(a[lane].widen(), b[lane].widen())));
+                active.each(|slot| out[slot] = T::nearest(f.value(a[slot].widen(), b[slot].widen())));
             }
         };
         match op {
@@ -415,15 +415,15 @@ impl<T: Number> Domain for Plain<T> {
 
     fn scale(&mut self, _: Site, a: &Column<T>, exponent: &Words, out: &mut Column<T>) {
         let a = a.values();
-        for (lane, out) in out.values_mut().iter_mut().enumerate() {
-            *out = T::nearest(ldexp(a[lane].widen(), exponent[lane].cast_signed()));
+        for (slot, out) in out.values_mut().iter_mut().enumerate() {
+            *out = T::nearest(ldexp(a[slot].widen(), exponent[slot].cast_signed()));
         }
     }
 
     fn compare(&mut self, _: Site, op: Comparison, _: &Mask, a: &Column<T>, b: &Column<T>, out: &mut Words) {
         let (a, b) = (a.values(), b.values());
-        for (lane, out) in out.iter_mut().enumerate() {
-            *out = u32::from(op.holds(a[lane], b[lane]));
+        for (slot, out) in out.iter_mut().enumerate() {
+            *out = u32::from(op.holds(a[slot], b[slot]));
         }
     }
 
@@ -438,12 +438,12 @@ impl<T: Number> Domain for Plain<T> {
     }
 
     fn words_of(&mut self, _: Site, op: ToWords, _: &Mask, a: &Column<T>, out: &mut Words) -> Mask {
-        let wide: [f64; LANES] = std::array::from_fn(|lane| a.values()[lane].widen());
+        let wide: [f64; SLOTS] = std::array::from_fn(|slot| a.values()[slot].widen());
         to_words(op, &wide, out)
     }
 
     fn reals_of(&mut self, _: Site, op: FromWords, a: &Words, out: &mut Column<T>) {
-        let mut wide = [0.0; LANES];
+        let mut wide = [0.0; SLOTS];
         from_words(op, a, &mut wide);
         for (out, wide) in out.values_mut().iter_mut().zip(wide) {
             *out = T::nearest(wide);
@@ -459,11 +459,11 @@ impl<T: Number> Domain for Plain<T> {
     }
 
     fn poison(&mut self, mask: &Mask, to: &mut Column<T>) {
-        mask.merge(&[T::poison(); LANES], to.values_mut());
+        mask.merge(&[T::poison(); SLOTS], to.values_mut());
     }
 
-    fn word(&self, column: &Column<T>, lane: usize) -> Option<T::Word> {
-        let value = column.values()[lane];
+    fn word(&self, column: &Column<T>, slot: usize) -> Option<T::Word> {
+        let value = column.values()[slot];
         (!value.is_poison()).then(|| value.word())
     }
 
@@ -476,12 +476,12 @@ impl<T: Number> Domain for Plain<T> {
 mod tests {
     use super::*;
 
-    /// The function in the lanes of a mask, and 7 in the others.
+    /// The function in the slots of a mask, and 7 in the others.
     fn masked<T: Number>(op: Unary, mask: &Mask) -> Vec<f64> {
         let mut domain = Plain::<T>::default();
         let (mut a, mut out) = (domain.column(), domain.column());
-        for (lane, a) in a.values_mut().iter_mut().enumerate() {
-            *a = T::nearest(lane as f64 * 0.11 - 9.0);
+        for (slot, a) in a.values_mut().iter_mut().enumerate() {
+            *a = T::nearest(slot as f64 * 0.11 - 9.0);
         }
         let mut result = domain.column();
         result.values_mut().fill(T::nearest(7.0));
@@ -491,15 +491,15 @@ mod tests {
     }
 
     #[test]
-    fn a_lane_has_the_same_result_whichever_others_are_active() {
+    fn a_slot_has_the_same_result_whichever_others_are_active() {
         for op in [Unary::Sin, Unary::Exp2, Unary::Log2, Unary::Atan, Unary::Floor] {
-            let bits = |x: &Vec<f64>, lane: usize| x[lane].to_bits();
+            let bits = |x: &Vec<f64>, slot: usize| x[slot].to_bits();
             for (all, one) in [
-                (masked::<f64>(op, &Mask::ALL), masked::<f64>(op, &Mask::where_(|lane| lane == 99))),
-                (masked::<f32>(op, &Mask::ALL), masked::<f32>(op, &Mask::where_(|lane| lane == 99))),
+                (masked::<f64>(op, &Mask::ALL), masked::<f64>(op, &Mask::where_(|slot| slot == 99))),
+                (masked::<f32>(op, &Mask::ALL), masked::<f32>(op, &Mask::where_(|slot| slot == 99))),
             ] {
                 assert_eq!(bits(&all, 99), bits(&one, 99), "{op:?}");
-                assert_ne!(bits(&all, 98), bits(&one, 98), "{op:?}: another lane is not computed");
+                assert_ne!(bits(&all, 98), bits(&one, 98), "{op:?}: another slot is not computed");
             }
         }
     }
@@ -507,8 +507,8 @@ mod tests {
     #[test]
     fn functions_in_binary32_are_rounded_once_from_binary64() {
         let sine = masked::<f32>(Unary::Sin, &Mask::ALL);
-        for (lane, sine) in sine.into_iter().enumerate() {
-            let x = (lane as f64 * 0.11 - 9.0) as f32;
+        for (slot, sine) in sine.into_iter().enumerate() {
+            let x = (slot as f64 * 0.11 - 9.0) as f32;
             // No tie is within the errors of the two references.
             assert_eq!(sine, f64::from(f64::from(x).sin() as f32), "{x}");
         }

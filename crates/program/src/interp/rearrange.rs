@@ -9,7 +9,7 @@ use std::mem::take;
 use std::sync::Arc;
 
 use super::allocate::allocate;
-use super::code::{Executable, File, Inst, Reg, Slot, TEMPORARY, Touch};
+use super::code::{Executable, File, Inst, Reg, Register, TEMPORARY, Touch};
 use super::domain::{Binary, Site, Unary};
 use base::value::Scalar;
 
@@ -299,7 +299,7 @@ impl Pass<'_> {
         if minus ^ negative {
             code.push(Inst::Real1 { op: Unary::Negate, to, a: from, site: *site });
         } else {
-            code.push(Inst::Copy { to: Slot { scalar: Scalar::F32, reg: to }, from });
+            code.push(Inst::Copy { to: Register { scalar: Scalar::F32, reg: to }, from });
         }
         code
     }

@@ -6,12 +6,12 @@
 
 use std::collections::HashSet;
 
-use super::code::{Guarded, Reg, Slot};
+use super::code::{Guarded, Reg, Register};
 use super::domain::{Domain, Site};
-use super::lanes::{LANES, Mask};
 use super::machine::{Machine, OutputColumn};
 use super::meaning::HazardKind;
 use super::plain::Binary64;
+use super::slots::{Mask, SLOTS};
 use base::value::{Batch, Scalar};
 
 /// An operation whose value is undefined.
@@ -56,7 +56,7 @@ pub(super) struct Probe {
 #[derive(Debug)]
 struct Event {
     of: Undefined,
-    lanes: Mask,
+    slots: Mask,
     args: Vec<f64>,
 }
 
@@ -70,37 +70,37 @@ const FINITE: usize = 4;
 const ALONE: usize = 16;
 
 impl<D: Domain> Machine<'_, D> {
-    /// Notes lanes in which an operation leaves the range of its type, and replaces its value in `to` while other
+    /// Notes slots in which an operation leaves the range of its type, and replaces its value in `to` while other
     /// values are tried.
-    pub(super) fn undefined(&mut self, of: Undefined, lanes: Mask, to: Option<Slot>, args: [Operand; 2]) {
-        let lanes = lanes.and(self.active);
-        if lanes.is_empty() {
+    pub(super) fn undefined(&mut self, of: Undefined, slots: Mask, to: Option<Register>, args: [Operand; 2]) {
+        let slots = slots.and(self.active);
+        if slots.is_empty() {
             return;
         }
         if of.kind.is_undefined() && self.probe.is_some() {
-            self.note(of, lanes.and(Mask::first(self.lanes)), args);
+            self.note(of, slots.and(Mask::first(self.slots)), args);
         }
-        self.report(of.kind, of.site, lanes);
+        self.report(of.kind, of.site, slots);
         if let Some(to) = to.filter(|_| of.kind.is_undefined()) {
-            self.substitute(of.kind, of.site, lanes, to);
+            self.substitute(of.kind, of.site, slots, to);
         }
     }
 
-    /// Notes lanes in which a variable is read that has no value.
-    pub(super) fn read(&mut self, from: Slot, kind: HazardKind, site: Site) {
+    /// Notes slots in which a variable is read that has no value.
+    pub(super) fn read(&mut self, from: Register, kind: HazardKind, site: Site) {
         let assigned = self.assigned[from.file() as usize].get(&from.reg).copied().unwrap_or(Mask::ALL);
         self.undefined(Undefined { kind, site, what: None }, Mask::ALL.minus(assigned), None, [Operand::None; 2]);
     }
 
-    /// Notes lanes in which two `out` arguments are one place.
-    pub(super) fn overlap(&mut self, of: Slot, equal: Option<[Reg; 2]>, site: Site) {
-        let word = |reg: Reg, lane: usize| self.words[reg as usize][lane];
-        let lanes = equal.map_or(Mask::ALL, |[a, b]| Mask::where_(|lane| word(a, lane) == word(b, lane)));
-        self.undefined(Undefined { kind: HazardKind::Overlap, site, what: None }, lanes, Some(of), [Operand::None; 2]);
+    /// Notes slots in which two `out` arguments are one place.
+    pub(super) fn overlap(&mut self, of: Register, equal: Option<[Reg; 2]>, site: Site) {
+        let word = |reg: Reg, slot: usize| self.words[reg as usize][slot];
+        let slots = equal.map_or(Mask::ALL, |[a, b]| Mask::where_(|slot| word(a, slot) == word(b, slot)));
+        self.undefined(Undefined { kind: HazardKind::Overlap, site, what: None }, slots, Some(of), [Operand::None; 2]);
     }
 
-    fn note(&mut self, of: Undefined, lanes: Mask, args: [Operand; 2]) {
-        let Some(first) = lanes.lanes().next() else { return };
+    fn note(&mut self, of: Undefined, slots: Mask, args: [Operand; 2]) {
+        let Some(first) = slots.slots().next() else { return };
         let arg = |arg: Operand| match arg {
             Operand::None => None,
             Operand::Real(reg) => Some(self.domain.shown(&self.reals[reg as usize], first)),
@@ -110,8 +110,8 @@ impl<D: Domain> Machine<'_, D> {
         let args = args.into_iter().filter_map(arg).collect();
         let Some(probe) = &mut self.probe else { return };
         match probe.events.iter_mut().find(|event| event.of == of) {
-            Some(event) => event.lanes = event.lanes.or(lanes),
-            None => probe.events.push(Event { of, lanes, args }),
+            Some(event) => event.slots = event.slots.or(slots),
+            None => probe.events.push(Event { of, slots, args }),
         }
     }
 
@@ -125,9 +125,9 @@ impl<D: Domain> Machine<'_, D> {
         })
     }
 
-    /// Replaces an undefined value in some lanes.
-    pub(super) fn substitute(&mut self, kind: HazardKind, site: Site, lanes: Mask, to: Slot) {
-        if lanes.is_empty() || !self.replaces(kind, site) {
+    /// Replaces an undefined value in some slots.
+    pub(super) fn substitute(&mut self, kind: HazardKind, site: Site, slots: Mask, to: Register) {
+        if slots.is_empty() || !self.replaces(kind, site) {
             return;
         }
         let round = self.probe.as_ref().map_or(0, |probe| probe.round - 1) % REALS.len();
@@ -137,70 +137,70 @@ impl<D: Domain> Machine<'_, D> {
             Scalar::F32 => {
                 let mut other = self.domain.column();
                 self.domain.constant(None, REALS[round] * (1.0 + salt as f32 / 64.0), &mut other);
-                self.domain.merge(&lanes, &other, &mut self.reals[to.reg as usize]);
+                self.domain.merge(&slots, &other, &mut self.reals[to.reg as usize]);
             }
             Scalar::I32 | Scalar::U32 => {
-                lanes.merge(&[WORDS[round].wrapping_add(salt); LANES], &mut self.words[to.reg as usize]);
+                slots.merge(&[WORDS[round].wrapping_add(salt); SLOTS], &mut self.words[to.reg as usize]);
             }
-            Scalar::Bool => lanes.merge(&[(round as u32 + salt) % 2; LANES], &mut self.words[to.reg as usize]),
+            Scalar::Bool => slots.merge(&[(round as u32 + salt) % 2; SLOTS], &mut self.words[to.reg as usize]),
         }
     }
 
-    /// Marks a variable as having a value in some lanes.
-    pub(super) fn assign(&mut self, to: Slot, lanes: Mask) {
+    /// Marks a variable as having a value in some slots.
+    pub(super) fn assign(&mut self, to: Register, slots: Mask) {
         let assigned = &mut self.assigned[to.file() as usize];
         if !assigned.is_empty()
             && let Some(assigned) = assigned.get_mut(&to.reg)
         {
-            *assigned = assigned.or(lanes);
+            *assigned = assigned.or(slots);
         }
     }
 }
 
-/// All that came out of a chunk, lane by lane, to be compared.
+/// All that came out of a chunk, slot by slot, to be compared.
 type Outcome = Vec<Vec<u64>>;
 
 impl Machine<'_, Binary64> {
-    /// For each of some invocations, at most [`LANES`], the undefined value that an output depends on. `any` tries NaN
+    /// For each of some invocations, at most [`SLOTS`], the undefined value that an output depends on. `any` tries NaN
     /// and infinity as well, which even a product with 0 passes on.
     ///
     /// # Panics
     /// When the batch has no such invocation: a defect of the caller.
     pub fn dependences(&mut self, batch: &Batch, invocations: &[usize], any: bool) -> Vec<Option<Dependence>> {
         self.probe = Some(Probe::default());
-        let lanes = self.run_some(batch, invocations);
-        let before = self.outcome(lanes);
+        let slots = self.run_some(batch, invocations);
+        let before = self.outcome(slots);
         let events = self.probe.take().map_or_else(Vec::new, |probe| probe.events);
-        let candidates = events.iter().fold(Mask::NONE, |all, event| all.or(event.lanes));
+        let candidates = events.iter().fold(Mask::NONE, |all, event| all.or(event.slots));
         let rounds = if any { REALS.len() } else { FINITE };
         let depends = self.changed(batch, invocations, (&before, rounds), candidates, None);
-        let mut found: Vec<Option<Dependence>> = vec![None; lanes];
+        let mut found: Vec<Option<Dependence>> = vec![None; slots];
         let mut rest = depends;
         let of = |event: &Event| Dependence { of: event.of, args: event.args.clone() };
-        // Where a lane came upon several, the first that matters alone is named.
+        // Where a slot came upon several, the first that matters alone is named.
         for event in events.iter().take(ALONE) {
             let others = events.iter().filter(|other| other.of != event.of);
-            let shared = others.fold(Mask::NONE, |all, other| all.or(other.lanes)).and(event.lanes).and(rest);
+            let shared = others.fold(Mask::NONE, |all, other| all.or(other.slots)).and(event.slots).and(rest);
             let only = Some((event.of.kind, event.of.site));
-            let alone = event.lanes.minus(shared).or(self.changed(batch, invocations, (&before, rounds), shared, only));
-            alone.and(rest).lanes().for_each(|lane| found[lane] = Some(of(event)));
+            let alone = event.slots.minus(shared).or(self.changed(batch, invocations, (&before, rounds), shared, only));
+            alone.and(rest).slots().for_each(|slot| found[slot] = Some(of(event)));
             rest = rest.minus(alone);
         }
-        for lane in rest.lanes() {
-            found[lane] = events.iter().find(|event| event.lanes.has(lane)).map(of);
+        for slot in rest.slots() {
+            found[slot] = events.iter().find(|event| event.slots.has(slot)).map(of);
         }
         // A store outside of its array may write to anything, also to what outputs of others are made of.
         if events.iter().any(|event| event.of.kind == HazardKind::Index) {
             let stores = self.executable.stray_stores();
             for event in events.iter().filter(|event| event.of.strays(&stores)) {
-                event.lanes.lanes().for_each(|lane| found[lane] = found[lane].take().or_else(|| Some(of(event))));
+                event.slots.slots().for_each(|slot| found[slot] = found[slot].take().or_else(|| Some(of(event))));
             }
         }
         self.take_findings();
         found
     }
 
-    /// For each of some invocations, at most [`LANES`], the first operation of those that `counts` picks whose value is
+    /// For each of some invocations, at most [`SLOTS`], the first operation of those that `counts` picks whose value is
     /// undefined, whether or not an output depends on it.
     ///
     /// # Panics
@@ -212,14 +212,14 @@ impl Machine<'_, Binary64> {
         counts: &dyn Fn(&Undefined) -> bool,
     ) -> Vec<Option<Dependence>> {
         self.probe = Some(Probe::default());
-        let lanes = self.run_some(batch, invocations);
+        let slots = self.run_some(batch, invocations);
         let events = self.probe.take().map_or_else(Vec::new, |probe| probe.events);
         self.take_findings();
-        let first = |lane: usize| events.iter().find(|event| event.lanes.has(lane) && counts(&event.of));
-        (0..lanes).map(|lane| first(lane).map(|event| Dependence { of: event.of, args: event.args.clone() })).collect()
+        let first = |slot: usize| events.iter().find(|event| event.slots.has(slot) && counts(&event.of));
+        (0..slots).map(|slot| first(slot).map(|event| Dependence { of: event.of, args: event.args.clone() })).collect()
     }
 
-    /// The lanes among `rest` in which something changes with other values.
+    /// The slots among `rest` in which something changes with other values.
     fn changed(
         &mut self,
         batch: &Batch,
@@ -234,9 +234,9 @@ impl Machine<'_, Binary64> {
                 break;
             }
             self.probe = Some(Probe { round, only, events: Vec::new() });
-            let lanes = self.run_some(batch, invocations);
-            let after = self.outcome(lanes);
-            let other = Mask::where_(|lane| lane < lanes && before[lane] != after[lane]).and(rest);
+            let slots = self.run_some(batch, invocations);
+            let after = self.outcome(slots);
+            let other = Mask::where_(|slot| slot < slots && before[slot] != after[slot]).and(rest);
             changed = changed.or(other);
             rest = rest.minus(other);
         }
@@ -244,27 +244,27 @@ impl Machine<'_, Binary64> {
         changed
     }
 
-    fn outcome(&self, lanes: usize) -> Outcome {
-        let flags = |lane: usize| {
-            let flags = self.flags()[lane];
+    fn outcome(&self, slots: usize) -> Outcome {
+        let flags = |slot: usize| {
+            let flags = self.flags()[slot];
             u64::from(flags.has(HazardKind::Fuel)) | u64::from(flags.has(HazardKind::Killed)) << 1
         };
-        let shape = |lane: usize| [flags(lane), u64::from(self.emitted()[lane]), u64::from(self.ended()[lane])];
-        let mut all: Outcome = (0..lanes).map(|lane| shape(lane).to_vec()).collect();
+        let shape = |slot: usize| [flags(slot), u64::from(self.emitted()[slot]), u64::from(self.ended()[slot])];
+        let mut all: Outcome = (0..slots).map(|slot| shape(slot).to_vec()).collect();
         for vertex in 0..self.room() {
             for word in 0..self.width() {
                 let column = self.output(vertex, word);
-                for (lane, all) in all.iter_mut().enumerate() {
-                    if self.is_emitting() && vertex as u32 >= self.emitted()[lane] {
+                for (slot, all) in all.iter_mut().enumerate() {
+                    if self.is_emitting() && vertex as u32 >= self.emitted()[slot] {
                         continue;
                     }
                     all.push(match column {
                         // Zeros are one number, and so are all that are none.
-                        OutputColumn::Real(column) => match column.values()[lane] {
+                        OutputColumn::Real(column) => match column.values()[slot] {
                             x if x.is_nan() => f64::NAN.to_bits(),
                             x => (x + 0.0).to_bits(),
                         },
-                        OutputColumn::Word(words) => u64::from(words[lane]),
+                        OutputColumn::Word(words) => u64::from(words[slot]),
                     });
                 }
             }

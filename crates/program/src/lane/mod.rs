@@ -354,17 +354,17 @@ mod tests {
     use super::LaneError;
 
     #[test]
-    fn a_lost_device_and_full_memory_are_told_in_the_same_words_on_every_lane() {
-        let told = |text: &str| LaneError::Api(text.to_owned()).to_string();
+    fn a_lost_device_and_full_memory_are_reported_in_the_same_words_on_every_lane() {
+        let reported = |text: &str| LaneError::Api(text.to_owned()).to_string();
         // As ash, wgpu and the lanes of OpenGL say it.
         for text in ["The logical or physical device has been lost", "Parent device is lost", "GL_CONTEXT_LOST"] {
-            assert_eq!(told(text), format!("device lost: {text}"));
+            assert_eq!(reported(text), format!("device lost: {text}"));
             assert!(LaneError::Api(text.to_owned()).is_failure());
         }
         for text in ["A host memory allocation has failed", "Out of Memory", "GL_OUT_OF_MEMORY in the draws"] {
-            assert_eq!(told(text), format!("out of memory: {text}"));
+            assert_eq!(reported(text), format!("out of memory: {text}"));
             assert!(!LaneError::Api(text.to_owned()).is_failure());
         }
-        assert_eq!(told("anything else"), "the device reported an error: anything else");
+        assert_eq!(reported("anything else"), "the device reported an error: anything else");
     }
 }

@@ -77,9 +77,9 @@ fn locations(shader: &Shader, module: &mut Module) {
     };
     let moved = |name: &Option<String>, binding: &mut Option<Binding>| {
         let name = name.as_deref().unwrap_or_default();
-        let told = name.rsplit_once("_location").and_then(|(_, number)| number.parse().ok());
-        if let (Some(Binding::Location { location, .. }), Some(told), false) = (binding, told, stated(name)) {
-            *location = told;
+        let reported = name.rsplit_once("_location").and_then(|(_, number)| number.parse().ok());
+        if let (Some(Binding::Location { location, .. }), Some(reported), false) = (binding, reported, stated(name)) {
+            *location = reported;
         }
     };
     let mut results = Vec::new();

@@ -114,7 +114,7 @@ impl<'p> Own<'p> {
     fn find_outputs(&mut self) {
         let Ok(Some(result)) = Self::entry(&self.module).map(|entry| entry.result.as_ref()) else { return };
         let port = |at: PortAt| self.program.outputs.iter().find(|port| port.at == at).map(|p| p.field.name.clone());
-        let told = |at: At, name: &Option<String>| match (name, at) {
+        let reported = |at: At, name: &Option<String>| match (name, at) {
             (Some(name), _) => name.clone(),
             (None, At::Location(location, _)) => format!("location {location}"),
             (None, At::BuiltIn(_)) => "a built-in value".to_owned(),
@@ -122,13 +122,13 @@ impl<'p> Own<'p> {
         let mut all = Vec::new();
         if let Some(binding) = &result.binding {
             let at = At::of(binding);
-            all.push((at, told(at, &port(PortAt::Result)), result.ty));
+            all.push((at, reported(at, &port(PortAt::Result)), result.ty));
         } else if let TypeInner::Struct { members, .. } = &self.module.types[result.ty].inner {
             for (k, member) in (0..).zip(members) {
                 let Some(binding) = &member.binding else { continue };
                 let at = At::of(binding);
                 let name = port(PortAt::ResultMember(k)).or_else(|| member.name.clone());
-                all.push((at, told(at, &name), member.ty));
+                all.push((at, reported(at, &name), member.ty));
             }
         }
         self.outputs = all;
@@ -398,8 +398,8 @@ fn same_shape(
     if shape_of(there, other) == shape {
         return Ok(());
     }
-    let told = shape.map_or_else(|| "of another type".to_owned(), |shape| format!("`{shape}`"));
-    Err(format!("`{name}` is {told} in the shader and of another type there"))
+    let reported = shape.map_or_else(|| "of another type".to_owned(), |shape| format!("`{shape}`"));
+    Err(format!("`{name}` is {reported} in the shader and of another type there"))
 }
 
 /// Where an entry point gives what goes out there.

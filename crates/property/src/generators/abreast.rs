@@ -17,24 +17,24 @@ pub fn fits(rows: &Rows<'_>) -> bool {
 /// the same bits as one by one. Ordinary numbers are drawn for all rows in vectors; rows that are special, or of an exact
 /// case, are drawn again. `finish` comes after ordinary numbers.
 pub fn fill<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>, finish: impl Fn(&mut [u32])) {
-    let Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case } = rows;
+    let Rows { words, stride, spans, key, exact_key, first_case, first_invocation, per_case } = rows;
     let span = spans[0].clone();
     let (range, count) = (*group.range(), group.words());
     let is_exact = |case| mix(exact_key, case).is_multiple_of(EXACT);
     let mut case = first_case;
-    let mut place = Place { case_seed: mix(key, case), lane: first_lane, exact: is_exact(case) };
+    let mut place = Place { case_seed: mix(key, case), invocation: first_invocation, exact: is_exact(case) };
     let mut places = [place; ABREAST];
-    let (mut keys, mut lanes, mut special) = ([0; ABREAST], [0; ABREAST], [false; ABREAST]);
+    let (mut keys, mut invocations, mut special) = ([0; ABREAST], [0; ABREAST], [false; ABREAST]);
     let mut drawn = [[0_u32; ABREAST]; ABREAST];
     for part in words.chunks_mut(stride * ABREAST) {
         let rows = part.len() / stride;
         for k in 0..rows {
             places[k] = place;
-            (keys[k], lanes[k]) = (place.case_seed, place.lane as u64);
-            place.lane += 1;
-            if place.lane == per_case {
+            (keys[k], invocations[k]) = (place.case_seed, place.invocation as u64);
+            place.invocation += 1;
+            if place.invocation == per_case {
                 case = case.wrapping_add(1);
-                place = Place { case_seed: mix(key, case), lane: 0, exact: is_exact(case) };
+                place = Place { case_seed: mix(key, case), invocation: 0, exact: is_exact(case) };
             }
         }
         wide(
@@ -42,7 +42,7 @@ pub fn fill<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>,
             || {
                 let mut streams = keys.map(Stream::new);
                 for k in 0..ABREAST {
-                    streams[k] = Stream::new(mix(keys[k], lanes[k]));
+                    streams[k] = Stream::new(mix(keys[k], invocations[k]));
                 }
                 for k in 0..ABREAST {
                     special[k] = streams[k].one_in(SPECIAL);
@@ -57,7 +57,7 @@ pub fn fill<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>,
         for (k, row) in part.chunks_exact_mut(stride).enumerate() {
             let out = &mut row[span.clone()];
             if special[k] || places[k].exact {
-                generator.fill(group, places[k], &mut Stream::new(mix(keys[k], lanes[k])), out);
+                generator.fill(group, places[k], &mut Stream::new(mix(keys[k], invocations[k])), out);
             } else {
                 out.iter_mut().zip(&drawn).for_each(|(out, column)| *out = column[k]);
                 finish(out);

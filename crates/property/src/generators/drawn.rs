@@ -133,7 +133,7 @@ impl Generator for Drawn {
     }
 
     fn fill(&self, group: &Group, place: Place, _stream: &mut Stream, out: &mut [u32]) {
-        let seed = mix(place.case_seed, place.lane as u64);
+        let seed = mix(place.case_seed, place.invocation as u64);
         if let Some((seed, tree)) = self.draw(seed).or_else(|| self.draw(FIRST)) {
             self.write(group, &*tree, Steps { seed, back: Vec::new() }, out);
         }
@@ -193,7 +193,7 @@ mod tests {
         let group = group(&drawn);
         let draw = |case_seed| {
             let mut out = [0; 2];
-            drawn.fill(&group, Place { case_seed, lane: 3, exact: false }, &mut Stream::new(1), &mut out);
+            drawn.fill(&group, Place { case_seed, invocation: 3, exact: false }, &mut Stream::new(1), &mut out);
             out
         };
         for seed in 0..100 {
@@ -213,7 +213,7 @@ mod tests {
         let drawn = Drawn::new((tenths, 0.0_f32..1.0), pair);
         let group = group(&drawn);
         let mut best = [0; 2];
-        drawn.fill(&group, Place { case_seed: 9, lane: 0, exact: false }, &mut Stream::new(1), &mut best);
+        drawn.fill(&group, Place { case_seed: 9, invocation: 0, exact: false }, &mut Stream::new(1), &mut best);
         let fails = |words: &[u32; 2]| f32::from_bits(words[0]) >= 10.0;
         assert!(fails(&best), "the seed was chosen so");
         'shrink: for _ in 0..100 {

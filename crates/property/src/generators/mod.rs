@@ -139,7 +139,7 @@ pub struct Place {
     /// A number of its own for every case (and group).
     pub case_seed: u64,
     /// Index of the invocation in its case; 0 for uniforms.
-    pub lane: usize,
+    pub invocation: usize,
     /// True in one case of [`EXACT`]: all groups of the case prefer whole numbers and turns that map
     /// axes to axes, so that exact coincidences between groups (a vertex on a bone) come about.
     pub exact: bool,
@@ -217,8 +217,8 @@ pub trait Generator: Send + Sync {
 
 /// Fills rows one by one.
 fn each_row<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>) {
-    let Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case } = rows;
-    let (mut case, mut lane) = (first_case, first_lane);
+    let Rows { words, stride, spans, key, exact_key, first_case, first_invocation, per_case } = rows;
+    let (mut case, mut invocation) = (first_case, first_invocation);
     let mut case_seed = mix(key, case);
     let is_exact = |case| mix(exact_key, case).is_multiple_of(EXACT);
     let mut exact = is_exact(case);
@@ -228,8 +228,8 @@ fn each_row<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>)
     };
     let mut scratch = vec![0; group.words()];
     for row in words.chunks_exact_mut(stride) {
-        let place = Place { case_seed, lane, exact };
-        let mut stream = Stream::new(mix(case_seed, lane as u64));
+        let place = Place { case_seed, invocation, exact };
+        let mut stream = Stream::new(mix(case_seed, invocation as u64));
         if let Some(span) = &direct {
             let out = &mut row[span.clone()];
             generator.fill(group, place, &mut stream, out);
@@ -243,9 +243,9 @@ fn each_row<G: Generator + ?Sized>(generator: &G, group: &Group, rows: Rows<'_>)
                 at += span.len();
             }
         }
-        lane += 1;
-        if lane == per_case {
-            (lane, case) = (0, case.wrapping_add(1));
+        invocation += 1;
+        if invocation == per_case {
+            (invocation, case) = (0, case.wrapping_add(1));
             case_seed = mix(key, case);
             exact = is_exact(case);
         }
@@ -273,7 +273,7 @@ pub struct Rows<'a> {
     /// Case of the first row.
     pub first_case: u64,
     /// Invocation of the first row in its case.
-    pub first_lane: usize,
+    pub first_invocation: usize,
     /// Rows of one case.
     pub per_case: usize,
 }

@@ -21,7 +21,7 @@ pub fn draw(generator: &dyn Generator, group: &Group, n: usize) -> Vec<Vec<u32>>
         key,
         exact_key: key,
         first_case: 0,
-        first_lane: 0,
+        first_invocation: 0,
         per_case: 1,
     };
     generator.fill_rows(group, rows);

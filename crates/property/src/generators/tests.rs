@@ -35,11 +35,11 @@ fn rows_side_by_side_are_those_one_by_one() {
         let (generator, group) = group(name);
         let (stride, at) = (group.words() + 3, 2);
         let whole = [std::ops::Range { start: at, end: at + group.words() }];
-        for (rows, per_case, first_lane) in [(1, 1, 0), (16, 16, 0), (100, 7, 3), (333, 1, 0), (50, 1000, 990)] {
+        for (rows, per_case, first_invocation) in [(1, 1, 0), (16, 16, 0), (100, 7, 3), (333, 1, 0), (50, 1000, 990)] {
             let [mut abreast, mut single] = [vec![9; rows * stride], vec![9; rows * stride]];
             let (spans, first_case) = (&whole[..], u64::MAX - 2);
             let (key, exact_key) = (77, 5);
-            let of = |words| Rows { words, stride, spans, key, exact_key, first_case, first_lane, per_case };
+            let of = |words| Rows { words, stride, spans, key, exact_key, first_case, first_invocation, per_case };
             assert!(abreast::fits(&of(&mut [])));
             generator.fill_rows(&group, of(&mut abreast));
             each_row(generator, &group, of(&mut single));

@@ -8,7 +8,7 @@ mod complexity;
 mod moves;
 
 pub use complexity::{complexity, simpler_than};
-pub use moves::{Moves, Slot};
+pub use moves::{Move, Moves};
 
 /// Rounds after which shrinking stops even if it could go on.
 pub const MOST_ROUNDS: usize = 200;

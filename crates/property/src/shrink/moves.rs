@@ -9,7 +9,7 @@ use super::Domain;
 
 /// One way to make a sample simpler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slot {
+pub enum Move {
     /// All inputs to their simplest value.
     All,
     /// All inputs but one.
@@ -81,12 +81,12 @@ const CHANGES: [Change; 24] = [
     Change::Negate,
 ];
 
-/// All slots of samples with given records.
+/// All moves of samples with given records.
 #[derive(Clone, Debug)]
 pub struct Moves {
     inputs: Vec<Input>,
-    coarse: Vec<Slot>,
-    fine: Vec<Slot>,
+    coarse: Vec<Move>,
+    fine: Vec<Move>,
 }
 
 #[derive(Clone, Debug)]
@@ -165,34 +165,34 @@ pub fn plain(sample: &Sample) -> Sample {
 }
 
 impl Moves {
-    /// The slots of samples with the records of this one, and of a domain with so many groups.
+    /// The moves of samples with the records of this one, and of a domain with so many groups.
     pub fn new(sample: &Sample, groups: usize) -> Self {
         let inputs = inputs(sample);
-        let mut coarse = vec![Slot::All];
-        coarse.extend((0..inputs.len()).map(Slot::AllBut));
-        coarse.extend((0..inputs.len()).map(Slot::Input));
-        coarse.extend((0..groups).flat_map(|g| (0..LAWFUL).map(move |k| Slot::Lawful(g, k))));
+        let mut coarse = vec![Move::All];
+        coarse.extend((0..inputs.len()).map(Move::AllBut));
+        coarse.extend((0..inputs.len()).map(Move::Input));
+        coarse.extend((0..groups).flat_map(|g| (0..LAWFUL).map(move |k| Move::Lawful(g, k))));
         for (i, input) in inputs.iter().enumerate().filter(|(_, input)| input.parts() > 1) {
-            coarse.extend((0..input.parts()).map(|part| Slot::ElementsBut(i, part)));
-            coarse.extend((0..input.parts()).map(|part| Slot::Element(i, part)));
+            coarse.extend((0..input.parts()).map(|part| Move::ElementsBut(i, part)));
+            coarse.extend((0..input.parts()).map(|part| Move::Element(i, part)));
         }
         let words = sample.case.len() + sample.invocation.len();
-        let fine = (0..words).flat_map(|word| CHANGES.map(|change| Slot::Word(word, change))).collect();
+        let fine = (0..words).flat_map(|word| CHANGES.map(|change| Move::Word(word, change))).collect();
         Self { inputs, coarse, fine }
     }
 
-    /// Number of slots, coarse and fine.
+    /// Number of moves, coarse and fine.
     pub fn len(&self) -> usize {
         self.coarse.len() + self.fine.len()
     }
 
-    /// Never true: there is always the slot of all inputs.
+    /// Never true: there is always the move of all inputs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The slot with this index, coarse ones first.
-    pub fn slot(&self, index: usize) -> Slot {
+    /// The move with this index, coarse ones first.
+    pub fn at(&self, index: usize) -> Move {
         match index.checked_sub(self.coarse.len()) {
             None => self.coarse[index],
             Some(index) => self.fine[index],
@@ -211,43 +211,43 @@ impl Moves {
         let last = if fine { self.len() } else { self.coarse.len() };
         let mut index = 0;
         while index < last {
-            let slot = self.slot(index);
+            let chosen = self.at(index);
             index += 1;
-            match (self.apply(slot, sample, base, domain), slot) {
+            match (self.apply(chosen, sample, base, domain), chosen) {
                 (Some(candidate), _) => add(candidate),
                 // No version of this number: none of a higher one.
-                (None, Slot::Lawful(_, k)) => index += LAWFUL - 1 - k,
+                (None, Move::Lawful(_, k)) => index += LAWFUL - 1 - k,
                 (None, _) => {}
             }
         }
     }
 
-    /// The candidate of a slot; `None` when it would not differ. `base` is the domain's simplest
+    /// The candidate of a move; `None` when it would not differ. `base` is the domain's simplest
     /// sample.
-    pub fn apply(&self, slot: Slot, sample: &Sample, base: &Sample, domain: &dyn Domain) -> Option<Sample> {
-        if let Slot::Lawful(group, k) = slot {
+    pub fn apply(&self, chosen: Move, sample: &Sample, base: &Sample, domain: &dyn Domain) -> Option<Sample> {
+        if let Move::Lawful(group, k) = chosen {
             return domain.simpler(sample, group, k);
         }
         let mut candidate = sample.clone();
-        match slot {
-            Slot::Lawful(..) => {}
-            Slot::All => {
+        match chosen {
+            Move::Lawful(..) => {}
+            Move::All => {
                 candidate.case.copy_from_slice(&base.case);
                 candidate.invocation.copy_from_slice(&base.invocation);
             }
-            Slot::AllBut(kept) => {
+            Move::AllBut(kept) => {
                 for (_, input) in self.inputs.iter().enumerate().filter(|(i, _)| *i != kept) {
                     copy(base, &mut candidate, input.words.clone());
                 }
             }
-            Slot::Input(i) => copy(base, &mut candidate, self.inputs[i].words.clone()),
-            Slot::ElementsBut(i, kept) => {
+            Move::Input(i) => copy(base, &mut candidate, self.inputs[i].words.clone()),
+            Move::ElementsBut(i, kept) => {
                 for part in (0..self.inputs[i].parts()).filter(|part| *part != kept) {
                     copy(base, &mut candidate, self.inputs[i].part(part));
                 }
             }
-            Slot::Element(i, part) => copy(base, &mut candidate, self.inputs[i].part(part)),
-            Slot::Word(word, change) => {
+            Move::Element(i, part) => copy(base, &mut candidate, self.inputs[i].part(part)),
+            Move::Word(word, change) => {
                 let input = self.inputs.iter().find(|input| input.words.contains(&word))?;
                 let at = word_at(&mut candidate, word);
                 *at = changed(*at, input.shape.scalar, change)?;

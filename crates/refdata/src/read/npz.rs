@@ -118,8 +118,8 @@ impl Stored {
         let wanted = product(bytes, &shape);
         let (found, size) = (from.left, from.size);
         if wanted != Some(found) {
-            let told = wanted.map_or_else(|| "more than any file".to_owned(), |wanted| wanted.to_string());
-            return Err(wrong(format!("it has {found} bytes, and its head says {told}: it is cut off or damaged")));
+            let reported = wanted.map_or_else(|| "more than any file".to_owned(), |wanted| wanted.to_string());
+            return Err(wrong(format!("it has {found} bytes, and its head says {reported}: it is cut off or damaged")));
         }
         let width = shape.get(1..).map_or(Some(1), |rest| product(1, rest)).and_then(|n| usize::try_from(n).ok());
         let width = width.ok_or_else(|| wrong(format!("its shape is that of no array of {size} bytes")))?;

@@ -93,9 +93,9 @@ fn rows_that_are_missing_extra_or_elsewhere_are_found() {
     let unknown = run(&reference, &table("gl_Position", swapped.clone()));
     assert!(matches!(unknown.findings[..], [Finding::Deviate(_)]));
     let index = Numbers::Whole(order.iter().map(|&row| row as i64).collect());
-    let told = run(&reference, &with(table("gl_Position", swapped.clone()), "index", 1, index));
-    assert_eq!((told.matched, told.total().deviated), ("index", 0));
-    assert!(matches!(told.findings[..], [Finding::Misordered(_, 21)]), "{:?}", told.findings);
+    let reported = run(&reference, &with(table("gl_Position", swapped.clone()), "index", 1, index));
+    assert_eq!((reported.matched, reported.total().deviated), ("index", 0));
+    assert!(matches!(reported.findings[..], [Finding::Misordered(_, 21)]), "{:?}", reported.findings);
     let parameters = reference.array("input.parameter").unwrap().1;
     let inputs: Vec<u32> = order
         .iter()
@@ -129,7 +129,7 @@ fn what_is_no_number_is_found() {
 }
 
 #[test]
-fn bytes_in_the_other_order_are_told() {
+fn bytes_in_the_other_order_are_reported() {
     let reference = reference(Some("binary32"), 200);
     let bytes: Vec<u8> = perfect(&reference).iter().flat_map(|bits| bits.to_be_bytes()).collect();
     let wanted = Wanted::outputs(&reference.document);

@@ -262,10 +262,10 @@ mod tests {
         let program = "import sys, zipfile\nz = zipfile.ZipFile(sys.argv[1])\n\
                        print([(i.filename, i.file_size) for i in z.infolist()][:2], len(z.read('small.npy')))\n\
                        print(z.open('large.npy').read(6))";
-        if let Some(told) = python(file.path(), program) {
+        if let Some(reported) = python(file.path(), program) {
             let (large, small) = (4 * ROWS * WORDS + 128, bytes.len());
             let list = format!("[('large.npy', {large}), ('small.npy', {small})]");
-            assert_eq!(told, format!("{list} {small}\nb'\\x93NUMPY'\n"));
+            assert_eq!(reported, format!("{list} {small}\nb'\\x93NUMPY'\n"));
         }
     }
 
@@ -288,8 +288,8 @@ mod tests {
         archive.by_name("a69999.npy").unwrap().read_to_end(&mut bytes).unwrap();
         assert_eq!(NpyFile::new(&bytes[..]).unwrap().into_vec::<f32>().unwrap(), [69_999.0]);
         let program = "import sys, zipfile\nz = zipfile.ZipFile(sys.argv[1])\nprint(len(z.namelist()), z.testzip())";
-        if let Some(told) = python(file.path(), program) {
-            assert_eq!(told, "70001 None\n");
+        if let Some(reported) = python(file.path(), program) {
+            assert_eq!(reported, "70001 None\n");
         }
     }
 }

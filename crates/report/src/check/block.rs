@@ -37,8 +37,8 @@ pub(super) fn block(on: &str, shader: &str, finding: &Finding) -> String {
     text
 }
 
-/// One finding. Its inputs and the command are left out when an earlier finding has `told` them.
-pub(super) fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, told: bool, color: bool) {
+/// One finding. Its inputs and the command are left out when an earlier finding has `reported` them.
+pub(super) fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, reported: bool, color: bool) {
     let style = Style::new(color);
     let _ = writeln!(text, "\n{}{on}: {}{}", style.bold, finding.message, style.off);
     let _ = writeln!(text, "  file       {shader}");
@@ -49,20 +49,20 @@ pub(super) fn one(text: &mut String, on: &str, shader: &str, finding: &Finding, 
         let _ = writeln!(text, "  samples    {}", finding.count);
     }
     if let Some(case) = &finding.case {
-        case_text(text, case, told);
+        case_text(text, case, reported);
     }
-    if let Some(command) = finding.reproduce.as_ref().filter(|_| !told) {
+    if let Some(command) = finding.reproduce.as_ref().filter(|_| !reported) {
         let _ = writeln!(text, "  reproduce  {command}");
     }
 }
 
-fn case_text(text: &mut String, case: &Case, told: bool) {
+fn case_text(text: &mut String, case: &Case, reported: bool) {
     // A case that was asked for is shown as it is.
     let mut label = if case.tried > 0 { "smallest" } else { "case" };
-    if told {
+    if reported {
         let _ = writeln!(text, "  {label:<9}  as above");
     }
-    let shown = if told { 0 } else { INPUTS };
+    let shown = if reported { 0 } else { INPUTS };
     for InputValue { name, bits, decimal } in case.inputs.iter().take(shown) {
         if is_identity(name, bits) {
             let _ = writeln!(text, "  {label:<9}  {name} = identity");
@@ -79,7 +79,7 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
         }
         label = "";
     }
-    if case.inputs.len() > INPUTS && !told {
+    if case.inputs.len() > INPUTS && !reported {
         let _ = writeln!(text, "             … {} more inputs; the command has them", case.inputs.len() - INPUTS);
     }
     if let Some((deviation, value)) = case.deviation.as_ref().and_then(|d| Some((d, d.value()?)))
@@ -93,7 +93,7 @@ fn case_text(text: &mut String, case: &Case, told: bool) {
     } else if let Some(cross_check) = &case.diagnosis.cross_check {
         collected(text, cross_check);
     }
-    if case.tried > 0 && !told {
+    if case.tried > 0 && !reported {
         let _ = writeln!(text, "  shrunk     in {} rounds from {} candidates", case.rounds, case.tried);
     }
 }
@@ -200,8 +200,7 @@ fn origins(text: &mut String, diagnosis: &Diagnosis) {
 fn sides(text: &mut String, against: &str, deviation: &Deviation, value: &Value) {
     let Value { component, expected, meaning, actual, bound, .. } = value;
     if let Some(expected) = expected {
-        let label = if against == "expectation" { "expected" } else { against };
-        let _ = writeln!(text, "  {label:<9}  {component} = {expected:?}");
+        let _ = writeln!(text, "  {against:<9}  {component} = {expected:?}");
     }
     let allowed = if deviation.blame == Blame::Lane { format!(" ± {bound:.1e}") } else { String::new() };
     let _ = writeln!(text, "  shader     {component} = {meaning:?}{allowed}");

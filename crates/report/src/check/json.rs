@@ -311,6 +311,6 @@ fn diagnosis(value: &mut Value, diagnosis: &Diagnosis) {
 /// are some.
 pub(crate) fn undetermined_by(undetermined: &[u64]) -> Value {
     let reasons = Reason::ALL.iter().zip(undetermined);
-    let told = reasons.filter(|(reason, n)| **reason != Reason::Undefined || **n > 0);
-    told.map(|(reason, n)| (reason.name().to_owned(), Value::from(*n))).collect()
+    let reported = reasons.filter(|(reason, n)| **reason != Reason::Undefined || **n > 0);
+    reported.map(|(reason, n)| (reason.name().to_owned(), Value::from(*n))).collect()
 }

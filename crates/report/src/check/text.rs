@@ -108,8 +108,8 @@ pub fn finding(entries: &[Entry], at: usize, color: bool) -> String {
             let errors = report.errors();
             for (k, finding) in errors.iter().enumerate() {
                 let inputs = |f: &Finding| f.case.as_ref().map(|c| c.inputs.clone());
-                let told = inputs(finding).is_some() && errors[..k].iter().any(|f| inputs(f) == inputs(finding));
-                one(&mut text, &on, &report.shader, finding, told, color);
+                let reported = inputs(finding).is_some() && errors[..k].iter().any(|f| inputs(f) == inputs(finding));
+                one(&mut text, &on, &report.shader, finding, reported, color);
             }
         }
         Outcome::Refused(RunError::Shader { diagnostics, .. }) => {
@@ -163,10 +163,11 @@ fn on(report: &Report) -> String {
 /// The report of `entry` when it is of the same suite and shader and found exactly the same.
 fn same_findings<'e>(entry: &'e Entry, report: &Report) -> Option<&'e Report> {
     let Outcome::Ran(earlier) = &entry.outcome else { return None };
-    let told = |r: &Report| -> Vec<(String, Option<Vec<InputValue>>)> {
+    let reported = |r: &Report| -> Vec<(String, Option<Vec<InputValue>>)> {
         r.errors().iter().map(|f| (f.message.clone(), f.case.as_ref().map(|c| c.inputs.clone()))).collect()
     };
-    let same = earlier.suite == report.suite && earlier.shader == report.shader && told(earlier) == told(report);
+    let same =
+        earlier.suite == report.suite && earlier.shader == report.shader && reported(earlier) == reported(report);
     (same && !report.errors().is_empty()).then_some(&**earlier)
 }
 

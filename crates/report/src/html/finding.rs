@@ -130,8 +130,7 @@ fn sides(case: &Case) -> Markup {
         h5 { (component) @if let Some(vertex) = vertex { " of vertex " (vertex) } }
         table {
             @if let Some(expected) = expected {
-                @let against = if case.against == "expectation" { "expected" } else { &case.against };
-                (row(against, &format!("{expected:?}")))
+                (row(&case.against, &format!("{expected:?}")))
             }
             (row("shader means", &format!("{meaning:?}{allowed}")))
             @if *scalar == Scalar::F32 {

@@ -37,8 +37,8 @@ fn write(found: &[Diagnostic], context: &Context) -> String {
 
 /// All rules, and those errors of the front end that were found.
 fn descriptors(found: &[Diagnostic], lang: Lang) -> Vec<Value> {
-    let told: BTreeSet<&str> = found.iter().map(|d| d.code.0).collect();
-    let errors = front_end_errors().iter().filter(|(code, _)| told.contains(code.0));
+    let reported: BTreeSet<&str> = found.iter().map(|d| d.code.0).collect();
+    let errors = front_end_errors().iter().filter(|(code, _)| reported.contains(code.0));
     let errors = errors.map(|(code, line)| {
         json!({ "id": code.0, "shortDescription": { "text": line }, "defaultConfiguration": { "level": "error" } })
     });
@@ -58,7 +58,7 @@ fn descriptor(rule: &Rule, lang: Lang) -> Value {
 }
 
 fn result(d: &Diagnostic, index: &BTreeMap<&str, usize>, partial: &str, context: &Context) -> Value {
-    let words = |told: &Message| told.in_lang(context.lang).to_owned();
+    let words = |reported: &Message| reported.in_lang(context.lang).to_owned();
     let parts = [Some(&d.message), d.why.as_ref(), d.help.as_ref()];
     let message: Vec<String> = parts.into_iter().flatten().map(words).collect();
     let mut result = json!({

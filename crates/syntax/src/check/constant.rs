@@ -17,8 +17,8 @@ impl Checker<'_> {
         if self.language.has(feature) {
             return true;
         }
-        if self.told_features.insert(feature) {
-            self.lacks(feature.told(), feature.since(), span);
+        if self.reported_features.insert(feature) {
+            self.lacks(feature.name(), feature.since(), span);
         }
         false
     }

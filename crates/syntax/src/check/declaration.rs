@@ -52,7 +52,7 @@ impl Checker<'_> {
                 {
                     if let Some(since) = builtin::type_since(name)
                         && !self.language.since(since)
-                        && self.told.insert(name.clone())
+                        && self.reported_names.insert(name.clone())
                     {
                         self.lacks(message!("`{name}`", "`{name}` "), since, span);
                     }

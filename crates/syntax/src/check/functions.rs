@@ -219,9 +219,9 @@ impl Checker<'_> {
                 callees[from.index()].push(*to);
             }
         }
-        let mut told = vec![false; n];
+        let mut reported = vec![false; n];
         for (from, to, span) in &calls {
-            if told[from.index()] {
+            if reported[from.index()] {
                 continue;
             }
             let mut seen = vec![false; n];
@@ -234,7 +234,7 @@ impl Checker<'_> {
             if seen[from.index()] {
                 // One message for each circle.
                 for f in 0..n {
-                    told[f] |= seen[f];
+                    reported[f] |= seen[f];
                 }
                 let name = &self.out.functions[from.index()].name.name;
                 let message = message!("`{name}` calls itself", "`{name}` は自分自身を呼んでいます");
@@ -317,13 +317,13 @@ impl Checker<'_> {
             && self.stage == Stage::Fragment
             && floats(element)
             && !self.float_precision
-            && !self.precision_told
+            && !self.precision_reported
             && qualifiers.precision().is_none()
             && !self.incomplete;
         if !needed {
             return;
         }
-        self.precision_told = true;
+        self.precision_reported = true;
         let d = self
             .sink
             .start(errors::PRECISION, span, message!("`{ty}` has no precision here", "`{ty}` の精度が決まっていません"))

@@ -70,7 +70,7 @@ struct Checker<'a> {
     /// Local constants that get their value when the shader runs.
     run_time: HashSet<SymbolId>,
     /// Features that were told already.
-    told_features: HashSet<Feature>,
+    reported_features: HashSet<Feature>,
     /// Last members of storage blocks without a size, and instances of such blocks.
     runtime: HashSet<SymbolId>,
     /// Instances of uniform blocks.
@@ -86,7 +86,7 @@ struct Checker<'a> {
     /// A default precision for `float` in a fragment shader of GLSL ES stands above.
     float_precision: bool,
     /// A missing one has been told.
-    precision_told: bool,
+    precision_reported: bool,
     /// A `return` was met in the function at hand.
     returned: bool,
     /// Members of the blocks of built-in variables that were declared again.
@@ -96,7 +96,7 @@ struct Checker<'a> {
     functions: HashMap<String, Vec<FunctionId>>,
     builtins: HashMap<String, SymbolId>,
     /// Unknown names that were told already.
-    told: HashSet<String>,
+    reported_names: HashSet<String>,
     /// Unknown names are not told at all.
     incomplete: bool,
     /// Names of subroutine types.
@@ -138,7 +138,7 @@ pub(crate) fn check(
         sink,
         constant: vec![false; n],
         run_time: HashSet::new(),
-        told_features: HashSet::new(),
+        reported_features: HashSet::new(),
         runtime: HashSet::new(),
         uniform_blocks: HashSet::new(),
         most_index: HashMap::new(),
@@ -146,14 +146,14 @@ pub(crate) fn check(
         calls: Vec::new(),
         blocks: HashSet::new(),
         float_precision: false,
-        precision_told: false,
+        precision_reported: false,
         returned: false,
         per_vertex: HashMap::new(),
         out,
         scopes: vec![Scope::default()],
         functions: HashMap::new(),
         builtins: HashMap::new(),
-        told: HashSet::new(),
+        reported_names: HashSet::new(),
         incomplete,
         subroutines: HashSet::new(),
         vertices: None,
@@ -173,7 +173,7 @@ impl<'a> Checker<'a> {
         for item in unit.items.iter().filter(|i| i.kind == ItemKind::Error) {
             let text = self.sink.file.slice(item.span);
             let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|w| !w.is_empty());
-            self.told.extend(words.map(str::to_owned));
+            self.reported_names.extend(words.map(str::to_owned));
         }
         for (index, item) in unit.items.iter().enumerate() {
             self.item(index, item);
@@ -337,7 +337,7 @@ impl<'a> Checker<'a> {
     /// True when an unknown name is to be told: once each.
     fn first_time(&mut self, name: &str) -> bool {
         self.out.unknown = true;
-        !self.incomplete && self.told.insert(name.to_owned())
+        !self.incomplete && self.reported_names.insert(name.to_owned())
     }
 
     /// Every name that could be meant by an unknown one: the innermost scope first.

@@ -33,7 +33,7 @@ impl Parser<'_> {
         if word == "switch" && !self.words.keyword(&word) && self.peek_at(1) == Lex::LParen {
             let span = self.span();
             let feature = Feature::Switch;
-            self.words.language().lacks(self.sink, &feature.told(), feature.since(), span);
+            self.words.language().lacks(self.sink, &feature.name(), feature.since(), span);
             self.words.enable(&["switch", "case", "default"]);
         }
         if !self.words.keyword(&word) {

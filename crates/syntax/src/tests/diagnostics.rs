@@ -60,7 +60,7 @@ fn reading_goes_on_behind_an_error() {
 }
 
 #[test]
-fn characters_and_comments_outside_the_language_are_told() {
+fn characters_and_comments_outside_the_language_are_reported() {
     one("float x = 1.0;\u{3000}// 全角", "E002 5:15 a blank that is not ASCII stands here");
     one("float x = 1.0 $ 2.0;", "E002 5:15 `$` is not part of GLSL");
     whole("float x; /* open", "E002 1:10 this comment is never closed");
@@ -75,7 +75,7 @@ fn a_full_width_blank_has_a_fix() {
 }
 
 #[test]
-fn bad_literals_are_told() {
+fn bad_literals_are_reported() {
     one("float x = 1.0.0;", "E003 5:11 `1.0.0` is no number");
     one("int x = 08;", "E003 5:9 `08` is no octal number, which is what a leading 0 announces");
     one("int x = 4294967296;", "E003 5:9 `4294967296` does not fit into 32 bits");
@@ -83,7 +83,7 @@ fn bad_literals_are_told() {
 }
 
 #[test]
-fn unknown_names_are_told_once_with_the_nearest() {
+fn unknown_names_are_reported_once_with_the_nearest() {
     let parsed = parse(&in_main("vec4 position = p;\nvec4 a = positon + positon;\nvec4 b = positon;"), Stage::Vertex);
     let [d] = parsed.diagnostics.as_slice() else { panic!("{:?}", parsed.diagnostics) };
     assert_eq!(d.help.as_deref(), Some("did you mean `position`?"));
@@ -93,7 +93,7 @@ fn unknown_names_are_told_once_with_the_nearest() {
 }
 
 #[test]
-fn functions_and_overloads_are_told() {
+fn functions_and_overloads_are_reported() {
     one("float x = sine(1.0);", "E021 5:11 function `sine` is not declared");
     one("float x = pow(1.0, 2.0, 3.0);", "E022 5:11 `pow` takes 2 arguments, not 3");
     one("vec4 x = mix(p, p.xyz, 0.5);", "E022 5:10 `mix` does not take (vec4, vec3, float)");
@@ -105,7 +105,7 @@ fn functions_and_overloads_are_told() {
 }
 
 #[test]
-fn unknown_types_are_told() {
+fn unknown_types_are_reported() {
     one("vec5 x;", "E023 5:1 type `vec5` is not declared");
     one("retrun x;", "E023 5:1 type `retrun` is not declared");
     let parsed = parse(&in_main("retrun x;"), Stage::Vertex);
@@ -115,7 +115,7 @@ fn unknown_types_are_told() {
 }
 
 #[test]
-fn redefinitions_are_told() {
+fn redefinitions_are_reported() {
     one("float a; float a;", "E024 5:16 `a` is declared twice in this scope");
     whole("int f(int a) { float a = 1.0; return 1; }", "E024 1:22 `a` is declared twice in this scope");
     // The head of a loop and its body are one scope.
@@ -129,7 +129,7 @@ fn redefinitions_are_told() {
 }
 
 #[test]
-fn a_stage_without_main_is_told() {
+fn a_stage_without_main_is_reported() {
     assert_eq!(errors("", Stage::Vertex), ["E025 1:1 this vertex shader has no function `main`"]);
     assert_eq!(errors("// 空\n", Stage::Fragment), ["E025 1:1 this fragment shader has no function `main`"]);
     let parsed = parse("void mian() {}", Stage::Vertex);
@@ -138,7 +138,7 @@ fn a_stage_without_main_is_told() {
 }
 
 #[test]
-fn type_mismatches_are_told_in_words() {
+fn type_mismatches_are_reported_in_words() {
     one("vec4 q = p.xyz;", "T003 5:10 `vec3` cannot initialise `vec4 q`");
     one("gl_Position = p.xyz;", "T003 5:15 `vec3` cannot be assigned to `gl_Position`, which is `vec4`");
     one("vec3 v; v.xy = p;", "T003 5:16 `vec4` cannot be assigned to `vec2`");
@@ -150,7 +150,7 @@ fn type_mismatches_are_told_in_words() {
 }
 
 #[test]
-fn an_ill_formed_constructor_is_told_once() {
+fn an_ill_formed_constructor_is_reported_once() {
     // The printed defect: four components for three, and that assigned to four. Nothing follows from it.
     let four = "T001 5:10 `vec3` has 3 components, but is given 4";
     one("vec4 q = vec3(cos(1.0), 0.0, sin(1.0), 1.0);", four);
@@ -166,7 +166,7 @@ fn an_ill_formed_constructor_is_told_once() {
 }
 
 #[test]
-fn constructors_that_cannot_be_built_are_told() {
+fn constructors_that_cannot_be_built_are_reported() {
     let sampler = "#version 150\nuniform sampler2D s;\nvec4 f() { return vec4(s); }";
     whole(sampler, "E040 3:24 a `sampler2D` has no components to build a `vec4` from");
     whole("struct S { int a; };\nS f() { return S(1, 2); }", "E040 2:16 `S` has 1 members, but 2 are given");
@@ -175,7 +175,7 @@ fn constructors_that_cannot_be_built_are_told() {
 }
 
 #[test]
-fn operands_are_told() {
+fn operands_are_reported() {
     one("vec4 q = p + p.xyz;", "E031 5:12 `+` cannot combine a `vec4` and a `vec3`");
     one("bool b = !1.0;", "E031 5:10 `!` does not take a `float`");
     one("bool b = p < p;", "T010 5:12 `<` compares scalars, not `vec4` and `vec4`");
@@ -187,7 +187,7 @@ fn operands_are_told() {
 }
 
 #[test]
-fn fields_and_swizzles_are_told() {
+fn fields_and_swizzles_are_reported() {
     one("float x = p.xyz.w;", "T009 5:17 a `vec3` has no component `w`");
     one("vec2 x = p.xg;", "T009 5:12 `.xg` mixes `xyzw` with other names of components");
     one("vec4 x = p.xyzzy;", "T009 5:12 `.xyzzy` takes more than four components");
@@ -200,7 +200,7 @@ fn fields_and_swizzles_are_told() {
 }
 
 #[test]
-fn indices_conditions_and_returns_are_told() {
+fn indices_conditions_and_returns_are_reported() {
     one("float x = p[1.0];", "E036 5:13 an index must be an integer, not a `float`");
     one("float x = 1.0; x[0] = 2.0;", "E036 5:16 a `float` has no elements to index");
     one("if (1) { }", "E037 5:5 the condition of `if` must be a `bool`, not an `int`");
@@ -212,7 +212,7 @@ fn indices_conditions_and_returns_are_told() {
 }
 
 #[test]
-fn array_sizes_are_told() {
+fn array_sizes_are_reported() {
     one("int n = 2; float a[n];", "E039 5:20 the size of an array must be constant");
     one("float a[0];", "E039 5:9 the size of an array must be positive");
     one("float a[2.0];", "E039 5:9 the size of an array must be an integer, not a `float`");
@@ -223,7 +223,7 @@ fn array_sizes_are_told() {
 }
 
 #[test]
-fn what_is_nested_too_deeply_is_told_once() {
+fn what_is_nested_too_deeply_is_reported_once() {
     let deep = |open: &str, close: &str| format!("float x = {}1.0{};", open.repeat(10_000), close.repeat(10_000));
     for body in [
         deep("(", ")"),

@@ -56,7 +56,7 @@ fn recursive_macros_end() {
 }
 
 #[test]
-fn wrong_directives_are_told_at_their_place() {
+fn wrong_directives_are_reported_at_their_place() {
     for (source, want) in [
         ("#include \"a.glsl\"\nvoid f() { g(); }", "E015 1:1 `#include` is not part of GLSL"),
         ("#defin A 1", "E010 1:2 `#defin` is no directive of GLSL"),

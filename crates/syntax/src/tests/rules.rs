@@ -109,7 +109,7 @@ fn swizzles_indices_and_constructors() {
 }
 
 #[test]
-fn reserved_names_are_told() {
+fn reserved_names_are_reported() {
     one(Stage::Vertex, "void main() { float input = 1.0; }", "V004 `input` is a reserved word");
     one(Stage::Vertex, "float gl_mine; void main() {}", "V004 `gl_mine` is a name of the language");
     one(Stage::Vertex, "#define GL_x 1\nvoid main() {}", "V004 the language defines `GL_x` itself");
@@ -209,9 +209,9 @@ fn es_has_rules_of_its_own() {
 #[test]
 fn a_local_constant_may_get_its_value_when_the_shader_runs() {
     let text = |version: &str, body: &str| format!("#version {version}\nuniform float u;\nvoid main() {{ {body} }}\n");
-    let told = "E044 the initialiser of `a` must be constant";
-    one(Stage::Vertex, &text("410", "const float a = u;"), told);
-    one(Stage::Vertex, &text("310 es", "const float a = u;"), told);
+    let reported = "E044 the initialiser of `a` must be constant";
+    one(Stage::Vertex, &text("410", "const float a = u;"), reported);
+    one(Stage::Vertex, &text("310 es", "const float a = u;"), reported);
     for right in [
         text("420", "const float a = u; const float b = a + 1.0; float c = b;"),
         text("150\n#extension GL_ARB_shading_language_420pack : enable", "const float a = u;"),
@@ -222,7 +222,7 @@ fn a_local_constant_may_get_its_value_when_the_shader_runs() {
     one(Stage::Vertex, &text("460", "const int n = int(u); float a[n];"), "E039 the size of an array must be constant");
     let written = parse(&text("460", "const float a = u; a = 1.0;"), Stage::Vertex).diagnostics;
     assert_eq!(written.len(), 1, "{written:?}");
-    one(Stage::Vertex, "#version 460\nuniform float u;\nconst float a = u;\nvoid main() {}\n", told);
+    one(Stage::Vertex, "#version 460\nuniform float u;\nconst float a = u;\nvoid main() {}\n", reported);
 }
 
 #[test]

@@ -111,10 +111,10 @@ impl Expectations {
     /// when everything has run.
     pub fn stale(&self) -> Vec<String> {
         let stale = self.entries.iter().filter(|entry| entry.ran.get() && !entry.met.get());
-        let told = |entry: &Expected| {
+        let reported = |entry: &Expected| {
             let stage = entry.stage.map_or_else(String::new, |stage| format!(" in the {stage} stage"));
             format!("{}: nothing that ran is a suite `{}`{stage}", entry.expectation.at, entry.suite)
         };
-        stale.map(told).collect()
+        stale.map(reported).collect()
     }
 }

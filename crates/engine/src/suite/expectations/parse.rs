@@ -113,8 +113,8 @@ mod tests {
         always = false\n";
 
     fn read(text: &str) -> Result<Expectations, Vec<String>> {
-        let told = |problems: Vec<Problem>| problems.iter().map(Problem::to_string).collect();
-        parse(&SourceFile::new("e.toml", text)).map_err(told)
+        let reported = |problems: Vec<Problem>| problems.iter().map(Problem::to_string).collect();
+        parse(&SourceFile::new("e.toml", text)).map_err(reported)
     }
 
     #[test]
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_at_its_place_with_a_suggestion() {
+    fn what_is_wrong_is_reported_at_its_place_with_a_suggestion() {
         for (from, to, message) in [
             ("reason =", "reson =", "e.toml:9:1: unknown key `reson` in [[expected]]; did you mean `reason`?"),
             ("[[expected]]", "[[expectd]]", "e.toml:1:3: unknown key `expectd`; did you mean `expected`?"),

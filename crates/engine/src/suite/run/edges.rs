@@ -156,7 +156,7 @@ fn asked(prepared: &Prepared, found: &Edges) -> Vec<Asked> {
         }
     }
     all.sort_by_key(|(span, question, _)| (span.map(|span| (span.start, span.end)), *question));
-    let told = all.into_iter().map(|(span, question, met)| {
+    let reported = all.into_iter().map(|(span, question, met)| {
         let classes = question.classes().iter().enumerate();
         let (met, missed): (Vec<_>, Vec<_>) = classes.partition(|(k, _)| met >> k & 1 == 1);
         let names = |list: Vec<(usize, &&str)>| list.into_iter().map(|(_, name)| (*name).to_owned()).collect();
@@ -170,5 +170,5 @@ fn asked(prepared: &Prepared, found: &Edges) -> Vec<Asked> {
             missed: names(missed),
         }
     });
-    told.collect()
+    reported.collect()
 }

@@ -200,7 +200,7 @@ const POSITION: &str = "position";
 /// A finding about a sample that deviates by its place in a buffer. It takes the whole batch to show it again.
 pub(super) fn tied(request: &Request, part: &Part, sample: &Sample, tied: Tied, against: &'static str) -> Finding {
     let Tied { position, deviation, .. } = tied;
-    let message = deviation.told(against);
+    let message = deviation.message(against);
     let shrunk = unshrunk(sample.clone());
     let diagnosis = Diagnosis { position: Some(position), ..Diagnosis::default() };
     let samples = request.samples.map_or_else(String::new, |samples| format!(" --samples {samples}"));
@@ -300,8 +300,8 @@ pub(super) fn deviations(
                 count: 1,
                 reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),
             };
-            let told = shown.iter().any(|s| s.alike.as_deref() == Some(FLAKY));
-            if !told {
+            let reported = shown.iter().any(|s| s.alike.as_deref() == Some(FLAKY));
+            if !reported {
                 shown.push(Shown { number, alike: Some(FLAKY.to_owned()), words, finding, sample: None });
             }
             continue;
@@ -314,7 +314,7 @@ pub(super) fn deviations(
         let diagnosis = diagnose(trial, lane, &shrunk.sample, &deviation)?;
         let finding = Finding {
             kind: FindingKind::Deviation,
-            message: deviation.told(against),
+            message: deviation.message(against),
             // Known when all parts of the run are.
             count: 0,
             reproduce: Some(reproduce(request, part.on(), &shrunk.sample)),

@@ -326,21 +326,21 @@ impl Part {
         let mut doubts: Vec<Doubtful> = doubts.into_iter().map(|doubts| doubts.doubtful).collect();
         doubts.sort_by_key(|doubtful| std::cmp::Reverse(doubtful.count));
         let mut findings = self.findings;
-        let mut told: Vec<(String, Vec<u32>)> = Vec::new();
+        let mut reported: Vec<(String, Vec<u32>)> = Vec::new();
         for (shown, count) in all {
             for Shown { alike, words, mut finding, sample, .. } in shown {
                 if let Some(alike) = alike {
-                    if told.iter().any(|(known, same)| *known == alike || *same == words) {
+                    if reported.iter().any(|(known, same)| *known == alike || *same == words) {
                         continue;
                     }
-                    told.push((alike, words));
+                    reported.push((alike, words));
                     finding.count = count;
                     failing.extend(sample);
                 }
                 findings.push(finding);
             }
             // Another sample tells of another operation.
-            told.clear();
+            reported.clear();
         }
         let mut report = Report {
             suite: self.suite,

@@ -12,7 +12,7 @@ use crate::adversary::{Adversary, Fault, Strategy};
 use judge::profile::{Flush, Profile, Promises, by_name};
 use judge::verdict::{Deviation, JudgeContext, Reason, Used, judge_batch, used};
 use lanes::{LaneError, Stage};
-use program::interp::LANES;
+use program::interp::SLOTS;
 use property::{Sample, Sampler, mix};
 
 use super::Prepared;
@@ -254,7 +254,7 @@ fn run(
         judged: verdict.agreed + verdict.deviated,
         undetermined: verdict.undetermined,
         violations: verdict.deviated,
-        used: used(&context, rearranges, &batch, &actual, 0..count.min(LANES)),
+        used: used(&context, rearranges, &batch, &actual, 0..count.min(SLOTS)),
     };
     Ok((row, violations.collect()))
 }

@@ -87,27 +87,28 @@ fn compare(
     let mut all: Vec<(Translated, Vec<Sample>)> = Vec::new();
     for batch in &batches {
         for comparison in translations.compare(batch)? {
-            let at = all.iter().position(|(told, _)| told.language == comparison.language).unwrap_or_else(|| {
-                let language = comparison.language;
-                let none = Translated { language, agreed: 0, deviated: 0, undetermined: 0, unsupported: None };
-                all.push((none, Vec::new()));
-                all.len() - 1
-            });
-            let (told, failing) = &mut all[at];
-            told.agreed += comparison.agreed;
-            told.deviated += comparison.deviating.len() as u64;
-            told.undetermined += comparison.undetermined;
+            let at =
+                all.iter().position(|(reported, _)| reported.language == comparison.language).unwrap_or_else(|| {
+                    let language = comparison.language;
+                    let none = Translated { language, agreed: 0, deviated: 0, undetermined: 0, unsupported: None };
+                    all.push((none, Vec::new()));
+                    all.len() - 1
+                });
+            let (reported, failing) = &mut all[at];
+            reported.agreed += comparison.agreed;
+            reported.deviated += comparison.deviating.len() as u64;
+            reported.undetermined += comparison.undetermined;
             failing.extend(samples(batch, &comparison, SHRUNK - failing.len().min(SHRUNK)));
         }
     }
-    for (told, failing) in all {
-        let (language, count) = (told.language, told.deviated);
-        part.translations.push(told);
+    for (reported, failing) in all {
+        let (language, count) = (reported.language, reported.deviated);
+        part.translations.push(reported);
         if !failing.is_empty() {
             fail(prepared, translations, (language, failing, count), request, part)?;
         }
     }
-    part.translations.sort_by_key(|told| told.language);
+    part.translations.sort_by_key(|reported| reported.language);
     Ok(())
 }
 

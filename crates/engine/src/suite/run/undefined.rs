@@ -12,7 +12,7 @@ use property::Sample;
 use property::shrink::{self, Shrunk};
 
 /// Operations that are told of one suite.
-const TOLD: usize = 4;
+const REPORTED: usize = 4;
 
 /// Shrinks samples that depend on undefined values, one for each operation, and reports them; first the one at which
 /// the executor failed outright, if it did.
@@ -31,7 +31,7 @@ pub(super) fn findings(
     for ((sample, failing), found) in samples.into_iter().zip(failing).zip(found) {
         let Some(found) = found else { continue };
         let alike = Some(format!("{:?}", found.of));
-        if shown.len() == TOLD || shown.iter().any(|shown| shown.alike == alike) {
+        if shown.len() == REPORTED || shown.iter().any(|shown| shown.alike == alike) {
             continue;
         }
         let shrunk = if request.replay_only { finding::unshrunk(sample) } else { smallest(prepared, sample, &found) };

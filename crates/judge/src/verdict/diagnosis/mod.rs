@@ -219,7 +219,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_literal_is_told_with_its_place_and_what_it_stands_for() {
+    fn a_literal_is_reported_with_its_place_and_what_it_stands_for() {
         let place =
             Place { at: "sphere.vert:12:14".into(), text: "6.283185".into(), line: String::new(), expansion: None };
         let literal = ShortLiteral { place, stands_for: "2π".into(), off: 3.07e-7 };
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_built_in_is_told_with_its_operands_and_by_how_much_it_is_off() {
+    fn a_built_in_is_reported_with_its_operands_and_by_how_much_it_is_off() {
         let origin = Origin::BuiltIn {
             op: Op::Sin,
             operands: vec![0.5_f32.to_bits()],

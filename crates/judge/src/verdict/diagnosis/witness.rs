@@ -260,13 +260,13 @@ impl Fault {
         let Some(first) = witnesses.first() else {
             return Self::OneGroup { executor: String::new(), front_end: String::new() };
         };
-        let told = by_stage(witnesses, first.stage);
+        let reported = by_stage(witnesses, first.stage);
         if first.stand == Stand::Right {
             let (executor, front_end) = (first.executor.clone(), first.front_end.clone());
             return Self::Unsteady { executor, front_end };
         }
         let groups = |stand: Stand| -> BTreeSet<Group<'_>> {
-            told.iter().filter(|w| w.stand == stand).map(|w| (w.executor.as_str(), w.front_end.as_str())).collect()
+            reported.iter().filter(|w| w.stand == stand).map(|w| (w.executor.as_str(), w.front_end.as_str())).collect()
         };
         let mut wrong = groups(Stand::Wrong);
         // A lane that failed is evidence against what it shares with the one that deviates.
@@ -290,7 +290,7 @@ impl Fault {
                 (0 | 1, 0 | 1) => Self::OneGroup { executor, front_end },
                 (1, _) => on_executor(),
                 (_, 1) => on_translator(),
-                _ => Self::Everyone { groups: wrong.len(), alike: alike(&told) },
+                _ => Self::Everyone { groups: wrong.len(), alike: alike(&reported) },
             };
         }
         let executors_part = executors.is_disjoint(&right_executors);
@@ -324,8 +324,8 @@ fn part<'w>(groups: &BTreeSet<Group<'w>>, of: impl Fn(&Group<'w>) -> &'w str) ->
 }
 
 /// True when all that deviate have the same word, or none has one.
-fn alike(told: &[&Witness]) -> bool {
-    let mut words = told.iter().filter(|w| w.stand == Stand::Wrong).map(|w| w.word);
+fn alike(reported: &[&Witness]) -> bool {
+    let mut words = reported.iter().filter(|w| w.stand == Stand::Wrong).map(|w| w.word);
     let first = words.next();
     words.all(|word| Some(word) == first)
 }

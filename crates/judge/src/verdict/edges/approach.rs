@@ -1,11 +1,11 @@
 //! The other side of a question that all samples answer alike: a search from the nearest of them.
 
 use super::watch::Key;
-use super::{KEPT, LANES, Search, rank, ranked, scalar, word, word_mut, words};
+use super::{KEPT, SLOTS, Search, rank, ranked, scalar, word, word_mut, words};
 use base::value::Scalar;
 use property::{Sample, Stream};
 
-/// Questions that are sought at a time; each gets a share of the lanes.
+/// Questions that are sought at a time; each gets a share of the slots.
 const QUESTIONS: usize = 8;
 /// Rounds of the search, and how many of them may bring nothing.
 const ROUNDS: usize = 20;
@@ -36,8 +36,8 @@ impl Search<'_> {
             if aims.is_empty() || idle == IDLE {
                 break;
             }
-            let share = LANES / aims.len();
-            let mut tried = Vec::with_capacity(LANES);
+            let share = SLOTS / aims.len();
+            let mut tried = Vec::with_capacity(SLOTS);
             for aim in &aims {
                 tried.extend((0..share).map(|_| self.beside(aim, &mut stream)));
             }
@@ -45,11 +45,11 @@ impl Search<'_> {
             idle += 1;
             for (k, aim) in aims.iter_mut().enumerate() {
                 let Some(answers) = watch.answer(aim.key) else { continue };
-                for lane in k * share..(k + 1) * share {
-                    let (side, gap) = (answers.sides[lane], answers.gaps[lane].abs());
+                for slot in k * share..(k + 1) * share {
+                    let (side, gap) = (answers.sides[slot], answers.gaps[slot].abs());
                     let other = (-1..=1).contains(&side) && side != aim.side;
                     if !aim.done && (other || gap < aim.gap) {
-                        let new = &tried[lane];
+                        let new = &tried[slot];
                         aim.hot = (0..words(new)).find(|&at| word(new, at) != word(&aim.best, at));
                         (aim.best, aim.gap, aim.done) = (new.clone(), gap, other);
                         idle = 0;

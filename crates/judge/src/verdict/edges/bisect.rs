@@ -2,7 +2,7 @@
 
 use super::question::UNASKED;
 use super::watch::Key;
-use super::{LANES, PAIRS, Search, rank, ranked, scalar, word, word_mut};
+use super::{PAIRS, SLOTS, Search, rank, ranked, scalar, word, word_mut};
 use base::value::Scalar;
 use property::Sample;
 
@@ -132,7 +132,7 @@ impl Search<'_> {
         loop {
             pairs.iter_mut().for_each(|pair| pair.sides.clear());
             let active = pairs.iter().filter(|pair| !pair.done).count();
-            let ways = (LANES / active.max(1)).clamp(1, WAYS) as i64;
+            let ways = (SLOTS / active.max(1)).clamp(1, WAYS) as i64;
             let (mut tried, mut of) = (Vec::new(), Vec::new());
             for (k, pair) in pairs.iter_mut().enumerate().filter(|(_, pair)| !pair.done) {
                 let next = pair.next(ways, &admits);
@@ -146,8 +146,8 @@ impl Search<'_> {
                 break;
             }
             let Some(watch) = self.try_all(&tried) else { break };
-            for (lane, (k, at)) in of.into_iter().enumerate() {
-                let side = watch.answer(pairs[k].key).map_or(UNASKED, |answers| answers.sides[lane]);
+            for (slot, (k, at)) in of.into_iter().enumerate() {
+                let side = watch.answer(pairs[k].key).map_or(UNASKED, |answers| answers.sides[slot]);
                 pairs[k].sides.push((at, side));
             }
             for pair in pairs.iter_mut().filter(|pair| !pair.done) {
@@ -182,7 +182,7 @@ impl Search<'_> {
             }
         }
         candidates.sort_by_key(|&(turn, key, ..)| (turn, key));
-        candidates.truncate(PAIRS.min(LANES));
+        candidates.truncate(PAIRS.min(SLOTS));
         let taken = candidates.into_iter().map(|(_, key, side, a, b)| {
             self.known.entry(key).or_default().halved.insert((a, b));
             Pair::new(key, side, [self.pool[a].clone(), self.pool[b].clone()])

@@ -16,7 +16,7 @@ mod watch;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use base::value::{Batch, Scalar};
-use program::interp::{HazardKind, LANES, Machine, Site};
+use program::interp::{HazardKind, Machine, SLOTS, Site};
 use property::Sample;
 use property::shrink::Domain;
 
@@ -29,7 +29,7 @@ pub(super) use watch::Watch;
 
 /// Times that samples are sought: what lies behind a branch is met when its edge was found.
 const PASSES: usize = 3;
-/// Pairs that are divided in one pass; they share the lanes of one chunk.
+/// Pairs that are divided in one pass; they share the slots of one chunk.
 const PAIRS: usize = 32;
 /// Samples that are found at most.
 const FOUND: usize = 224;
@@ -141,14 +141,14 @@ impl Search<'_> {
     /// Takes note of how samples answer.
     fn learn(&mut self, batch: &Batch) {
         let count = batch.invocation_count();
-        for first in (0..count).step_by(LANES) {
-            let lanes = self.watch.run(batch, first);
+        for first in (0..count).step_by(SLOTS) {
+            let slots = self.watch.run(batch, first);
             self.watch.take_findings();
-            let mut places = vec![None; lanes];
+            let mut places = vec![None; slots];
             for (key, answers) in self.watch.domain().answers() {
-                note(self.known.entry(key).or_default(), answers, lanes, &mut |lane| {
-                    *places[lane].get_or_insert_with(|| {
-                        self.pool.push(Sample::of(batch, first + lane));
+                note(self.known.entry(key).or_default(), answers, slots, &mut |slot| {
+                    *places[slot].get_or_insert_with(|| {
+                        self.pool.push(Sample::of(batch, first + slot));
                         self.pool.len() - 1
                     })
                 });
@@ -156,7 +156,7 @@ impl Search<'_> {
         }
     }
 
-    /// Runs samples that are tried, at most [`LANES`]. `None` when the budget is spent.
+    /// Runs samples that are tried, at most [`SLOTS`]. `None` when the budget is spent.
     fn try_all(&mut self, samples: &[Sample]) -> Option<&Watch> {
         self.budget = self.budget.checked_sub(1)?;
         let batch = Sample::batch(samples);
@@ -166,10 +166,10 @@ impl Search<'_> {
     }
 }
 
-/// Adds the answers of a chunk. `place` gives the index of a lane's sample in the pool.
-fn note(sides: &mut Sides, answers: &Answers, lanes: usize, place: &mut dyn FnMut(usize) -> usize) {
-    for lane in 0..lanes {
-        let (side, gap) = (answers.sides[lane], answers.gaps[lane].abs());
+/// Adds the answers of a chunk. `place` gives the index of a slot's sample in the pool.
+fn note(sides: &mut Sides, answers: &Answers, slots: usize, place: &mut dyn FnMut(usize) -> usize) {
+    for slot in 0..slots {
+        let (side, gap) = (answers.sides[slot], answers.gaps[slot].abs());
         if side == UNASKED {
             continue;
         }
@@ -177,9 +177,9 @@ fn note(sides: &mut Sides, answers: &Answers, lanes: usize, place: &mut dyn FnMu
         sides.met += 1;
         let on = sides.on.len();
         match sides.on.get_mut(&side) {
-            Some(kept) if kept.len() < KEPT => kept.push(place(lane)),
+            Some(kept) if kept.len() < KEPT => kept.push(place(slot)),
             None if on < 8 => {
-                sides.on.insert(side, vec![place(lane)]);
+                sides.on.insert(side, vec![place(slot)]);
             }
             Some(_) | None => {}
         }
@@ -188,10 +188,10 @@ fn note(sides: &mut Sides, answers: &Answers, lanes: usize, place: &mut dyn FnMu
             Some((least, _)) => {
                 sides.moves |= gap != least;
                 if gap < least {
-                    sides.nearest = Some((gap, place(lane)));
+                    sides.nearest = Some((gap, place(slot)));
                 }
             }
-            None => sides.nearest = Some((gap, place(lane))),
+            None => sides.nearest = Some((gap, place(slot))),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use program::interp::{Binary, Comparison, ToWords, Unary};
 
-/// The side of a lane that did not come to a question.
+/// The side of a slot that did not come to a question.
 pub const UNASKED: i8 = i8::MIN;
 /// The side of NaN.
 const NONE: i8 = i8::MAX;

@@ -3,17 +3,17 @@
 
 use base::value::Scalar;
 use program::interp::{
-    Binary, Binary64, Class, Comparison, Domain, FromWords, LANES, Mask, Plain, Site, ToWords, Unary, WordSource, Words,
+    Binary, Binary64, Class, Comparison, Domain, FromWords, Mask, Plain, SLOTS, Site, ToWords, Unary, WordSource, Words,
 };
 
 use super::question::{Question, UNASKED};
 
 type Column = <Binary64 as Domain>::Column;
 
-/// Answers of one lane that are remembered for each question: rounds of loops and components of vectors.
+/// Answers of one slot that are remembered for each question: rounds of loops and components of vectors.
 const ROUNDS: usize = 24;
 
-/// Names one answer: the question, and the how many-th time a lane asks it.
+/// Names one answer: the question, and the how many-th time a slot asks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key {
     pub site: Site,
@@ -21,21 +21,21 @@ pub struct Key {
     pub round: usize,
 }
 
-/// How each lane answered a question in one round.
+/// How each slot answered a question in one round.
 #[derive(Clone)]
 pub struct Answers {
-    /// See [`Question::side`]; [`UNASKED`] where a lane did not come here.
-    pub sides: [i8; LANES],
-    /// How far a lane is from another answer, where that is a distance; NaN elsewhere.
-    pub gaps: [f32; LANES],
+    /// See [`Question::side`]; [`UNASKED`] where a slot did not come here.
+    pub sides: [i8; SLOTS],
+    /// How far a slot is from another answer, where that is a distance; NaN elsewhere.
+    pub gaps: [f32; SLOTS],
 }
 
 /// One question at one place.
 struct Asked {
     site: Site,
     question: Question,
-    /// Times that each lane asked since the chunk began.
-    times: [u8; LANES],
+    /// Times that each slot asked since the chunk began.
+    times: [u8; SLOTS],
     rounds: Vec<Answers>,
     /// One bit for each class of arguments that was met; kept over chunks.
     met: u16,
@@ -62,7 +62,7 @@ impl Watch {
         })
     }
 
-    /// The answers to one question in the last chunk; `None` when no lane came there.
+    /// The answers to one question in the last chunk; `None` when no slot came there.
     pub fn answer(&self, key: Key) -> Option<&Answers> {
         let asked = self.asked.iter().find(|asked| (asked.site, asked.question) == (key.site, key.question))?;
         asked.rounds.get(key.round)
@@ -76,23 +76,23 @@ impl Watch {
     fn note(&mut self, site: Site, question: Question, active: &Mask, side: impl Fn(usize) -> (i8, f64, u8)) {
         let at = self.asked.iter().position(|asked| (asked.site, asked.question) == (site, question));
         let at = at.unwrap_or_else(|| {
-            self.asked.push(Asked { site, question, times: [0; LANES], rounds: Vec::new(), met: 0 });
+            self.asked.push(Asked { site, question, times: [0; SLOTS], rounds: Vec::new(), met: 0 });
             self.asked.len() - 1
         });
         let asked = &mut self.asked[at];
-        active.each(|lane| {
-            let (side, gap, class) = side(lane);
+        active.each(|slot| {
+            let (side, gap, class) = side(slot);
             asked.met |= 1 << class;
-            let round = usize::from(asked.times[lane]);
+            let round = usize::from(asked.times[slot]);
             if round == ROUNDS || !question.is_searched() {
                 return;
             }
             if round == asked.rounds.len() {
-                asked.rounds.push(Answers { sides: [UNASKED; LANES], gaps: [f32::NAN; LANES] });
+                asked.rounds.push(Answers { sides: [UNASKED; SLOTS], gaps: [f32::NAN; SLOTS] });
             }
             let answers = &mut asked.rounds[round];
-            (answers.sides[lane], answers.gaps[lane]) = (side, gap as f32);
-            asked.times[lane] += 1;
+            (answers.sides[slot], answers.gaps[slot]) = (side, gap as f32);
+            asked.times[slot] += 1;
         });
     }
 }
@@ -103,10 +103,10 @@ impl Domain for Watch {
 
     fn begin(&mut self) {
         for asked in &mut self.asked {
-            asked.times = [0; LANES];
+            asked.times = [0; SLOTS];
             for round in &mut asked.rounds {
-                round.sides = [UNASKED; LANES];
-                round.gaps = [f32::NAN; LANES];
+                round.sides = [UNASKED; SLOTS];
+                round.gaps = [f32::NAN; SLOTS];
             }
         }
     }
@@ -126,7 +126,7 @@ impl Domain for Watch {
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
         if let Some(question) = Question::of_unary(op) {
             let a = a.values();
-            self.note(site, question, active, |lane| question.answer(a[lane], 0.0));
+            self.note(site, question, active, |slot| question.answer(a[slot], 0.0));
         }
         self.plain.unary(site, op, active, a, out);
     }
@@ -134,7 +134,7 @@ impl Domain for Watch {
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
         if let Some(question) = Question::of_binary(op) {
             let (a, b) = (a.values(), b.values());
-            self.note(site, question, active, |lane| question.answer(a[lane], b[lane]));
+            self.note(site, question, active, |slot| question.answer(a[slot], b[slot]));
         }
         self.plain.binary(site, op, active, a, b, out);
     }
@@ -146,14 +146,14 @@ impl Domain for Watch {
     fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
         let question = Question::Comparison(op);
         let (left, right) = (a.values(), b.values());
-        self.note(site, question, active, |lane| question.answer(left[lane], right[lane]));
+        self.note(site, question, active, |slot| question.answer(left[slot], right[slot]));
         self.plain.compare(site, op, active, a, b, out);
     }
 
     fn compare_words(&mut self, site: Site, op: Comparison, signed: bool, active: &Mask, a: &Words, b: &Words) {
         let question = Question::Comparison(op);
         let number = |word: u32| if signed { f64::from(word.cast_signed()) } else { f64::from(word) };
-        self.note(site, question, active, |lane| question.answer(number(a[lane]), number(b[lane])));
+        self.note(site, question, active, |slot| question.answer(number(a[slot]), number(b[slot])));
     }
 
     fn classify(&mut self, site: Site, class: Class, active: &Mask, a: &Column, out: &mut Words) {
@@ -163,7 +163,7 @@ impl Domain for Watch {
     fn words_of(&mut self, site: Site, op: ToWords, active: &Mask, a: &Column, out: &mut Words) -> Mask {
         if let Some(question) = Question::of_conversion(op) {
             let a = a.values();
-            self.note(site, question, active, |lane| question.answer(a[lane], 0.0));
+            self.note(site, question, active, |slot| question.answer(a[slot], 0.0));
         }
         self.plain.words_of(site, op, active, a, out)
     }
@@ -184,8 +184,8 @@ impl Domain for Watch {
         self.plain.poison(mask, to);
     }
 
-    fn word(&self, column: &Column, lane: usize) -> Option<Self::Word> {
-        self.plain.word(column, lane)
+    fn word(&self, column: &Column, slot: usize) -> Option<Self::Word> {
+        self.plain.word(column, slot)
     }
 
     fn exact(word: u32, scalar: Scalar) -> Self::Word {

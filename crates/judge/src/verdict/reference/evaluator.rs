@@ -5,9 +5,9 @@ use super::{Expected, Reference, ReferenceKind, given};
 use crate::tape::Tape;
 use crate::verdict::second_pass::{TWO_WAYS, USELESS_64};
 use base::value::Batch;
-use program::interp::{Binary64, Domain, HazardKind, LANES, Machine, Number, OutputColumn, POISON};
+use program::interp::{Binary64, Domain, HazardKind, Machine, Number, OutputColumn, POISON, SLOTS};
 
-/// Gives what is expected, for up to [`LANES`] invocations at a time.
+/// Gives what is expected, for up to [`SLOTS`] invocations at a time.
 pub(in crate::verdict) struct Evaluator<'a> {
     reference: &'a Reference,
     /// Inputs of a formula, and the case whose uniforms they hold.
@@ -18,7 +18,7 @@ pub(in crate::verdict) struct Evaluator<'a> {
     bounded: bool,
 }
 
-/// A model and what it gave last: values by vertex, word and lane.
+/// A model and what it gave last: values by vertex, word and slot.
 struct Running<'a> {
     model: &'a Model,
     machine: Interpreter<'a>,
@@ -26,8 +26,8 @@ struct Running<'a> {
     slack: Vec<f64>,
     emitted: Vec<u32>,
     strips: Vec<u32>,
-    /// Lanes in which a loop does not end: there is nothing to compare with.
-    endless: [bool; LANES],
+    /// Slots in which a loop does not end: there is nothing to compare with.
+    endless: [bool; SLOTS],
 }
 
 enum Interpreter<'a> {
@@ -56,7 +56,7 @@ impl<'a> Evaluator<'a> {
         Self { reference, inputs, case: usize::MAX, model: None, bounded }
     }
 
-    /// Turns to these invocations of a batch, at most [`LANES`] of them.
+    /// Turns to these invocations of a batch, at most [`SLOTS`] of them.
     pub fn turn_to(&mut self, batch: &Batch, invocations: &[usize]) {
         self.case = usize::MAX;
         if let ReferenceKind::Model(model) = &self.reference.source {
@@ -65,8 +65,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What is expected of the invocation in place `lane` of those that were turned to.
-    pub fn expected(&mut self, batch: &Batch, invocation: usize, lane: usize, expected: &mut Expected) {
+    /// What is expected of the invocation in place `slot` of those that were turned to.
+    pub fn expected(&mut self, batch: &Batch, invocation: usize, slot: usize, expected: &mut Expected) {
         match &self.reference.source {
             ReferenceKind::Formula(bound) => {
                 let case = invocation / batch.per_case;
@@ -78,7 +78,7 @@ impl<'a> Evaluator<'a> {
             }
             ReferenceKind::Model(_) => {
                 if let Some(running) = &self.model {
-                    running.expected(lane, expected);
+                    running.expected(slot, expected);
                 }
             }
             ReferenceKind::Given(rules) => given::eval(rules, &self.reference.outputs, (batch, invocation), expected),
@@ -96,7 +96,7 @@ impl<'a> Running<'a> {
             Interpreter::Plain(Box::new(model.oracle.ideal_or_meaning()))
         };
         let (values, slack, emitted, strips) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { model, machine, values, slack, emitted, strips, endless: [false; LANES] }
+        Self { model, machine, values, slack, emitted, strips, endless: [false; SLOTS] }
     }
 
     fn run(&mut self, batch: &Batch, invocations: &[usize]) {
@@ -125,16 +125,16 @@ impl<'a> Running<'a> {
                         let bounds = tape.bounds(column, &mut |_| false);
                         // Where a comparison could go either way, or binary64 is too coarse, it may be any.
                         let values = *tape.values(column);
-                        slack.extend((0..LANES).map(|lane| {
-                            let bound = TWO_WAYS * bounds.bound[lane];
-                            let known = tape.fork(lane).is_none() && bound <= USELESS_64 * values[lane].abs().max(1.0);
+                        slack.extend((0..SLOTS).map(|slot| {
+                            let bound = TWO_WAYS * bounds.bound[slot];
+                            let known = tape.fork(slot).is_none() && bound <= USELESS_64 * values[slot].abs().max(1.0);
                             if known { bound } else { f64::INFINITY }
                         }));
                     }
                     OutputColumn::Word(words) => {
                         values.extend_from_slice(&exact(words, model, word));
                         let tape = machine.domain();
-                        slack.extend((0..LANES).map(|lane| tape.fork(lane).map_or(0.0, |_| f64::INFINITY)));
+                        slack.extend((0..SLOTS).map(|slot| tape.fork(slot).map_or(0.0, |_| f64::INFINITY)));
                     }
                 });
                 *endless = shape(machine, emitted, strips);
@@ -142,21 +142,21 @@ impl<'a> Running<'a> {
         }
     }
 
-    fn expected(&self, lane: usize, expected: &mut Expected) {
+    fn expected(&self, slot: usize, expected: &mut Expected) {
         expected.clear();
         let words: usize = self.model.outputs.iter().map(ExactSizeIterator::len).sum();
-        let stored = if self.model.emits() { self.emitted[lane] as usize } else { 1 };
-        let room = self.strips.len() / LANES;
+        let stored = if self.model.emits() { self.emitted[slot] as usize } else { 1 };
+        let room = self.strips.len() / SLOTS;
         for vertex in 0..stored {
             // Vertices past the limit are counted and have no values.
-            let at = (vertex < room && !self.endless[lane]).then_some(vertex * words);
-            let pick = |list: &[f64], k: usize| at.and_then(|at| list.get((at + k) * LANES + lane).copied());
+            let at = (vertex < room && !self.endless[slot]).then_some(vertex * words);
+            let pick = |list: &[f64], k: usize| at.and_then(|at| list.get((at + k) * SLOTS + slot).copied());
             expected.words.extend((0..words).map(|k| pick(&self.values, k).unwrap_or(f64::NAN)));
             if !self.slack.is_empty() {
                 expected.slack.extend((0..words).map(|k| pick(&self.slack, k).unwrap_or(0.0)));
             }
             if self.model.emits() {
-                expected.strips.push(self.strips.get(vertex * LANES + lane).copied().unwrap_or_default());
+                expected.strips.push(self.strips.get(vertex * SLOTS + slot).copied().unwrap_or_default());
             }
         }
     }
@@ -175,22 +175,22 @@ fn each_word<D: Domain>(
     }
 }
 
-/// How many vertices each lane emitted, and their strips; whether its loops do not end.
-fn shape<D: Domain>(machine: &Machine<'_, D>, emitted: &mut Vec<u32>, strips: &mut Vec<u32>) -> [bool; LANES] {
+/// How many vertices each slot emitted, and their strips; whether its loops do not end.
+fn shape<D: Domain>(machine: &Machine<'_, D>, emitted: &mut Vec<u32>, strips: &mut Vec<u32>) -> [bool; SLOTS] {
     emitted.clear();
     emitted.extend_from_slice(machine.emitted());
     strips.clear();
     for vertex in 0..machine.room() {
         match machine.is_emitting() {
             true => strips.extend_from_slice(machine.strip(vertex)),
-            false => strips.extend_from_slice(&[0; LANES]),
+            false => strips.extend_from_slice(&[0; SLOTS]),
         }
     }
-    std::array::from_fn(|lane| machine.flags()[lane].has(HazardKind::Fuel))
+    std::array::from_fn(|slot| machine.flags()[slot].has(HazardKind::Fuel))
 }
 
 /// Whole numbers; NaN where none was written.
-fn exact(words: &[u32; LANES], model: &Model, word: usize) -> [f64; LANES] {
+fn exact(words: &[u32; SLOTS], model: &Model, word: usize) -> [f64; SLOTS] {
     let scalar = model.scalar_of(word);
     words.map(|word| if word == POISON { f64::NAN } else { <f64 as Number>::exact(word, scalar) })
 }

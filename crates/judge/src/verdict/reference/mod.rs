@@ -162,12 +162,11 @@ impl Reference {
         }
     }
 
-    /// What the shader is compared with, in a word: `formula`, `reference`, `expectation`, `record`.
+    /// What the shader is compared with, in a word: `formula`, `reference`, `record`.
     pub fn noun(&self) -> &'static str {
         match &self.source {
             ReferenceKind::Formula(_) => "formula",
-            ReferenceKind::Model(_) => "reference",
-            ReferenceKind::Given(_) => "expectation",
+            ReferenceKind::Model(_) | ReferenceKind::Given(_) => "reference",
             ReferenceKind::Recorded(_) => "record",
             ReferenceKind::Nothing => MEANING,
         }

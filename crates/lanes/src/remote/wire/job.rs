@@ -6,7 +6,7 @@ use super::{Reader, Wire, Writer, tag, wire};
 use crate::{native, vulkan};
 use base::value::{Field, Record, Scalar, Shape};
 use program::texture::{Dimension, Image, Texel, TextureKind};
-use program::{Attribute, Count, Drawn, Form, OutputLayout, Primitives, Texture, UniformBlock, UniformSlot};
+use program::{Attribute, Count, Drawn, Form, OutputLayout, Primitives, Texture, UniformBlock, UniformPlace};
 use syntax::interface::{InputPrimitive, OutputPrimitive};
 
 wire! { enum Scalar { F32, I32, U32, Bool } }
@@ -16,8 +16,8 @@ wire! { struct OutputLayout { vertex, max_vertices } }
 wire! { struct Attribute { field, location, components } }
 wire! { enum Count { Vertex, Instance, BaseVertex, BaseInstance, Draw } }
 wire! { struct Drawn { name, count, word } }
-wire! { struct UniformSlot { word, byte } }
-wire! { struct UniformBlock { bytes, slots } }
+wire! { struct UniformPlace { word, byte } }
+wire! { struct UniformBlock { bytes, places } }
 wire! { enum Form { Compute, Uniforms, Constants, Vertex { attributes, blocks, drawn }, Geometry } }
 wire! { enum Dimension { D1, D2, D3, Cube } }
 wire! { enum Texel { Float, Int, Uint, Depth } }

@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arguments_beyond_one_are_told() {
+    fn arguments_beyond_one_are_reported() {
         rings(
             "N006",
             Level::Default,

@@ -49,16 +49,16 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn integers_among_floats_are_told() {
-        let told = |statement: &str| {
+    fn integers_among_floats_are_reported() {
+        let reported = |statement: &str| {
             let text = format!(
                 "#version 150 core\nuniform sampler2D s;\nuniform int n;\nin vec2 t;\nout vec4 c;\nvoid main(void)\n{{\n  float x = t.x; int i = n; c = vec4(0.0);\n  {statement}\n}}\n"
             );
             messages("T017", "a.frag", &text).len()
         };
-        assert_eq!(told("x = pow(2, 3);"), 2);
+        assert_eq!(reported("x = pow(2, 3);"), 2);
         for statement in ["x = max(x, 0);", "x = clamp(x, -1, 1.0);", "c = mix(c, c, 1);"] {
-            assert_eq!(told(statement), 1, "{statement}");
+            assert_eq!(reported(statement), 1, "{statement}");
         }
         for statement in [
             "x = max(x, 0.0);",
@@ -68,7 +68,7 @@ mod tests {
             "c = vec4(textureSize(s, 0), 0.0, 1.0);",
             "c = textureOffset(s, t, ivec2(1, 0));",
         ] {
-            assert_eq!(told(statement), 0, "{statement}");
+            assert_eq!(reported(statement), 0, "{statement}");
         }
     }
 }

@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arguments_up_to_the_ends_are_told() {
+    fn arguments_up_to_the_ends_are_reported() {
         rings("N007", Level::Strict, &["r = acos(s);", "r = asin(clamp(s, -1.0, 1.0));", "r = acos(sin(s));"]);
     }
 

@@ -59,15 +59,15 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn assignments_in_conditions_are_told() {
-        let told = |body: &str| {
+    fn assignments_in_conditions_are_reported() {
+        let reported = |body: &str| {
             let text = format!(
                 "#version 150 core\nuniform bool u;\nout vec4 c;\nvoid main(void)\n{{\n  bool b = u; c = vec4(0.0);\n  {body}\n}}\n"
             );
             messages("T014", "a.frag", &text).len()
         };
         for body in ["if (b = true) c = vec4(1.0);", "while (b = u) break;", "for (; b = u; ) break;"] {
-            assert_eq!(told(body), 1, "{body}");
+            assert_eq!(reported(body), 1, "{body}");
         }
         for body in [
             "if (b == true) c = vec4(1.0);",
@@ -75,7 +75,7 @@ mod tests {
             "c.x = (b = u) ? 1.0 : 0.0;",
             "b = u; if (b) c = vec4(1.0);",
         ] {
-            assert_eq!(told(body), 0, "{body}");
+            assert_eq!(reported(body), 0, "{body}");
         }
     }
 }

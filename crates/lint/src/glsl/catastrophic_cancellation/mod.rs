@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn differences_that_cancel_are_told() {
+    fn differences_that_cancel_are_reported() {
         rings(
             "N022",
             Level::Strict,

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reversed_ends_are_told() {
+    fn reversed_ends_are_reported() {
         rings(
             "N011",
             Level::Default,

@@ -96,7 +96,7 @@ fn behind_jump(list: &[Stmt]) -> Option<Span> {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(body: &str) -> usize {
+    fn reported(body: &str) -> usize {
         let text = format!(
             "#version 150 core\nuniform int n;\nin vec4 q;\nout vec4 c;\nvoid set(out float a) {{ a = 1.0; }}\nvoid add(inout float a) {{ a += 1.0; }}\nvoid main(void)\n{{\n  float x = q.x;\n  {body}\n}}\n"
         );
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_effect_is_told() {
+    fn what_has_no_effect_is_reported() {
         for body in [
             "x = 1.0; x = 2.0; c = q * x;",
             "c = q; c = -q * x;",
@@ -116,7 +116,7 @@ mod tests {
             "x = 1.0; set(x); c = q * x;",
             "switch (n) { case 0: c = q; break; c = q * x; }",
         ] {
-            assert_eq!(told(body), 1, "{body}");
+            assert_eq!(reported(body), 1, "{body}");
         }
     }
 
@@ -136,7 +136,7 @@ mod tests {
             "c = q * x; if (n > 0) discard;",
             "vec4 v = q; v[n] = x; c = v;",
         ] {
-            assert_eq!(told(body), 0, "{body}");
+            assert_eq!(reported(body), 0, "{body}");
         }
     }
 }

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn degrees_are_told() {
+    fn degrees_are_reported() {
         rings(
             "N013",
             Level::Heuristic,

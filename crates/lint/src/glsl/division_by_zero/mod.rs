@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn divisors_that_can_be_zero_are_told() {
+    fn divisors_that_can_be_zero_are_reported() {
         rings(
             "N009",
             Level::Default,

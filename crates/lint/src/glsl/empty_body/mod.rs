@@ -79,8 +79,8 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn empty_bodies_are_told() {
-        let told = |body: &str| {
+    fn empty_bodies_are_reported() {
+        let reported = |body: &str| {
             let text = format!(
                 "#version 150 core\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  int i = 0; c = vec4(0.0);\n  {body}\n}}\n"
             );
@@ -93,7 +93,7 @@ mod tests {
             "for (i = 0; i < n; ++i); { c = vec4(1.0); }",
             "while (++i < n); { c = vec4(1.0); }",
         ] {
-            assert_eq!(told(body), 1, "{body}");
+            assert_eq!(reported(body), 1, "{body}");
         }
         for body in [
             "if (n > 0) { c = vec4(1.0); }",
@@ -103,7 +103,7 @@ mod tests {
             ";",
             "do ; while (++i < n);",
         ] {
-            assert_eq!(told(body), 0, "{body}");
+            assert_eq!(reported(body), 0, "{body}");
         }
     }
 }

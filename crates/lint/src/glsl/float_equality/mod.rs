@@ -65,18 +65,18 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn exact_comparisons_of_computed_floats_are_told() {
-        let told = |condition: &str| {
+    fn exact_comparisons_of_computed_floats_are_reported() {
+        let reported = |condition: &str| {
             let text = format!(
                 "#version 150 core\nin vec3 a;\nin vec3 b;\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  c = vec4({condition} ? 1.0 : 0.0);\n}}\n"
             );
             messages("T013", "a.frag", &text).len()
         };
         for condition in ["a == b", "a.x != b.x", "length(a) == length(b)"] {
-            assert_eq!(told(condition), 1, "{condition}");
+            assert_eq!(reported(condition), 1, "{condition}");
         }
         for condition in ["n == 1", "a.x == 0.0", "a.x != a.x", "a == vec3(0.0)", "a.x < b.x", "-1.0 == a.y"] {
-            assert_eq!(told(condition), 0, "{condition}");
+            assert_eq!(reported(condition), 0, "{condition}");
         }
     }
 }

@@ -55,16 +55,16 @@ mod tests {
 
     #[test]
     fn only_old_versions_lack_the_suffix() {
-        let told = |version: &str, value: &str| {
+        let reported = |version: &str, value: &str| {
             let text = format!(
                 "{version}precision mediump float;\nvoid main(void)\n{{\n  gl_FragColor = vec4({value});\n}}\n"
             );
             messages("T007", "a.frag", &text).len()
         };
-        assert_eq!(told("#version 100\n", "1.0f"), 1);
-        assert_eq!(told("#version 110\n", ".5F"), 1);
-        assert_eq!(told("#version 120\n", "1.0f"), 0);
-        assert_eq!(told("", "1.0f"), 0);
-        assert_eq!(told("#version 110\n", "1.0"), 0);
+        assert_eq!(reported("#version 100\n", "1.0f"), 1);
+        assert_eq!(reported("#version 110\n", ".5F"), 1);
+        assert_eq!(reported("#version 120\n", "1.0f"), 0);
+        assert_eq!(reported("", "1.0f"), 0);
+        assert_eq!(reported("#version 110\n", "1.0"), 0);
     }
 }

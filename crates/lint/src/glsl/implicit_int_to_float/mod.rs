@@ -50,7 +50,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(statement: &str) -> usize {
+    fn reported(statement: &str) -> usize {
         let text = format!(
             "#version 150 core\nuniform int n;\n#define K 3\nout vec4 c;\nfloat f(float x) {{ return x; }}\nvoid main(void)\n{{\n  float x = 1.0; int i = 0; c = vec4(0.0);\n  {statement}\n}}\n"
         );
@@ -58,11 +58,11 @@ mod tests {
     }
 
     #[test]
-    fn converted_literals_are_told() {
+    fn converted_literals_are_reported() {
         for statement in
             ["x = 2;", "float y = 3;", "x = x * 2;", "c = c / 2;", "x = f(2);", "x += (1);", "x = -1;", "c *= 2;"]
         {
-            assert_eq!(told(statement), 1, "{statement}");
+            assert_eq!(reported(statement), 1, "{statement}");
         }
     }
 
@@ -80,7 +80,7 @@ mod tests {
             "x = float(n + 1);",
             "ivec2 v = ivec2(1) + 2;",
         ] {
-            assert_eq!(told(statement), 0, "{statement}");
+            assert_eq!(reported(statement), 0, "{statement}");
         }
     }
 }

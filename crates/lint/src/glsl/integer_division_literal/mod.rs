@@ -70,7 +70,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(statement: &str) -> usize {
+    fn reported(statement: &str) -> usize {
         let text = format!(
             "#version 150 core\nuniform int n;\nconst int k = 3;\nout vec4 c;\nfloat f(float x) {{ return x; }}\nvoid main(void)\n{{\n  float x = 1.0; int i = 0; c = vec4(0.0);\n  {statement}\n}}\n"
         );
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn lost_fractions_are_told() {
+    fn lost_fractions_are_reported() {
         for statement in [
             "x = 1/2;",
             "x *= (1 / k);",
@@ -90,7 +90,7 @@ mod tests {
             "c.x = float(5 / 2);",
             "c.x = n > 0 ? 1/2 : x;",
         ] {
-            assert_eq!(told(statement), 1, "{statement}");
+            assert_eq!(reported(statement), 1, "{statement}");
         }
     }
 
@@ -105,7 +105,7 @@ mod tests {
             "c[1/2] = x;",
             "if (n > 7 / 2) x = 1.0;",
         ] {
-            assert_eq!(told(statement), 0, "{statement}");
+            assert_eq!(reported(statement), 0, "{statement}");
         }
     }
 }

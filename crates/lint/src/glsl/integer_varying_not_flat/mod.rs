@@ -95,11 +95,11 @@ mod tests {
     }
 
     #[test]
-    fn only_fragment_inputs_of_whole_numbers_are_told() {
+    fn only_fragment_inputs_of_whole_numbers_are_reported() {
         let fragment =
             |input: &str| format!("#version 330 core\n{input}\nout vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n");
-        for told in ["in int a;", "smooth in uvec2 a;", "in B { vec2 p; int a; } b;", "in int a[2];"] {
-            assert_eq!(codes("a.frag", &fragment(told)), ["I005"], "{told}");
+        for reported in ["in int a;", "smooth in uvec2 a;", "in B { vec2 p; int a; } b;", "in int a[2];"] {
+            assert_eq!(codes("a.frag", &fragment(reported)), ["I005"], "{reported}");
         }
         for silent in
             ["flat in int a;", "in vec4 a;", "flat in B { int a; } b;", "in B { flat int a; } b;", "uniform int a;"]

@@ -80,8 +80,8 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn inverses_of_uniforms_are_told() {
-        let told = |statement: &str| {
+    fn inverses_of_uniforms_are_reported() {
+        let reported = |statement: &str| {
             let text = format!(
                 "#version 150 core\nin vec4 p;\nuniform mat4 a;\nuniform B {{ mat4 b; }};\nuniform C {{ mat4 m[3]; }} c;\nvoid main(void)\n{{\n  mat4 l = a;\n  gl_Position = p;\n  l = {statement};\n}}\n"
             );
@@ -90,12 +90,12 @@ mod tests {
         for statement in
             ["inverse(a)", "transpose(inverse(b))", "inverse(a * b)", "inverse(c.m[1])", "mat4(inverse(mat3(a)))"]
         {
-            assert_eq!(told(statement), 1, "{statement}");
+            assert_eq!(reported(statement), 1, "{statement}");
         }
         for statement in
             ["inverse(l)", "inverse(a * p.x)", "inverse(c.m[int(p.x)])", "transpose(a)", "inverse(mat4(1.0))"]
         {
-            assert_eq!(told(statement), 0, "{statement}");
+            assert_eq!(reported(statement), 0, "{statement}");
         }
     }
 }

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_that_do_not_fit_are_told() {
+    fn numbers_that_do_not_fit_are_reported() {
         rings(
             "N015",
             Level::Default,

@@ -190,9 +190,9 @@ mod tests {
     fn the_message_names_the_constant_and_the_error() {
         let text = "#version 150 core\n#define PI 3.141593\n/* 円周 */ const float a = 6.283185;\nvoid main() { gl_Position = vec4(a * PI); }\n";
         let found = run(&[Input::new(SourceFile::new("a.vert", text))]);
-        let told: Vec<_> = found.iter().map(|d| (d.file.locate(d.span.start), d.message.to_string())).collect();
+        let reported: Vec<_> = found.iter().map(|d| (d.file.locate(d.span.start), d.message.to_string())).collect();
         assert_eq!(
-            told,
+            reported,
             [
                 ("a.vert:2:12".to_owned(), "`3.141593` stands for π, off by 3.5e-7".to_owned()),
                 ("a.vert:3:26".to_owned(), "`6.283185` stands for 2π, off by 3.1e-7".to_owned()),

@@ -106,8 +106,8 @@ mod tests {
         let text = format!(
             "#version 150 core\nin vec4 v;\nuniform mat4 a;\nuniform mat4 b;\nuniform mat4 c;\nuniform float s;\nvoid main(void)\n{{\n  gl_Position = {expr};\n}}\n"
         );
-        let told = found("P002", "a.vert", &text);
-        let first = told.first()?;
+        let reported = found("P002", "a.vert", &text);
+        let first = reported.first()?;
         let edits: EditList = first.fix.clone()?.edits.into_iter().collect();
         let after = edits.apply(&text).unwrap().text;
         let line = after.lines().nth(8)?.trim().trim_start_matches("gl_Position = ").trim_end_matches(';').to_owned();
@@ -116,12 +116,12 @@ mod tests {
 
     #[test]
     fn chains_are_counted_and_turned() {
-        let told = |expr: &str| fixed(expr).unwrap();
+        let reported = |expr: &str| fixed(expr).unwrap();
         let wanted = |count: &str, text: &str| (count.to_owned(), text.to_owned());
-        assert_eq!(told("a * b * v"), wanted("80 multiplications instead of 32", "a * (b * v)"));
-        assert_eq!(told("a * b * c * v"), wanted("144 multiplications instead of 48", "a * (b * (c * v))"));
+        assert_eq!(reported("a * b * v"), wanted("80 multiplications instead of 32", "a * (b * v)"));
+        assert_eq!(reported("a * b * c * v"), wanted("144 multiplications instead of 48", "a * (b * (c * v))"));
         assert_eq!(
-            told("a * b * vec4(v.xyz, 1.0) + v"),
+            reported("a * b * vec4(v.xyz, 1.0) + v"),
             wanted("80 multiplications instead of 32", "a * (b * vec4(v.xyz, 1.0)) + v")
         );
         for expr in ["a * (b * v)", "(a * b) * v", "a * v", "v * a * b", "a * s * v", "a * v * s", "a * b * c[0] + v"] {

@@ -67,24 +67,24 @@ mod tests {
         messages("G002", "a.geom", &text).into_iter().next()
     }
 
-    fn told(n: u32) -> Option<String> {
+    fn reported(n: u32) -> Option<String> {
         let are = if n == 1 { "is" } else { "are" };
         Some(format!("20 vertices are declared, at most {n} {are} emitted"))
     }
 
     #[test]
     fn counts_what_can_be_emitted() {
-        assert_eq!(lint("", "EmitVertex();"), told(1));
-        assert_eq!(lint("const int division = 4;", "for (int i = 0; i <= division; ++i) EmitVertex();"), told(5));
-        assert_eq!(lint("", "for (int i = 6; i > 0; i -= 2) { EmitVertex(); EmitVertex(); }"), told(6));
-        assert_eq!(lint("", "if (n > 0) { EmitVertex(); EmitVertex(); } else EmitVertex();"), told(2));
-        assert_eq!(lint("void two() { EmitVertex(); EmitVertex(); }", "two(); two();"), told(4));
+        assert_eq!(lint("", "EmitVertex();"), reported(1));
+        assert_eq!(lint("const int division = 4;", "for (int i = 0; i <= division; ++i) EmitVertex();"), reported(5));
+        assert_eq!(lint("", "for (int i = 6; i > 0; i -= 2) { EmitVertex(); EmitVertex(); }"), reported(6));
+        assert_eq!(lint("", "if (n > 0) { EmitVertex(); EmitVertex(); } else EmitVertex();"), reported(2));
+        assert_eq!(lint("void two() { EmitVertex(); EmitVertex(); }", "two(); two();"), reported(4));
         assert_eq!(
             lint(
                 "",
                 "for (int i = 0; i < 3; ++i) { for (int j = 0; j < 3; j++) { if (j == n) break; EmitVertex(); } }"
             ),
-            told(9)
+            reported(9)
         );
     }
 

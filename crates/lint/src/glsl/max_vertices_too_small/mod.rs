@@ -59,7 +59,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(before: &str, body: &str) -> Vec<String> {
+    fn reported(before: &str, body: &str) -> Vec<String> {
         let text = format!(
             "#version 150 core\nlayout (points) in;\nlayout (points, max_vertices = 3) out;\nuniform int n;\n{before}\nvoid main(void)\n{{\n  gl_Position = gl_in[0].gl_Position;\n  {body}\n}}\n"
         );
@@ -67,12 +67,15 @@ mod tests {
     }
 
     #[test]
-    fn more_than_declared_is_told() {
+    fn more_than_declared_is_reported() {
         let message = |n: u32| vec![format!("3 vertices are declared, at least {n} are emitted")];
-        assert_eq!(told("", "for (int i = 0; i < 4; ++i) EmitVertex();"), message(4));
-        assert_eq!(told("void two() { EmitVertex(); EmitVertex(); }", "two(); two(); two();"), message(6));
+        assert_eq!(reported("", "for (int i = 0; i < 4; ++i) EmitVertex();"), message(4));
+        assert_eq!(reported("void two() { EmitVertex(); EmitVertex(); }", "two(); two(); two();"), message(6));
         assert_eq!(
-            told("", "for (int i = 0; i < 4; ++i) { if (i == n) EmitVertex(); else { EmitVertex(); EmitVertex(); } }"),
+            reported(
+                "",
+                "for (int i = 0; i < 4; ++i) { if (i == n) EmitVertex(); else { EmitVertex(); EmitVertex(); } }"
+            ),
             message(4)
         );
     }
@@ -87,7 +90,7 @@ mod tests {
             "if (n > 3) return; for (int i = 0; i < 4; ++i) EmitVertex();",
             "if (n > 3) { EmitVertex(); EmitVertex(); } if (n <= 3) { EmitVertex(); EmitVertex(); }",
         ] {
-            assert_eq!(told("", body), [""; 0], "{body}");
+            assert_eq!(reported("", body), [""; 0], "{body}");
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity};
 
-use super::uninitialised_read::tell;
+use super::uninitialised_read::diagnostic;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -19,7 +19,7 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     for read in file.flow().unassigned.iter().filter(|r| r.certainty == Certainty::Perhaps) {
-        let found = tell(file, read, findings);
+        let found = diagnostic(file, read, findings);
         findings.push(found);
     }
 }
@@ -28,7 +28,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(code: &str, body: &str) -> usize {
+    fn reported(code: &str, body: &str) -> usize {
         let text = format!("#version 150 core\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  {body}\n}}\n");
         messages(code, "a.frag", &text).len()
     }
@@ -40,18 +40,18 @@ mod tests {
             "float x; for (int i = 0; i < n; ++i) x = 1.0; c = vec4(x);",
             "float x; if (n == 0) x = 1.0; else if (n == 1) x = 2.0; c = vec4(x);",
         ] {
-            assert_eq!((told("D001", body), told("D015", body)), (0, 1), "{body}");
+            assert_eq!((reported("D001", body), reported("D015", body)), (0, 1), "{body}");
         }
     }
 
     #[test]
-    fn certain_reads_and_none_are_not_told() {
+    fn certain_reads_and_none_are_not_reported() {
         for body in [
             "float x; c = vec4(x);",
             "float x; for (int i = 0; i < 4; ++i) x = 1.0; c = vec4(x);",
             "float x; switch (n) { case 0: x = 1.0; break; default: x = 2.0; } c = vec4(x);",
         ] {
-            assert_eq!(told("D015", body), 0, "{body}");
+            assert_eq!(reported("D015", body), 0, "{body}");
         }
     }
 }

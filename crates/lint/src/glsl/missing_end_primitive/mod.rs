@@ -64,7 +64,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(primitive: &str, body: &str) -> usize {
+    fn reported(primitive: &str, body: &str) -> usize {
         let text = format!(
             "#version 150 core\nlayout (points) in;\nlayout ({primitive}, max_vertices = 20) out;\nvoid v() {{ gl_Position = gl_in[0].gl_Position; EmitVertex(); }}\nvoid main(void)\n{{\n  {body}\n}}\n"
         );
@@ -72,9 +72,9 @@ mod tests {
     }
 
     #[test]
-    fn whole_primitives_in_a_loop_are_told() {
-        assert_eq!(told("line_strip", "for (int i = 0; i < 4; ++i) { v(); v(); }"), 1);
-        assert_eq!(told("triangle_strip", "for (int i = 0; i < 4; ++i) { v(); v(); v(); }"), 1);
+    fn whole_primitives_in_a_loop_are_reported() {
+        assert_eq!(reported("line_strip", "for (int i = 0; i < 4; ++i) { v(); v(); }"), 1);
+        assert_eq!(reported("triangle_strip", "for (int i = 0; i < 4; ++i) { v(); v(); v(); }"), 1);
     }
 
     #[test]
@@ -87,7 +87,7 @@ mod tests {
             ("triangle_strip", "v(); v(); v(); v();"),
             ("points", "for (int i = 0; i < 4; ++i) { v(); }"),
         ] {
-            assert_eq!(told(primitive, body), 0, "{body}");
+            assert_eq!(reported(primitive, body), 0, "{body}");
         }
     }
 }

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn undivided_and_mismatched_coordinates_are_told() {
+    fn undivided_and_mismatched_coordinates_are_reported() {
         assert_eq!(count("vec4 c = projection * vec4(p, 1.0); v = c.xyz;"), 1);
         assert_eq!(count("vec4 c = projection * model * vec4(p, 1.0); v.xy = c.xy;"), 1);
         assert_eq!(count("v = (model * vec4(normal, 1.0)).xyz;"), 1);

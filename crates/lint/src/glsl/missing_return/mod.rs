@@ -48,7 +48,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(body: &str) -> usize {
+    fn reported(body: &str) -> usize {
         let text = format!(
             "#version 150 core\nuniform int n;\nout vec4 c;\nfloat f(float x)\n{{\n  {body}\n}}\nvoid main(void)\n{{\n  c = vec4(f(1.0));\n}}\n"
         );
@@ -56,13 +56,13 @@ mod tests {
     }
 
     #[test]
-    fn a_path_without_return_is_told() {
+    fn a_path_without_return_is_reported() {
         for body in [
             "if (x > 0.0) return 1.0;",
             "for (int i = 0; i < n; ++i) if (x > 0.0) return x;",
             "if (x > 2.0) return x; while (true) { if (x > 0.0) break; }",
         ] {
-            assert_eq!(told(body), 1, "{body}");
+            assert_eq!(reported(body), 1, "{body}");
         }
     }
 
@@ -79,7 +79,7 @@ mod tests {
             "if (n == 0) return 1.0; else if (n == 1) return 2.0;",
             "do { return x; } while (false);",
         ] {
-            assert_eq!(told(body), 0, "{body}");
+            assert_eq!(reported(body), 0, "{body}");
         }
     }
 

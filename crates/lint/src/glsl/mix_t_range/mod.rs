@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_beyond_the_ends_are_told() {
+    fn weights_beyond_the_ends_are_reported() {
         rings(
             "N012",
             Level::Strict,

@@ -46,16 +46,16 @@ mod tests {
 
     #[test]
     fn a_call_that_is_reached_is_enough() {
-        let told = |before: &str, body: &str| {
+        let reported = |before: &str, body: &str| {
             let text = format!(
                 "#version 430 core\nlayout (points) in;\nlayout (points, max_vertices = 1) out;\n{before}\nvoid main(void)\n{{\n  gl_Position = vec4(0.0);\n  {body}\n}}\n"
             );
             messages("G004", "a.geom", &text).len()
         };
-        assert_eq!(told("", ""), 1);
-        assert_eq!(told("void f() { EmitVertex(); }", ""), 1);
-        assert_eq!(told("void f() { EmitVertex(); }", "f();"), 0);
-        assert_eq!(told("uniform bool b;", "if (b) EmitVertex();"), 0);
-        assert_eq!(told("buffer B { int n; };", "n = 1;"), 0);
+        assert_eq!(reported("", ""), 1);
+        assert_eq!(reported("void f() { EmitVertex(); }", ""), 1);
+        assert_eq!(reported("void f() { EmitVertex(); }", "f();"), 0);
+        assert_eq!(reported("uniform bool b;", "if (b) EmitVertex();"), 0);
+        assert_eq!(reported("buffer B { int n; };", "n = 1;"), 0);
     }
 }

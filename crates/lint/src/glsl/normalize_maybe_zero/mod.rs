@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn vectors_that_can_be_zero_are_told() {
+    fn vectors_that_can_be_zero_are_reported() {
         rings(
             "N005",
             Level::Default,

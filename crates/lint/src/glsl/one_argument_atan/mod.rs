@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quotients_are_told() {
+    fn quotients_are_reported() {
         rings("N010", Level::Strict, &["r = atan(p.y / p.x);", "r = atan((s / t));", "v = atan(p / q);"]);
     }
 

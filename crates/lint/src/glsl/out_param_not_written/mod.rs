@@ -47,7 +47,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(outer: &str) -> Vec<String> {
+    fn reported(outer: &str) -> Vec<String> {
         messages(
             "D009",
             "a.frag",
@@ -56,9 +56,9 @@ mod tests {
     }
 
     #[test]
-    fn parameters_that_are_never_written_are_told() {
+    fn parameters_that_are_never_written_are_reported() {
         for function in ["void f(out float a) { }", "void f(out float a) { float b = 1.0; if (b > 0.0) return; }"] {
-            assert_eq!(told(function), ["`f` never writes its `out` parameter `a`"], "{function}");
+            assert_eq!(reported(function), ["`f` never writes its `out` parameter `a`"], "{function}");
         }
     }
 
@@ -74,7 +74,7 @@ mod tests {
             "void f(inout float a) { }",
             "void f(out float a);",
         ] {
-            assert_eq!(told(function), [""; 0], "{function}");
+            assert_eq!(reported(function), [""; 0], "{function}");
         }
     }
 }

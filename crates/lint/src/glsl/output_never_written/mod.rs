@@ -79,17 +79,20 @@ pub(super) fn stores(file: &ShaderFile) -> bool {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(name: &str, outer: &str, body: &str) -> Vec<String> {
+    fn reported(name: &str, outer: &str, body: &str) -> Vec<String> {
         messages("D003", name, &format!("#version 150 core\n{outer}\nvoid main(void)\n{{\n  {body}\n}}\n"))
     }
 
     #[test]
-    fn outputs_that_nothing_writes_are_told() {
-        assert_eq!(told("a.frag", "out vec4 c;", ""), ["output `c` is never written"]);
-        assert_eq!(told("a.frag", "out vec4 c; void f() { c = vec4(1.0); }", ""), ["output `c` is never written"]);
-        assert_eq!(told("a.frag", "out vec4 c;", "if (false) c = vec4(1.0);"), ["output `c` is never written"]);
-        assert_eq!(told("a.vert", "", ""), ["this vertex shader writes no output"]);
-        assert_eq!(told("a.vert", "out V { vec3 n; } v;", "gl_Position = vec4(1.0);"), ["output `v` is never written"]);
+    fn outputs_that_nothing_writes_are_reported() {
+        assert_eq!(reported("a.frag", "out vec4 c;", ""), ["output `c` is never written"]);
+        assert_eq!(reported("a.frag", "out vec4 c; void f() { c = vec4(1.0); }", ""), ["output `c` is never written"]);
+        assert_eq!(reported("a.frag", "out vec4 c;", "if (false) c = vec4(1.0);"), ["output `c` is never written"]);
+        assert_eq!(reported("a.vert", "", ""), ["this vertex shader writes no output"]);
+        assert_eq!(
+            reported("a.vert", "out V { vec3 n; } v;", "gl_Position = vec4(1.0);"),
+            ["output `v` is never written"]
+        );
     }
 
     #[test]
@@ -104,7 +107,7 @@ mod tests {
             ("a.vert", "out V { vec3 n; };", "n = vec3(1.0); gl_Position = vec4(n, 1.0);"),
             ("a.geom", "layout(points) in; layout(points, max_vertices = 1) out; out vec3 n;", "n = vec3(1.0);"),
         ] {
-            assert_eq!(told(name, outer, body), [""; 0], "{outer} {body}");
+            assert_eq!(reported(name, outer, body), [""; 0], "{outer} {body}");
         }
         assert!(messages("D003", "a.glsl", "out vec4 c;\nvoid f() {}\n").is_empty());
     }

@@ -45,7 +45,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(body: &str) -> Vec<String> {
+    fn reported(body: &str) -> Vec<String> {
         let text = format!(
             "#version 150 core\nlayout (triangles) in;\nlayout (triangle_strip, max_vertices = 9) out;\nuniform bool b;\nout vec3 c;\nout vec3 n;\nvoid at(int i) {{ gl_Position = gl_in[i].gl_Position; EmitVertex(); }}\nvoid with(vec3 x, int i) {{ c = x; at(i); }}\nvoid main(void)\n{{\n  {body}\n}}\n"
         );
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn outputs_that_are_not_set_again_are_told() {
+    fn outputs_that_are_not_set_again_are_reported() {
         let message = ["`c` is emitted again without being set again"];
         for body in [
             "c = vec3(1.0); at(0); at(1); at(2);",
@@ -62,9 +62,9 @@ mod tests {
             "for (int i = 0; i < 3; ++i) { at(i); if (i == 5) c = vec3(1.0); else c = vec3(0.5); at(i); }",
             "c = vec3(1.0); at(0); EndPrimitive(); at(1);",
         ] {
-            assert_eq!(told(body), message, "{body}");
+            assert_eq!(reported(body), message, "{body}");
         }
-        assert_eq!(told("gl_Layer = 1; for (int i = 0; i < 3; ++i) at(i);").len(), 1);
+        assert_eq!(reported("gl_Layer = 1; for (int i = 0; i < 3; ++i) at(i);").len(), 1);
     }
 
     #[test]
@@ -77,7 +77,7 @@ mod tests {
             "for (int i = 0; i < 3; ++i) { if (b) c = vec3(1.0); at(i); }",
             "if (b) { c = vec3(1.0); at(0); } else { c = vec3(0.0); at(0); }",
         ] {
-            assert_eq!(told(body), [""; 0], "{body}");
+            assert_eq!(reported(body), [""; 0], "{body}");
         }
     }
 }

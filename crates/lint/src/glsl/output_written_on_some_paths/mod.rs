@@ -18,11 +18,11 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
-    tell(file, findings, |name| file.shader.stage() == Stage::Fragment || name.starts_with("gl_"));
+    report(file, findings, |name| file.shader.stage() == Stage::Fragment || name.starts_with("gl_"));
 }
 
 /// Reports the outputs of those names that are written on some paths only.
-pub(super) fn tell(file: &ShaderFile, findings: &mut Findings<'_>, wanted: impl Fn(&str) -> bool) {
+pub(super) fn report(file: &ShaderFile, findings: &mut Findings<'_>, wanted: impl Fn(&str) -> bool) {
     let shader = &file.shader;
     if shader.stage() == Stage::Geometry {
         return;
@@ -58,7 +58,7 @@ pub(super) fn tell(file: &ShaderFile, findings: &mut Findings<'_>, wanted: impl 
 mod tests {
     use super::super::testing::messages;
 
-    fn told(body: &str) -> Vec<String> {
+    fn reported(body: &str) -> Vec<String> {
         let text = format!(
             "#version 150 core\nin vec4 q;\nuniform int n;\nuniform bool b;\nout vec4 c;\nvoid main(void)\n{{\n  {body}\n}}\n"
         );
@@ -66,17 +66,20 @@ mod tests {
     }
 
     #[test]
-    fn a_path_without_a_write_is_told() {
+    fn a_path_without_a_write_is_reported() {
         for body in [
             "if (b) c = q;",
             "if (b) return; c = q;",
             "if (n > 1) c = q; else if (n > 0) { } else c = -q;",
             "c.xyz = q.xyz; if (b) c.w = 1.0;",
         ] {
-            assert_eq!(told(body).len(), 1, "{body}");
+            assert_eq!(reported(body).len(), 1, "{body}");
         }
-        assert_eq!(told("c.xyz = q.xyz; if (b) c.w = 1.0;"), ["output `c.w` is not written on every path"]);
-        assert_eq!(told("c = q; if (b) gl_FragDepth = 0.5;"), ["output `gl_FragDepth` is not written on every path"]);
+        assert_eq!(reported("c.xyz = q.xyz; if (b) c.w = 1.0;"), ["output `c.w` is not written on every path"]);
+        assert_eq!(
+            reported("c = q; if (b) gl_FragDepth = 0.5;"),
+            ["output `gl_FragDepth` is not written on every path"]
+        );
     }
 
     #[test]
@@ -94,7 +97,7 @@ mod tests {
             "if (true) c = q;",
             "",
         ] {
-            assert_eq!(told(body), [""; 0], "{body}");
+            assert_eq!(reported(body), [""; 0], "{body}");
         }
     }
 }

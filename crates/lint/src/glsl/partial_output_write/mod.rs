@@ -49,19 +49,19 @@ mod tests {
 
     #[test]
     fn missing_components_are_named() {
-        let told = |name: &str, body: &str| {
+        let reported = |name: &str, body: &str| {
             let text = format!("#version 150 core\nout vec4 c;\nvoid main(void)\n{{\n  {body}\n}}\n");
             messages("D005", name, &text)
         };
-        assert_eq!(told("a.frag", "c.rgb = vec3(1.0);"), ["`c.w` is never written"]);
-        assert_eq!(told("a.vert", "c = vec4(1.0); gl_Position.xy = c.xy;"), ["`gl_Position.zw` is never written"]);
+        assert_eq!(reported("a.frag", "c.rgb = vec3(1.0);"), ["`c.w` is never written"]);
+        assert_eq!(reported("a.vert", "c = vec4(1.0); gl_Position.xy = c.xy;"), ["`gl_Position.zw` is never written"]);
         for (name, body) in [
             ("a.frag", "c.rgb = vec3(1.0); c.a = 1.0;"),
             ("a.frag", "for (int i = 0; i < 4; ++i) c[i] = 1.0;"),
             ("a.frag", "discard;"),
             ("a.vert", "c.xyz = vec3(1.0); gl_Position = vec4(1.0);"),
         ] {
-            assert_eq!(told(name, body), [""; 0], "{body}");
+            assert_eq!(reported(name, body), [""; 0], "{body}");
         }
     }
 }

@@ -48,19 +48,19 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn a_vertex_without_a_position_is_told() {
-        let told = |body: &str| {
+    fn a_vertex_without_a_position_is_reported() {
+        let reported = |body: &str| {
             let text = format!(
                 "#version 150 core\nlayout (triangles) in;\nlayout (triangle_strip, max_vertices = 9) out;\nuniform bool b;\nout vec3 c;\nvoid at(int i) {{ gl_Position = gl_in[i].gl_Position; EmitVertex(); }}\nvoid main(void)\n{{\n  {body}\n}}\n"
             );
             messages("G010", "a.geom", &text).len()
         };
-        assert_eq!(told("c = vec3(1.0); EmitVertex();"), 1);
-        assert_eq!(told("EmitVertex(); at(0); at(1);"), 1);
+        assert_eq!(reported("c = vec3(1.0); EmitVertex();"), 1);
+        assert_eq!(reported("EmitVertex(); at(0); at(1);"), 1);
         for body in
             ["at(0);", "gl_Position.xy = vec2(0.0); EmitVertex();", "if (b) gl_Position = vec4(0.0); EmitVertex();"]
         {
-            assert_eq!(told(body), 0, "{body}");
+            assert_eq!(reported(body), 0, "{body}");
         }
     }
 }

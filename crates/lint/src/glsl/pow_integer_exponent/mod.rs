@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_whole_exponents_are_told() {
+    fn small_whole_exponents_are_reported() {
         rings(
             "N004",
             Level::Strict,

@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn negative_bases_are_told() {
+    fn negative_bases_are_reported() {
         rings(
             "N001",
             Level::Default,

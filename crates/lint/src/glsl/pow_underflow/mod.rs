@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn large_exponents_of_small_bases_are_told() {
+    fn large_exponents_of_small_bases_are_reported() {
         rings(
             "N003",
             Level::Heuristic,

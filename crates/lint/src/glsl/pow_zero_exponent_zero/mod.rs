@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_zero_base_with_a_zero_exponent_is_told() {
+    fn a_zero_base_with_a_zero_exponent_is_reported() {
         rings(
             "N002",
             Level::Default,

@@ -72,18 +72,18 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn scaled_matrices_are_told() {
-        let told = |expr: &str| {
+    fn scaled_matrices_are_reported() {
+        let reported = |expr: &str| {
             let text = format!(
                 "#version 150 core\nin vec4 v;\nuniform mat4 a;\nuniform float s;\nvoid main(void)\n{{\n  gl_Position = {expr};\n}}\n"
             );
             messages("P003", "a.vert", &text).len()
         };
         for expr in ["a * s * v", "s * a * v", "a * 2.0 * vec4(v.xyz, 1.0)"] {
-            assert_eq!(told(expr), 1, "{expr}");
+            assert_eq!(reported(expr), 1, "{expr}");
         }
         for expr in ["a * (s * v)", "a * v * s", "s * (a * v)", "(a * s) * v", "a * v"] {
-            assert_eq!(told(expr), 0, "{expr}");
+            assert_eq!(reported(expr), 0, "{expr}");
         }
     }
 }

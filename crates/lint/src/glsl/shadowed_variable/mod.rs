@@ -121,8 +121,8 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn names_of_outer_scopes_are_told() {
-        let told = |function: &str| {
+    fn names_of_outer_scopes_are_reported() {
+        let reported = |function: &str| {
             let text = format!(
                 "#version 150 core\nuniform float u;\n{function}\nvoid main(void) {{ gl_Position = vec4(u); }}\n"
             );
@@ -134,7 +134,7 @@ mod tests {
             "void f() { for (int i = 0; i < 3; ++i) for (int i = 0; i < 2; ++i) ; }",
             "float f() { float x = 1.0; if (x > 0.0) { float x = 2.0; return x; } return x; }",
         ] {
-            assert_eq!(told(function), 1, "{function}");
+            assert_eq!(reported(function), 1, "{function}");
         }
         for function in [
             "void f() { for (int i = 0; i < 3; ++i) ; for (int i = 0; i < 2; ++i) ; }",
@@ -142,7 +142,7 @@ mod tests {
             "float f(float x) { return x; } float g(float x) { return x; }",
             "float f() { float main = 1.0; return main; }",
         ] {
-            assert_eq!(told(function), 0, "{function}");
+            assert_eq!(reported(function), 0, "{function}");
         }
     }
 }

@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arguments_outside_the_domain_are_told() {
+    fn arguments_outside_the_domain_are_reported() {
         rings(
             "N008",
             Level::Default,

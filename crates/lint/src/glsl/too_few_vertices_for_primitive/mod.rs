@@ -47,7 +47,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(primitive: &str, body: &str) -> usize {
+    fn reported(primitive: &str, body: &str) -> usize {
         let text = format!(
             "#version 150 core\nlayout (points) in;\nlayout ({primitive}, max_vertices = 20) out;\nuniform int n;\nvoid v() {{ gl_Position = gl_in[0].gl_Position; EmitVertex(); }}\nvoid main(void)\n{{\n  {body}\n}}\n"
         );
@@ -55,14 +55,14 @@ mod tests {
     }
 
     #[test]
-    fn strips_without_a_primitive_are_told() {
+    fn strips_without_a_primitive_are_reported() {
         for (primitive, body) in [
             ("triangle_strip", "v(); v();"),
             ("triangle_strip", "v(); v(); EndPrimitive(); v(); v(); v();"),
             ("line_strip", "for (int i = 0; i < 4; ++i) { v(); EndPrimitive(); }"),
             ("line_strip", "if (n > 2) v(); EndPrimitive();"),
         ] {
-            assert_eq!(told(primitive, body), 1, "{body}");
+            assert_eq!(reported(primitive, body), 1, "{body}");
         }
     }
 
@@ -76,7 +76,7 @@ mod tests {
             ("line_strip", "EndPrimitive(); v(); v(); EndPrimitive();"),
             ("points", "v(); EndPrimitive();"),
         ] {
-            assert_eq!(told(primitive, body), 0, "{body}");
+            assert_eq!(reported(primitive, body), 0, "{body}");
         }
     }
 }

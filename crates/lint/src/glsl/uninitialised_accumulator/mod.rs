@@ -48,22 +48,22 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(code: &str, body: &str) -> usize {
+    fn reported(code: &str, body: &str) -> usize {
         let text = format!("#version 150 core\nuniform int n;\nout vec4 c;\nvoid main(void)\n{{\n  {body}\n}}\n");
         messages(code, "a.frag", &text).len()
     }
 
     #[test]
-    fn sums_without_a_start_are_told_once() {
+    fn sums_without_a_start_are_reported_once() {
         for body in [
             "float s; for (int i = 0; i < n; ++i) s += 1.0; c = vec4(s);",
             "float s; for (int i = 0; i < 4; ++i) for (int j = 0; j < 4; ++j) s = s + 1.0; c = vec4(s);",
             "int s; while (s < n) { s++; } c = vec4(s);",
             "vec3 s; int i = 0; do { s.xy *= 0.5; s.z = 1.0; } while (++i < n); c = vec4(s, 1.0);",
         ] {
-            assert_eq!(told("D001", body) + told("D002", body), 1, "{body}");
+            assert_eq!(reported("D001", body) + reported("D002", body), 1, "{body}");
         }
-        assert_eq!(told("D002", "float s; for (int i = 0; i < n; ++i) s += 1.0; c = vec4(s);"), 1);
+        assert_eq!(reported("D002", "float s; for (int i = 0; i < n; ++i) s += 1.0; c = vec4(s);"), 1);
     }
 
     #[test]
@@ -74,7 +74,7 @@ mod tests {
             "float s; for (int i = 0; i < n; ++i) { s = 0.0; s += 1.0; } c = vec4(1.0);",
             "float s; for (int i = 0; i < n; ++i) { if (i == 0) s = 1.0; else s += 1.0; } c = vec4(1.0);",
         ] {
-            assert_eq!(told("D002", body) + told("D001", body), 0, "{body}");
+            assert_eq!(reported("D002", body) + reported("D001", body), 0, "{body}");
         }
     }
 }

@@ -20,14 +20,14 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     for read in &file.flow().unassigned {
         if read.certainty != Certainty::Perhaps && !read.accumulates {
-            let found = tell(file, read, findings);
+            let found = diagnostic(file, read, findings);
             findings.push(found);
         }
     }
 }
 
 /// The diagnostic for a read without a value.
-pub(super) fn tell(file: &ShaderFile, read: &Unassigned, findings: &Findings<'_>) -> Diagnostic {
+pub(super) fn diagnostic(file: &ShaderFile, read: &Unassigned, findings: &Findings<'_>) -> Diagnostic {
     let shader = &file.shader;
     let symbol = shader.symbol(read.symbol);
     let name = part(shader, read.symbol, read.mask);
@@ -63,7 +63,7 @@ mod tests {
     use super::super::testing::{found, messages};
     use base::text::EditList;
 
-    fn told(body: &str) -> Vec<String> {
+    fn reported(body: &str) -> Vec<String> {
         let text = format!(
             "#version 150 core\nin vec4 q;\nuniform int n;\nuniform bool b;\nout vec4 c;\nvoid set(out float x, inout vec3 y) {{ x = q.x; y += 1.0; }}\nfloat last(float z) {{ return z; }}\nvoid main(void)\n{{\n  c = q;\n  {body}\n  gl_Position = q;\n}}\n"
         );
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_without_a_value_are_told() {
+    fn reads_without_a_value_are_reported() {
         for (body, name) in [
             ("float x; c.x = x;", "x"),
             ("float x; if (b) { float y = x; x = y; c.x = x; }", "x"),
@@ -85,10 +85,10 @@ mod tests {
             ("float f[3]; c.x = f[n];", "f"),
             ("for (int i = 0; i < 3; ++i) { float x; c.x += x; x = 1.0; }", "x"),
         ] {
-            assert_eq!(told(body), [format!("`{name}` is read before it has a value")], "{body}");
+            assert_eq!(reported(body), [format!("`{name}` is read before it has a value")], "{body}");
         }
         for body in ["float x; if (b) x = 1.0; c.x = x;", "float x; do { if (n > 3) x = 1.0; c.x = x; } while (b);"] {
-            assert_eq!(told(body), ["`x` may be read before it has a value"], "{body}");
+            assert_eq!(reported(body), ["`x` may be read before it has a value"], "{body}");
         }
     }
 
@@ -119,7 +119,7 @@ mod tests {
             "float x; do { x = 1.0; } while (b); c.x = x;",
             "float x; bool found = false; if (b) { x = 1.0; found = true; } if (found) c.x = x;",
         ] {
-            assert_eq!(told(body), [""; 0], "{body}");
+            assert_eq!(reported(body), [""; 0], "{body}");
         }
     }
 
@@ -136,8 +136,8 @@ mod tests {
     fn a_local_variable_gets_a_zero() {
         let text =
             "#version 150 core\nvoid main(void)\n{\n  vec4 p, q[2], r;\n  r.x = 0.0;\n  gl_Position = p + r;\n}\n";
-        let told = found("D001", "a.vert", text);
-        let edits: EditList = told.iter().flat_map(|d| d.fix.clone().unwrap().edits).collect();
+        let reported = found("D001", "a.vert", text);
+        let edits: EditList = reported.iter().flat_map(|d| d.fix.clone().unwrap().edits).collect();
         let fixed = edits.apply(text).unwrap().text;
         assert!(fixed.contains("vec4 p = vec4(0.0), q[2], r = vec4(0.0);"), "{fixed}");
     }

@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_near_one_are_told() {
+    fn sums_near_one_are_reported() {
         rings(
             "N018",
             Level::Heuristic,

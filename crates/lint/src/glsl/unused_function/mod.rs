@@ -75,16 +75,16 @@ fn structures(file: &ShaderFile) -> Vec<(Span, String)> {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(outer: &str, body: &str) -> Vec<String> {
+    fn reported(outer: &str, body: &str) -> Vec<String> {
         let text =
             format!("#version 150 core\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n");
         messages("D017", "a.frag", &text)
     }
 
     #[test]
-    fn what_nothing_calls_or_names_is_told() {
-        assert_eq!(told("void f() { } void g() { f(); }", ""), ["function `g` is not used"]);
-        assert_eq!(told("struct S { float a; };", ""), ["structure `S` is not used"]);
+    fn what_nothing_calls_or_names_is_reported() {
+        assert_eq!(reported("void f() { } void g() { f(); }", ""), ["function `g` is not used"]);
+        assert_eq!(reported("struct S { float a; };", ""), ["structure `S` is not used"]);
     }
 
     #[test]
@@ -95,7 +95,7 @@ mod tests {
             ("#ifdef A\nvoid g() { f(); }\n#endif\nvoid f() { }", ""),
             ("void f() { }\n#define CALL f()", "CALL;"),
         ] {
-            assert_eq!(told(outer, body), [""; 0], "{outer} {body}");
+            assert_eq!(reported(outer, body), [""; 0], "{outer} {body}");
         }
         assert!(messages("D017", "a.glsl", "void f() { }\n").is_empty());
     }

@@ -58,12 +58,12 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn parameters_that_are_not_used_are_told() {
-        let told = |function: &str| messages("D016", "a.glsl", &format!("#version 150 core\n{function}\n")).len();
-        assert_eq!(told("float f(float a, float b) { return a; }"), 1);
-        assert_eq!(told("float f(float a, float b) { return b * a; }"), 0);
-        assert_eq!(told("float f(float, float b) { return b; }"), 0);
-        assert_eq!(told("float f(float a);"), 0);
-        assert_eq!(told("void f(inout float a) { a = 1.0; }"), 0);
+    fn parameters_that_are_not_used_are_reported() {
+        let reported = |function: &str| messages("D016", "a.glsl", &format!("#version 150 core\n{function}\n")).len();
+        assert_eq!(reported("float f(float a, float b) { return a; }"), 1);
+        assert_eq!(reported("float f(float a, float b) { return b * a; }"), 0);
+        assert_eq!(reported("float f(float, float b) { return b; }"), 0);
+        assert_eq!(reported("float f(float a);"), 0);
+        assert_eq!(reported("void f(inout float a) { a = 1.0; }"), 0);
     }
 }

@@ -56,16 +56,16 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn inactive_names_are_told() {
-        let told = |outer: &str, body: &str| {
+    fn inactive_names_are_reported() {
+        let reported = |outer: &str, body: &str| {
             let text = format!(
                 "#version 150 core\nin vec4 p;\n{outer}\nvoid main(void)\n{{\n  gl_Position = p;\n  {body}\n}}\n"
             );
             messages("D007", "a.vert", &text)
         };
-        assert_eq!(told("uniform mat4 m;", ""), ["uniform `m` is not used"]);
-        assert_eq!(told("in vec3 n;", ""), ["attribute `n` is not used"]);
-        assert_eq!(told("uniform mat4 m; vec4 f() { return m * p; }", ""), ["uniform `m` is not used"]);
+        assert_eq!(reported("uniform mat4 m;", ""), ["uniform `m` is not used"]);
+        assert_eq!(reported("in vec3 n;", ""), ["attribute `n` is not used"]);
+        assert_eq!(reported("uniform mat4 m; vec4 f() { return m * p; }", ""), ["uniform `m` is not used"]);
         for (outer, body) in [
             ("uniform mat4 m;", "gl_Position = m * p;"),
             ("uniform mat4 m; vec4 f() { return m * p; }", "gl_Position = f();"),
@@ -73,7 +73,7 @@ mod tests {
             ("uniform mat4 m;\n#ifdef A\nmat4 a = m;\n#endif", ""),
             ("uniform float k; float g = k;", "gl_Position = p * g;"),
         ] {
-            assert_eq!(told(outer, body), [""; 0], "{outer} {body}");
+            assert_eq!(reported(outer, body), [""; 0], "{outer} {body}");
         }
     }
 }

@@ -95,7 +95,7 @@ fn is_needed(file: &ShaderFile, name: syntax::ast::ExprId) -> bool {
 mod tests {
     use super::super::testing::messages;
 
-    fn told(outer: &str, body: &str) -> Vec<String> {
+    fn reported(outer: &str, body: &str) -> Vec<String> {
         let text = format!(
             "#version 150 core\nuniform int n;\nout vec4 c;\n{outer}\nvoid main(void)\n{{\n  c = vec4(0.0);\n  {body}\n}}\n"
         );
@@ -103,10 +103,10 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_uses_is_told() {
-        assert_eq!(told("", "float x = 1.0;"), ["variable `x` is not used"]);
-        assert_eq!(told("", "float x = 1.0; x = 2.0;"), ["variable `x` is written and never read"]);
-        assert_eq!(told("", "float x = 1.0; x += 2.0;"), ["variable `x` is written and never read"]);
+    fn what_nothing_uses_is_reported() {
+        assert_eq!(reported("", "float x = 1.0;"), ["variable `x` is not used"]);
+        assert_eq!(reported("", "float x = 1.0; x = 2.0;"), ["variable `x` is written and never read"]);
+        assert_eq!(reported("", "float x = 1.0; x += 2.0;"), ["variable `x` is written and never read"]);
     }
 
     #[test]
@@ -124,7 +124,7 @@ mod tests {
             ("#define USE x", "float x = 1.0; c.x = USE;"),
             ("#ifdef A\nfloat f(float x) { return x; }\n#endif", "float x = 1.0;"),
         ] {
-            assert_eq!(told(outer, body), [""; 0], "{outer} {body}");
+            assert_eq!(reported(outer, body), [""; 0], "{outer} {body}");
         }
         assert!(messages("D006", "a.glsl", "void f() { }\n").is_empty());
     }

@@ -4,7 +4,7 @@ use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity};
 use syntax::Stage;
 
-use super::output_written_on_some_paths::tell;
+use super::output_written_on_some_paths::report;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
@@ -19,7 +19,7 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     if file.shader.stage() != Stage::Fragment {
-        tell(file, findings, |name| !name.starts_with("gl_"));
+        report(file, findings, |name| !name.starts_with("gl_"));
     }
 }
 
@@ -28,13 +28,13 @@ mod tests {
     use super::super::testing::messages;
 
     #[test]
-    fn each_output_is_told_by_one_rule() {
+    fn each_output_is_reported_by_one_rule() {
         let text = |body: &str| {
             format!("#version 150 core\nin vec4 p;\nuniform bool b;\nout vec3 v;\nvoid main(void)\n{{\n  {body}\n}}\n")
         };
-        let told = |body: &str| ["D004", "D018"].map(|code| messages(code, "a.vert", &text(body)).len());
-        assert_eq!(told("gl_Position = p; if (b) v = p.xyz;"), [0, 1]);
-        assert_eq!(told("if (b) gl_Position = p; v = p.xyz;"), [1, 0]);
-        assert_eq!(told("gl_Position = p; if (b) v = p.xyz; else v = -p.xyz;"), [0, 0]);
+        let reported = |body: &str| ["D004", "D018"].map(|code| messages(code, "a.vert", &text(body)).len());
+        assert_eq!(reported("gl_Position = p; if (b) v = p.xyz;"), [0, 1]);
+        assert_eq!(reported("if (b) gl_Position = p; v = p.xyz;"), [1, 0]);
+        assert_eq!(reported("gl_Position = p; if (b) v = p.xyz; else v = -p.xyz;"), [0, 0]);
     }
 }

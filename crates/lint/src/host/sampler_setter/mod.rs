@@ -131,7 +131,7 @@ mod tests {
     use crate::{Input, run};
     use base::text::SourceFile;
 
-    fn told(body: &str) -> usize {
+    fn reported(body: &str) -> usize {
         let vertex = "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n";
         let fragment =
             "#version 330\nuniform sampler2D image;\nout vec4 c;\nvoid main() { c = texture(image, vec2(0.5)); }\n";
@@ -146,10 +146,10 @@ mod tests {
     fn a_texture_is_no_unit() {
         let bind = "glActiveTexture(GL_TEXTURE0); glBindTexture(GL_TEXTURE_2D, wood);";
         let set = |value: &str| format!("{bind} glUniform1i(glGetUniformLocation(p, \"image\"), {value});");
-        assert_eq!(told(&set("wood")), 1);
-        assert_eq!(told(&set("0")), 0);
-        assert_eq!(told(&set("unit")), 0);
+        assert_eq!(reported(&set("wood")), 1);
+        assert_eq!(reported(&set("0")), 0);
+        assert_eq!(reported(&set("unit")), 0);
         let counted = set("unit").replace("GL_TEXTURE0", "GL_TEXTURE0 + unit").replace("wood);", "unit);");
-        assert_eq!(told(&counted), 0, "a number that serves for both");
+        assert_eq!(reported(&counted), 0, "a number that serves for both");
     }
 }

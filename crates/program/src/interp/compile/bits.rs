@@ -1,6 +1,6 @@
 //! Bit fields, packing and unpacking.
 
-use super::super::code::{Field, Inst, Slot, Word2};
+use super::super::code::{Field, Inst, Register, Word2};
 use super::super::domain::{Binary, FromWords, Site, ToWords, Unary};
 use super::Compiler;
 use super::math::Args;
@@ -8,39 +8,39 @@ use base::value::Scalar;
 
 impl Compiler<'_> {
     /// `site` is `None` where the bits lie inside of the word by construction.
-    pub(super) fn field(&mut self, site: Option<Site>, op: Field, args: [Slot; 4]) -> Slot {
+    pub(super) fn field(&mut self, site: Option<Site>, op: Field, args: [Register; 4]) -> Register {
         let to = self.temporary();
-        self.push(Inst::Field { op, to, args: args.map(|slot| slot.reg), site });
-        Slot { reg: to, ..args[0] }
+        self.push(Inst::Field { op, to, args: args.map(|register| register.reg), site });
+        Register { reg: to, ..args[0] }
     }
 
     /// Puts the lower `width` bits of words behind each other, the first one lowest.
-    pub(super) fn pack(&mut self, words: &[Slot], width: u32) -> Slot {
+    pub(super) fn pack(&mut self, words: &[Register], width: u32) -> Register {
         let mut packed = self.word(0, Scalar::U32);
         for (k, &word) in words.iter().enumerate() {
             let (offset, count) = (self.word(k as u32 * width, Scalar::U32), self.word(width, Scalar::U32));
             packed = self.field(None, Field::Insert, [packed, word, offset, count]);
         }
-        Slot { scalar: Scalar::U32, ..packed }
+        Register { scalar: Scalar::U32, ..packed }
     }
 
     /// The bit fields of a word, the lowest one first.
-    pub(super) fn unpack(&mut self, word: Slot, width: u32, op: Field, scalar: Scalar) -> Vec<Slot> {
+    pub(super) fn unpack(&mut self, word: Register, width: u32, op: Field, scalar: Scalar) -> Vec<Register> {
         let mut all = Vec::new();
         for k in 0..32 / width {
             let (offset, count) = (self.word(k * width, Scalar::U32), self.word(width, Scalar::U32));
             let field = self.field(None, op, [word, offset, count, count]);
-            all.push(Slot { scalar, ..field });
+            all.push(Register { scalar, ..field });
         }
         all
     }
 
     /// WGSL, 17.9: ⌊½ + s·clamp(x)⌋ with s = 2^(width − 1) − 1 and [−1, 1], or 2^width − 1 and [0, 1].
-    pub(super) fn pack_fractions(&mut self, site: Site, args: &Args, width: u32, signed: bool) -> Vec<Slot> {
+    pub(super) fn pack_fractions(&mut self, site: Site, args: &Args, width: u32, signed: bool) -> Vec<Register> {
         let low = self.real(if signed { -1.0 } else { 0.0 }, None);
         let (one, half) = (self.real(1.0, None), self.real(0.5, None));
         let scale = self.real(largest(width, signed), None);
-        let words: Vec<Slot> = args[0]
+        let words: Vec<Register> = args[0]
             .iter()
             .map(|&x| {
                 let raised = self.real2(site, Binary::Max, x, low);
@@ -55,7 +55,7 @@ impl Compiler<'_> {
     }
 
     /// max(v/s, −1), or v/s.
-    pub(super) fn unpack_fractions(&mut self, site: Site, args: &Args, width: u32, signed: bool) -> Vec<Slot> {
+    pub(super) fn unpack_fractions(&mut self, site: Site, args: &Args, width: u32, signed: bool) -> Vec<Register> {
         let scale = self.real(largest(width, signed), None);
         let low = self.real(-1.0, None);
         let (field, from, scalar) = if signed {
@@ -64,7 +64,7 @@ impl Compiler<'_> {
             (Field::ExtractUnsigned, FromWords::Unsigned, Scalar::U32)
         };
         let words = self.unpack(args[0][0], width, field, scalar);
-        let value = |word: Slot| {
+        let value = |word: Register| {
             let number = self.reals_of(site, from, word);
             let ratio = self.real2(site, Binary::Divide, number, scale);
             if signed { self.real2(site, Binary::Max, ratio, low) } else { ratio }
@@ -72,25 +72,25 @@ impl Compiler<'_> {
         words.into_iter().map(value).collect()
     }
 
-    pub(super) fn pack_halves(&mut self, site: Site, args: &Args) -> Vec<Slot> {
-        let words: Vec<Slot> =
+    pub(super) fn pack_halves(&mut self, site: Site, args: &Args) -> Vec<Register> {
+        let words: Vec<Register> =
             args[0].iter().map(|&x| self.words_of(site, ToWords::HalfBits, x, Scalar::U32)).collect();
         vec![self.pack(&words, 16)]
     }
 
-    pub(super) fn unpack_halves(&mut self, site: Site, args: &Args) -> Vec<Slot> {
+    pub(super) fn unpack_halves(&mut self, site: Site, args: &Args) -> Vec<Register> {
         let words = self.unpack(args[0][0], 16, Field::ExtractUnsigned, Scalar::U32);
         words.into_iter().map(|word| self.reals_of(site, FromWords::HalfBits, word)).collect()
     }
 
-    pub(super) fn pack_clamped(&mut self, site: Site, args: &Args, (low, high): (i32, i32)) -> Vec<Slot> {
+    pub(super) fn pack_clamped(&mut self, site: Site, args: &Args, (low, high): (i32, i32)) -> Vec<Register> {
         let scalar = args[0][0].scalar;
         let (least, greatest) = match scalar {
             Scalar::I32 => (Word2::MinSigned, Word2::MaxSigned),
             Scalar::U32 | Scalar::F32 | Scalar::Bool => (Word2::MinUnsigned, Word2::MaxUnsigned),
         };
         let (low, high) = (self.word(low.cast_unsigned(), scalar), self.word(high.cast_unsigned(), scalar));
-        let words: Vec<Slot> = args[0]
+        let words: Vec<Register> = args[0]
             .iter()
             .map(|&x| {
                 let raised = self.word2(site, greatest, x, low, scalar);
@@ -100,7 +100,7 @@ impl Compiler<'_> {
         vec![self.pack(&words, 8)]
     }
 
-    pub(super) fn packed_dot(&mut self, site: Site, args: &Args, op: Field, scalar: Scalar) -> Vec<Slot> {
+    pub(super) fn packed_dot(&mut self, site: Site, args: &Args, op: Field, scalar: Scalar) -> Vec<Register> {
         let (multiply, add) = match scalar {
             Scalar::I32 => (Word2::MultiplySigned, Word2::AddSigned),
             Scalar::U32 | Scalar::F32 | Scalar::Bool => (Word2::MultiplyUnsigned, Word2::AddUnsigned),

@@ -2,7 +2,7 @@
 
 use naga::{Expression, Handle, ScalarKind};
 
-use super::super::code::{Inst, Slot, Word2};
+use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Comparison, FromWords, Site, ToWords};
 use super::{Compiler, Frame, InterpError, types, unsupported};
 use base::value::Scalar;
@@ -15,30 +15,30 @@ impl<'m> Compiler<'m> {
         expr: Handle<Expression>,
         kind: ScalarKind,
         convert: Option<u8>,
-    ) -> Result<Vec<Slot>, InterpError> {
-        let slots = self.slots(frame, expr)?;
+    ) -> Result<Vec<Register>, InterpError> {
+        let registers = self.registers(frame, expr)?;
         let span = frame.function.expressions.get_span(expr);
         let width = convert.unwrap_or(4);
         let target = types::scalar(naga::Scalar { kind, width }).map_err(|what| unsupported(what, span))?;
-        Ok(slots
+        Ok(registers
             .iter()
             .map(|&a| if convert.is_some() { self.convert(site, a, target) } else { self.reinterpret(site, a, target) })
             .collect())
     }
 
-    pub(super) fn words_of(&mut self, site: Site, op: ToWords, a: Slot, scalar: Scalar) -> Slot {
+    pub(super) fn words_of(&mut self, site: Site, op: ToWords, a: Register, scalar: Scalar) -> Register {
         let to = self.temporary();
         self.push(Inst::ToWords { op, to, a: a.reg, site });
-        Slot { scalar, reg: to }
+        Register { scalar, reg: to }
     }
 
-    pub(super) fn reals_of(&mut self, site: Site, op: FromWords, a: Slot) -> Slot {
+    pub(super) fn reals_of(&mut self, site: Site, op: FromWords, a: Register) -> Register {
         let to = self.temporary();
         self.push(Inst::FromWords { op, to, a: a.reg, site });
-        Slot { scalar: Scalar::F32, reg: to }
+        Register { scalar: Scalar::F32, reg: to }
     }
 
-    fn convert(&mut self, site: Site, a: Slot, target: Scalar) -> Slot {
+    fn convert(&mut self, site: Site, a: Register, target: Scalar) -> Register {
         match (a.scalar, target) {
             (Scalar::F32, Scalar::F32) => a,
             (Scalar::F32, Scalar::I32) => self.words_of(site, ToWords::Signed, a, target),
@@ -55,19 +55,19 @@ impl<'m> Compiler<'m> {
             }
             // The same bits, read differently; a boolean is 0 or 1.
             (Scalar::I32 | Scalar::U32 | Scalar::Bool, Scalar::I32 | Scalar::U32) | (Scalar::Bool, Scalar::Bool) => {
-                Slot { scalar: target, ..a }
+                Register { scalar: target, ..a }
             }
         }
     }
 
     /// The bits of a real number are those of the nearest binary32, in every domain.
-    fn reinterpret(&mut self, site: Site, a: Slot, target: Scalar) -> Slot {
+    fn reinterpret(&mut self, site: Site, a: Register, target: Scalar) -> Register {
         match (a.scalar, target) {
             (Scalar::F32, Scalar::F32) => a,
             (Scalar::F32, Scalar::I32 | Scalar::U32 | Scalar::Bool) => self.words_of(site, ToWords::Bits, a, target),
             (Scalar::I32 | Scalar::U32 | Scalar::Bool, Scalar::F32) => self.reals_of(site, FromWords::Bits, a),
             (Scalar::I32 | Scalar::U32 | Scalar::Bool, Scalar::I32 | Scalar::U32 | Scalar::Bool) => {
-                Slot { scalar: target, ..a }
+                Register { scalar: target, ..a }
             }
         }
     }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use naga::{AddressSpace, Arena, Expression, Handle, Literal, RelationalFunction};
 
-use super::super::code::{Inst, Slot, Word2};
+use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Class, Site};
 use super::{Compiler, Frame, InterpError, Pointer, Value, types, unsupported};
 use base::value::Scalar;
@@ -21,22 +21,26 @@ impl<'m> Compiler<'m> {
     }
 
     /// The scalars of an expression.
-    pub(super) fn slots(
+    pub(super) fn registers(
         &mut self,
         frame: &mut Frame<'m>,
         handle: Handle<Expression>,
-    ) -> Result<Rc<[Slot]>, InterpError> {
+    ) -> Result<Rc<[Register]>, InterpError> {
         match self.value(frame, handle)? {
-            Value::Slots(slots) => Ok(slots),
+            Value::Registers(registers) => Ok(registers),
             Value::Pointer(_) => Err(InterpError::internal("a pointer where a value is needed".to_owned())),
         }
     }
 
     /// The only scalar of an expression.
-    pub(super) fn single(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Slot, InterpError> {
-        match *self.slots(frame, handle)? {
-            [slot] => Ok(slot),
-            ref slots => Err(InterpError::internal(format!("{} numbers where one is needed", slots.len()))),
+    pub(super) fn single(
+        &mut self,
+        frame: &mut Frame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Register, InterpError> {
+        match *self.registers(frame, handle)? {
+            [register] => Ok(register),
+            ref registers => Err(InterpError::internal(format!("{} numbers where one is needed", registers.len()))),
         }
     }
 
@@ -47,7 +51,7 @@ impl<'m> Compiler<'m> {
     ) -> Result<Pointer, InterpError> {
         match self.value(frame, handle)? {
             Value::Pointer(pointer) => Ok(pointer),
-            Value::Slots(_) => Err(InterpError::internal("a value where a pointer is needed".to_owned())),
+            Value::Registers(_) => Err(InterpError::internal("a value where a pointer is needed".to_owned())),
         }
     }
 
@@ -59,7 +63,7 @@ impl<'m> Compiler<'m> {
         let span = frame.function.expressions.get_span(handle);
         let refuse = |what: &str| Err(unsupported(what.to_owned(), span));
         let site = self.site(frame, handle);
-        let slots: Vec<Slot> = match frame.function.expressions[handle] {
+        let registers: Vec<Register> = match frame.function.expressions[handle] {
             Expression::Literal(literal) => vec![self.literal(literal, Some(site), span)?],
             Expression::Constant(constant) => self.constant_expression(self.module.constants[constant].init)?,
             Expression::Override(value) => {
@@ -73,7 +77,7 @@ impl<'m> Compiler<'m> {
             Expression::Compose { ref components, .. } => {
                 let mut all = Vec::new();
                 for &component in components {
-                    all.extend(self.slots(frame, component)?.iter().copied());
+                    all.extend(self.registers(frame, component)?.iter().copied());
                 }
                 all
             }
@@ -81,7 +85,7 @@ impl<'m> Compiler<'m> {
             Expression::AccessIndex { base, index } => return self.part(frame, base, index),
             Expression::Splat { size, value } => vec![self.single(frame, value)?; size as usize],
             Expression::Swizzle { size, vector, pattern } => {
-                let vector = self.slots(frame, vector)?;
+                let vector = self.registers(frame, vector)?;
                 pattern[..size as usize].iter().map(|&component| vector[component as usize]).collect()
             }
             Expression::FunctionArgument(index) => {
@@ -99,9 +103,10 @@ impl<'m> Compiler<'m> {
                 return Ok(Self::whole(self.global(global)?, constant));
             }
             Expression::LocalVariable(local) => {
-                let slots = frame.locals.get(&local).cloned();
-                let slots = slots.ok_or_else(|| InterpError::internal("a variable of another function".to_owned()))?;
-                return Ok(Self::whole(slots, false));
+                let registers = frame.locals.get(&local).cloned();
+                let registers =
+                    registers.ok_or_else(|| InterpError::internal("a variable of another function".to_owned()))?;
+                return Ok(Self::whole(registers, false));
             }
             Expression::Load { pointer } => {
                 let inner = self.pointee(frame, pointer);
@@ -112,9 +117,9 @@ impl<'m> Compiler<'m> {
             Expression::Unary { op, expr } => self.unary_operator(frame, site, op, expr)?,
             Expression::Binary { op, left, right } => self.binary_operator(frame, site, op, left, right)?,
             Expression::Select { condition, accept, reject } => {
-                let condition = self.slots(frame, condition)?;
-                let accept = self.slots(frame, accept)?;
-                let reject = self.slots(frame, reject)?;
+                let condition = self.registers(frame, condition)?;
+                let accept = self.registers(frame, accept)?;
+                let reject = self.registers(frame, reject)?;
                 let mut all = Vec::with_capacity(accept.len());
                 for (k, (accept, reject)) in accept.iter().zip(reject.iter()).enumerate() {
                     let condition = if condition.len() == 1 { condition[0] } else { condition[k] };
@@ -126,7 +131,7 @@ impl<'m> Compiler<'m> {
             Expression::Math { fun, arg, arg1, arg2, arg3 } => {
                 let mut args = Vec::new();
                 for handle in [Some(arg), arg1, arg2, arg3].into_iter().flatten() {
-                    args.push(self.slots(frame, handle)?);
+                    args.push(self.registers(frame, handle)?);
                 }
                 let inner = frame.info[arg].ty.inner_with(&self.module.types).clone();
                 self.math(site, fun, &args, &inner, span)?
@@ -150,10 +155,10 @@ impl<'m> Compiler<'m> {
                 return refuse("cooperative matrices");
             }
         };
-        Ok(Value::Slots(slots.into()))
+        Ok(Value::Registers(registers.into()))
     }
 
-    fn literal(&mut self, literal: Literal, site: Option<Site>, span: naga::Span) -> Result<Slot, InterpError> {
+    fn literal(&mut self, literal: Literal, site: Option<Site>, span: naga::Span) -> Result<Register, InterpError> {
         let wide = |what: &str| Err(unsupported(what.to_owned(), span));
         Ok(match literal {
             Literal::F32(value) => self.real(value, site),
@@ -168,14 +173,14 @@ impl<'m> Compiler<'m> {
         })
     }
 
-    fn zero_value(&mut self, ty: Handle<naga::Type>, span: naga::Span) -> Result<Vec<Slot>, InterpError> {
+    fn zero_value(&mut self, ty: Handle<naga::Type>, span: naga::Span) -> Result<Vec<Register>, InterpError> {
         let scalars = types::scalars(self.module, &self.module.types[ty].inner);
         let scalars = scalars.map_err(|what| unsupported(what, span))?;
         Ok(scalars.into_iter().map(|scalar| self.zero(scalar)).collect())
     }
 
     /// The scalars of an expression of the module, which is constant.
-    pub(super) fn constant_expression(&mut self, handle: Handle<Expression>) -> Result<Vec<Slot>, InterpError> {
+    pub(super) fn constant_expression(&mut self, handle: Handle<Expression>) -> Result<Vec<Register>, InterpError> {
         let arena: &Arena<Expression> = &self.module.global_expressions;
         let span = arena.get_span(handle);
         Ok(match arena[handle] {
@@ -193,8 +198,8 @@ impl<'m> Compiler<'m> {
                 all
             }
             Expression::Splat { size, value } => {
-                let slots = self.constant_expression(value)?;
-                std::iter::repeat_n(slots, size as usize).flatten().collect()
+                let registers = self.constant_expression(value)?;
+                std::iter::repeat_n(registers, size as usize).flatten().collect()
             }
             Expression::Swizzle { size, vector, pattern } => {
                 let vector = self.constant_expression(vector)?;
@@ -209,8 +214,8 @@ impl<'m> Compiler<'m> {
         })
     }
 
-    pub(super) fn select(&mut self, condition: Slot, accept: Slot, reject: Slot) -> Slot {
-        let to = Slot { reg: self.temporary(), ..accept };
+    pub(super) fn select(&mut self, condition: Register, accept: Register, reject: Register) -> Register {
+        let to = Register { reg: self.temporary(), ..accept };
         self.push(Inst::Select { to, condition: condition.reg, accept: accept.reg, reject: reject.reg });
         to
     }
@@ -221,19 +226,22 @@ impl<'m> Compiler<'m> {
         site: Site,
         fun: RelationalFunction,
         argument: Handle<Expression>,
-    ) -> Result<Vec<Slot>, InterpError> {
-        let slots = self.slots(frame, argument)?;
+    ) -> Result<Vec<Register>, InterpError> {
+        let registers = self.registers(frame, argument)?;
         let fold = |this: &mut Self, op: Word2| {
-            let mut slots = slots.iter().copied();
-            let first = slots.next();
-            first.map(|first| slots.fold(first, |a, b| this.word2(site, op, a, b, Scalar::Bool))).into_iter().collect()
+            let mut registers = registers.iter().copied();
+            let first = registers.next();
+            first
+                .map(|first| registers.fold(first, |a, b| this.word2(site, op, a, b, Scalar::Bool)))
+                .into_iter()
+                .collect()
         };
         let classify = |this: &mut Self, class: Class| {
             let mut all = Vec::new();
-            for slot in slots.iter() {
+            for register in registers.iter() {
                 let to = this.temporary();
-                this.push(Inst::Classify { class, to, a: slot.reg, site });
-                all.push(Slot { scalar: Scalar::Bool, reg: to });
+                this.push(Inst::Classify { class, to, a: register.reg, site });
+                all.push(Register { scalar: Scalar::Bool, reg: to });
             }
             all
         };

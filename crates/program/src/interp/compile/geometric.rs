@@ -2,7 +2,7 @@
 
 use naga::{MathFunction, TypeInner};
 
-use super::super::code::{Slot, Word2};
+use super::super::code::{Register, Word2};
 use super::super::domain::{Binary, Comparison, Site, Unary};
 use super::Compiler;
 use super::math::Args;
@@ -16,12 +16,12 @@ impl Compiler<'_> {
         fun: MathFunction,
         args: &Args,
         first: &TypeInner,
-    ) -> Option<Vec<Slot>> {
+    ) -> Option<Vec<Register>> {
         let matrix = match *first {
             TypeInner::Matrix { columns, rows, .. } => Some((columns as usize, rows as usize)),
             _ => None,
         };
-        let arg = |k: usize| args.get(k).map(|slots| &**slots);
+        let arg = |k: usize| args.get(k).map(|registers| &**registers);
         match fun {
             MathFunction::Dot => Some(vec![self.dot(site, arg(0)?, arg(1)?)?]),
             MathFunction::Outer => {
@@ -41,7 +41,7 @@ impl Compiler<'_> {
                 Some(vec![term(self, 1, 2), term(self, 2, 0), term(self, 0, 1)])
             }
             MathFunction::Distance => {
-                let between: Vec<Slot> =
+                let between: Vec<Register> =
                     arg(0)?.iter().zip(arg(1)?).map(|(&a, &b)| self.real2(site, Binary::Subtract, a, b)).collect();
                 Some(vec![self.length(site, &between)?])
             }
@@ -58,7 +58,7 @@ impl Compiler<'_> {
                 let dot = self.dot(site, reference, incident)?;
                 let zero = self.real(0.0, None);
                 let keeps = self.compare(site, Comparison::Less, dot, zero);
-                let turned: Vec<Slot> = normal.iter().map(|&n| self.real1(site, Unary::Negate, n)).collect();
+                let turned: Vec<Register> = normal.iter().map(|&n| self.real1(site, Unary::Negate, n)).collect();
                 Some(normal.iter().zip(turned).map(|(&n, turned)| self.select(keeps, n, turned)).collect())
             }
             MathFunction::Reflect => {
@@ -67,7 +67,7 @@ impl Compiler<'_> {
                 let dot = self.dot(site, normal, incident)?;
                 let two = self.real(2.0, None);
                 let twice = self.real2(site, Binary::Multiply, two, dot);
-                let step = |(&i, &n): (&Slot, &Slot)| {
+                let step = |(&i, &n): (&Register, &Register)| {
                     let along = self.real2(site, Binary::Multiply, twice, n);
                     self.real2(site, Binary::Subtract, i, along)
                 };
@@ -93,8 +93,8 @@ impl Compiler<'_> {
     }
 
     /// The sum of products, from the first to the last.
-    fn dot(&mut self, site: Site, a: &[Slot], b: &[Slot]) -> Option<Slot> {
-        let mut sum: Option<Slot> = None;
+    fn dot(&mut self, site: Site, a: &[Register], b: &[Register]) -> Option<Register> {
+        let mut sum: Option<Register> = None;
         for (&a, &b) in a.iter().zip(b) {
             let (term, total) = match a.scalar {
                 Scalar::F32 => {
@@ -116,13 +116,19 @@ impl Compiler<'_> {
         sum
     }
 
-    fn length(&mut self, site: Site, x: &[Slot]) -> Option<Slot> {
+    fn length(&mut self, site: Site, x: &[Register]) -> Option<Register> {
         let square = self.dot(site, x, x)?;
         Some(self.real1(site, Unary::Sqrt, square))
     }
 
     /// k = 1 − η²·(1 − dot(N, I)²); 0 where k < 0, else η·I − (η·dot(N, I) + √k)·N.
-    fn refract(&mut self, site: Site, incident: &[Slot], normal: &[Slot], eta: Slot) -> Option<Vec<Slot>> {
+    fn refract(
+        &mut self,
+        site: Site,
+        incident: &[Register],
+        normal: &[Register],
+        eta: Register,
+    ) -> Option<Vec<Register>> {
         let (zero, one) = (self.real(0.0, None), self.real(1.0, None));
         let dot = self.dot(site, normal, incident)?;
         let square = self.real2(site, Binary::Multiply, dot, dot);
@@ -134,7 +140,7 @@ impl Compiler<'_> {
         let root = self.real1(site, Unary::Sqrt, k);
         let along = self.real2(site, Binary::Multiply, eta, dot);
         let factor = self.real2(site, Binary::Add, along, root);
-        let component = |(&i, &n): (&Slot, &Slot)| {
+        let component = |(&i, &n): (&Register, &Register)| {
             let forward = self.real2(site, Binary::Multiply, eta, i);
             let sideways = self.real2(site, Binary::Multiply, factor, n);
             let refracted = self.real2(site, Binary::Subtract, forward, sideways);
@@ -144,7 +150,7 @@ impl Compiler<'_> {
     }
 
     /// By the first column, then the first columns of what is left.
-    fn determinant(&mut self, site: Site, n: usize, m: &[Slot]) -> Slot {
+    fn determinant(&mut self, site: Site, n: usize, m: &[Register]) -> Register {
         let mut sum = None;
         for row in 0..n {
             let term = if n == 1 {
@@ -162,7 +168,7 @@ impl Compiler<'_> {
     }
 
     /// The adjugate over the determinant.
-    fn inverse(&mut self, site: Site, n: usize, m: &[Slot]) -> Vec<Slot> {
+    fn inverse(&mut self, site: Site, n: usize, m: &[Register]) -> Vec<Register> {
         let determinant = self.determinant(site, n, m);
         let mut all = Vec::with_capacity(n * n);
         for column in 0..n {
@@ -180,7 +186,7 @@ impl Compiler<'_> {
 }
 
 /// The matrix without a row and a column.
-fn minor(n: usize, m: &[Slot], row: usize, column: usize) -> Vec<Slot> {
+fn minor(n: usize, m: &[Register], row: usize, column: usize) -> Vec<Register> {
     let kept = |k: &usize| k % n != row && k / n != column;
     (0..n * n).filter(kept).map(|k| m[k]).collect()
 }

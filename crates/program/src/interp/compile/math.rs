@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use naga::{MathFunction, TypeInner};
 
-use super::super::code::{Constant, Field, Guarded, Inst, Slot, Word1, Word2};
+use super::super::code::{Constant, Field, Guarded, Inst, Register, Word1, Word2};
 use super::super::domain::{Binary, Site, ToWords, Unary};
 use super::{Compiler, InterpError, unsupported};
 use base::value::Scalar;
 
-pub(super) type Args = [Rc<[Slot]>];
+pub(super) type Args = [Rc<[Register]>];
 
 impl Compiler<'_> {
     pub(super) fn math(
@@ -20,7 +20,7 @@ impl Compiler<'_> {
         args: &Args,
         first: &TypeInner,
         span: naga::Span,
-    ) -> Result<Vec<Slot>, InterpError> {
+    ) -> Result<Vec<Register>, InterpError> {
         use MathFunction as Mf;
         let refuse = || unsupported(format!("`{fun:?}` of this type"), span);
         let unary = |this: &mut Self, op| each(args, |v| Some(this.real1(site, op, real(v[0])?))).ok_or_else(refuse);
@@ -101,7 +101,7 @@ impl Compiler<'_> {
             Mf::Trunc => unary(self, Unary::Trunc),
             Mf::Modf => {
                 let whole = unary(self, Unary::Trunc)?;
-                let mut all: Vec<Slot> = args[0]
+                let mut all: Vec<Register> = args[0]
                     .iter()
                     .zip(&whole)
                     .map(|(&x, &whole)| self.real2(site, Binary::Subtract, x, whole))
@@ -117,7 +117,7 @@ impl Compiler<'_> {
             Mf::Ldexp => each(args, |v| {
                 let to = self.temporary();
                 self.push(Inst::Scale { to, a: real(v[0])?.reg, exponent: v[1].reg, site });
-                Some(Slot { scalar: Scalar::F32, reg: to })
+                Some(Register { scalar: Scalar::F32, reg: to })
             })
             .ok_or_else(refuse),
             Mf::Exp => unary(self, Unary::Exp),
@@ -199,14 +199,14 @@ impl Compiler<'_> {
         }
     }
 
-    /// The result of a function, with a note of the lanes in which it is undefined. Constants show here already
+    /// The result of a function, with a note of the slots in which it is undefined. Constants show here already
     /// that it never is.
-    fn guard(&mut self, site: Site, what: Guarded, from: Slot, args: [Slot; 2]) -> Slot {
-        let to = Slot { reg: self.temporary(), ..from };
-        let regs = args.map(|slot| slot.reg);
+    fn guard(&mut self, site: Site, what: Guarded, from: Register, args: [Register; 2]) -> Register {
+        let to = Register { reg: self.temporary(), ..from };
+        let regs = args.map(|register| register.reg);
         match from.scalar {
             Scalar::F32 => {
-                if let [Some(x), Some(y)] = args.map(|slot| self.constant_of(slot))
+                if let [Some(x), Some(y)] = args.map(|register| self.constant_of(register))
                     && !what.is_outside(x, y)
                 {
                     return from;
@@ -222,14 +222,14 @@ impl Compiler<'_> {
     }
 
     /// The number that a register holds all the time.
-    fn constant_of(&self, slot: Slot) -> Option<f64> {
+    fn constant_of(&self, register: Register) -> Option<f64> {
         self.executable.constants.iter().find_map(|constant| match *constant {
-            Constant::Real { to, value, .. } if to == slot.reg => Some(f64::from(value)),
+            Constant::Real { to, value, .. } if to == register.reg => Some(f64::from(value)),
             Constant::Real { .. } | Constant::Word { .. } => None,
         })
     }
 
-    fn least(&mut self, site: Site, a: Slot, b: Slot) -> Option<Slot> {
+    fn least(&mut self, site: Site, a: Register, b: Register) -> Option<Register> {
         match a.scalar {
             Scalar::F32 => Some(self.real2(site, Binary::Min, a, b)),
             Scalar::I32 => Some(self.word2(site, Word2::MinSigned, a, b, Scalar::I32)),
@@ -238,7 +238,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn greatest(&mut self, site: Site, a: Slot, b: Slot) -> Option<Slot> {
+    fn greatest(&mut self, site: Site, a: Register, b: Register) -> Option<Register> {
         match a.scalar {
             Scalar::F32 => Some(self.real2(site, Binary::Max, a, b)),
             Scalar::I32 => Some(self.word2(site, Word2::MaxSigned, a, b, Scalar::I32)),
@@ -248,7 +248,7 @@ impl Compiler<'_> {
     }
 
     /// t = clamp((x − low)/(high − low), 0, 1); t·t·(3 − 2t).
-    fn smooth_step(&mut self, site: Site, low: Slot, high: Slot, x: Slot) -> Option<Slot> {
+    fn smooth_step(&mut self, site: Site, low: Register, high: Register, x: Register) -> Option<Register> {
         let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(|value| self.real(value, None));
         let above = self.real2(site, Binary::Subtract, x, low);
         let width = self.real2(site, Binary::Subtract, high, low);
@@ -262,17 +262,17 @@ impl Compiler<'_> {
     }
 }
 
-fn real(slot: Slot) -> Option<Slot> {
-    (slot.scalar == Scalar::F32).then_some(slot)
+fn real(register: Register) -> Option<Register> {
+    (register.scalar == Scalar::F32).then_some(register)
 }
 
 /// Calls `f` with the components of all arguments, one after the other; a scalar stands for a vector
 /// of it.
-fn each(args: &Args, mut f: impl FnMut([Slot; 4]) -> Option<Slot>) -> Option<Vec<Slot>> {
+fn each(args: &Args, mut f: impl FnMut([Register; 4]) -> Option<Register>) -> Option<Vec<Register>> {
     let n = args.iter().map(|arg| arg.len()).max()?;
     (0..n)
         .map(|k| {
-            let component = |arg: &Rc<[Slot]>| if arg.len() == 1 { arg[0] } else { arg[k] };
+            let component = |arg: &Rc<[Register]>| if arg.len() == 1 { arg[0] } else { arg[k] };
             let last = component(args.last()?);
             let mut v = [last; 4];
             v.iter_mut().zip(args).for_each(|(v, arg)| *v = component(arg));

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use naga::{Expression, Handle, TypeInner};
 
-use super::super::code::{Choice, Inst, Slot, Stray, Word2};
+use super::super::code::{Choice, Inst, Register, Stray, Word2};
 use super::super::domain::Site;
 use super::{Compiler, Frame, Index, InterpError, Pointer, Value, types, unsupported};
 use base::value::Scalar;
@@ -19,30 +19,30 @@ impl<'m> Compiler<'m> {
         site: Site,
         pointer: &Pointer,
         len: usize,
-    ) -> Result<Vec<Slot>, InterpError> {
+    ) -> Result<Vec<Register>, InterpError> {
         if pointer.indices.is_empty() {
-            let slots = pointer.variable.get(pointer.offset..pointer.offset + len);
-            let slots = slots.ok_or_else(|| InterpError::internal("a load behind its variable".to_owned()))?;
+            let registers = pointer.variable.get(pointer.offset..pointer.offset + len);
+            let registers = registers.ok_or_else(|| InterpError::internal("a load behind its variable".to_owned()))?;
             if pointer.constant {
-                return Ok(slots.to_vec());
+                return Ok(registers.to_vec());
             }
             let mut loaded = Vec::with_capacity(len);
-            for &slot in slots {
-                let reg = match self.known.get(&super::key(slot)) {
+            for &register in registers {
+                let reg = match self.known.get(&super::key(register)) {
                     Some(&reg) => reg,
                     None => {
-                        if let Some(&kind) = self.unset.get(&super::key(slot))
-                            && !self.assigned.contains(&super::key(slot))
+                        if let Some(&kind) = self.unset.get(&super::key(register))
+                            && !self.assigned.contains(&super::key(register))
                         {
-                            self.push(Inst::Read { from: slot, kind, site });
+                            self.push(Inst::Read { from: register, kind, site });
                         }
-                        let to = Slot { reg: self.temporary(), ..slot };
-                        self.push(Inst::Copy { to, from: slot.reg });
-                        self.known.insert(super::key(slot), to.reg);
+                        let to = Register { reg: self.temporary(), ..register };
+                        self.push(Inst::Copy { to, from: register.reg });
+                        self.known.insert(super::key(register), to.reg);
                         to.reg
                     }
                 };
-                loaded.push(Slot { reg, ..slot });
+                loaded.push(Register { reg, ..register });
             }
             return Ok(loaded);
         }
@@ -51,21 +51,30 @@ impl<'m> Compiler<'m> {
             .into_iter()
             .map(|of| {
                 let scalar = of[0].scalar;
-                Choice { one: Slot { scalar, reg: self.temporary() }, of: of.iter().map(|slot| slot.reg).collect() }
+                Choice {
+                    one: Register { scalar, reg: self.temporary() },
+                    of: of.iter().map(|register| register.reg).collect(),
+                }
             })
             .collect();
         let loaded = choices.iter().map(|choice| choice.one).collect();
-        let unset = pointer.variable.iter().any(|slot| self.unset.contains_key(&super::key(*slot))).then_some(site);
+        let unset =
+            pointer.variable.iter().any(|register| self.unset.contains_key(&super::key(*register))).then_some(site);
         let strays = pointer.indices.iter().map(|step| step.stray).collect();
         self.push(Inst::Gather { index, choices, strays, unset });
         Ok(loaded)
     }
 
-    pub(super) fn store(&mut self, frame: &Frame<'m>, pointer: &Pointer, value: &[Slot]) -> Result<(), InterpError> {
+    pub(super) fn store(
+        &mut self,
+        frame: &Frame<'m>,
+        pointer: &Pointer,
+        value: &[Register],
+    ) -> Result<(), InterpError> {
         if pointer.indices.is_empty() {
-            let slots = pointer.variable.get(pointer.offset..pointer.offset + value.len());
-            let slots = slots.ok_or_else(|| InterpError::internal("a store behind its variable".to_owned()))?;
-            for (&to, from) in slots.to_vec().iter().zip(value) {
+            let registers = pointer.variable.get(pointer.offset..pointer.offset + value.len());
+            let registers = registers.ok_or_else(|| InterpError::internal("a store behind its variable".to_owned()))?;
+            for (&to, from) in registers.to_vec().iter().zip(value) {
                 self.push(Inst::Store { to, from: from.reg });
                 // Whoever gets here by this way reads what was just written.
                 self.known.insert(super::key(to), from.reg);
@@ -78,10 +87,10 @@ impl<'m> Compiler<'m> {
             .into_iter()
             .zip(value)
             .map(|(of, one)| {
-                of.iter().for_each(|slot| {
-                    self.known.remove(&super::key(*slot));
+                of.iter().for_each(|register| {
+                    self.known.remove(&super::key(*register));
                 });
-                Choice { one: *one, of: of.iter().map(|slot| slot.reg).collect() }
+                Choice { one: *one, of: of.iter().map(|register| register.reg).collect() }
             })
             .collect();
         let strays = pointer.indices.iter().map(|step| step.stray).collect();
@@ -95,7 +104,7 @@ impl<'m> Compiler<'m> {
         frame: &Frame<'m>,
         pointer: &Pointer,
         len: usize,
-    ) -> Result<(u32, Vec<Vec<Slot>>), InterpError> {
+    ) -> Result<(u32, Vec<Vec<Register>>), InterpError> {
         let site = Site(0);
         let mut offsets = vec![0];
         let mut index: Option<u32> = None;
@@ -120,7 +129,7 @@ impl<'m> Compiler<'m> {
         let choices = (0..len)
             .map(|k| {
                 let places = offsets.iter().map(|at| pointer.variable.get(pointer.offset + at + k).copied());
-                places.collect::<Option<Vec<Slot>>>().filter(|of| !of.is_empty()).ok_or_else(behind)
+                places.collect::<Option<Vec<Register>>>().filter(|of| !of.is_empty()).ok_or_else(behind)
             })
             .collect::<Result<Vec<_>, _>>()?;
         Ok((index.ok_or_else(behind)?, choices))
@@ -138,12 +147,12 @@ impl<'m> Compiler<'m> {
         let part = types::part(self.module, &inner, index);
         let (at, len) = part.ok_or_else(|| unsupported("this kind of access".to_owned(), frame.span))?;
         Ok(match value {
-            Value::Slots(slots) => Value::Slots(slots[at..at + len].into()),
+            Value::Registers(registers) => Value::Registers(registers[at..at + len].into()),
             Value::Pointer(pointer) => Value::Pointer(Pointer { offset: pointer.offset + at, ..pointer }),
         })
     }
 
-    /// A part of a pointer or value with an index of each lane's own.
+    /// A part of a pointer or value with an index of each slot's own.
     pub(super) fn element(
         &mut self,
         frame: &mut Frame<'m>,
@@ -162,9 +171,9 @@ impl<'m> Compiler<'m> {
         let stray = Stray { reg: index, len: len as u32, site };
         let step = Index { reg, stride, len, stray };
         Ok(match value {
-            Value::Slots(variable) => {
+            Value::Registers(variable) => {
                 let pointer = Pointer { variable, constant: true, offset: 0, indices: vec![step] };
-                Value::Slots(self.load(frame, site, &pointer, stride)?.into())
+                Value::Registers(self.load(frame, site, &pointer, stride)?.into())
             }
             Value::Pointer(mut pointer) => {
                 pointer.indices.push(step);
@@ -183,7 +192,7 @@ impl<'m> Compiler<'m> {
         }
     }
 
-    pub(super) fn whole(variable: Rc<[Slot]>, constant: bool) -> Value {
+    pub(super) fn whole(variable: Rc<[Register]>, constant: bool) -> Value {
         Value::Pointer(Pointer { variable, constant, offset: 0, indices: Vec::new() })
     }
 }

@@ -20,7 +20,7 @@ use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{AddressSpace, BuiltIn, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Type};
 
 use super::InterpError;
-use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Slot, Stray, TEMPORARY};
+use super::code::{Constant, Executable, File, Fill, Inst, Place, Reg, Register, Stray, TEMPORARY};
 use super::domain::{Site, WordSource};
 use super::meaning::HazardKind;
 use super::rearrange::Draft;
@@ -81,7 +81,7 @@ impl Executable {
 /// What an expression stands for.
 #[derive(Clone, Debug)]
 enum Value {
-    Slots(Rc<[Slot]>),
+    Registers(Rc<[Register]>),
     Pointer(Pointer),
 }
 
@@ -89,7 +89,7 @@ enum Value {
 #[derive(Clone, Debug)]
 struct Pointer {
     /// All scalars of the variable.
-    variable: Rc<[Slot]>,
+    variable: Rc<[Register]>,
     /// Never written while the program runs: its registers can be read at any time.
     constant: bool,
     /// First scalar, where the dynamic indices are 0.
@@ -117,9 +117,9 @@ struct Frame<'m> {
     function: &'m Function,
     info: &'m FunctionInfo,
     arguments: Vec<Value>,
-    locals: HashMap<Handle<LocalVariable>, Rc<[Slot]>>,
+    locals: HashMap<Handle<LocalVariable>, Rc<[Register]>>,
     values: HashMap<Handle<Expression>, Value>,
-    result: Rc<[Slot]>,
+    result: Rc<[Register]>,
     /// Where instructions are added now, for messages.
     span: naga::Span,
 }
@@ -133,7 +133,7 @@ struct Compiler<'m> {
     written: usize,
     fixed: (u32, u32),
     temporaries: u32,
-    globals: HashMap<Handle<GlobalVariable>, Rc<[Slot]>>,
+    globals: HashMap<Handle<GlobalVariable>, Rc<[Register]>>,
     /// Initial values of global variables, to be stored before everything else.
     initial: Vec<Inst>,
     constants: HashMap<ConstantKey, Reg>,
@@ -145,7 +145,7 @@ struct Compiler<'m> {
     known: HashMap<(File, Reg), Reg>,
     /// Variables that come to life without a value, and what reading them then is.
     unset: HashMap<(File, Reg), HazardKind>,
-    /// Those of them that have one in every lane that gets here.
+    /// Those of them that have one in every slot that gets here.
     assigned: HashSet<(File, Reg)>,
     depth: usize,
 }
@@ -202,18 +202,18 @@ impl<'m> Compiler<'m> {
         ] {
             word = 0;
             for binding in bindings {
-                let slots = self.place_input(binding, &mut arguments)?;
-                for &to in &slots {
+                let registers = self.place_input(binding, &mut arguments)?;
+                for &to in &registers {
                     self.executable.fills.push(Fill { to, source: source(word) });
                     word += 1;
                 }
-                filled.extend(slots);
+                filled.extend(registers);
             }
         }
         let _ = word;
         for &(k, _) in self.subject.built_ins {
-            let slots = self.variable(function.arguments[k as usize].ty, naga::Span::UNDEFINED)?;
-            arguments[k as usize] = Some(Value::Slots(slots));
+            let registers = self.variable(function.arguments[k as usize].ty, naga::Span::UNDEFINED)?;
+            arguments[k as usize] = Some(Value::Registers(registers));
         }
         let result = match &function.result {
             Some(result) => self.variable(result.ty, naga::Span::UNDEFINED)?,
@@ -234,7 +234,8 @@ impl<'m> Compiler<'m> {
             PortAt::Vertices { global, .. } => self.globals.get(&global),
             _ => None,
         });
-        let own: HashSet<(File, Reg)> = fed.chain(blocks.flat_map(|slots| slots.iter().copied())).map(key).collect();
+        let own: HashSet<(File, Reg)> =
+            fed.chain(blocks.flat_map(|registers| registers.iter().copied())).map(key).collect();
         self.unset.retain(|variable, _| !own.contains(variable));
         let body = self.function(handle, function, info, arguments, result)?;
         for (file, reg) in self.unset.keys() {
@@ -248,57 +249,61 @@ impl<'m> Compiler<'m> {
     }
 
     /// The registers that an input fills.
-    fn place_input(&mut self, binding: &Binding, arguments: &mut [Option<Value>]) -> Result<Vec<Slot>, InterpError> {
+    fn place_input(
+        &mut self,
+        binding: &Binding,
+        arguments: &mut [Option<Value>],
+    ) -> Result<Vec<Register>, InterpError> {
         let strange = || InterpError::internal(format!("input `{}` at {:?}", binding.name, binding.at));
         match binding.at {
             PortAt::Argument(k) => {
-                let slots = self.variable(binding.ty, naga::Span::UNDEFINED)?;
-                *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Slots(slots.clone()));
-                Ok(slots.to_vec())
+                let registers = self.variable(binding.ty, naga::Span::UNDEFINED)?;
+                *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Registers(registers.clone()));
+                Ok(registers.to_vec())
             }
             PortAt::Reference(k) => {
-                let slots = self.variable(binding.ty, naga::Span::UNDEFINED)?;
-                let pointer = Pointer { variable: slots.clone(), constant: false, offset: 0, indices: Vec::new() };
+                let registers = self.variable(binding.ty, naga::Span::UNDEFINED)?;
+                let pointer = Pointer { variable: registers.clone(), constant: false, offset: 0, indices: Vec::new() };
                 *arguments.get_mut(k as usize).ok_or_else(strange)? = Some(Value::Pointer(pointer));
-                Ok(slots.to_vec())
+                Ok(registers.to_vec())
             }
             PortAt::Arguments { first, count } => {
-                let slots = self.variable(binding.ty, naga::Span::UNDEFINED)?;
-                let each = slots.len() / (count as usize).max(1);
-                for (k, part) in slots.chunks(each.max(1)).enumerate() {
-                    *arguments.get_mut(first as usize + k).ok_or_else(strange)? = Some(Value::Slots(part.into()));
+                let registers = self.variable(binding.ty, naga::Span::UNDEFINED)?;
+                let each = registers.len() / (count as usize).max(1);
+                for (k, part) in registers.chunks(each.max(1)).enumerate() {
+                    *arguments.get_mut(first as usize + k).ok_or_else(strange)? = Some(Value::Registers(part.into()));
                 }
-                Ok(slots.to_vec())
+                Ok(registers.to_vec())
             }
             PortAt::Part { global, ref path } => self.part_of(global, path).ok_or_else(strange)?,
             PortAt::Global(global) => Ok(self.global(global)?.to_vec()),
             PortAt::Member(global, member) => {
-                let slots = self.global(global)?;
+                let registers = self.global(global)?;
                 let inner = &self.module.types[self.module.global_variables[global].ty].inner;
                 let (at, len) = types::part(self.module, inner, member).ok_or_else(strange)?;
-                Ok(slots[at..at + len].to_vec())
+                Ok(registers[at..at + len].to_vec())
             }
             PortAt::Vertices { global, member, count } => {
-                let slots = self.global(global)?;
+                let registers = self.global(global)?;
                 let inner = &self.module.types[self.module.global_variables[global].ty].inner;
                 let (stride, _) = types::elements(self.module, inner).ok_or_else(strange)?;
                 let naga::TypeInner::Array { base, .. } = *inner else { return Err(strange()) };
                 let part = types::part(self.module, &self.module.types[base].inner, member);
                 let (at, len) = part.ok_or_else(strange)?;
-                Ok((0..count as usize).flat_map(|k| slots[k * stride + at..][..len].to_vec()).collect())
+                Ok((0..count as usize).flat_map(|k| registers[k * stride + at..][..len].to_vec()).collect())
             }
             PortAt::Result | PortAt::ResultMember(_) => Err(strange()),
         }
     }
 
     /// The registers of a part of a global variable.
-    fn part_of(&mut self, global: Handle<GlobalVariable>, path: &[u32]) -> Option<Result<Vec<Slot>, InterpError>> {
-        let slots = match self.global(global) {
-            Ok(slots) => slots,
+    fn part_of(&mut self, global: Handle<GlobalVariable>, path: &[u32]) -> Option<Result<Vec<Register>, InterpError>> {
+        let registers = match self.global(global) {
+            Ok(registers) => registers,
             Err(error) => return Some(Err(error)),
         };
         let mut ty = self.module.global_variables[global].ty;
-        let (mut start, mut count) = (0, slots.len());
+        let (mut start, mut count) = (0, registers.len());
         for &index in path {
             let inner = &self.module.types[ty].inner;
             let (at, len) = types::part(self.module, inner, index)?;
@@ -309,7 +314,7 @@ impl<'m> Compiler<'m> {
                 _ => return None,
             };
         }
-        Some(Ok(slots[start..start + count].to_vec()))
+        Some(Ok(registers[start..start + count].to_vec()))
     }
 
     /// The registers in which an output lies in the end.
@@ -317,11 +322,11 @@ impl<'m> Compiler<'m> {
         &mut self,
         binding: &Binding,
         arguments: &mut [Option<Value>],
-        result: &Rc<[Slot]>,
-        filled: &[Slot],
-    ) -> Result<Vec<Slot>, InterpError> {
+        result: &Rc<[Register]>,
+        filled: &[Register],
+    ) -> Result<Vec<Register>, InterpError> {
         let strange = || InterpError::internal(format!("output `{}` at {:?}", binding.name, binding.at));
-        let (slots, poisoned) = match binding.at {
+        let (registers, poisoned) = match binding.at {
             PortAt::Result => (result.to_vec(), true),
             PortAt::ResultMember(member) => {
                 let function = match self.subject.entry {
@@ -335,9 +340,9 @@ impl<'m> Compiler<'m> {
             }
             PortAt::Reference(k) => {
                 let place = arguments.get_mut(k as usize).ok_or_else(strange)?;
-                let slots = match place {
+                let registers = match place {
                     Some(Value::Pointer(pointer)) => pointer.variable.clone(),
-                    Some(Value::Slots(_)) => return Err(strange()),
+                    Some(Value::Registers(_)) => return Err(strange()),
                     None => {
                         let variable = self.variable(binding.ty, naga::Span::UNDEFINED)?;
                         let pointer =
@@ -346,7 +351,7 @@ impl<'m> Compiler<'m> {
                         variable
                     }
                 };
-                (slots.to_vec(), true)
+                (registers.to_vec(), true)
             }
             PortAt::Global(global) => (self.global(global)?.to_vec(), true),
             PortAt::Member(global, member) => (self.part_of(global, &[member]).ok_or_else(strange)??, true),
@@ -358,15 +363,15 @@ impl<'m> Compiler<'m> {
             self.executable.poisoned.extend(backing.iter().copied());
         }
         if poisoned {
-            self.executable.poisoned.extend(slots.iter().copied().filter(|slot| !filled.contains(slot)));
+            self.executable.poisoned.extend(registers.iter().copied().filter(|register| !filled.contains(register)));
         }
-        Ok(slots)
+        Ok(registers)
     }
 
     /// The registers of a global variable.
-    fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Rc<[Slot]>, InterpError> {
-        if let Some(slots) = self.globals.get(&handle) {
-            return Ok(slots.clone());
+    fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Rc<[Register]>, InterpError> {
+        if let Some(registers) = self.globals.get(&handle) {
+            return Ok(registers.clone());
         }
         let variable = &self.module.global_variables[handle];
         let span = self.module.global_variables.get_span(handle);
@@ -393,13 +398,13 @@ impl<'m> Compiler<'m> {
                 return Err(unsupported(format!("ray payload `{name}`"), span));
             }
         }
-        let slots = self.variable(variable.ty, span)?;
-        self.globals.insert(handle, slots.clone());
+        let registers = self.variable(variable.ty, span)?;
+        self.globals.insert(handle, registers.clone());
         let initial = match variable.init {
             Some(init) => Some(self.constant_expression(init)?),
             None if variable.space == AddressSpace::Private => {
                 let site = self.declared(None, span);
-                for &to in slots.iter() {
+                for &to in registers.iter() {
                     let begin = self.begin(to, HazardKind::Unset, site);
                     self.initial.push(begin);
                 }
@@ -407,22 +412,22 @@ impl<'m> Compiler<'m> {
             }
             None => None,
         };
-        for (&to, from) in slots.iter().zip(initial.iter().flat_map(|values| values.iter())) {
+        for (&to, from) in registers.iter().zip(initial.iter().flat_map(|values| values.iter())) {
             self.initial.push(Inst::Copy { to, from: from.reg });
         }
-        Ok(slots)
+        Ok(registers)
     }
 
     /// New registers for a variable.
-    fn variable(&mut self, ty: Handle<Type>, span: naga::Span) -> Result<Rc<[Slot]>, InterpError> {
+    fn variable(&mut self, ty: Handle<Type>, span: naga::Span) -> Result<Rc<[Register]>, InterpError> {
         let inner = &self.module.types[ty].inner;
         let scalars = types::scalars(self.module, inner).map_err(|what| unsupported(what, span))?;
-        let slots: Rc<[Slot]> =
-            scalars.into_iter().map(|scalar| Slot { scalar, reg: self.fixed(File::of(scalar)) }).collect();
+        let registers: Rc<[Register]> =
+            scalars.into_iter().map(|scalar| Register { scalar, reg: self.fixed(File::of(scalar)) }).collect();
         if self.fixed.0.max(self.fixed.1) as usize > 4 * types::MAX_SCALARS {
             return Err(unsupported("shaders with so many variables".to_owned(), span));
         }
-        Ok(slots)
+        Ok(registers)
     }
 
     fn fixed(&mut self, file: File) -> Reg {
@@ -451,7 +456,7 @@ impl<'m> Compiler<'m> {
         Ok(())
     }
 
-    fn real(&mut self, value: f32, site: Option<Site>) -> Slot {
+    fn real(&mut self, value: f32, site: Option<Site>) -> Register {
         let reg = match self.constants.get(&(site, File::Real, value.to_bits())) {
             Some(&reg) => reg,
             None => {
@@ -461,10 +466,10 @@ impl<'m> Compiler<'m> {
                 to
             }
         };
-        Slot { scalar: Scalar::F32, reg }
+        Register { scalar: Scalar::F32, reg }
     }
 
-    fn word(&mut self, value: u32, scalar: Scalar) -> Slot {
+    fn word(&mut self, value: u32, scalar: Scalar) -> Register {
         let reg = match self.constants.get(&(None, File::Word, value)) {
             Some(&reg) => reg,
             None => {
@@ -474,12 +479,12 @@ impl<'m> Compiler<'m> {
                 to
             }
         };
-        Slot { scalar, reg }
+        Register { scalar, reg }
     }
 
     /// A variable that comes to life without a value: GLSL says nothing about what it holds. WGSL starts variables
     /// with zeros, and so does the interpreter.
-    fn begin(&mut self, to: Slot, kind: HazardKind, site: Site) -> Inst {
+    fn begin(&mut self, to: Register, kind: HazardKind, site: Site) -> Inst {
         self.unset.insert(key(to), kind);
         self.assigned.remove(&key(to));
         self.known.remove(&key(to));
@@ -493,7 +498,7 @@ impl<'m> Compiler<'m> {
         Site((sites.len() - 1) as u32)
     }
 
-    fn zero(&mut self, scalar: Scalar) -> Slot {
+    fn zero(&mut self, scalar: Scalar) -> Register {
         match scalar {
             Scalar::F32 => self.real(0.0, None),
             Scalar::I32 | Scalar::U32 | Scalar::Bool => self.word(0, scalar),
@@ -522,8 +527,8 @@ impl<'m> Compiler<'m> {
     }
 }
 
-fn key(slot: Slot) -> (File, Reg) {
-    (slot.file(), slot.reg)
+fn key(register: Register) -> (File, Reg) {
+    (register.file(), register.reg)
 }
 
 fn unsupported(what: String, span: naga::Span) -> InterpError {

@@ -2,7 +2,7 @@
 
 use naga::{BinaryOperator, Expression, Handle, TypeInner, UnaryOperator};
 
-use super::super::code::{Inst, Slot, Word1, Word2};
+use super::super::code::{Inst, Register, Word1, Word2};
 use super::super::domain::{Binary, Comparison, Site, Unary};
 use super::{Compiler, Frame, InterpError, unsupported};
 use base::value::Scalar;
@@ -17,34 +17,34 @@ enum Operator {
 }
 
 impl<'m> Compiler<'m> {
-    pub(super) fn real1(&mut self, site: Site, op: Unary, a: Slot) -> Slot {
+    pub(super) fn real1(&mut self, site: Site, op: Unary, a: Register) -> Register {
         let to = self.temporary();
         self.push(Inst::Real1 { op, to, a: a.reg, site });
-        Slot { scalar: Scalar::F32, reg: to }
+        Register { scalar: Scalar::F32, reg: to }
     }
 
-    pub(super) fn real2(&mut self, site: Site, op: Binary, a: Slot, b: Slot) -> Slot {
+    pub(super) fn real2(&mut self, site: Site, op: Binary, a: Register, b: Register) -> Register {
         let to = self.temporary();
         self.push(Inst::Real2 { op, to, a: a.reg, b: b.reg, site });
-        Slot { scalar: Scalar::F32, reg: to }
+        Register { scalar: Scalar::F32, reg: to }
     }
 
-    pub(super) fn compare(&mut self, site: Site, op: Comparison, a: Slot, b: Slot) -> Slot {
+    pub(super) fn compare(&mut self, site: Site, op: Comparison, a: Register, b: Register) -> Register {
         let to = self.temporary();
         self.push(Inst::Compare { op, to, a: a.reg, b: b.reg, site });
-        Slot { scalar: Scalar::Bool, reg: to }
+        Register { scalar: Scalar::Bool, reg: to }
     }
 
-    pub(super) fn word1(&mut self, site: Site, op: Word1, a: Slot, scalar: Scalar) -> Slot {
+    pub(super) fn word1(&mut self, site: Site, op: Word1, a: Register, scalar: Scalar) -> Register {
         let to = self.temporary();
         self.push(Inst::Word1 { op, to, a: a.reg, site });
-        Slot { scalar, reg: to }
+        Register { scalar, reg: to }
     }
 
-    pub(super) fn word2(&mut self, site: Site, op: Word2, a: Slot, b: Slot, scalar: Scalar) -> Slot {
+    pub(super) fn word2(&mut self, site: Site, op: Word2, a: Register, b: Register, scalar: Scalar) -> Register {
         let to = self.temporary();
         self.push(Inst::Word2 { op, to, a: a.reg, b: b.reg, site });
-        Slot { scalar, reg: to }
+        Register { scalar, reg: to }
     }
 
     pub(super) fn unary_operator(
@@ -53,9 +53,9 @@ impl<'m> Compiler<'m> {
         site: Site,
         op: UnaryOperator,
         expr: Handle<Expression>,
-    ) -> Result<Vec<Slot>, InterpError> {
-        let slots = self.slots(frame, expr)?;
-        let one = |this: &mut Self, a: Slot| match (op, a.scalar) {
+    ) -> Result<Vec<Register>, InterpError> {
+        let registers = self.registers(frame, expr)?;
+        let one = |this: &mut Self, a: Register| match (op, a.scalar) {
             (UnaryOperator::Negate, Scalar::F32) => Some(this.real1(site, Unary::Negate, a)),
             (UnaryOperator::Negate, Scalar::I32) => Some(this.word1(site, Word1::Negate, a, Scalar::I32)),
             (UnaryOperator::LogicalNot, Scalar::Bool) => Some(this.word1(site, Word1::LogicalNot, a, Scalar::Bool)),
@@ -64,7 +64,7 @@ impl<'m> Compiler<'m> {
             | (UnaryOperator::LogicalNot, Scalar::F32 | Scalar::I32 | Scalar::U32)
             | (UnaryOperator::BitwiseNot, Scalar::F32 | Scalar::Bool) => None,
         };
-        let all: Option<Vec<Slot>> = slots.iter().map(|&a| one(self, a)).collect();
+        let all: Option<Vec<Register>> = registers.iter().map(|&a| one(self, a)).collect();
         all.ok_or_else(|| unsupported(format!("{op:?} of this type"), frame.span))
     }
 
@@ -75,8 +75,8 @@ impl<'m> Compiler<'m> {
         op: BinaryOperator,
         left: Handle<Expression>,
         right: Handle<Expression>,
-    ) -> Result<Vec<Slot>, InterpError> {
-        let (a, b) = (self.slots(frame, left)?, self.slots(frame, right)?);
+    ) -> Result<Vec<Register>, InterpError> {
+        let (a, b) = (self.registers(frame, left)?, self.registers(frame, right)?);
         if op == BinaryOperator::Multiply {
             let inner = |handle: Handle<Expression>| frame.info[handle].ty.inner_with(&self.module.types);
             let size = |inner: &TypeInner| match *inner {
@@ -121,10 +121,10 @@ impl<'m> Compiler<'m> {
     pub(super) fn matrix_product(
         &mut self,
         site: Site,
-        a: &[Slot],
-        b: &[Slot],
+        a: &[Register],
+        b: &[Register],
         (rows, inner, columns): (usize, usize, usize),
-    ) -> Vec<Slot> {
+    ) -> Vec<Register> {
         let mut all = Vec::with_capacity(rows * columns);
         for column in 0..columns {
             for row in 0..rows {

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use naga::{Expression, Handle, Statement};
 
-use super::super::code::{Inst, Reg, Slot};
+use super::super::code::{Inst, Reg, Register};
 use super::{Compiler, Frame, Pointer, Value, types};
 
 /// Scalars of a variable that a call writes.
@@ -51,8 +51,8 @@ impl<'m> Compiler<'m> {
                 };
                 let site = self.statement_site(frame, span);
                 for argument in [one.argument, other.argument] {
-                    for slot in self.passed_slots(frame, arguments[argument], &values[argument]) {
-                        self.push(Inst::Overlap { of: slot, equal, site });
+                    for register in self.passed_registers(frame, arguments[argument], &values[argument]) {
+                        self.push(Inst::Overlap { of: register, equal, site });
                     }
                 }
             }
@@ -91,15 +91,15 @@ impl<'m> Compiler<'m> {
             Value::Pointer(to) if all.is_empty() => {
                 vec![Target { argument, to: to.clone(), len: self.pointed(frame, handle) }]
             }
-            Value::Pointer(_) | Value::Slots(_) => all,
+            Value::Pointer(_) | Value::Registers(_) => all,
         }
     }
 
     /// The scalars that the function itself writes.
-    fn passed_slots(&self, frame: &Frame<'m>, handle: Handle<Expression>, value: &Value) -> Vec<Slot> {
+    fn passed_registers(&self, frame: &Frame<'m>, handle: Handle<Expression>, value: &Value) -> Vec<Register> {
         let Value::Pointer(pointer) = value else { return Vec::new() };
-        let slots = pointer.variable.get(pointer.offset..pointer.offset + self.pointed(frame, handle));
-        slots.filter(|_| pointer.indices.is_empty()).map(<[Slot]>::to_vec).unwrap_or_default()
+        let registers = pointer.variable.get(pointer.offset..pointer.offset + self.pointed(frame, handle));
+        registers.filter(|_| pointer.indices.is_empty()).map(<[Register]>::to_vec).unwrap_or_default()
     }
 
     /// Scalars that a pointer leads to.

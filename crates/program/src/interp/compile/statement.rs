@@ -6,7 +6,7 @@ use std::rc::Rc;
 use naga::valid::FunctionInfo;
 use naga::{Block, Expression, Function, Handle, Statement, SwitchValue};
 
-use super::super::code::{Case, File, Inst, Place, Reg, Slot};
+use super::super::code::{Case, File, Inst, Place, Reg, Register};
 use super::super::domain::Site;
 use super::super::meaning::HazardKind;
 use super::{Compiler, Frame, InterpError, Value, unsupported};
@@ -25,7 +25,7 @@ impl<'m> Compiler<'m> {
         function: &'m Function,
         info: &'m FunctionInfo,
         arguments: Vec<Value>,
-        result: Rc<[Slot]>,
+        result: Rc<[Register]>,
     ) -> Result<Vec<Inst>, InterpError> {
         let outside = std::mem::take(&mut self.code);
         let mut frame = Frame {
@@ -39,15 +39,15 @@ impl<'m> Compiler<'m> {
             span: naga::Span::UNDEFINED,
         };
         for (local, variable) in function.local_variables.iter() {
-            let slots = self.variable(variable.ty, function.local_variables.get_span(local))?;
-            frame.locals.insert(local, slots.clone());
+            let registers = self.variable(variable.ty, function.local_variables.get_span(local))?;
+            frame.locals.insert(local, registers.clone());
             // Variables of the front ends hold what an expression gives, but for the arguments of `out` parameters.
             let name = variable.name.as_deref().unwrap_or("sc_");
             let kind = if name == NO_RETURN { HazardKind::NoReturn } else { HazardKind::Unset };
             let authors = !name.starts_with("sc_") || name.starts_with("sc_argument") || kind == HazardKind::NoReturn;
             let Some(init) = variable.init else {
                 let site = self.declared(handle, function.local_variables.get_span(local));
-                for &to in slots.iter() {
+                for &to in registers.iter() {
                     let begin = self.begin(to, kind, site);
                     self.push(begin);
                     if !authors {
@@ -56,9 +56,9 @@ impl<'m> Compiler<'m> {
                 }
                 continue;
             };
-            let initial = self.slots(&mut frame, init)?.to_vec();
-            for (&to, from) in slots.iter().zip(initial) {
-                // A lane outside of this call has no such variable: no mask is needed.
+            let initial = self.registers(&mut frame, init)?.to_vec();
+            for (&to, from) in registers.iter().zip(initial) {
+                // A slot outside of this call has no such variable: no mask is needed.
                 self.push(Inst::Copy { to, from: from.reg });
                 self.known.insert(super::key(to), from.reg);
             }
@@ -143,11 +143,11 @@ impl<'m> Compiler<'m> {
                 let assigned = self.assigned.clone();
                 self.statements(frame, body)?;
                 let body = std::mem::take(&mut self.code);
-                // Lanes get to the end of a round on several ways.
+                // Slots get to the end of a round on several ways.
                 self.known.clear();
                 self.assigned = assigned.clone();
                 self.statements(frame, continuing)?;
-                let break_if = break_if.map(|b| self.single(frame, b)).transpose()?.map(|slot| slot.reg);
+                let break_if = break_if.map(|b| self.single(frame, b)).transpose()?.map(|register| register.reg);
                 let continuing = std::mem::replace(&mut self.code, outside);
                 self.known.clear();
                 self.assigned = assigned;
@@ -158,7 +158,7 @@ impl<'m> Compiler<'m> {
             Statement::Continue => self.push(Inst::Continue),
             Statement::Return { value } => {
                 if let Some(value) = value {
-                    let from = self.slots(frame, *value)?;
+                    let from = self.registers(frame, *value)?;
                     for (&to, from) in frame.result.clone().iter().zip(from.iter()) {
                         self.push(Inst::Store { to, from: from.reg });
                     }
@@ -168,7 +168,7 @@ impl<'m> Compiler<'m> {
             Statement::Kill => self.push(Inst::Kill),
             Statement::Store { pointer, value } => {
                 let pointer = self.pointer(frame, *pointer)?;
-                let value = self.slots(frame, *value)?;
+                let value = self.registers(frame, *value)?;
                 self.store(frame, &pointer, &value)?;
             }
             Statement::Call { function, arguments, result } => {
@@ -222,32 +222,33 @@ impl<'m> Compiler<'m> {
             return Err(unsupported("chains of calls so deep".to_owned(), span));
         }
         let values = arguments.iter().map(|&a| self.value(frame, a)).collect::<Result<Vec<_>, _>>()?;
-        let slots = match &function.result {
+        let registers = match &function.result {
             Some(result) => self.variable(result.ty, span)?,
             None => Rc::from([]),
         };
         let assigned = self.assigned.clone();
-        let body = self.function(Some(handle), function, &self.subject.info[handle], values.clone(), slots.clone())?;
+        let body =
+            self.function(Some(handle), function, &self.subject.info[handle], values.clone(), registers.clone())?;
         self.depth -= 1;
         self.known.clear();
-        // Lanes may have returned before they wrote.
+        // Slots may have returned before they wrote.
         self.assigned = assigned;
         self.push(Inst::Call { body });
         self.note_overlaps(frame, (arguments, &values), rest, span);
         if let Some(result) = result {
             // The registers of the result are written again when this call is run again.
-            let copies = self.copies(&slots);
-            frame.values.insert(result, Value::Slots(copies.into()));
+            let copies = self.copies(&registers);
+            frame.values.insert(result, Value::Registers(copies.into()));
         }
         Ok(())
     }
 
     /// Copies to temporaries.
-    pub(super) fn copies(&mut self, slots: &[Slot]) -> Vec<Slot> {
-        let mut copies = Vec::with_capacity(slots.len());
-        for slot in slots {
-            let to = Slot { reg: self.temporary(), ..*slot };
-            self.push(Inst::Copy { to, from: slot.reg });
+    pub(super) fn copies(&mut self, registers: &[Register]) -> Vec<Register> {
+        let mut copies = Vec::with_capacity(registers.len());
+        for register in registers {
+            let to = Register { reg: self.temporary(), ..*register };
+            self.push(Inst::Copy { to, from: register.reg });
             copies.push(to);
         }
         copies

@@ -5,7 +5,7 @@
 
 use naga::{Expression, Handle, ImageQuery, SampleLevel, SwizzleComponent};
 
-use super::super::code::{Inst, Slot, Word2};
+use super::super::code::{Inst, Register, Word2};
 use super::super::domain::{Binary, Comparison, FromWords, Site, ToWords, Unary};
 use super::{Compiler, Frame, InterpError, unsupported};
 use crate::Texture;
@@ -18,9 +18,9 @@ type Bound<'m> = (u32, &'m Texture);
 /// Where a lookup lands: the coordinates of a texel in a layer or slice, and that.
 #[derive(Clone, Copy)]
 struct At {
-    x: Slot,
-    y: Slot,
-    layer: Slot,
+    x: Register,
+    y: Register,
+    layer: Register,
 }
 
 impl<'m> Compiler<'m> {
@@ -43,7 +43,7 @@ impl<'m> Compiler<'m> {
         site: Site,
         handle: Handle<Expression>,
         span: naga::Span,
-    ) -> Result<Vec<Slot>, InterpError> {
+    ) -> Result<Vec<Register>, InterpError> {
         let Expression::ImageSample { image, gather, coordinate, array_index, offset, level, depth_ref, .. } =
             frame.function.expressions[handle]
         else {
@@ -58,7 +58,7 @@ impl<'m> Compiler<'m> {
             | SampleLevel::Bias(_)
             | SampleLevel::Gradient { .. } => {}
         }
-        let coordinate = self.slots(frame, coordinate)?.to_vec();
+        let coordinate = self.registers(frame, coordinate)?.to_vec();
         let layer = array_index.map(|layer| self.single(frame, layer)).transpose()?;
         let offset = offset.map_or(Ok(Vec::new()), |offset| offsets(frame, offset, span))?;
         let reference = depth_ref.map(|reference| self.single(frame, reference)).transpose()?;
@@ -79,7 +79,7 @@ impl<'m> Compiler<'m> {
         }
         let at = self.nearest(site, texture.1, &coordinate, layer, &offset, span)?;
         let channels = if texture.1.kind.texel == Texel::Depth { 0..1 } else { 0..4 };
-        let texel: Vec<Slot> = channels.map(|c| self.fetched(site, texture, at, c, None)).collect();
+        let texel: Vec<Register> = channels.map(|c| self.fetched(site, texture, at, c, None)).collect();
         Ok(match (reference, &texel[..]) {
             (Some(reference), &[depth]) => vec![self.compared(site, reference, depth)],
             _ => texel,
@@ -93,7 +93,7 @@ impl<'m> Compiler<'m> {
         site: Site,
         handle: Handle<Expression>,
         span: naga::Span,
-    ) -> Result<Vec<Slot>, InterpError> {
+    ) -> Result<Vec<Register>, InterpError> {
         let Expression::ImageLoad { image, coordinate, array_index, sample, level } =
             frame.function.expressions[handle]
         else {
@@ -103,7 +103,7 @@ impl<'m> Compiler<'m> {
             return Err(unsupported("textures with several samples".to_owned(), span));
         }
         let texture = self.bound(frame, image, span)?;
-        let coordinate = self.slots(frame, coordinate)?.to_vec();
+        let coordinate = self.registers(frame, coordinate)?.to_vec();
         let [width, height, depth] = texture.1.contents.size();
         let zero = self.word(0, Scalar::U32);
         let get = |k: usize| coordinate.get(k).copied().unwrap_or(zero);
@@ -133,7 +133,7 @@ impl<'m> Compiler<'m> {
         site: Site,
         (image, query): (Handle<Expression>, ImageQuery),
         span: naga::Span,
-    ) -> Result<Vec<Slot>, InterpError> {
+    ) -> Result<Vec<Register>, InterpError> {
         let (_, texture) = self.bound(frame, image, span)?;
         let [width, height, layers] = texture.contents.size();
         let numbers = match query {
@@ -160,7 +160,7 @@ impl<'m> Compiler<'m> {
                         let to = this.temporary();
                         let (channel, inside) = (channel as u8, Some(inside.reg));
                         this.push(Inst::Texel { table, index, channel, inside, to, site });
-                        Slot { scalar: Scalar::U32, reg: to }
+                        Register { scalar: Scalar::U32, reg: to }
                     };
                     return Ok((0..numbers.len()).map(|k| number(self, k)).collect());
                 }
@@ -171,19 +171,19 @@ impl<'m> Compiler<'m> {
     }
 
     /// True for 0 ≤ word < size; a negative number is a large one without a sign.
-    fn below(&mut self, site: Site, word: Slot, size: u32) -> Slot {
+    fn below(&mut self, site: Site, word: Register, size: u32) -> Register {
         let size = self.word(size, Scalar::U32);
         self.word2(site, Word2::LessUnsigned, word, size, Scalar::Bool)
     }
 
-    fn within_unit(&mut self, site: Site, value: Slot) -> Slot {
+    fn within_unit(&mut self, site: Site, value: Register) -> Register {
         let (zero, one) = (self.real(0.0, None), self.real(1.0, None));
         let value = self.real2(site, Binary::Max, value, zero);
         self.real2(site, Binary::Min, value, one)
     }
 
     /// ⌊size·u + shift⌋ + offset, clamped.
-    fn texel_of(&mut self, site: Site, u: Slot, size: u32, shift: f32, (low, high): (i32, i32)) -> Slot {
+    fn texel_of(&mut self, site: Site, u: Register, size: u32, shift: f32, (low, high): (i32, i32)) -> Register {
         let scale = self.real(size as f32, None);
         let mut x = self.real2(site, Binary::Multiply, u, scale);
         if shift != 0.0 {
@@ -193,7 +193,7 @@ impl<'m> Compiler<'m> {
         self.words_of(site, ToWords::Texel { low, high }, x, Scalar::I32)
     }
 
-    fn plus(&mut self, site: Site, a: Slot, n: i32) -> Slot {
+    fn plus(&mut self, site: Site, a: Register, n: i32) -> Register {
         if n == 0 {
             return a;
         }
@@ -205,8 +205,8 @@ impl<'m> Compiler<'m> {
         &mut self,
         site: Site,
         texture: &Texture,
-        coordinate: &[Slot],
-        layer: Slot,
+        coordinate: &[Register],
+        layer: Register,
         offset: &[i32],
         span: naga::Span,
     ) -> Result<At, InterpError> {
@@ -232,17 +232,17 @@ impl<'m> Compiler<'m> {
         &mut self,
         site: Site,
         texture: Bound<'m>,
-        coordinate: &[Slot],
-        layer: Slot,
+        coordinate: &[Register],
+        layer: Register,
         (offset, component): (&[i32], SwizzleComponent),
-        reference: Option<Slot>,
+        reference: Option<Register>,
         span: naga::Span,
-    ) -> Result<Vec<Slot>, InterpError> {
+    ) -> Result<Vec<Register>, InterpError> {
         let &[u, v] = coordinate else {
             return Err(unsupported("gathering from a texture that is not flat".to_owned(), span));
         };
         let [width, height, _] = texture.1.contents.size();
-        let pair = |this: &mut Self, u: Slot, size: u32, offset: i32| {
+        let pair = |this: &mut Self, u: Register, size: u32, offset: i32| {
             let last = size.cast_signed() - 1;
             // The lower one of two neighbours, from one before the first to the last.
             let low = this.texel_of(site, u, size, -0.5, (-1 - offset, last - offset));
@@ -268,13 +268,13 @@ impl<'m> Compiler<'m> {
     }
 
     /// The number of a layer: clamped, and the face counted in.
-    fn layer(&mut self, site: Site, texture: &Texture, face: Option<Slot>, layer: Option<Slot>) -> Slot {
+    fn layer(&mut self, site: Site, texture: &Texture, face: Option<Register>, layer: Option<Register>) -> Register {
         let layers = texture.contents.size()[2];
         let zero = self.word(0, Scalar::I32);
         let Some(layer) = layer else { return face.unwrap_or(zero) };
         let count = if face.is_some() { layers / 6 } else { layers };
         let last = self.word(count.saturating_sub(1), Scalar::I32);
-        let layer = self.word2(site, Word2::MaxSigned, Slot { scalar: Scalar::I32, ..layer }, zero, Scalar::I32);
+        let layer = self.word2(site, Word2::MaxSigned, Register { scalar: Scalar::I32, ..layer }, zero, Scalar::I32);
         let layer = self.word2(site, Word2::MinSigned, layer, last, Scalar::I32);
         let Some(face) = face else { return layer };
         let six = self.word(6, Scalar::I32);
@@ -283,7 +283,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// The face that a direction meets and the coordinates there (OpenGL 4.6, table 8.19).
-    fn face(&mut self, site: Site, [x, y, z]: [Slot; 3]) -> (Slot, Slot, Slot) {
+    fn face(&mut self, site: Site, [x, y, z]: [Register; 3]) -> (Register, Register, Register) {
         let one = self.real(1.0, None);
         // Which face two equal coordinates choose is not promised: rounding makes a doubt of it.
         let [ax, ay, az] = [x, y, z].map(|c| {
@@ -311,7 +311,7 @@ impl<'m> Compiler<'m> {
             let (s, t) = (self.select(negative, s.1, s.0), self.select(negative, t.1, t.0));
             sides.push([face, s, t, length]);
         }
-        let chosen: Vec<Slot> = (0..4)
+        let chosen: Vec<Register> = (0..4)
             .map(|k| {
                 let other = self.select(y_most, sides[1][k], sides[0][k]);
                 self.select(z_most, sides[2][k], other)
@@ -327,7 +327,7 @@ impl<'m> Compiler<'m> {
     }
 
     /// 1 where the reference is at most the depth.
-    fn compared(&mut self, site: Site, reference: Slot, depth: Slot) -> Slot {
+    fn compared(&mut self, site: Site, reference: Register, depth: Register) -> Register {
         let (zero, one) = (self.real(0.0, None), self.real(1.0, None));
         // A device makes the depth out of an integer, and may round it.
         let depth = self.real2(site, Binary::Multiply, depth, one);
@@ -336,7 +336,14 @@ impl<'m> Compiler<'m> {
     }
 
     /// A channel of a texel.
-    fn fetched(&mut self, site: Site, (table, texture): Bound<'m>, at: At, channel: u8, inside: Option<Slot>) -> Slot {
+    fn fetched(
+        &mut self,
+        site: Site,
+        (table, texture): Bound<'m>,
+        at: At,
+        channel: u8,
+        inside: Option<Register>,
+    ) -> Register {
         let [width, height, _] = texture.contents.size();
         let width = self.word(width, Scalar::U32);
         let height = self.word(height, Scalar::U32);
@@ -346,7 +353,7 @@ impl<'m> Compiler<'m> {
         let index = self.word2(site, Word2::AddUnsigned, first, at.x, Scalar::U32);
         let to = self.temporary();
         self.push(Inst::Texel { table, index: index.reg, channel, inside: inside.map(|i| i.reg), to, site });
-        let word = |scalar| Slot { scalar, reg: to };
+        let word = |scalar| Register { scalar, reg: to };
         match texture.kind.texel {
             Texel::Float | Texel::Depth => self.reals_of(site, FromWords::Bits, word(Scalar::U32)),
             Texel::Int => word(Scalar::I32),

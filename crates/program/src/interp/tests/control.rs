@@ -1,4 +1,4 @@
-//! Control flow in which lanes part.
+//! Control flow in which slots part.
 
 use super::super::{Binary64, FUEL, HazardKind};
 use super::support::{batch, compile, glsl, run, wgsl};
@@ -18,7 +18,7 @@ fn expect(text: &str, expected: impl Fn(i64) -> i64) {
 }
 
 #[test]
-fn lanes_part_and_meet_again() {
+fn slots_part_and_meet_again() {
     expect(
         "fn f(x: i32) -> i32 { var y = 1; if x % 3 == 0 { y = x; if x % 2 == 0 { y += 5; } } else { y -= x; } return y * 2; }",
         |x| 2 * if x % 3 == 0 { x + if x % 2 == 0 { 5 } else { 0 } } else { 1 - x },
@@ -26,7 +26,7 @@ fn lanes_part_and_meet_again() {
 }
 
 #[test]
-fn an_early_return_stops_a_lane_and_no_other() {
+fn an_early_return_stops_a_slot_and_no_other() {
     expect(
         "fn f(x: i32) -> i32 { if x < 300 { if x % 2 == 0 { return x; } } else { return -x; } var y = x; y += 1; return y * 10; }",
         |x| match x {
@@ -38,7 +38,7 @@ fn an_early_return_stops_a_lane_and_no_other() {
 }
 
 #[test]
-fn loops_with_break_and_continue_run_as_often_as_each_lane_wants() {
+fn loops_with_break_and_continue_run_as_often_as_each_slot_wants() {
     let text = "fn f(x: i32) -> i32 {
         var sum = 0;
         for (var i = 0; i < x; i++) {
@@ -143,7 +143,7 @@ fn a_case_falls_through_to_the_next() {
 }
 
 #[test]
-fn calls_return_to_where_each_lane_came_from() {
+fn calls_return_to_where_each_slot_came_from() {
     let text = "
         fn root(x: i32) -> i32 { var r = 0; loop { if r * r >= x { return r; } r++; } return -1; }
         fn twice(x: i32) -> i32 { if x % 2 == 0 { return root(x); } return root(x) + root(x + 1); }
@@ -153,7 +153,7 @@ fn calls_return_to_where_each_lane_came_from() {
 }
 
 #[test]
-fn a_loop_without_end_is_reported_for_the_lanes_that_run_it() {
+fn a_loop_without_end_is_reported_for_the_slots_that_run_it() {
     let shader = wgsl("fn f(x: i32) -> i32 { var y = x; loop { if y != 7 { break; } } return y + 1; }");
     let executable = compile(&shader).unwrap();
     let rows: Vec<Vec<u32>> = (0..20).map(|k| vec![k]).collect();

@@ -1,10 +1,10 @@
-//! Variables, pointers and indices of each lane's own.
+//! Variables, pointers and indices of each slot's own.
 
 use super::super::{Binary32, Binary64, FUEL, POISON};
 use super::support::{assert_near, batch, compile_with, floats, glsl, ints, row, row32, run, wgsl};
 
 #[test]
-fn an_index_of_each_lane_selects_elements_of_a_variable() {
+fn an_index_of_each_slot_selects_elements_of_a_variable() {
     let shader = wgsl(
         "fn f(i: i32, x: f32) -> vec4f {
         var a = array<vec2f, 4>(vec2f(1, 2), vec2f(3, 4), vec2f(5, 6), vec2f(7, 8));

@@ -73,7 +73,7 @@ fn shifts_and_conversions_are_cut_and_reported() {
 }
 
 #[test]
-fn lanes_that_do_not_go_there_report_nothing() {
+fn slots_that_do_not_go_there_report_nothing() {
     let shader = wgsl("fn f(a: i32, b: i32) -> i32 { var r = -1; if b != 0 { r = a / b; } return r; }");
     let rows: Vec<Vec<u32>> = (0..300).map(|k| vec![100, k % 3]).collect();
     let meaning = run::<Binary64>(&shader, &rows);
@@ -82,7 +82,7 @@ fn lanes_that_do_not_go_there_report_nothing() {
 }
 
 #[test]
-fn lanes_behind_the_last_invocation_report_nothing() {
+fn slots_behind_the_last_invocation_report_nothing() {
     let shader = wgsl("fn f(a: i32, b: i32) -> i32 { return a / b; }");
     let meaning = run::<Binary64>(&shader, &[ints(&[1, 0])]);
     assert_eq!((meaning.count(), meaning.findings()[0].count), (1, 1));

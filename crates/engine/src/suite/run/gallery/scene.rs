@@ -136,9 +136,10 @@ pub(super) fn scene(trial: &mut Trial<'_>, request: &Request, report: &Report) -
             .collect();
         let closeups = look(trial, &samples)?;
         let first = &samples[0];
-        let told = picture.time(first);
+        let reported = picture.time(first);
         scene.frames.push(
-            told.unwrap_or_else(|| if frames > 1 { format!("pose {} of {frames}", frame + 1) } else { String::new() }),
+            reported
+                .unwrap_or_else(|| if frames > 1 { format!("pose {} of {frames}", frame + 1) } else { String::new() }),
         );
         scene.lines.push(picture.lines(first));
         grid.settle(&closeups);

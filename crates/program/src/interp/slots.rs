@@ -1,30 +1,30 @@
-//! Lanes that run side by side, and sets of them.
+//! Slots that run side by side, and sets of them.
 
 /// Invocations that run side by side: enough to hide the cost of an instruction, few enough that the
 /// columns of a shader stay in the cache.
-pub const LANES: usize = 256;
+pub const SLOTS: usize = 256;
 
-/// One 32-bit word for each lane: a signed or unsigned integer, or a boolean as 0 or 1.
-pub type Words = [u32; LANES];
+/// One 32-bit word for each slot: a signed or unsigned integer, or a boolean as 0 or 1.
+pub type Words = [u32; SLOTS];
 
-const PARTS: usize = LANES / 64;
+const PARTS: usize = SLOTS / 64;
 
-/// A set of lanes.
+/// A set of slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mask([u64; PARTS]);
 
 impl Mask {
-    /// No lane.
+    /// No slot.
     pub const NONE: Self = Self([0; PARTS]);
-    /// All lanes.
+    /// All slots.
     pub const ALL: Self = Self([u64::MAX; PARTS]);
 
-    /// The first `count` lanes.
+    /// The first `count` slots.
     pub fn first(count: usize) -> Self {
-        Self::where_(|lane| lane < count)
+        Self::where_(|slot| slot < count)
     }
 
-    /// The lanes for which `test` holds.
+    /// The slots for which `test` holds.
     #[inline]
     pub fn where_(test: impl Fn(usize) -> bool) -> Self {
         let mut parts = [0; PARTS];
@@ -36,51 +36,51 @@ impl Mask {
         Self(parts)
     }
 
-    /// The lanes in which a boolean is true.
+    /// The slots in which a boolean is true.
     pub fn of(words: &Words) -> Self {
-        Self::where_(|lane| words[lane] != 0)
+        Self::where_(|slot| words[slot] != 0)
     }
 
-    /// True when no lane is in the set.
+    /// True when no slot is in the set.
     pub fn is_empty(&self) -> bool {
         *self == Self::NONE
     }
 
-    /// True when every lane is in the set.
+    /// True when every slot is in the set.
     pub fn is_full(&self) -> bool {
         *self == Self::ALL
     }
 
-    /// True when the lane is in the set.
-    pub fn has(&self, lane: usize) -> bool {
-        self.0[lane / 64] >> (lane % 64) & 1 == 1
+    /// True when the slot is in the set.
+    pub fn has(&self, slot: usize) -> bool {
+        self.0[slot / 64] >> (slot % 64) & 1 == 1
     }
 
-    /// Lanes of both sets.
+    /// Slots of both sets.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k] & other.0[k]))
     }
 
-    /// Lanes of either set.
+    /// Slots of either set.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k] | other.0[k]))
     }
 
-    /// Lanes of this set that are not in the other.
+    /// Slots of this set that are not in the other.
     #[must_use]
     pub fn minus(self, other: Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k] & !other.0[k]))
     }
 
-    /// Number of lanes.
+    /// Number of slots.
     pub fn count(&self) -> usize {
         self.0.iter().map(|part| part.count_ones() as usize).sum()
     }
 
-    /// The lanes, in order.
-    pub fn lanes(self) -> impl Iterator<Item = usize> {
+    /// The slots, in order.
+    pub fn slots(self) -> impl Iterator<Item = usize> {
         self.0.into_iter().enumerate().flat_map(|(k, mut part)| {
             std::iter::from_fn(move || {
                 let bit = part.trailing_zeros() as usize;
@@ -92,7 +92,7 @@ impl Mask {
         })
     }
 
-    /// Calls `f` for each lane, in order.
+    /// Calls `f` for each slot, in order.
     #[inline]
     pub fn each(&self, mut f: impl FnMut(usize)) {
         for (k, &part) in self.0.iter().enumerate() {
@@ -108,16 +108,16 @@ impl Mask {
         }
     }
 
-    /// Copies `from` to `to` in the lanes of the set.
+    /// Copies `from` to `to` in the slots of the set.
     #[inline]
-    pub fn merge<T: Copy>(&self, from: &[T; LANES], to: &mut [T; LANES]) {
+    pub fn merge<T: Copy>(&self, from: &[T; SLOTS], to: &mut [T; SLOTS]) {
         for (k, &part) in self.0.iter().enumerate() {
-            let lanes = k * 64..(k + 1) * 64;
+            let slots = k * 64..(k + 1) * 64;
             match part {
                 0 => {}
-                u64::MAX => to[lanes.clone()].copy_from_slice(&from[lanes]),
+                u64::MAX => to[slots.clone()].copy_from_slice(&from[slots]),
                 _ => {
-                    for (bit, (to, from)) in to[lanes.clone()].iter_mut().zip(&from[lanes]).enumerate() {
+                    for (bit, (to, from)) in to[slots.clone()].iter_mut().zip(&from[slots]).enumerate() {
                         *to = if part >> bit & 1 == 1 { *from } else { *to };
                     }
                 }
@@ -131,20 +131,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sets_are_combined_lane_by_lane() {
-        let even = Mask::where_(|lane| lane % 2 == 0);
+    fn sets_are_combined_slot_by_slot() {
+        let even = Mask::where_(|slot| slot % 2 == 0);
         let low = Mask::first(70);
         assert_eq!(even.and(low).count(), 35);
         assert_eq!(even.or(low).count(), 35 + 128);
-        assert_eq!(low.minus(even).lanes().take(3).collect::<Vec<_>>(), [1, 3, 5]);
-        assert_eq!(low.lanes().last(), Some(69));
+        assert_eq!(low.minus(even).slots().take(3).collect::<Vec<_>>(), [1, 3, 5]);
+        assert_eq!(low.slots().last(), Some(69));
         assert!(Mask::ALL.is_full() && Mask::NONE.is_empty() && !even.has(1) && even.has(128));
     }
 
     #[test]
-    fn a_merge_leaves_other_lanes_alone() {
-        let mut to = [1_u32; LANES];
-        Mask::where_(|lane| lane == 3 || lane >= 192).merge(&[2; LANES], &mut to);
+    fn a_merge_leaves_other_slots_alone() {
+        let mut to = [1_u32; SLOTS];
+        Mask::where_(|slot| slot == 3 || slot >= 192).merge(&[2; SLOTS], &mut to);
         assert_eq!((to[2], to[3], to[4], to[191], to[192], to[255]), (1, 2, 1, 1, 2, 2));
     }
 }
