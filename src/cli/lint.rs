@@ -1,4 +1,4 @@
-//! `shadercheck lint`: finds faults in shaders and in the C and C++ code around them, and repairs them.
+//! `shadercheck lint`: finds faults in shaders and in the host code around them, and repairs them.
 
 mod config;
 mod diff;
@@ -36,7 +36,7 @@ use known::Known;
 /// shadercheck.toml above a file says how it is linted; options go before it.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LintArgs {
-    /// Files, and folders that are searched for shaders and C and C++ files
+    /// Files, and folders that are searched for shaders and host code
     #[arg(required = true, value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Repair what can be repaired without changing the meaning

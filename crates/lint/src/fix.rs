@@ -5,11 +5,14 @@ use std::collections::BTreeSet;
 use base::diagnostic::{Diagnostic, Safety};
 use base::text::{EditList, SourceFile};
 
-use super::host::HostFile;
+use super::host::{HostFile, Literal};
 use super::project::{Input, Language, language_of};
 use super::registry::{RULES, with_name};
 use super::rule::Rule;
+use super::script::{Found, shaders};
+use super::sections::sections;
 use super::{Settings, run_rules};
+use syntax::Stage;
 
 /// Rounds after which the engine gives up: fixes that undo each other would go on for ever.
 pub const MOST_ROUNDS: usize = 20;
@@ -174,7 +177,16 @@ fn touch(a: base::text::Span, b: base::text::Span) -> bool {
 fn faults(name: &str, text: &str) -> usize {
     let file = SourceFile::new(name, text);
     match language_of(name) {
-        Some(Language::Shader(stage)) => syntax::Shader::parse(&file, stage).diagnostics.len(),
+        Some(Language::Shader(stage)) => {
+            let parts = sections(&file);
+            if parts.is_empty() {
+                return syntax::Shader::parse(&file, stage).diagnostics.len();
+            }
+            let faults = |(stage, part): (Stage, Literal)| {
+                syntax::Shader::parse(&SourceFile::new(name, part.text), stage).diagnostics.len()
+            };
+            parts.into_iter().map(faults).sum()
+        }
         Some(Language::Host) => {
             let host = HostFile::new(&file, true);
             let shaders = host.embedded().iter().map(|e| {
@@ -182,6 +194,11 @@ fn faults(name: &str, text: &str) -> usize {
                 syntax::Shader::parse(&text, e.stage).diagnostics.len()
             });
             host.error_count().saturating_add(shaders.sum())
+        }
+        Some(Language::Script) => {
+            let faults =
+                |f: Found| syntax::Shader::parse(&SourceFile::new(name, f.literal.text), f.stage).diagnostics.len();
+            shaders(&file).into_iter().map(faults).sum()
         }
         None => {
             let read = crate::document::Document::read(&file).unwrap_or_default();

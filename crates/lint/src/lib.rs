@@ -18,6 +18,7 @@ mod project;
 mod range;
 mod registry;
 mod rule;
+mod script;
 mod sections;
 mod select;
 mod suppress;
@@ -31,6 +32,7 @@ pub use page::{Example, Pages};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of};
 pub use registry::{RULES, by_code, nearest, with_name};
 pub use rule::{Level, Rule};
+pub use script::SCRIPT_EXTENSIONS;
 pub use select::{PerFile, SelectError, Selection};
 
 use std::collections::{BTreeSet, HashMap, HashSet};

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-use base::diagnostic::Diagnostic;
+use base::diagnostic::{Code, Diagnostic};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
 use syntax::{Shader, Stage};
@@ -20,7 +20,8 @@ use super::flow::Flow;
 use super::host::{HostFile, HostTree, Literal, ShaderRef, named_shaders};
 use super::program::{self, Program};
 use super::range::Observed;
-use super::sections::sections;
+use super::script::{self, SCRIPT_EXTENSIONS};
+use super::sections::{sections, template};
 use super::version;
 
 /// Endings of shader files that a folder is searched for.
@@ -65,6 +66,8 @@ pub enum Language {
     Shader(Stage),
     /// C or C++.
     Host,
+    /// A language whose strings may be shaders.
+    Script,
 }
 
 /// The language that a file's name says; none when it says neither shader nor C or C++.
@@ -72,6 +75,9 @@ pub fn language_of(name: &str) -> Option<Language> {
     let ending = extension(name).to_ascii_lowercase();
     if HOST_EXTENSIONS.contains(&ending.as_str()) {
         return Some(Language::Host);
+    }
+    if SCRIPT_EXTENSIONS.contains(&ending.as_str()) {
+        return Some(Language::Script);
     }
     // Several shaders in one file; the ending says no stage.
     let stage = if ending == "shader" { Some(Stage::Library) } else { Stage::from_path(name) };
@@ -157,8 +163,8 @@ pub struct ShaderFile {
     pub shader: Shader,
     /// Errors of the front end.
     pub front_end: Vec<Diagnostic>,
-    /// For each of them, whether what the host puts around the text may take it away.
-    doubtful: Vec<bool>,
+    /// Those of them that what the host puts around the text may take away.
+    doubtful: Vec<(Code, Span)>,
     /// True when an `#if` or `#include` makes the interface depend on more than this text.
     pub conditional: bool,
     /// Where the text stands when it is a literal of a host file, or a part of a document.
@@ -167,7 +173,7 @@ pub struct ShaderFile {
     pub place: Option<Place>,
     /// The file that a document calls it.
     called: Option<String>,
-    /// True for a part of a document that lacks something.
+    /// True for a part of a text that lacks something.
     pub partial: bool,
     /// True when the file was named by itself, and not found in a folder.
     pub named: bool,
@@ -182,8 +188,9 @@ impl ShaderFile {
         let claimed = |d| super::glsl::hlsl_name::claim(&parsed.shader, d);
         let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
         let doubtful = context::doubtful(&parsed.shader, &front_end);
+        let doubtful = front_end.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span));
         Self {
-            doubtful,
+            doubtful: doubtful.collect(),
             file: parsed.shader.file().clone(),
             reported: input.reported,
             shader: parsed.shader,
@@ -220,6 +227,23 @@ impl ShaderFile {
         }
     }
 
+    /// A shader in which a host fills in lines.
+    fn filled_in(input: &Input, part: (Stage, Literal)) -> Self {
+        let mut shader = Self { partial: true, ..Self::part(input, part) };
+        shader.front_end.retain(|d| script::holds(d, false, true));
+        shader
+    }
+
+    /// A shader in a string of a script.
+    fn in_script(input: &Input, found: script::Found) -> Self {
+        let text = input.with_file(SourceFile::new(found.name, found.literal.text.as_str()));
+        let origin = Some(Origin { host: input.file.clone(), literal: found.literal });
+        let mut shader = Self { origin, partial: found.partial, ..Self::new(&text, found.stage) };
+        let lacks = shader.shader.has_unknown_names();
+        shader.front_end.retain(|d| script::holds(d, found.partial, lacks));
+        shader
+    }
+
     /// True when the interface is known from this text alone: the front end found no error outside the bodies
     /// of functions, and nothing depends on an `#if` or `#include`.
     pub fn is_plain(&self) -> bool {
@@ -229,8 +253,7 @@ impl ShaderFile {
 
     /// True for an error of the front end that what the host puts around the text may take away.
     pub fn is_doubtful(&self, error: &Diagnostic) -> bool {
-        let same = |d: &Diagnostic| d.code == error.code && d.span == error.span;
-        self.front_end.iter().zip(&self.doubtful).any(|(d, doubtful)| *doubtful && same(d))
+        self.doubtful.contains(&(error.code, error.span))
     }
 
     /// True for an error in the body of a function that does not keep the rest from being read.
@@ -250,7 +273,7 @@ impl ShaderFile {
 
     /// True when the front end read the whole text without error, and it is all there.
     pub fn is_sound(&self) -> bool {
-        self.front_end.is_empty() && !self.shader.has_unknown_names()
+        !self.partial && self.front_end.is_empty() && !self.shader.has_unknown_names()
     }
 
     /// What happens to variables along the paths; nothing when the front end found errors.
@@ -329,6 +352,8 @@ impl Read {
                 let parts = sections(&input.file);
                 if !parts.is_empty() {
                     Some(Self::Sections(parts.into_iter().map(|p| ShaderFile::part(input, p)).collect()))
+                } else if let Some(literal) = template(&input.file) {
+                    Some(Self::Sections(vec![ShaderFile::filled_in(input, (stage, literal))]))
                 } else if extension(&path).eq_ignore_ascii_case("shader") {
                     // Other tools write other languages under this ending.
                     None
@@ -339,6 +364,10 @@ impl Read {
                 }
             }
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
+            Some(Language::Script) => {
+                let found = script::shaders(&input.file).into_iter();
+                Some(Self::Sections(found.map(|f| ShaderFile::in_script(input, f)).collect()))
+            }
             None => Document::read(&input.file).map(|document| Self::document(input, document)),
         };
         (path, read)
@@ -428,8 +457,8 @@ impl Project {
     /// The shaders of each file that holds several.
     pub fn sections(&self) -> Vec<Vec<&ShaderFile>> {
         let mut files: BTreeMap<&str, Vec<&ShaderFile>> = BTreeMap::new();
-        let parts = self.embedded.iter().filter(|((path, _), _)| !self.hosts.by_path.contains_key(path));
-        for ((path, _), shader) in parts.filter(|(_, s)| s.place.is_none()) {
+        let is_shader = |path: &str| matches!(language_of(path), Some(Language::Shader(_)));
+        for ((path, _), shader) in self.embedded.iter().filter(|((path, _), s)| is_shader(path) && s.place.is_none()) {
             files.entry(path).or_default().push(shader);
         }
         files.into_values().collect()

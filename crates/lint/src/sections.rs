@@ -1,45 +1,75 @@
-//! Files that hold several shaders, each behind a line that says its stage: `#type vertex`,
-//! `#shader fragment`. Hosts cut them apart.
+//! Files that hold several shaders, which hosts cut apart: behind a line that says the stage (`#type vertex`,
+//! `---FRAGMENT SHADER---`), on the two sides of a line of `$$`, or in branches for `VERTEX` and `FRAGMENT`.
 
 use base::text::{SourceFile, Span};
 use syntax::Stage;
 
-use super::host::Literal;
+use super::host::{Literal, marks};
+
+/// Macros that hosts define for the vertex shader and for the fragment shader of a file.
+const DEFINED: [(&str, &str); 6] = [
+    ("VERTEX", "FRAGMENT"),
+    ("VERTEX_SHADER", "FRAGMENT_SHADER"),
+    ("_VERTEX_", "_FRAGMENT_"),
+    ("VERTEX_PROGRAM", "FRAGMENT_PROGRAM"),
+    ("VERT", "FRAG"),
+    ("VS", "FS"),
+];
 
 /// The shaders of such a file; none when it is one shader.
 pub fn sections(file: &SourceFile) -> Vec<(Stage, Literal)> {
+    [marked, separated, conditional].into_iter().map(|read| read(file)).find(|all| !all.is_empty()).unwrap_or_default()
+}
+
+/// Shaders behind lines that say their stage.
+fn marked(file: &SourceFile) -> Vec<(Stage, Literal)> {
     let text = file.text();
-    let mut marks: Vec<(usize, usize, Stage)> = Vec::new();
-    let mut at = 0;
-    for line in text.split_inclusive('\n') {
+    let mut found: Vec<(usize, usize, Stage)> = Vec::new();
+    for (at, line) in lines(text) {
         if let Some(stage) = mark(line) {
-            marks.push((at, at + line.len(), stage));
+            found.push((at, at + line.len(), stage));
         }
-        at += line.len();
     }
     // What stands in front of the first shader belongs to none, or to all: only comments are clear.
-    let Some(&(first, ..)) = marks.first() else { return Vec::new() };
-    let plain = |line: &str| line.trim().is_empty() || line.trim_start().starts_with("//");
-    if !text[..first].lines().all(plain) {
+    let Some(&(first, ..)) = found.first() else { return Vec::new() };
+    if !marks::without_comments(&text[..first]).trim().is_empty() {
         return Vec::new();
     }
-    let ends = marks.iter().skip(1).map(|m| m.0).chain([text.len()]);
-    marks
+    let ends = found.iter().skip(1).map(|m| m.0).chain([text.len()]);
+    found
         .iter()
         .zip(ends)
         .map(|(&(_, start, stage), end)| (stage, Literal::part(file, Span::new(start, end))))
         .collect()
 }
 
+/// Lines with where they start.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.split_inclusive('\n').scan(0, |at, line| {
+        let start = *at;
+        *at += line.len();
+        Some((start, line))
+    })
+}
+
 /// The stage that a line says.
 fn mark(line: &str) -> Option<Stage> {
-    let mut words = line.trim_start().strip_prefix('#')?.split_whitespace();
-    if !matches!(words.next()?, "type" | "shader" | "stage") {
-        return None;
-    }
-    let stage = words.next()?.to_ascii_lowercase();
-    words.next().is_none().then_some(())?;
-    Some(match stage.as_str() {
+    let line = line.trim();
+    let (stage, rest) = match line.strip_prefix("---") {
+        Some(title) => {
+            let mut words = title.trim_matches('-').split_whitespace();
+            (words.next()?, words.next().filter(|w| !w.eq_ignore_ascii_case("shader")))
+        }
+        None => {
+            let mut words = line.strip_prefix('#')?.split_whitespace();
+            if !matches!(words.next()?, "type" | "shader" | "stage") {
+                return None;
+            }
+            (words.next()?, words.next())
+        }
+    };
+    rest.is_none().then_some(())?;
+    Some(match stage.to_ascii_lowercase().as_str() {
         "vertex" | "vert" | "vs" => Stage::Vertex,
         "fragment" | "frag" | "pixel" | "fs" => Stage::Fragment,
         "geometry" | "geom" | "gs" => Stage::Geometry,
@@ -48,6 +78,60 @@ fn mark(line: &str) -> Option<Stage> {
         "tesseval" | "tess_evaluation" | "tese" => Stage::TessEvaluation,
         _ => return None,
     })
+}
+
+/// A vertex shader in front of a line of `$$`, and a fragment shader behind it.
+fn separated(file: &SourceFile) -> Vec<(Stage, Literal)> {
+    let text = file.text();
+    let mut between = lines(text).filter(|(_, line)| line.trim() == "$$");
+    let (Some((at, line)), None) = (between.next(), between.next()) else { return Vec::new() };
+    let parts = [Span::new(0, at), Span::new(at + line.len(), text.len())];
+    if !parts.iter().all(|part| marks::has_main(file.slice(*part))) {
+        return Vec::new();
+    }
+    [Stage::Vertex, Stage::Fragment].into_iter().zip(parts.map(|part| Literal::part(file, part))).collect()
+}
+
+/// Shaders in branches of one text: the text as it is with the macro of each stage.
+fn conditional(file: &SourceFile) -> Vec<(Stage, Literal)> {
+    let text = file.text();
+    let says_no_stage = Stage::from_path(file.name()).is_none_or(|s| s == Stage::Library);
+    if !says_no_stage || marks::stage(text) != Err(marks::Mixed) {
+        return Vec::new();
+    }
+    let directives: Vec<&str> = text.lines().filter_map(|l| l.trim_start().strip_prefix('#')).map(str::trim).collect();
+    let starts = |words: &[&str], name: &str| {
+        directives.iter().any(|d| words.iter().any(|w| d.starts_with(w)) && marks::has_word(d, name))
+    };
+    let tested = |name: &str| starts(&["if", "elif"], name) && !starts(&["define"], name);
+    let Some((vertex, fragment)) = DEFINED.into_iter().find(|(v, f)| tested(v) && tested(f)) else { return Vec::new() };
+    // Hosts with parameters in pragmas give them as uniforms.
+    let parameters = if starts(&["pragma"], "parameter") { "#define PARAMETER_UNIFORM\n" } else { "" };
+    let version = lines(text).find(|(_, line)| line.trim_start().starts_with("#version"));
+    let at = version.map_or(0, |(at, line)| at + line.len());
+    let with = |stage: Stage, name: &str| {
+        let mut literal = Literal::part(file, Span::new(0, at));
+        literal.made(&format!("#define {name}\n{parameters}"), Span::at(at));
+        literal.add_part(file, Span::new(at, text.len()));
+        (stage, literal)
+    };
+    vec![with(Stage::Vertex, vertex), with(Stage::Fragment, fragment)]
+}
+
+/// The shader of a file in which a host replaces lines such as `$HEADER$`, with blanks for them; none without such.
+pub fn template(file: &SourceFile) -> Option<Literal> {
+    let text = file.text();
+    let is_hook = |line: &str| {
+        let name = line.trim().strip_prefix('$').and_then(|name| name.strip_suffix('$'));
+        name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_uppercase() || c == '_'))
+    };
+    let hooks: Vec<Span> = lines(text)
+        .filter(|(_, line)| is_hook(line))
+        .map(|(at, line)| Span::new(at, at + line.trim_end().len()))
+        .collect();
+    let mut literal = Literal::part(file, Span::new(0, text.len()));
+    hooks.iter().for_each(|hook| literal.blank(*hook));
+    (!hooks.is_empty()).then_some(literal)
 }
 
 #[cfg(test)]
@@ -80,6 +164,63 @@ mod tests {
         assert!(run(&[Input::new(file)]).is_empty());
         let file = SourceFile::new("both.shader", BOTH.replace("#type", "#shader").replace("vec4(n", "vec3(n"));
         assert_eq!(run(&[Input::new(file)]).len(), 1);
+    }
+
+    const BRANCHES: &str = "#if defined(VERTEX)\nattribute vec4 p;\nvarying vec2 t;\nvoid main() { t = p.xy; gl_Position = p; }\n\
+        #elif defined(FRAGMENT)\nvarying vec2 t;\nuniform sampler2D s;\nvoid main() { gl_FragColor = texture2D(s, t); }\n#endif\n";
+
+    #[test]
+    fn branches_for_the_stages_are_two_shaders() {
+        assert_eq!(reported(BRANCHES), [""; 0]);
+        let found = reported(&BRANCHES.replace("texture2D(s, t)", "texture2D(s, t) * (1 - t.x)"));
+        assert!(found.len() == 1 && found[0].starts_with("T006 both.glsl:8:"), "{found:?}");
+        let found = reported(&BRANCHES.replace("t = p.xy;", "t = p.xr;"));
+        assert!(found.len() == 1 && found[0].starts_with("T009 both.glsl:4:"), "{found:?}");
+        // With a version, which stays in front.
+        assert_eq!(reported(&format!("#version 120\n{BRANCHES}")), [""; 0]);
+        // A parameter is a uniform there.
+        let parameter =
+            "#pragma parameter GAIN \"Gain\" 1.0 0.0 2.0 0.1\n#ifdef PARAMETER_UNIFORM\nuniform float GAIN;\n#endif\n";
+        let shader = BRANCHES.replace("varying vec2 t;\nuniform", &format!("varying vec2 t;\n{parameter}uniform"));
+        assert_eq!(reported(&shader.replace("texture2D(s, t)", "GAIN * texture2D(s, t)")), [""; 0]);
+    }
+
+    #[test]
+    fn other_branches_are_one_shader() {
+        for text in
+            [BRANCHES.replace("VERTEX", "MORPH").replace("FRAGMENT", "SKIN"), format!("#define VERTEX\n{BRANCHES}")]
+        {
+            let file = SourceFile::new("both.glsl", text);
+            assert!(super::sections(&file).is_empty());
+        }
+    }
+
+    #[test]
+    fn titles_and_separators_cut_a_file() {
+        let vertex = "attribute vec4 p;\nvoid main() { gl_Position = p; }\n";
+        let fragment = "void main() { gl_FragColor = vec4(1.0); }\n";
+        let titles = format!("/* Both */\n---VERTEX SHADER------\n{vertex}\n---FRAGMENT SHADER----\n{fragment}");
+        let separated = format!("{vertex}\n$$\n{fragment}");
+        for text in [titles, separated] {
+            assert_eq!(reported(&text), [""; 0]);
+            let found = reported(&text.replace("vec4(1.0)", "vec3(1.0)"));
+            assert!(found.len() == 1 && found[0].starts_with("T003 "), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_host_puts_in_the_place_of_a_line_is_no_error() {
+        let text =
+            "$HEADER$\nuniform vec2 size;\nvoid main() { gl_FragColor = frag_color * texture2D(texture0, size); }\n";
+        let reported = |text: &str| {
+            let found = run(&[Input::new(SourceFile::new("default.fs", text))]);
+            found.iter().map(|d| format!("{} {}", d.code, d.file.locate(d.span.start))).collect::<Vec<_>>()
+        };
+        assert_eq!(reported(text), [""; 0]);
+        assert_eq!(reported(&text.replace("size);", "size.xs);")), ["T009 default.fs:3:68"]);
+        let broken = reported(&text.replace("vec2 size;", "vec2 size"));
+        assert!(broken.len() == 1 && broken[0].starts_with("E001 default.fs:"), "{broken:?}");
+        assert!(!reported(&text.replace("$HEADER$", "$HEADER")).is_empty(), "not a whole line");
     }
 
     #[test]

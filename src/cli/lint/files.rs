@@ -14,7 +14,7 @@ use base::text::{Decoded, Form, Shown, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
 use lint::fix::FixedFile;
 use lint::{
-    DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, is_document, language_of,
+    DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SCRIPT_EXTENSIONS, SHADER_EXTENSIONS, companions, is_document, language_of,
 };
 
 use super::write::{WriteError, replace};
@@ -49,7 +49,7 @@ pub enum InputError {
     Empty(PathBuf),
     /// Its name does not say what it is.
     #[error(
-        "{}: neither a shader nor C or C++ by its name, and no document with blocks of such code; known endings are {}",
+        "{}: neither a shader nor host code by its name, and no document with blocks of such code; known endings are {}",
         .0.shown(),
         endings()
     )]
@@ -59,7 +59,7 @@ pub enum InputError {
     NoCode(PathBuf),
     /// A folder without a file to lint.
     #[error(
-        "{}: no shader, no C or C++ file and no document with such code in this folder; known endings are {}; hidden files and what .gitignore names are left out",
+        "{}: no shader, no host code and no document with such code in this folder; known endings are {}; hidden files and what .gitignore names are left out",
         .0.shown(),
         endings()
     )]
@@ -83,7 +83,7 @@ fn endings() -> String {
 }
 
 fn known_endings() -> impl Iterator<Item = &'static &'static str> {
-    SHADER_EXTENSIONS.iter().chain(HOST_EXTENSIONS).chain(DOCUMENT_EXTENSIONS)
+    SHADER_EXTENSIONS.iter().chain(HOST_EXTENSIONS).chain(SCRIPT_EXTENSIONS).chain(DOCUMENT_EXTENSIONS)
 }
 
 /// What was read.
@@ -93,7 +93,7 @@ pub struct Loaded {
     pub inputs: Vec<Input>,
     /// What could not be read.
     pub problems: Vec<InputError>,
-    /// C and C++ files of a folder that are no text.
+    /// Files of host code in a folder that are no text.
     pub skipped: Vec<InputError>,
     /// Where each reported text came from, by its name.
     sources: BTreeMap<String, Candidate>,
@@ -207,7 +207,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             Err(_) if !named && language.is_none() => {}
             Err(InputError::Empty(_)) if !named => {}
             // Folders hold the code of others as well, which nobody asked about.
-            Err(error) if !named && language == Some(Language::Host) => loaded.skipped.push(error),
+            Err(error) if !named && matches!(language, Some(Language::Host | Language::Script)) => loaded.skipped.push(error),
             Err(error) => loaded.problems.push(error),
         }
     }

@@ -124,7 +124,7 @@ fn what_cannot_be_read_is_named_with_what_to_do() {
     for (name, parts) in [
         ("latin.vert", ["latin.vert:1:4: neither UTF-8", "iconv"]),
         ("empty.vert", ["empty.vert: the file is empty", "name a file"]),
-        ("notes.txt", ["notes.txt: neither a shader nor C", ".vert"]),
+        ("notes.txt", ["notes.txt: neither a shader nor host code", ".vert"]),
         ("none", ["none: no shader", ".vert"]),
         ("gone.vert", ["gone.vert: cannot be read", "check the path"]),
     ] {

@@ -67,7 +67,11 @@ impl Literal {
         let text = file.slice(place);
         let prefix = if text.starts_with("u8\"") { 3 } else { 1 };
         text.get(..prefix).filter(|p| p.ends_with('"'))?;
-        let (start, end) = (place.start + prefix, place.end.checked_sub(1)?);
+        self.escaped(file, Span::new(place.start + prefix, place.end.checked_sub(1)?))
+    }
+
+    /// Adds what stands between quotation marks, escapes resolved. None for an escape that is not a plain one.
+    pub fn escaped(&mut self, file: &SourceFile, Span { start, end }: Span) -> Option<()> {
         let mut at = start;
         while at < end {
             let rest = file.slice(Span::new(at, end));
@@ -84,6 +88,7 @@ impl Literal {
                 b'r' => ("\r", 2),
                 b'"' => ("\"", 2),
                 b'\'' => ("'", 2),
+                b'`' => ("`", 2),
                 b'\\' => ("\\", 2),
                 // A line that goes on in the next one.
                 b'\n' => ("", 2),
@@ -151,6 +156,11 @@ impl Literal {
         literal
     }
 
+    /// Adds what stands between the marks of a raw string.
+    pub fn verbatim_raw(&mut self, file: &SourceFile, place: Span) {
+        self.verbatim(file, place, PieceKind::Raw);
+    }
+
     /// Takes out a part of the text: blanks stand for it.
     pub fn blank(&mut self, span: Span) {
         self.text.replace_range(span.range(), &" ".repeat(span.len()));
@@ -174,6 +184,11 @@ impl Literal {
             }
         }
         assembly.finish(name)
+    }
+
+    /// Adds a further part of such a file.
+    pub fn add_part(&mut self, file: &SourceFile, place: Span) {
+        self.verbatim(file, place, PieceKind::File);
     }
 
     /// Adds the argument of a macro that makes a string of it.

@@ -1,0 +1,124 @@
+//! Shaders in strings of Python, JavaScript, TypeScript, Java, Kotlin and Rust.
+//!
+//! The text of a string says whether it is a shader, and mostly of which stage; else the name does that it is kept
+//! under. Hosts put more in front of such a text than this reader sees: engines declare attributes and uniforms, and
+//! templates fill in names. What may be right with that is not reported.
+
+mod language;
+mod strings;
+#[cfg(test)]
+mod tests;
+
+use base::diagnostic::{Code, Diagnostic};
+use base::text::SourceFile;
+use syntax::{BuiltinFunction, Stage, errors};
+
+use super::host::{Literal, marks};
+use strings::Text;
+
+use language::Language;
+pub use language::SCRIPT_EXTENSIONS;
+
+/// A shader in a string.
+pub struct Found {
+    /// Name for messages: the file's, `#`, and the variable's or the line.
+    pub name: String,
+    /// Its stage; a library for a part without `main`.
+    pub stage: Stage,
+    /// The text and its places.
+    pub literal: Literal,
+    /// True when a template fills something in, or other texts are joined to it.
+    pub partial: bool,
+}
+
+/// The shaders of a file, in the order of the text.
+pub fn shaders(file: &SourceFile) -> Vec<Found> {
+    let Some(language) = Language::of(file.name()).filter(|_| may_hold(file.text())) else { return Vec::new() };
+    let mut found: Vec<Found> = Vec::new();
+    for text in strings::texts(file, language) {
+        let Some(stage) = stage(&text) else { continue };
+        let line = file.position(text.place.start).line;
+        let called = text.names.first().cloned().unwrap_or_else(|| line.to_string());
+        let mut name = format!("{}#{called}", file.name());
+        if found.iter().any(|f| f.name == name) {
+            name = format!("{name}:{line}");
+        }
+        let partial = text.partial || stage == Stage::Library;
+        found.push(Found { name, stage, literal: text.literal, partial });
+    }
+    found
+}
+
+/// Words that no shader does without: most files of a project have none of them.
+fn may_hold(text: &str) -> bool {
+    text.contains("void main") || ["vec2", "vec3", "vec4"].iter().any(|word| text.contains(word))
+}
+
+/// The stage of a text that is a shader or a part of one.
+fn stage(text: &Text) -> Option<Stage> {
+    let code = marks::without_comments(&text.literal.text);
+    let has = |words: &[&str]| words.iter().any(|word| marks::has_word(&code, word));
+    let other = ["float2", "float3", "float4", "cbuffer", "using", "import", "public", "SV_Position", "metal_stdlib"];
+    // A string that is cut within a block is a piece of a longer text.
+    if has(&other) || code.matches('{').count() != code.matches('}').count() {
+        return None;
+    }
+    if marks::has_main(&code) {
+        let shader =
+            ["gl_Position", "gl_FragColor", "gl_FragData", "gl_FragCoord", "gl_PointSize", "version", "uniform"];
+        if !has(&shader) && !has(&["attribute", "varying", "precision"]) {
+            return None;
+        }
+        return match marks::stage(&code) {
+            Ok(Some(stage)) => Some(stage),
+            Ok(None) => text.names.iter().find_map(|name| marks::stage_of_name(name)),
+            Err(marks::Mixed) => None,
+        };
+    }
+    // A part is known by its functions.
+    let types = has(&["vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "sampler2D"]);
+    (types && defines_function(&code)).then_some(Stage::Library)
+}
+
+/// True when a line begins with the head of a function of GLSL.
+fn defines_function(code: &str) -> bool {
+    let types = ["void", "bool", "int", "uint", "float", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4"];
+    code.match_indices('{').any(|(at, _)| {
+        let head = code[..at].rsplit([';', '}', '{', '\n']).next().unwrap_or("").trim();
+        let Some((before, arguments)) = head.split_once('(') else { return false };
+        let words: Vec<&str> = before.split_whitespace().collect();
+        let [ty, name] = words[..] else { return false };
+        let named = name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        types.contains(&ty) && named && arguments.ends_with(')') && !arguments.contains(['=', '.'])
+    })
+}
+
+/// True for an error that holds whatever a host puts in front of the text or into it.
+///
+/// `lacks` says that the text uses names which it does not declare: what declares them may state precisions as well.
+pub fn holds(diagnostic: &Diagnostic, partial: bool, lacks: bool) -> bool {
+    const OF_TYPES: [Code; 9] = [
+        errors::ASSIGN_TYPE,
+        errors::OPERAND_TYPE,
+        errors::ASSIGN_SIZE,
+        errors::MATRIX_SIZE,
+        errors::IMPLICIT_FLOAT,
+        errors::SWIZZLE,
+        errors::VECTOR_RELATION,
+        errors::FLOAT_REMAINDER,
+        errors::RETURN_TYPE,
+    ];
+    if partial {
+        return OF_TYPES.contains(&diagnostic.code);
+    }
+    let name = diagnostic.file.slice(diagnostic.span);
+    match diagnostic.code {
+        // A name of the language is none that a host may declare.
+        errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION => {
+            name.starts_with("gl_") || BuiltinFunction::from_name(name).is_some()
+        }
+        errors::PRECISION => !lacks,
+        errors::UNKNOWN_TYPE | errors::INCLUDE | errors::UNKNOWN_DIRECTIVE | errors::CONDITIONAL => false,
+        _ => true,
+    }
+}

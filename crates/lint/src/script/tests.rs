@@ -1,0 +1,108 @@
+use super::*;
+use crate::{Input, run};
+
+fn found(name: &str, text: &str) -> Vec<(String, Stage, bool)> {
+    let file = SourceFile::new(name, text);
+    shaders(&file).into_iter().map(|f| (f.name, f.stage, f.partial)).collect()
+}
+
+fn reported(name: &str, text: &str) -> Vec<String> {
+    let found = run(&[Input::new(SourceFile::new(name, text))]);
+    found.iter().map(|d| format!("{} {}", d.code, d.file.locate(d.span.start))).collect()
+}
+
+const VERTEX: &str = "attribute vec4 p;\nvoid main() {\n  gl_Position = p * 2.0;\n}\n";
+
+/// The shader as lines of strings that `join` joins.
+fn lines(join: &str) -> String {
+    VERTEX.lines().map(|line| format!("'{line}\\n'")).collect::<Vec<_>>().join(join)
+}
+
+#[test]
+fn strings_of_each_language_are_read() {
+    let escaped = VERTEX.replace('\n', "\\n");
+    for (name, text, called) in [
+        ("a.py", format!("vs = \"\"\"\n{VERTEX}\"\"\""), "a.py#vs"),
+        ("a.py", format!("vs = (\n{}\n)", lines("\n  ")), "a.py#vs"),
+        ("a.py", format!("make(vertex_shader='''{VERTEX}''')"), "a.py#vertex_shader"),
+        ("a.js", format!("const vs = `{VERTEX}`;"), "a.js#vs"),
+        ("a.ts", format!("const vs: string = /* glsl */ `{VERTEX}`;"), "a.ts#vs"),
+        ("a.ts", format!("export default {{ vertexShader: glsl`{VERTEX}` }};"), "a.ts#vertexShader"),
+        ("a.js", format!("var vs = [{}].join('\\n');", lines(",\n")), "a.js#vs"),
+        ("a.js", format!("var x = s.replace(/['`]/g, ''); var vs = {};", lines(" +\n")), "a.js#vs"),
+        ("A.java", format!("String VS = {};", lines(" + ").replace('\'', "\"")), "A.java#VS"),
+        ("A.java", format!("char c = '\"'; String VS = \"\"\"\n{VERTEX}\"\"\";"), "A.java#VS"),
+        ("a.kt", format!("val vs = \"\"\"\n{VERTEX}\"\"\".trimIndent()"), "a.kt#vs"),
+        ("a.rs", format!("fn f<'a>(x: &'a str) {{}} const VS: &'static str = r#\"{VERTEX}\"#;"), "a.rs#VS"),
+        ("a.rs", format!("let vs = \"{escaped}\";"), "a.rs#vs"),
+    ] {
+        assert_eq!(found(name, &text), [(called.to_owned(), Stage::Vertex, false)], "{text}");
+        let wrong = reported(name, &text.replace("p * 2.0", "p * 2"));
+        assert!(wrong.len() == 1 && wrong[0].starts_with(&format!("T006 {name}:")), "{text}: {wrong:?}");
+        assert_eq!(reported(name, &text), [""; 0], "{text}");
+    }
+}
+
+#[test]
+fn findings_stand_at_their_line() {
+    assert_eq!(
+        reported("a.py", "# glsl\nvs = \"\"\"\nattribute vec4 p;\nvoid main() { gl_Position = p.xyzr; }\n\"\"\"\n"),
+        ["T009 a.py:4:31"]
+    );
+    let joined = "x = [\n  'attribute vec4 p;',\n  'void main() { gl_Position = p.xyzr; }',\n].join('\\n');\n";
+    assert_eq!(reported("a.js", joined), ["T009 a.js:3:34"]);
+}
+
+#[test]
+fn what_a_host_adds_is_no_error() {
+    for (name, text) in [
+        // Engines declare attributes and uniforms, and put their chunks in.
+        (
+            "a.js",
+            "const vs = `\nvoid main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }\n`;",
+        ),
+        ("a.ts", "const fs = `#version 300 es\nout vec4 c;\nvoid main() { c = lighting_getColor(geometry.uv); }\n`;"),
+        ("a.js", "const fs = `\n#include <fog>\nvoid main() {\n#include <map>\ngl_FragColor = fog(c);\n}`;"),
+        // Templates fill in names, numbers and lines.
+        ("a.py", "vs = \"\"\"\nvoid main() { gl_Position = $transform(vec4($pos, 1)); }\n\"\"\""),
+        ("a.py", "vs = \"\"\"\nvoid main() { gl_Position = <transform(position)>; }\n\"\"\""),
+        ("a.py", "vs = \"\"\"\nvoid main() { gl_Position = vec4(%d); }\n\"\"\" % n"),
+        ("a.py", "vs = f\"\"\"\nvoid main() {{ gl_Position = vec4({n}); }}\n\"\"\""),
+        (
+            "a.js",
+            "const vs = `\n${head}\nvoid main() {\n  ${body}\n  gl_Position = vec4(${x}, ${n + `${m}`}.0, 0, 1);\n}`;",
+        ),
+        // Joined to something else.
+        ("a.js", "const vs = 'attribute vec4 ' + name + '; void main() { gl_Position = ' + name + '; }';"),
+        // No GLSL.
+        ("a.js", "const s = 'void main() { gl_Position = vec4(1; }'.length; // don't"),
+        ("a.ts", "const s = `float4 main(float4 p : SV_Position) { return float4(1, 2, 3, 4 } vec2`;"),
+        ("a.rs", "/// A \"vec2\" that isn't.\nfn main() { let x = 'a'; let y: &'static str = \"void main( { vec2\"; }"),
+    ] {
+        assert_eq!(reported(name, text), [""; 0], "{text}");
+    }
+}
+
+#[test]
+fn parts_are_held_to_what_is_sure() {
+    let chunk =
+        |body: &str| format!("const chunk = `\nvec4 effect(vec4 color, vec2 at) {{\n  return {body};\n}}\n`;\n");
+    assert_eq!(reported("a.js", &chunk("vec4(color.xys, 1.0)")), ["T009 a.js:3:21"]);
+    assert_eq!(reported("a.js", &chunk("vec4(tint(color.xyz), time)")), [""; 0]);
+    assert_eq!(reported("a.py", "s = \"\"\"\nvoid main() { gl_Position = $map(p).xys; }\n\"\"\""), [""; 0]);
+    let hooked = "s = \"\"\"\nattribute vec4 p;\nvoid main() { gl_Position = $map(p) + p.xyzr; }\n\"\"\"";
+    assert_eq!(reported("a.py", hooked), ["T009 a.py:3:41"]);
+}
+
+#[test]
+fn a_text_that_breaks_off_anywhere_does_no_harm() {
+    let text = "x = f'{a}' r'''頂 ''' `${a + `${b}`}` \"\"\"void main() { gl_Position = vec4(1, $a); }\"\"\" r#\"void main() { 頂 }\"# \
+                /[/'`]/ ['vec2 a;', 'void main() { gl_FragColor = 頂; }'].join('\\n') + 'vec3 \\x' // don't\n";
+    for name in ["a.py", "a.js", "A.java", "a.kt", "a.rs"] {
+        for (end, _) in text.char_indices() {
+            for d in run(&[Input::new(SourceFile::new(name, &text[..end]))]) {
+                assert!(d.file.text().get(d.span.range()).is_some(), "{name} cut at {end}: {d:#?}");
+            }
+        }
+    }
+}
