@@ -239,7 +239,7 @@ impl ShaderFile {
         let text = input.with_file(SourceFile::new(found.name, found.literal.text.as_str()));
         let origin = Some(Origin { host: input.file.clone(), literal: found.literal });
         let mut shader = Self { origin, partial: found.partial, ..Self::new(&text, found.stage) };
-        let lacks = shader.shader.has_unknown_names();
+        let lacks = shader.shader.has_unknown_names() || shader.shader.version().span.is_none();
         shader.front_end.retain(|d| script::holds(d, found.partial, lacks));
         shader
     }

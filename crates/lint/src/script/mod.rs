@@ -95,14 +95,14 @@ fn defines_function(code: &str) -> bool {
 
 /// True for an error that holds whatever a host puts in front of the text or into it.
 ///
-/// `lacks` says that the text uses names which it does not declare: what declares them may state precisions as well.
+/// `lacks` says that the text has no version, or uses names which it does not declare: what is put in front of it may
+/// state another version and extensions as well, and mostly states precisions.
 pub fn holds(diagnostic: &Diagnostic, partial: bool, lacks: bool) -> bool {
-    const OF_TYPES: [Code; 9] = [
+    const OF_TYPES: [Code; 8] = [
         errors::ASSIGN_TYPE,
         errors::OPERAND_TYPE,
         errors::ASSIGN_SIZE,
         errors::MATRIX_SIZE,
-        errors::IMPLICIT_FLOAT,
         errors::SWIZZLE,
         errors::VECTOR_RELATION,
         errors::FLOAT_REMAINDER,
@@ -117,7 +117,8 @@ pub fn holds(diagnostic: &Diagnostic, partial: bool, lacks: bool) -> bool {
         errors::UNKNOWN_NAME | errors::UNKNOWN_FUNCTION => {
             name.starts_with("gl_") || BuiltinFunction::from_name(name).is_some()
         }
-        errors::PRECISION => !lacks,
+        errors::PRECISION => false,
+        errors::QUALIFIER | errors::NEEDS_VERSION | errors::EXTENSION => !lacks,
         errors::UNKNOWN_TYPE | errors::INCLUDE | errors::UNKNOWN_DIRECTIVE | errors::CONDITIONAL => false,
         _ => true,
     }
