@@ -14,7 +14,8 @@ use base::text::{Decoded, Form, Shown, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
 use lint::fix::FixedFile;
 use lint::{
-    DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SCRIPT_EXTENSIONS, SHADER_EXTENSIONS, companions, is_document, language_of,
+    DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SCRIPT_EXTENSIONS, SHADER_EXTENSIONS, companions,
+    is_document, language_of,
 };
 
 use super::write::{WriteError, replace};
@@ -207,7 +208,9 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             Err(_) if !named && language.is_none() => {}
             Err(InputError::Empty(_)) if !named => {}
             // Folders hold the code of others as well, which nobody asked about.
-            Err(error) if !named && matches!(language, Some(Language::Host | Language::Script)) => loaded.skipped.push(error),
+            Err(error) if !named && matches!(language, Some(Language::Host | Language::Script)) => {
+                loaded.skipped.push(error)
+            }
             Err(error) => loaded.problems.push(error),
         }
     }

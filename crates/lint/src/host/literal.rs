@@ -265,9 +265,7 @@ fn offset(piece: &Piece, at: usize) -> usize {
         | PieceKind::File
         | PieceKind::Line
         | PieceKind::Markup
-        | PieceKind::Argument => {
-            piece.host.start + at.clamp(piece.text.start, piece.text.end) - piece.text.start
-        }
+        | PieceKind::Argument => piece.host.start + at.clamp(piece.text.start, piece.text.end) - piece.text.start,
     }
 }
 

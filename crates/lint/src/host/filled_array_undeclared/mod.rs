@@ -10,7 +10,9 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 
 use super::HostFile;
-use super::syntax::{ancestors, arguments, bare, callee, declared_name, descendants, enclosing_function, quoted_includes, span, wrapped};
+use super::syntax::{
+    ancestors, arguments, bare, callee, declared_name, descendants, enclosing_function, quoted_includes, span, wrapped,
+};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -67,7 +69,8 @@ fn nodes(function: Node<'_>) -> impl Iterator<Item = Node<'_>> {
 
 /// True when other host code says the name: a listing may go on where another one stops.
 fn is_declared_elsewhere(host: &HostFile, project: &Project, name: &str) -> bool {
-    let others = project.hosts().filter(|h| h.file.name() != host.file.name() && words(h.file.text()).any(|w| w == name));
+    let others =
+        project.hosts().filter(|h| h.file.name() != host.file.name() && words(h.file.text()).any(|w| w == name));
     others.filter_map(|h| Some(mentions(h, h.root()?, name))).any(|count| count > 0)
 }
 

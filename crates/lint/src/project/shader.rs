@@ -1,0 +1,177 @@
+//! A shader of a run, as far as the front end could read it.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use base::diagnostic::{Code, Diagnostic};
+use base::text::{SourceFile, Span};
+use syntax::ast::ItemKind;
+use syntax::{Shader, Stage};
+
+use super::{Input, Project};
+use crate::document::{Listing, Place};
+use crate::embedded::Origin;
+use crate::flow::Flow;
+use crate::host::Literal;
+use crate::range::Observed;
+use crate::{context, script, version};
+
+/// A shader as rules see it.
+pub struct ShaderFile {
+    /// The text.
+    pub file: SourceFile,
+    /// False when the file is only there to be looked things up in.
+    pub reported: bool,
+    /// The shader, as far as the front end could read it.
+    pub shader: Shader,
+    /// Errors of the front end.
+    pub front_end: Vec<Diagnostic>,
+    /// Those of them that what the host puts around the text may take away.
+    doubtful: Vec<(Code, Span)>,
+    /// True when an `#if` or `#include` makes the interface depend on more than this text.
+    pub conditional: bool,
+    /// Where the text stands when it is a literal of a host file, or a part of a document.
+    pub origin: Option<Origin>,
+    /// Where it stands among the parts of a document.
+    pub place: Option<Place>,
+    /// The file that a document calls it.
+    pub(super) called: Option<String>,
+    /// True for a part of a text that lacks something.
+    pub partial: bool,
+    /// True when the file was named by itself, and not found in a folder.
+    pub named: bool,
+    /// Ranges of its expressions, found out when the first rule asks.
+    observed: Mutex<Option<Arc<Observed>>>,
+    flow: Mutex<Option<Arc<Flow>>>,
+}
+
+impl ShaderFile {
+    pub(super) fn new(input: &Input, stage: Stage) -> Self {
+        let parsed = version::read(&input.file, stage);
+        let claimed = |d| crate::glsl::hlsl_name::claim(&parsed.shader, d);
+        let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
+        let doubtful = context::doubtful(&parsed.shader, &front_end);
+        let doubtful = front_end.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span));
+        Self {
+            doubtful: doubtful.collect(),
+            file: parsed.shader.file().clone(),
+            reported: input.reported,
+            shader: parsed.shader,
+            front_end,
+            conditional: is_conditional(input.file.text()),
+            origin: None,
+            place: None,
+            called: None,
+            partial: false,
+            named: input.named,
+            observed: Mutex::default(),
+            flow: Mutex::default(),
+        }
+    }
+
+    /// A shader of a file that holds several.
+    pub(super) fn part(input: &Input, (stage, literal): (Stage, Literal)) -> Self {
+        // Two parts of a file need two names.
+        let name = format!("{} ({})", input.file.name(), stage.name());
+        let part = input.with_file(SourceFile::new(name, literal.text.as_str()));
+        let origin = Some(Origin { host: input.file.clone(), literal });
+        Self { origin, ..Self::new(&part, stage) }
+    }
+
+    /// A shader of a document.
+    pub(super) fn of_document(input: &Input, listing: Listing) -> Self {
+        let text = input.with_file(SourceFile::new(listing.name, listing.literal.text.as_str()));
+        Self {
+            origin: Some(Origin { host: input.file.clone(), literal: listing.literal }),
+            place: Some(listing.place),
+            called: listing.called,
+            partial: listing.partial,
+            ..Self::new(&text, listing.stage)
+        }
+    }
+
+    /// A shader in which a host fills in lines.
+    pub(super) fn filled_in(input: &Input, part: (Stage, Literal)) -> Self {
+        let mut shader = Self { partial: true, ..Self::part(input, part) };
+        shader.front_end.retain(|d| script::holds(d, false, true));
+        shader
+    }
+
+    /// A shader in a string of a script.
+    pub(super) fn in_script(input: &Input, found: script::Found) -> Self {
+        let text = input.with_file(SourceFile::new(found.name, found.literal.text.as_str()));
+        let origin = Some(Origin { host: input.file.clone(), literal: found.literal });
+        let mut shader = Self { origin, partial: found.partial, ..Self::new(&text, found.stage) };
+        let lacks = shader.shader.has_unknown_names() || shader.shader.version().span.is_none();
+        shader.front_end.retain(|d| script::holds(d, found.partial, lacks));
+        shader
+    }
+
+    /// True when the interface is known from this text alone: the front end found no error outside the bodies
+    /// of functions, and nothing depends on an `#if` or `#include`.
+    pub fn is_plain(&self) -> bool {
+        let complete = self.shader.version().span.is_some() || !self.shader.has_unknown_names();
+        complete && !self.partial && !self.conditional && self.front_end.iter().all(|d| self.is_inside(d))
+    }
+
+    /// True for an error of the front end that what the host puts around the text may take away.
+    pub fn is_doubtful(&self, error: &Diagnostic) -> bool {
+        self.doubtful.contains(&(error.code, error.span))
+    }
+
+    /// True for an error in the body of a function that does not keep the rest from being read.
+    fn is_inside(&self, error: &Diagnostic) -> bool {
+        let textual = matches!(error.code.0.get(..3), Some("E00" | "E01"));
+        let bodies = self.shader.unit().items.iter().filter_map(|i| match &i.kind {
+            ItemKind::Function(f) => f.body.as_ref().map(|_| Span::new(f.head_span.end, i.span.end)),
+            _ => None,
+        });
+        !textual && bodies.into_iter().any(|b| b.contains(error.span.start))
+    }
+
+    /// Which values the operands of its calls and operators take, under the ranges that `project` states.
+    pub fn observed(&self, project: &Project) -> Arc<Observed> {
+        cached(&self.observed, || Observed::new(&self.shader, project.config()))
+    }
+
+    /// True when the front end read the whole text without error, and it is all there.
+    pub fn is_sound(&self) -> bool {
+        !self.partial && self.front_end.is_empty() && !self.shader.has_unknown_names()
+    }
+
+    /// What happens to variables along the paths; nothing when the front end found errors.
+    pub fn flow(&self) -> Arc<Flow> {
+        cached(&self.flow, || if self.is_sound() { Flow::new(&self.shader, &self.file) } else { Flow::default() })
+    }
+
+    /// Forgets what has been worked out and can be worked out again: all of a project takes much memory.
+    pub fn forget(&self) {
+        *lock(&self.observed) = None;
+        *lock(&self.flow) = None;
+    }
+}
+
+fn lock<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
+    cache.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn cached<T>(cache: &Mutex<Option<Arc<T>>>, make: impl FnOnce() -> T) -> Arc<T> {
+    lock(cache).get_or_insert_with(|| Arc::new(make())).clone()
+}
+
+fn is_conditional(text: &str) -> bool {
+    text.lines().filter_map(|l| l.trim_start().strip_prefix('#')).any(|directive| {
+        let word = directive.trim_start();
+        word.starts_with("if") || word.starts_with("include")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditional_text_is_noticed() {
+        assert!(is_conditional("# ifdef A\n#endif") && is_conditional("  #include \"x\""));
+        assert!(!is_conditional("#version 150\nvoid main() {}"));
+    }
+}
