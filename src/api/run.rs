@@ -4,8 +4,8 @@ use std::convert::Infallible;
 
 use base::diagnostic::Lang;
 use base::text::SourceFile;
+use engine::guess::{self, Role};
 use engine::session::{Job, Observer, Session};
-use engine::suite::draft::guess;
 use engine::suite::run::{
     Entry, Outcome as Run, Part, Peer, Prepared, Request, RunError, Status, Summary, prepare, prepare_with, settle,
 };
@@ -227,7 +227,7 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
     let fields = case.fields().iter().chain(invocation.fields());
     let open = fields.filter(|field| shader.inputs.iter().all(|(name, _)| *name != field.name));
     let group = |field: &base::value::Field| {
-        let guess = guess::of(field);
+        let guess = guess::of(field, Role::Parameter);
         let generator = generators::by_name(guess.generator)
             .ok_or_else(|| Error::new(format!("there is no generator `{}`", guess.generator)))?;
         Ok(InputGroup {

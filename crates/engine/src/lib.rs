@@ -5,6 +5,7 @@ pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;
 pub mod fuzz;
+pub mod guess;
 pub mod mutate;
 pub mod session;
 pub mod shard;

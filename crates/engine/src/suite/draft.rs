@@ -1,12 +1,11 @@
 //! First suites for shaders that have none: what can be run, domains guessed from names and types, and laws
 //! that were seen to hold.
 
-pub mod guess;
-
 use std::fmt::Write;
 
 use super::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, RunError, prepare, run};
 use super::{Stage, parse};
+use crate::guess::{self, Role};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use base::value::{Field, Scalar, Shape};
@@ -205,7 +204,7 @@ fn groups(inputs: &[&Field], uniforms: usize, program: &Program) -> String {
     for (k, field) in inputs.iter().enumerate() {
         let guess = match program.largest(&field.name) {
             Some(most) => guess::number_of_the_draw(most),
-            None => guess::of(field),
+            None => guess::of(field, if k < uniforms { Role::Uniform } else { Role::Parameter }),
         };
         let uniform = k < uniforms;
         // Bones and weights keep laws between the inputs of a group; others only share a range.

@@ -1,0 +1,216 @@
+//! What words in names stand for.
+
+use super::{Guess, guess};
+
+pub(super) const COLOUR: &str = "a colour";
+pub(super) const TEXTURE_COORDINATES: &str = "texture coordinates";
+pub(super) const TIME: &str = "a time";
+pub(super) const SHARE: &str = "a share";
+pub(super) const SIZE: &str = "a size";
+pub(super) const ANGLE: &str = "an angle";
+
+const DIRECTION: Guess = guess("direction", None, "a direction");
+
+/// Names that are a convention as they stand: in books on lighting a capital letter is a direction.
+const LETTERS: [&str; 18] =
+    ["N", "L", "V", "H", "R", "T", "B", "I", "n", "l", "h", "nor", "norm", "rd", "wi", "wo", "Vn", "Ng"];
+
+/// Words in names, with what they stand for.
+const WORDS: &[(&[&str], Guess)] = &[
+    (&["weight", "weights"], guess("simplex", None, "weights that add up to one")),
+    (
+        &["normal", "normals", "tangent", "bitangent", "binormal", "direction", "dir", "axis", "ray", "forward"],
+        DIRECTION,
+    ),
+    (&["quat", "quaternion", "orientation"], DIRECTION),
+    (
+        &[
+            "color",
+            "colour",
+            "col",
+            "rgb",
+            "rgba",
+            "albedo",
+            "diffuse",
+            "ambient",
+            "specular",
+            "tint",
+            "emission",
+            "emissive",
+            "kd",
+            "ka",
+            "ks",
+            "ke",
+            "reflectivity",
+            "colors",
+            "luminance",
+            "radiance",
+        ],
+        guess("interval", Some([0.0, 1.0]), COLOUR),
+    ),
+    (
+        &["uv", "st", "texcoord", "texcoords", "texcoordinate", "coord", "coords", "texture", "tex", "uvs"],
+        guess("interval", Some([0.0, 1.0]), TEXTURE_COORDINATES),
+    ),
+    (
+        &["angle", "theta", "phi", "azimuth", "elevation", "yaw", "pitch", "roll"],
+        guess("interval", Some([-3.141_592_5, 3.141_592_5]), ANGLE),
+    ),
+    (&["fov", "fovy"], guess("interval", Some([0.5, 2.0]), "an angle of view")),
+    (
+        &["shininess", "exponent", "power", "gloss", "glossiness", "hardness"],
+        guess("interval", Some([1.0, 64.0]), "an exponent"),
+    ),
+    (&["dt", "delta", "deltatime", "timestep"], guess("interval", Some([0.004, 0.1]), "a step of time")),
+    (&["time", "seconds", "clock"], guess("interval", Some([0.0, 16.0]), TIME)),
+    (
+        &["costheta", "cos", "ndotl", "ndotv", "ndoth", "vdoth", "hdotv", "ldoth", "nl", "nv", "nh", "vh", "cosine"],
+        guess("interval", Some([0.0, 1.0]), "a cosine"),
+    ),
+    (&["cutoff"], guess("interval", Some([0.5, 1.0]), "the cosine of a cone")),
+    (
+        &[
+            "alpha",
+            "opacity",
+            "roughness",
+            "metallic",
+            "metalness",
+            "ao",
+            "factor",
+            "mix",
+            "blend",
+            "t",
+            "ratio",
+            "amount",
+            "intensity",
+            "progress",
+            "strength",
+            "depth",
+            "transparency",
+            "occlusion",
+            "reflectance",
+        ],
+        guess("interval", Some([0.0, 1.0]), SHARE),
+    ),
+    (&["near", "znear", "start", "mindist"], guess("interval", Some([0.0625, 0.5]), "a near distance")),
+    (&["far", "zfar", "end", "maxdist"], guess("interval", Some([4.0, 64.0]), "a far distance")),
+    (
+        &["resolution", "viewport", "screensize", "windowsize", "dimensions"],
+        guess("interval", Some([64.0, 2048.0]), "a number of pixels"),
+    ),
+    (&["texel", "texelsize", "pixelsize"], guess("interval", Some([0.000_5, 0.02]), "the size of a texel")),
+    (&["ior", "eta"], guess("interval", Some([1.0, 2.5]), "a refractive index")),
+    (&["gamma"], guess("interval", Some([1.5, 3.0]), "an exponent of a display")),
+    (
+        &["constant", "linear", "quadratic", "attenuation", "falloff", "density"],
+        guess("interval", Some([0.01, 1.0]), "a coefficient"),
+    ),
+    (&["bias", "epsilon", "eps"], guess("interval", Some([0.000_1, 0.05]), "a small offset")),
+    (&["mouse", "cursor"], guess("interval", Some([0.0, 511.0]), "a place on the screen")),
+    (&["sigma", "variance", "stddev", "exposure"], guess("interval", Some([0.25, 4.0]), SIZE)),
+    (
+        &[
+            "scale",
+            "size",
+            "radius",
+            "width",
+            "height",
+            "length",
+            "distance",
+            "thickness",
+            "frequency",
+            "freq",
+            "amplitude",
+            "speed",
+            "wavelength",
+            "period",
+            "dist",
+            "aspect",
+            "scaling",
+            "mass",
+            "spacing",
+        ],
+        guess("interval", Some([0.125, 4.0]), SIZE),
+    ),
+    (
+        &[
+            "position",
+            "pos",
+            "point",
+            "vertex",
+            "vert",
+            "center",
+            "centre",
+            "origin",
+            "location",
+            "eye",
+            "camera",
+            "positions",
+            "points",
+        ],
+        guess("point", Some([-2.0, 2.0]), "a point"),
+    ),
+];
+
+/// All guesses of the table.
+#[cfg(test)]
+pub(super) fn all() -> impl Iterator<Item = &'static Guess> {
+    WORDS.iter().map(|(_, guess)| guess)
+}
+
+/// What a word stands for.
+fn known(word: &str) -> impl Iterator<Item = Guess> {
+    WORDS.iter().filter(move |(known, _)| known.contains(&word)).map(|(_, guess)| guess.clone())
+}
+
+/// What the words of a name may stand for, the likeliest first: the member before what it is a member of, and the last
+/// word before what qualifies it.
+pub(super) fn candidates(name: &str) -> Vec<Guess> {
+    let last = name.rsplit('.').next().unwrap_or(name);
+    if LETTERS.contains(&last) {
+        return vec![DIRECTION];
+    }
+    let lower = last.to_ascii_lowercase();
+    // Words without a mark between them: `lightdir`, `texsize`.
+    let ends = |word: &str| {
+        let longest = WORDS
+            .iter()
+            .flat_map(|(known, guess)| known.iter().map(move |known| (*known, guess)))
+            .filter(|(known, _)| known.len() >= 3 && word.ends_with(known))
+            .max_by_key(|(known, _)| known.len());
+        longest.map(|(_, guess)| guess.clone())
+    };
+    let words = of(last);
+    let mut all: Vec<Guess> = known(&lower).collect();
+    // `outerCutOff`: two words that are one.
+    for pair in words.windows(2).rev() {
+        all.extend(known(&format!("{}{}", pair[0], pair[1])));
+    }
+    words.iter().rev().for_each(|word| all.extend(known(word)));
+    all.extend(ends(&lower));
+    words.iter().rev().for_each(|word| all.extend(ends(word)));
+    of(name).iter().rev().for_each(|word| all.extend(known(word)));
+    all
+}
+
+/// The words of a name in small letters: `u_LightDir` is `u`, `light`, `dir`.
+pub(super) fn of(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut lower = false;
+    for c in name.chars() {
+        if !c.is_ascii_alphanumeric() || c.is_ascii_digit() {
+            lower = false;
+            words.push(String::new());
+            continue;
+        }
+        if words.is_empty() || c.is_ascii_uppercase() && lower {
+            words.push(String::new());
+        }
+        lower = c.is_ascii_lowercase();
+        if let Some(word) = words.last_mut() {
+            word.push(c.to_ascii_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
