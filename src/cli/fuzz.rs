@@ -31,10 +31,14 @@ const SAMPLES: u64 = 1 << 16;
 /// Arguments of `shadercheck fuzz`.
 #[derive(Args, Clone, Debug, Default)]
 #[command(after_long_help = "\
-Inputs. Without a stated domain an input takes ordinary sizes (0, and 1/1024 to 1024 either sign, spread \
-evenly over the magnitudes), special values, related inputs (equal, parallel and nearly equal vectors, \
-zero vectors, directions, identity and singular matrices), and now and then anything finite: subnormal \
-and huge numbers. A domain is stated by a comment before the function,
+Inputs. Most samples are realistic: an input for which nothing is stated is taken for what its name, its \
+type and its use say, such as a direction of length 1, a colour, texture coordinates, a view, or weights \
+that add up to one; a normal matrix follows from its model matrix, and what a fragment shader gets is \
+interpolated. The report says what each input is taken for. One sample in four is hostile: ordinary sizes \
+(0, and 1/1024 to 1024 either sign, spread evenly over the magnitudes), special values, related inputs (equal, \
+parallel and nearly equal vectors, zero vectors, directions, identity and singular matrices), and now and then \
+anything finite: subnormal and huge numbers. With --hostile all samples are. A domain is stated by a comment \
+before the function,
 
   // shadercheck: x in [0, 1], t > 0, normalised n, nonzero v, rotation m, whole k
 
@@ -42,9 +46,11 @@ or by --domain. Neither NaN nor infinity is ever an input.
 
 What is a finding. A lane that gives something else than the function means, or gives different outputs \
 for the same inputs. An output that has no value, is infinite, is not written, or is lost to overflow or \
-underflow on the way although real numbers are fine: where the inputs lie in their stated domains and all \
-others are of ordinary size. Where only other inputs show it, it is a note; so it is for numbers of a \
-stated range that are nearer to 0 than 2^-64 of it, or beyond 1024 where it has no end. Outputs that are themselves \
+underflow on the way although real numbers are fine: where the inputs are realistic or lie in their stated \
+domains. Where it takes inputs of ordinary size that nobody stated, it is a warning, told once for each cause. \
+Where it takes other inputs, it is a note; so it is for numbers of a \
+stated range that are nearer to 0 than 2^-64 of it, or beyond 1024 where it has no end. With --hostile and \
+--case, inputs of ordinary size make findings. Outputs that are themselves \
 too large, indices, integers and loops without end are findings only where every input has a stated \
 domain. A function that loses digits (ill-conditioned) gets a warning.
 
@@ -79,6 +85,9 @@ pub struct FuzzArgs {
     /// Also show what only inputs bring about that may never come
     #[arg(long)]
     pub notes: bool,
+    /// Treat all inputs alike: ordinary sizes, special values and extremes, whatever they are taken for
+    #[arg(long)]
+    pub hostile: bool,
     /// Write a first suite for each function that ran beside its file; never over one that is there
     #[arg(long)]
     pub write_suite: bool,
@@ -290,6 +299,7 @@ fn one_function(
         seed: args.seed,
         case: args.case.clone(),
         notes: args.notes,
+        hostile: args.hostile,
         command: command(args, source),
     };
     fuzz::run(subject, domain, lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))
@@ -303,6 +313,9 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     }
     for domain in &args.domain {
         words = format!("{words} --domain {}", shell_word(domain));
+    }
+    if args.hostile {
+        words.push_str(" --hostile");
     }
     if !args.lane.is_empty() {
         words = format!("{words} --lane {}", args.lane.join(","));

@@ -18,10 +18,17 @@ use syntax::{Shader, Stage};
 use crate::binary::{run_in, run_reported};
 
 fn request() -> Request {
-    Request { samples: 4096, seed: 1, case: None, notes: true, command: "shadercheck fuzz a.glsl".to_owned() }
+    Request {
+        samples: 4096,
+        seed: 1,
+        case: None,
+        notes: true,
+        hostile: false,
+        command: "shadercheck fuzz a.glsl".to_owned(),
+    }
 }
 
-fn functions(name: &str, text: &str) -> Vec<Subject> {
+pub fn functions(name: &str, text: &str) -> Vec<Subject> {
     let stage = Stage::from_path(name).unwrap();
     let parsed = Shader::parse(&SourceFile::new(name, format!("#version 450\n{text}")), stage);
     assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
@@ -30,23 +37,39 @@ fn functions(name: &str, text: &str) -> Vec<Subject> {
     subjects
 }
 
-fn on(subject: &Subject, domain: &str, lane: &dyn Lane, promises: Promises) -> FunctionReport {
+pub fn on(subject: &Subject, domain: &str, lane: &dyn Lane, promises: Promises) -> FunctionReport {
+    requested(subject, domain, lane, promises, &request())
+}
+
+fn requested(
+    subject: &Subject,
+    domain: &str,
+    lane: &dyn Lane,
+    promises: Promises,
+    request: &Request,
+) -> FunctionReport {
     let mut stated = option(domain).unwrap();
     stated.extend(subject.stated.clone());
     let domain = match &subject.ready {
         Ok(ready) => Domain::new(&subject.label, ready.kernel.invocation.fields(), ready.kernel.case.fields(), &stated),
         Err(_) => Domain::default(),
     };
-    run(subject, &domain, &[(lane, promises)], &request()).unwrap()
+    run(subject, &domain, &[(lane, promises)], request).unwrap()
 }
 
 fn strict(subject: &Subject, domain: &str) -> FunctionReport {
     on(subject, domain, &*embedded::open().unwrap(), Promises::of_api(Api::Binary32))
 }
 
+/// With all inputs alike.
+fn hostile(subject: &Subject) -> FunctionReport {
+    let request = Request { hostile: true, ..request() };
+    requested(subject, "", &*embedded::open().unwrap(), Promises::of_api(Api::Binary32), &request)
+}
+
 /// The report of the only function of a library.
 #[track_caller]
-fn only(text: &str, domain: &str) -> FunctionReport {
+pub fn only(text: &str, domain: &str) -> FunctionReport {
     let all = functions("a.glsl", text);
     assert_eq!(all.len(), 1);
     let report = strict(&all[0], domain);
@@ -64,7 +87,7 @@ fn values(finding: &Finding) -> Vec<String> {
 
 #[test]
 fn a_division_that_has_no_value_is_found_at_its_smallest() {
-    let report = only("float part(float a, float b) { return a / (a + b); }", "");
+    let report = hostile(&functions("a.glsl", "float part(float a, float b) { return a / (a + b); }")[0]);
     let none = report.findings.iter().find(|f| f.kind == FuzzFindingKind::NoValue).unwrap();
     assert_eq!(none.severity, Severity::Finding);
     assert_eq!(none.message, "`return` has no value: 0.0 / 0.0 has none");
@@ -118,7 +141,9 @@ fn a_function_that_is_right_has_no_findings() {
     assert!(report.findings.is_empty(), "{:?}", report.findings);
     assert_eq!(report.samples, 4096);
     let verdicts = &report.lanes[0].verdicts;
-    assert!(verdicts.agreed > 3900 && verdicts.deviated == 0, "{verdicts:?}");
+    let second = &report.lanes[0].hostile;
+    assert!(verdicts.agreed + second.agreed > 3900 && verdicts.deviated + second.deviated == 0, "{verdicts:?}");
+    assert_eq!(report.hostile, 1024);
 }
 
 #[test]
@@ -287,7 +312,10 @@ fn comments_before_a_function_state_its_domain() {
                 float raw(float x) { return log(x); }\n";
     let all = functions("a.glsl", text);
     assert!(!strict(&all[0], "").fails());
-    assert!(strict(&all[1], "").fails());
+    // What goes into a logarithm is taken for a positive number; others are an error where all inputs are alike.
+    let raw = strict(&all[1], "");
+    assert!(!raw.fails() && kinds(&raw, Severity::Warning).contains(&FuzzFindingKind::NoValue), "{:?}", raw.findings);
+    assert!(hostile(&all[1]).fails());
 }
 
 const LIBRARY: &str = "#include \"lib/part.glsl\"\nfloat whole(float a, float b) { return part(a, b) + 1.0; }\n";
@@ -304,7 +332,7 @@ fn folder() -> tempfile::TempDir {
 #[test]
 fn included_files_keep_their_names_and_the_command_shows_it_again() {
     let folder = folder();
-    let ran = run_in(folder.path(), "fuzz whole.glsl --samples 2048 --lane embedded --format json").expect(1);
+    let ran = run_in(folder.path(), "fuzz whole.glsl --samples 2048 --lane embedded --hostile --format json").expect(1);
     let report = ran.json();
     let function = &report["files"][0]["functions"][1];
     assert_eq!(function["function"], "whole");

@@ -16,6 +16,7 @@ mod containment;
 mod documents;
 mod flaky;
 mod fuzz;
+mod fuzz_realistic;
 mod geometry;
 mod glsl_differential;
 mod hostile;

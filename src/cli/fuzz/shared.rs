@@ -43,6 +43,7 @@ fn identity(args: &FuzzArgs, shard: Shard, files: &[(&IncludedText, Vec<Subject>
     let mut identity = Identity::new("fuzz", args.seed, shard.count())
         .with("--samples", args.samples)
         .with(NOTES, args.notes)
+        .with("--hostile", args.hostile)
         .with("--function", args.function.join(","))
         .with("--domain", args.domain.join("; "));
     for lane in lanes {

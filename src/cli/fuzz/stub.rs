@@ -8,9 +8,10 @@ use anyhow::Context;
 
 use super::IncludedText;
 use base::text::Shown;
-use base::value::{Scalar, Shape};
+use base::value::{Field, Scalar, Shape};
 use disk::fresh;
 use engine::fuzz::{FunctionReport, Law};
+use engine::guess::{self, Guess, Role};
 use report::fuzz::Summary;
 
 /// Range of an input for which none is stated.
@@ -78,8 +79,18 @@ fn suite(source: &IncludedText, function: &FunctionReport) -> Result<String, Str
             return Err(format!("its input `{input}` is a part of a structure, which suites do not feed"));
         }
         let shape: Shape = ty.parse().map_err(|_| format!("its input `{input}` is of type `{ty}`"))?;
-        let _ = writeln!(text, "\n[[inputs]]\nnames = [{}]", quoted(input));
-        text.push_str(&generator(shape, laws));
+        let guess = laws.is_empty().then(|| guess::of(&Field { name: input.into(), shape }, Role::Parameter));
+        let about = guess.as_ref().map_or_else(String::new, |guess| format!(" # taken for {}", guess.taken_for));
+        let _ = writeln!(text, "\n[[inputs]]{about}\nnames = [{}]", quoted(input));
+        match guess {
+            Some(Guess { generator, range, .. }) => {
+                let _ = writeln!(text, "generator = \"{generator}\"");
+                range.iter().for_each(|[low, high]| {
+                    let _ = writeln!(text, "range = [{low:?}, {high:?}]");
+                });
+            }
+            None => text.push_str(&generator(shape, laws)),
+        }
     }
     Ok(text)
 }

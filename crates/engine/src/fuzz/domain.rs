@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
+use super::realistic::Realistic;
 use base::value::{Field, Scalar};
 use property::Sample;
 use property::shrink;
@@ -229,12 +230,34 @@ fn is_moderate(x: f64) -> bool {
     x == 0.0 || (x.abs() <= MODERATE && x.abs() >= 1.0 / MODERATE)
 }
 
-/// A domain for shrinking: what keeps all laws, and counts where the sample to be shrunk does.
+/// What a sample says about a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Standing {
+    /// Its inputs are stated or realistic: what goes wrong is an error.
+    Counts,
+    /// Its inputs are of ordinary size; nobody stated that they come.
+    Unstated,
+    /// Inputs beyond the moderate.
+    Extreme,
+}
+
+/// What the candidates of shrinking have to be, beside keeping all laws.
+#[derive(Clone, Copy)]
+pub enum Within<'a> {
+    /// Nothing else.
+    Laws,
+    /// Of moderate size where nothing is stated.
+    Moderate,
+    /// As a program would give them.
+    Realistic(&'a Realistic),
+}
+
+/// A domain for shrinking.
 pub struct Shrinking<'a> {
     /// The laws.
     pub domain: &'a Domain,
-    /// Candidates have to count.
-    pub counting: bool,
+    /// What else holds.
+    pub within: Within<'a>,
 }
 
 /// Numbers that inputs of one size may become together.
@@ -242,7 +265,12 @@ const SIZES: [f32; 8] = [1.0, 2.0, 0.5, 4.0, 16.0, 0.125, 1024.0, 0.0];
 
 impl shrink::Domain for Shrinking<'_> {
     fn admits(&self, sample: &Sample) -> bool {
-        self.domain.keeps(sample) && (!self.counting || self.domain.counts(sample))
+        self.domain.keeps(sample)
+            && match self.within {
+                Within::Laws => true,
+                Within::Moderate => self.domain.counts(sample),
+                Within::Realistic(realistic) => realistic.admits(self.domain, sample),
+            }
     }
 
     /// All numbers of one size become another together, so that equal and opposite inputs stay so: a sum
@@ -271,6 +299,11 @@ impl shrink::Domain for Shrinking<'_> {
             Some(0) => value.round(),
             Some(1) => power,
             Some(2) => value * 0.5,
+            Some(3) => match self.within {
+                // Vectors and matrices that keep a law between components become plainer together.
+                Within::Realistic(realistic) => return realistic.plainer(self.domain, sample, group),
+                Within::Laws | Within::Moderate => return None,
+            },
             Some(_) => return None,
         };
         if same(group) && (0..group).all(|at| !same(at)) {

@@ -1,6 +1,6 @@
 //! What a run of one function gives.
 
-use super::domain::Law;
+use super::domain::{Law, Standing};
 use judge::verdict::BatchVerdict;
 use judge::verdict::diagnosis::{Diagnosis, Place};
 use lanes::LaneName;
@@ -78,9 +78,9 @@ impl FuzzFindingKind {
         }
     }
 
-    /// How bad it is, where samples that count show it (`counting`) or only others, and where every input
-    /// has a stated domain or not.
-    pub fn severity(self, counting: bool, stated: bool) -> Severity {
+    /// How bad it is, by the samples that show it that say most, and where every input has a stated domain or not.
+    pub fn severity(self, standing: Standing, stated: bool) -> Severity {
+        let counting = standing == Standing::Counts;
         match self {
             Self::LaneDeviation | Self::NotDeterministic | Self::LaneFailed => Severity::Finding,
             Self::NoValue
@@ -94,6 +94,19 @@ impl FuzzFindingKind {
                 if counting =>
             {
                 Severity::Finding
+            }
+            Self::NoValue
+            | Self::Infinite
+            | Self::Overflow
+            | Self::Underflow
+            | Self::Lost
+            | Self::NotWritten
+            | Self::Unset
+            | Self::TooManyVertices
+            | Self::IllConditioned
+                if standing == Standing::Unstated =>
+            {
+                Severity::Warning
             }
             Self::IllConditioned if counting => Severity::Warning,
             // What whole numbers a function takes, and how large its results may be, only its author knows.
@@ -152,6 +165,26 @@ impl Severity {
     }
 }
 
+/// The part of a run that something was found in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Part {
+    /// Inputs that are stated, or as a program would give them.
+    #[default]
+    Realistic,
+    /// Inputs that nobody stated: zeros, coincidences, edges, extremes.
+    Hostile,
+}
+
+impl Part {
+    /// `realistic` or `hostile`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Realistic => "realistic",
+            Self::Hostile => "hostile",
+        }
+    }
+}
+
 /// One input of a case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputValue {
@@ -170,6 +203,12 @@ pub struct Finding {
     pub kind: FuzzFindingKind,
     /// How bad it is.
     pub severity: Severity,
+    /// The part of the run that shows it.
+    #[serde(default)]
+    pub part: Part,
+    /// What findings at one cause have in common, such as `division by 0`; none for what concerns a lane.
+    #[serde(default)]
+    pub cause: Option<String>,
     /// One sentence without a full stop.
     pub message: String,
     /// Where it stands in the author's file, with the text there.
@@ -179,7 +218,7 @@ pub struct Finding {
     pub lane: Option<LaneName>,
     /// Samples that show it.
     pub count: u64,
-    /// How many of these count: inputs inside of stated domains, or of moderate size.
+    /// How many of these count: inputs that are stated or realistic; of moderate size in a run on hostile inputs alone.
     pub counting: u64,
     /// The smallest inputs that show it.
     pub inputs: Vec<InputValue>,
@@ -209,8 +248,12 @@ pub struct LaneReport {
     /// Name of the lane.
     #[serde(with = "lanes::known")]
     pub lane: LaneName,
-    /// How many samples agree, deviate and are undetermined, and the first that deviate.
+    /// How many realistic samples agree, deviate and are undetermined, and the first that deviate; all samples where
+    /// a run has no other part.
     pub verdicts: BatchVerdict,
+    /// The same for the second part of the run.
+    #[serde(default)]
+    pub hostile: BatchVerdict,
     /// Why it did not run.
     pub not_run: Option<String>,
 }
@@ -222,14 +265,20 @@ pub struct FunctionReport {
     pub function: String,
     /// Where it stands.
     pub at: String,
-    /// Samples that were looked at.
+    /// Samples that were looked at, of both parts.
     pub samples: u64,
+    /// How many of these are of the second part, on inputs that nobody stated.
+    #[serde(default)]
+    pub hostile: u64,
     /// Samples beside these that lie at edges of what the function decides.
     pub edges: u64,
     /// Why it was not run.
     pub not_run: Option<String>,
     /// Each input, type and name, with what is stated of it.
     pub inputs: Vec<(String, Vec<Law>)>,
+    /// What each input is taken for where nothing is stated; empty where that does not matter.
+    #[serde(default)]
+    pub taken_for: Vec<Option<String>>,
     /// What samplers were bound to, one line each.
     pub textures: Vec<String>,
     /// Built-in values that are 0 in every sample: a compute stage is run as the first invocation of a dispatch, alone.

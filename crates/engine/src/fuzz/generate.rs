@@ -200,17 +200,7 @@ impl Maker<'_> {
 
     /// A vector of length 1; often along an axis.
     fn direction(&mut self, out: &mut [u32]) {
-        let n = out.len();
-        let mut v: Vec<f64> = (0..n).map(|_| self.stream.between(-1.0, 1.0)).collect();
-        if self.stream.one_in(6) {
-            let axis = self.stream.below(n);
-            v.iter_mut().enumerate().for_each(|(k, x)| *x = if k == axis { x.signum() } else { 0.0 });
-        }
-        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let length = if length > 0.0 { length } else { 1.0 };
-        for (word, x) in out.iter_mut().zip(v) {
-            *word = ((x / length) as f32).to_bits();
-        }
+        direction(out, self.stream, |stream| stream.one_in(6));
     }
 
     fn matrix(&mut self, input: &InputDomain, rows: usize, out: &mut [u32]) {
@@ -234,31 +224,11 @@ impl Maker<'_> {
                     part.iter_mut().zip(&column).for_each(|(word, x)| *word = (factor * x).to_bits());
                 }
             }
-            4 => self.rotation(rows, out),
+            4 => {
+                let quarter = self.stream.one_in(4);
+                rotation(rows, quarter, self.stream, out);
+            }
             _ => out.iter_mut().for_each(|word| *word = self.real(interval).to_bits()),
-        }
-    }
-
-    /// Orthonormal columns, by Gram and Schmidt; quarter turns now and then.
-    fn rotation(&mut self, rows: usize, out: &mut [u32]) {
-        let columns = out.len() / rows;
-        let mut done: Vec<Vec<f64>> = Vec::new();
-        let quarter = self.stream.one_in(4);
-        for k in 0..columns {
-            let mut v: Vec<f64> = (0..rows).map(|_| self.stream.between(-1.0, 1.0)).collect();
-            if quarter {
-                v = (0..rows).map(|row| f64::from(u8::from(row == (k + 1) % rows))).collect();
-            }
-            for before in &done {
-                let along: f64 = v.iter().zip(before).map(|(a, b)| a * b).sum();
-                v.iter_mut().zip(before).for_each(|(a, b)| *a -= along * b);
-            }
-            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let v: Vec<f64> = v.iter().map(|x| x / length).collect();
-            for (word, x) in out[k * rows..].iter_mut().zip(&v) {
-                *word = (*x as f32).to_bits();
-            }
-            done.push(v);
         }
     }
 
@@ -360,6 +330,48 @@ impl Maker<'_> {
         };
         encode(value, scalar)
     }
+}
+
+/// A vector of length 1, along an axis where `along` says so.
+pub(super) fn direction(out: &mut [u32], stream: &mut Stream, along: impl FnOnce(&mut Stream) -> bool) {
+    let n = out.len();
+    let mut v: Vec<f64> = (0..n).map(|_| stream.between(-1.0, 1.0)).collect();
+    if along(stream) {
+        let axis = stream.below(n);
+        v.iter_mut().enumerate().for_each(|(k, x)| *x = if k == axis { x.signum() } else { 0.0 });
+    }
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let length = if length > 0.0 { length } else { 1.0 };
+    for (word, x) in out.iter_mut().zip(v) {
+        *word = ((x / length) as f32).to_bits();
+    }
+}
+
+/// Orthonormal columns, by Gram and Schmidt; axes mapped to axes for a `quarter` turn.
+pub(super) fn rotation(rows: usize, quarter: bool, stream: &mut Stream, out: &mut [u32]) {
+    let columns = out.len() / rows;
+    let mut done: Vec<Vec<f64>> = Vec::new();
+    for k in 0..columns {
+        let mut v: Vec<f64> = (0..rows).map(|_| stream.between(-1.0, 1.0)).collect();
+        if quarter {
+            v = (0..rows).map(|row| f64::from(u8::from(row == (k + 1) % rows))).collect();
+        }
+        for before in &done {
+            let along: f64 = v.iter().zip(before).map(|(a, b)| a * b).sum();
+            v.iter_mut().zip(before).for_each(|(a, b)| *a -= along * b);
+        }
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let v: Vec<f64> = v.iter().map(|x| x / length).collect();
+        for (word, x) in out[k * rows..].iter_mut().zip(&v) {
+            *word = (*x as f32).to_bits();
+        }
+        done.push(v);
+    }
+}
+
+/// A value that keeps what is stated, the ends of ranges among them.
+pub(super) fn within_laws(field: &Field, input: &InputDomain, stream: &mut Stream, out: &mut [u32]) {
+    Maker { stream, reach: Reach::Moderate, mixed: false }.input(field, input, out);
 }
 
 fn encode(value: f64, scalar: Scalar) -> u32 {

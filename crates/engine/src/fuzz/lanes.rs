@@ -1,7 +1,7 @@
 //! A function on one lane: verdicts on its outputs, blame, and whether equal inputs give equal outputs.
 
-use super::domain::{Domain, Shrinking};
-use super::finding::{Finding, FuzzFindingKind, LaneReport, Severity};
+use super::domain::{Domain, Shrinking, Within};
+use super::finding::{Finding, FuzzFindingKind, LaneReport, Part, Severity};
 use super::shrinking::inputs;
 use super::subject::Ready;
 use base::value::{Batch, Scalar};
@@ -27,6 +27,7 @@ pub struct OnLane<'a> {
     oracle: &'a Oracle,
     runner: Result<Fence<'a>, String>,
     verdicts: BatchVerdict,
+    hostile: BatchVerdict,
     failing: Vec<Sample>,
     unstable: Vec<Sample>,
     unstable_count: u64,
@@ -55,6 +56,7 @@ impl<'a> OnLane<'a> {
             oracle,
             runner,
             verdicts: BatchVerdict::default(),
+            hostile: BatchVerdict::default(),
             failing: Vec::new(),
             unstable: Vec::new(),
             unstable_count: 0,
@@ -86,15 +88,23 @@ impl<'a> OnLane<'a> {
     }
 
     /// Runs samples at edges: those that deviate count, and no others.
-    pub fn run_edges(&mut self, batch: &Batch) {
-        let before = self.verdicts.clone();
-        self.run(batch, &[]);
-        let BatchVerdict { deviated, shader_deviated, .. } = self.verdicts;
-        self.verdicts = BatchVerdict { deviated, shader_deviated, ..before };
+    pub fn run_edges(&mut self, batch: &Batch, part: Part) {
+        let before = self.of(part).clone();
+        self.run(batch, &[], part);
+        let verdicts = self.of(part);
+        let BatchVerdict { deviated, shader_deviated, .. } = *verdicts;
+        *verdicts = BatchVerdict { deviated, shader_deviated, ..before };
     }
 
-    /// Runs a batch. Each pair of samples in `twins` has the same inputs.
-    pub fn run(&mut self, batch: &Batch, twins: &[(usize, usize)]) {
+    fn of(&mut self, part: Part) -> &mut BatchVerdict {
+        match part {
+            Part::Realistic => &mut self.verdicts,
+            Part::Hostile => &mut self.hostile,
+        }
+    }
+
+    /// Runs a batch of one part of the run. Each pair of samples in `twins` has the same inputs.
+    pub fn run(&mut self, batch: &Batch, twins: &[(usize, usize)], in_part: Part) {
         let Ok(runner) = &self.runner else { return };
         if self.failed.is_some() {
             return;
@@ -108,7 +118,7 @@ impl<'a> OnLane<'a> {
             let verdict = judge_batch(&self.context(), part, &actual);
             let room = 16_usize.saturating_sub(self.failing.len());
             self.failing.extend(verdict.failures.iter().take(room).map(|f| Sample::of(part, f.invocation)));
-            self.verdicts.merge(verdict);
+            self.of(in_part).merge(verdict);
             for &(a, b) in twins {
                 for k in [a, b].into_iter().filter(|k| (first..first + capacity).contains(k)) {
                     outputs[k] = words_of(&actual, k - first);
@@ -128,10 +138,14 @@ impl<'a> OnLane<'a> {
     /// What the lane gave, and what is wrong with it. `reproduce` makes the command for a sample.
     pub fn finish(mut self, domain: &Domain, reproduce: &dyn Fn(&Sample) -> String) -> (LaneReport, Vec<Finding>) {
         let name = self.lane.description().name;
+        let part =
+            if self.verdicts.deviated == 0 && self.hostile.deviated > 0 { Part::Hostile } else { Part::Realistic };
         let mut findings = Vec::new();
         let blank = |kind, message| Finding {
             kind,
             severity: Severity::Finding,
+            part,
+            cause: None,
             message,
             place: None,
             lane: Some(name),
@@ -163,7 +177,7 @@ impl<'a> OnLane<'a> {
                 Err(_) if interrupt::asked() => {
                     let message = "samples deviate; the run was interrupted before they were looked into".to_owned();
                     findings.push(Finding {
-                        count: self.verdicts.deviated,
+                        count: self.verdicts.deviated + self.hostile.deviated,
                         ..blank(FuzzFindingKind::LaneDeviation, message)
                     });
                 }
@@ -176,7 +190,7 @@ impl<'a> OnLane<'a> {
             findings.push(blank(FuzzFindingKind::LaneFailed, error.clone()));
         }
         let not_run = self.runner.err();
-        (LaneReport { lane: name, verdicts: self.verdicts, not_run }, findings)
+        (LaneReport { lane: name, verdicts: self.verdicts, hostile: self.hostile, not_run }, findings)
     }
 
     /// Shrinks the failing samples together, and tells each kind of deviation once.
@@ -199,7 +213,7 @@ impl<'a> OnLane<'a> {
             }
             Ok(all)
         };
-        let shrunk = shrink(first, &Shrinking { domain, counting: false }, &mut deviates)?;
+        let shrunk = shrink(first, &Shrinking { domain, within: Within::Laws }, &mut deviates)?;
         let samples: Vec<Sample> = shrunk.into_iter().map(|s| s.sample).collect();
         let mut findings: Vec<Finding> = Vec::new();
         let mut reported: Vec<(String, Sample)> = Vec::new();
@@ -247,7 +261,7 @@ impl<'a> OnLane<'a> {
             let diagnosis =
                 diagnosis::lane(&context, &self.ready.program, &suspected).unwrap_or_else(|_| Diagnosis::default());
             findings.push(Finding {
-                count: self.verdicts.deviated,
+                count: self.verdicts.deviated + self.hostile.deviated,
                 inputs: inputs(&sample),
                 output: Some(output.clone()),
                 meaning: deviation.value().map(|v| v.meaning),

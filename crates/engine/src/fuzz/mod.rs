@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! file ─ slice ─▶ one function alone ─ wrapper ─▶ text ─▶ Program, Kernel
-//! domain ─ generate ─▶ Batch ─┬─ scan: binary64 beside strict binary32 ─▶ troubles ─ name ─▶ findings
-//!                             └─ lanes ─▶ verdicts, blame, determinism ─▶ findings
+//! domain ─ realistic, generate ─▶ Batch ─┬─ scan: binary64 beside strict binary32 ─▶ troubles ─ name ─▶ findings
+//!                                        └─ lanes ─▶ verdicts, blame, determinism ─▶ findings
 //! ```
 
 mod builtin;
@@ -14,6 +14,7 @@ mod generate;
 mod hint;
 mod lanes;
 mod name;
+mod realistic;
 mod run;
 mod scan;
 mod shrinking;
@@ -22,7 +23,7 @@ mod subject;
 mod wrapper;
 
 pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Stated};
-pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneReport, Severity};
+pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneReport, Part, Severity};
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use run::{Request, run, stream_key};

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::domain::{Domain, InputDomain, Law};
-use super::finding::{Finding, FunctionReport, FuzzFindingKind, Severity};
+use super::domain::{Domain, InputDomain, Law, Standing, Within};
+use super::finding::{Finding, FunctionReport, FuzzFindingKind, Part, Severity};
 use super::generate;
 use super::lanes::OnLane;
 use super::name::{Key, Named, applied, decimal, name, place, undefined};
@@ -11,7 +11,7 @@ use super::scan::{LIMIT, Look, ROUNDS, Trouble, scan};
 use super::shrinking::{inputs, smallest};
 use super::subject::{Ready, Subject};
 use base::value::{Batch, Record};
-use judge::profile::Promises;
+use judge::profile::{Op, Promises};
 use judge::verdict::{Fenced, Oracle, Reference, edges};
 use lanes::{Lane, LaneName, interrupt};
 use property::{Sample, Stream, regressions};
@@ -23,6 +23,8 @@ const BATCH_WORDS: usize = 1 << 22;
 const TWIN: usize = 16;
 /// Samples among which edges are sought.
 const PILOT: u64 = 512;
+/// One sample of so many is of the second part of a run.
+const SECOND: u64 = 4;
 /// Places that are told for one function; the rest is counted.
 const REPORTED: usize = 8;
 
@@ -37,6 +39,8 @@ pub struct Request {
     pub case: Option<String>,
     /// Notes are shrunk as findings are; without it they are told with the first sample that shows them.
     pub notes: bool,
+    /// All inputs alike: none is taken for anything, and there is no second part.
+    pub hostile: bool,
     /// The command line up to the function, for reproduction.
     pub command: String,
 }
@@ -45,11 +49,50 @@ pub struct Request {
 struct Group {
     count: u64,
     counting: u64,
-    /// One that shows it, and whether it counts.
+    /// One that shows it, of those that say most, and what it says.
     sample: Sample,
-    counts: bool,
-    /// The one with the largest error of those that count, or of all where none does.
+    standing: Standing,
+    /// The one with the largest error of these.
     worst: (f64, Sample),
+}
+
+/// What a run makes of samples.
+#[derive(Clone, Copy)]
+struct Looked<'a> {
+    ready: &'a Ready,
+    domain: &'a Domain,
+    /// Samples by what inputs are taken for come first; otherwise all are alike.
+    in_parts: bool,
+}
+
+impl Looked<'_> {
+    fn standing(&self, part: Part, sample: &Sample) -> Standing {
+        let counts = self.domain.counts(sample);
+        match part {
+            Part::Realistic if self.in_parts => Standing::Counts,
+            _ if !counts => Standing::Extreme,
+            Part::Hostile if self.in_parts => Standing::Unstated,
+            Part::Realistic | Part::Hostile => Standing::Counts,
+        }
+    }
+
+    /// What a sample may be shrunk to.
+    fn within(&self, standing: Standing) -> Within<'_> {
+        match standing {
+            Standing::Counts if self.in_parts => Within::Realistic(&self.ready.realistic),
+            Standing::Counts | Standing::Unstated => Within::Moderate,
+            Standing::Extreme => Within::Laws,
+        }
+    }
+
+    /// The part that something was found in, by the samples that say most.
+    fn part(&self, standing: Standing) -> Part {
+        if standing == Standing::Counts && (self.in_parts || self.domain.is_stated()) {
+            Part::Realistic
+        } else {
+            Part::Hostile
+        }
+    }
 }
 
 /// Runs a function on all lanes. `Err` for a case that does not fit its inputs.
@@ -66,9 +109,11 @@ pub fn run(
         function: subject.label.clone(),
         at: subject.at.clone(),
         samples: 0,
+        hostile: 0,
         edges: 0,
         not_run: None,
         inputs: Vec::new(),
+        taken_for: Vec::new(),
         textures: Vec::new(),
         first_of_dispatch: Vec::new(),
         max_error: 0.0,
@@ -106,28 +151,47 @@ pub fn run(
         .collect();
     let key = stream_key(request.seed, &subject.label);
     let mut groups: HashMap<Key, Group> = HashMap::new();
-    let mut first = 0;
-    while first < samples && !interrupt::asked() {
-        let count = (samples - first).min(size as u64) as usize;
-        let mut batch = match &case {
-            Some(sample) => Sample::batch(std::slice::from_ref(sample)),
-            None => generate::batch(invocation, uniforms, domain, key, first, count),
-        };
-        let twins = double(&mut batch, count);
-        let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
-        sort(ready, domain, &batch, &looks, &mut groups, &mut report);
-        // What is undefined may differ from one invocation to the next.
-        let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
-        let (batch, twins) = without_endless(batch, &looks, twins);
-        if batch.invocation_count() > 0 && !(constant && looks[0].trouble == Some(Trouble::Endless)) {
-            on.iter_mut().for_each(|lane| lane.run(&batch, &twins));
+    // Who gives a case states its inputs.
+    let in_parts = !request.hostile && case.is_none() && !constant && !domain.is_stated();
+    let looked = Looked { ready, domain, in_parts };
+    if in_parts {
+        let all = ready.realistic.taken_for(domain);
+        report.taken_for = all.into_iter().map(|taken| taken.map(str::to_owned)).collect();
+    }
+    let second = if in_parts { samples / SECOND } else { 0 };
+    for (part, samples) in [(Part::Realistic, samples - second), (Part::Hostile, second)] {
+        let mut first = 0;
+        while first < samples && !interrupt::asked() {
+            let count = (samples - first).min(size as u64) as usize;
+            let mut batch = match (&case, part) {
+                (Some(sample), _) => Sample::batch(std::slice::from_ref(sample)),
+                (None, Part::Realistic) if in_parts => {
+                    ready.realistic.batch((invocation, uniforms), domain, key, first, count)
+                }
+                (None, _) => generate::batch(invocation, uniforms, domain, key, first, count),
+            };
+            let twins = double(&mut batch, count);
+            let looks = scan(&ready.executable, &ready.kernel.output.vertex, &batch);
+            sort(looked, part, &batch, &looks, &mut groups, &mut report);
+            // What is undefined may differ from one invocation to the next.
+            let twins = twins.into_iter().filter(|&(twin, _)| !looks[twin].undefined).collect();
+            let (batch, twins) = without_endless(batch, &looks, twins);
+            if batch.invocation_count() > 0 && !(constant && looks[0].trouble == Some(Trouble::Endless)) {
+                on.iter_mut().for_each(|lane| lane.run(&batch, &twins, part));
+            }
+            first += count as u64;
+            report.samples += count as u64;
+            report.hostile += if part == Part::Hostile { count as u64 } else { 0 };
         }
-        first += count as u64;
-        report.samples += count as u64;
     }
     if case.is_none() && !constant {
         let count = samples.min(PILOT) as usize;
-        let pilot = generate::batch(invocation, uniforms, domain, key, 0, count);
+        let pilot = match in_parts {
+            true => ready.realistic.batch((invocation, uniforms), domain, key, 0, count),
+            false => generate::batch(invocation, uniforms, domain, key, 0, count),
+        };
+        // What holds beside an edge alone needs an input that is met by chance.
+        let part = if in_parts { Part::Hostile } else { Part::Realistic };
         let found = edges(&oracle, &|sample: &Sample| domain.keeps(sample), &pilot, Vec::new()).samples;
         report.edges = found.len() as u64;
         if !found.is_empty() {
@@ -140,9 +204,9 @@ pub fn run(
                 .filter(|look| look.trouble == Some(Trouble::Moved))
                 .for_each(|look| *look = Look::default());
             looks.iter_mut().for_each(|look| look.error = 0.0);
-            sort(ready, domain, &batch, &looks, &mut groups, &mut report);
+            sort(looked, part, &batch, &looks, &mut groups, &mut report);
             if kept.invocation_count() > 0 {
-                on.iter_mut().for_each(|lane| lane.run_edges(&kept));
+                on.iter_mut().for_each(|lane| lane.run_edges(&kept, part));
             }
         }
     }
@@ -154,14 +218,14 @@ pub fn run(
     };
     let fenced: Vec<(LaneName, Fenced)> = on.iter().filter_map(OnLane::fenced).collect();
     for (lane, fenced) in &fenced {
-        report.findings.push(at_failure(ready, domain, (lane, fenced), &mut groups, &reproduce));
+        report.findings.push(at_failure(looked, (lane, fenced), &mut groups, &reproduce));
     }
     for lane in on {
         let (lane, findings) = lane.finish(domain, &reproduce);
         report.lanes.push(lane);
         report.findings.extend(findings);
     }
-    add_findings(ready, domain, groups, request, &reproduce, &mut report);
+    add_findings(looked, groups, request, &reproduce, &mut report);
     report.findings.sort_by_key(|f| (f.severity, f.kind));
     Ok(report)
 }
@@ -211,8 +275,8 @@ fn double(batch: &mut Batch, count: usize) -> Vec<(usize, usize)> {
 
 /// Sorts samples in trouble by its name.
 fn sort(
-    ready: &Ready,
-    domain: &Domain,
+    looked: Looked<'_>,
+    part: Part,
     batch: &Batch,
     looks: &[Look],
     groups: &mut HashMap<Key, Group>,
@@ -221,29 +285,29 @@ fn sort(
     let open: Vec<(usize, Look)> =
         looks.iter().copied().enumerate().filter(|(_, look)| look.trouble.is_some()).collect();
     for (invocation, look) in looks.iter().enumerate() {
-        if look.error > report.max_error && domain.counts(&Sample::of(batch, invocation)) {
+        if look.error > report.max_error && looked.standing(part, &Sample::of(batch, invocation)) == Standing::Counts {
             report.max_error = look.error;
         }
     }
-    for ((invocation, look), named) in open.iter().zip(name(ready, batch, &open)) {
+    for ((invocation, look), named) in open.iter().zip(name(looked.ready, batch, &open)) {
         let Some(named) = named else { continue };
         let sample = Sample::of(batch, *invocation);
-        let counts = domain.counts(&sample);
+        let standing = looked.standing(part, &sample);
         let group = groups.entry(named.key()).or_insert_with(|| Group {
             count: 0,
             counting: 0,
             sample: sample.clone(),
-            counts,
+            standing,
             worst: (look.error, sample.clone()),
         });
         group.count += 1;
-        group.counting += u64::from(counts);
-        let first = counts && !group.counts;
-        if first || (counts == group.counts && look.error > group.worst.0) {
+        group.counting += u64::from(standing == Standing::Counts);
+        let first = standing < group.standing;
+        if first || (standing == group.standing && look.error > group.worst.0) {
             group.worst = (look.error, sample.clone());
         }
         if first {
-            (group.sample, group.counts) = (sample, true);
+            (group.sample, group.standing) = (sample, standing);
         }
     }
 }
@@ -268,31 +332,36 @@ fn without_endless(batch: Batch, looks: &[Look], twins: Vec<(usize, usize)>) -> 
 
 /// A failure of a lane where the function's behaviour is undefined; it stands for the group of the same operation.
 fn at_failure(
-    ready: &Ready,
-    domain: &Domain,
+    looked: Looked<'_>,
     (lane, fenced): (&LaneName, &Fenced),
     groups: &mut HashMap<Key, Group>,
     reproduce: &dyn Fn(&Sample) -> String,
 ) -> Finding {
     let named = undefined(&fenced.because);
-    let alone = (1, u64::from(domain.counts(&fenced.sample)));
-    let counts = groups.remove(&named.key()).map_or(alone, |group| (group.count, group.counting));
-    let finding = finding(ready, Severity::Finding, &named, &fenced.sample, counts, reproduce);
+    let alone = Group {
+        count: 1,
+        counting: u64::from(looked.domain.counts(&fenced.sample)),
+        sample: fenced.sample.clone(),
+        standing: Standing::Counts,
+        worst: (0.0, fenced.sample.clone()),
+    };
+    let group = groups.remove(&named.key()).unwrap_or(alone);
+    let finding = finding(looked, Severity::Finding, &named, &fenced.sample, &group, reproduce);
     Finding { lane: Some(lane), message: format!("{}; {}", finding.message, fenced.error.at_undefined()), ..finding }
 }
 
 /// Shrinks one sample of each group and adds its finding.
 fn add_findings(
-    ready: &Ready,
-    domain: &Domain,
+    looked: Looked<'_>,
     groups: HashMap<Key, Group>,
     request: &Request,
     reproduce: &dyn Fn(&Sample) -> String,
     report: &mut FunctionReport,
 ) {
+    let Looked { ready, domain, .. } = looked;
     let stated = domain.is_stated();
     let mut groups: Vec<(Key, Group)> = groups.into_iter().collect();
-    let severity = |key: &Key, group: &Group| key.0.severity(group.counts, stated);
+    let severity = |key: &Key, group: &Group| key.0.severity(group.standing, stated);
     groups.sort_by_key(|(key, group)| {
         (
             severity(key, group),
@@ -305,14 +374,15 @@ fn add_findings(
     for (index, (key, group)) in groups.into_iter().enumerate() {
         let severity = severity(&key, &group);
         let shrunk = request.case.is_none() && index < REPORTED && (request.notes || severity != Severity::Note);
+        let sample = group.sample.clone();
         let (sample, named) = if !shrunk {
-            let named = super::shrinking::names(ready, std::slice::from_ref(&group.sample)).pop().flatten();
-            (group.sample, named)
+            let named = super::shrinking::names(ready, std::slice::from_ref(&sample)).pop().flatten();
+            (sample, named)
         } else {
-            smallest(ready, domain, group.sample, key, group.counts)
+            smallest(ready, domain, sample, key, looked.within(group.standing))
         };
         let Some(named) = named else { continue };
-        let mut finding = finding(ready, severity, &named, &sample, (group.count, group.counting), reproduce);
+        let mut finding = finding(looked, severity, &named, &sample, &group, reproduce);
         if named.kind == FuzzFindingKind::IllConditioned && request.case.is_none() {
             finding.worst = Some((group.worst.0, inputs(&group.worst.1)));
         }
@@ -321,13 +391,14 @@ fn add_findings(
 }
 
 fn finding(
-    ready: &Ready,
+    looked: Looked<'_>,
     severity: Severity,
     named: &Named,
     sample: &Sample,
-    (count, counting): (u64, u64),
+    group: &Group,
     reproduce: &dyn Fn(&Sample) -> String,
 ) -> Finding {
+    let ready = looked.ready;
     let record = &ready.kernel.output.vertex;
     let (vertex, word) = named.place;
     let output = record.word_name(word);
@@ -349,11 +420,13 @@ fn finding(
     Finding {
         kind: named.kind,
         severity,
+        part: looked.part(group.standing),
+        cause: Some(cause(named)),
         message: message(named, &shown),
         place: place(ready, named.site),
         lane: None,
-        count,
-        counting,
+        count: group.count,
+        counting: group.counting,
         inputs: inputs(sample),
         output: real.then_some(output),
         meaning: real.then_some(named.meaning),
@@ -363,6 +436,19 @@ fn finding(
         worst: None,
         diagnosis: None,
         reproduce: Some(reproduce(sample)),
+    }
+}
+
+/// What findings have in common that one change of the shader would mend.
+fn cause(named: &Named) -> String {
+    let missing = matches!(named.kind, FuzzFindingKind::NoValue | FuzzFindingKind::Infinite | FuzzFindingKind::Lost);
+    match named.op {
+        Some(Op::Div | Op::Rem | Op::Mod) if missing => "a division by 0".to_owned(),
+        Some(op) if missing => format!("`{}` where it has no finite value", op.name()),
+        Some(_) | None => match named.kind {
+            FuzzFindingKind::IllConditioned => "digits are lost".to_owned(),
+            kind => kind.name().replace('_', " "),
+        },
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use super::domain::{Domain, Shrinking};
+use super::domain::{Domain, Shrinking, Within};
 use super::finding::InputValue;
 use super::name::{Key, Named, name};
 use super::scan::{Look, scan};
@@ -23,8 +23,14 @@ pub fn names(ready: &Ready, samples: &[Sample]) -> Vec<Option<Named>> {
 }
 
 /// The smallest sample with this trouble, and what is known about it.
-pub fn smallest(ready: &Ready, domain: &Domain, sample: Sample, key: Key, counting: bool) -> (Sample, Option<Named>) {
-    let admits = Shrinking { domain, counting };
+pub fn smallest(
+    ready: &Ready,
+    domain: &Domain,
+    sample: Sample,
+    key: Key,
+    within: Within<'_>,
+) -> (Sample, Option<Named>) {
+    let admits = Shrinking { domain, within };
     let same = |named: &Option<Named>| named.as_ref().is_some_and(|n| n.key() == key);
     let mut oracle =
         |samples: &[Sample]| -> Result<Vec<bool>, Infallible> { Ok(names(ready, samples).iter().map(same).collect()) };

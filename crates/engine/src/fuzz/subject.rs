@@ -2,14 +2,18 @@
 
 use super::domain::{Interval, Law, Stated};
 use super::hint;
+use super::realistic::Realistic;
 use super::slice::slice;
 use super::wrapper::{self, Wrapped};
+use crate::guess::{self, Role, Usages};
 use base::diagnostic::Diagnostic;
 use base::text::Span;
+use base::value::Field;
 use program::interp::{self, Executable};
 use program::lower::Target;
 use program::{DISCARD, Kernel, Program, ProgramError};
-use syntax::symbols::{FunctionId, FunctionInfo};
+use syntax::interface::Storage;
+use syntax::symbols::{FunctionId, FunctionInfo, SymbolId, SymbolKind};
 use syntax::{Shader, Stage};
 
 /// A function of a file.
@@ -32,6 +36,8 @@ pub struct Ready {
     pub kernel: Kernel,
     /// What the interpreter runs.
     pub executable: Executable,
+    /// What a program would give it.
+    pub realistic: Realistic,
 }
 
 /// A comment that cannot be read, or names no input.
@@ -54,6 +60,7 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         shader.functions().filter(|(_, f)| f.definition.is_some()).collect();
     let mut subjects = Vec::new();
     let ranges = program::ranges(shader);
+    let usages = Usages::of(shader);
     for &(id, info) in &defined {
         let name = &info.name.name;
         let overloaded = defined.iter().filter(|(_, f)| f.name.name == *name).count() > 1;
@@ -63,7 +70,10 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
         }
         let at = shader.file().locate(info.name.span.start);
         let mut stated = hints.about(info);
-        let ready = ready(shader, id, info).map(Box::new);
+        let ready = ready(shader, id, info).map(|(program, kernel, executable)| {
+            let realistic = realistic(shader, info, &usages, &kernel);
+            Box::new(Ready { program, kernel, executable, realistic })
+        });
         stated.extend(ready.iter().flat_map(|ready| numbers(ready, &ranges, &stated)).collect::<Vec<_>>());
         subjects.push(Subject { label, at, ready, stated });
     }
@@ -81,13 +91,55 @@ fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]) -> Vec<St
     ranges.iter().filter(|(name, _)| reads(name) && open(name)).map(within).collect()
 }
 
+/// What the inputs of a function are taken for.
+fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Kernel) -> Realistic {
+    let guess = |field: &Field| {
+        let root = field.name.split(['.', '[']).next().unwrap_or(&field.name);
+        let param = info.params.iter().find(|param| param.name.as_ref().is_some_and(|name| name.name == root));
+        let (symbol, role) = match param.filter(|_| info.name.name != "main") {
+            Some(param) => (param.symbol, Role::Parameter),
+            None => global(shader, root).map_or((None, Role::Parameter), |(symbol, storage)| {
+                let role = match storage {
+                    Storage::Uniform => Role::Uniform,
+                    Storage::In if shader.stage() == Stage::Fragment => Role::Varying,
+                    _ => Role::Parameter,
+                };
+                (Some(symbol), role)
+            }),
+        };
+        let uses = symbol.map(|symbol| usages.of_input(symbol, &field.name)).unwrap_or_default();
+        (guess::with_uses(field, role, &uses), role == Role::Varying)
+    };
+    Realistic::new([&kernel.invocation, &kernel.case], &guess)
+}
+
+/// A variable of the interface by its name, or that of its block.
+fn global(shader: &Shader, name: &str) -> Option<(SymbolId, Storage)> {
+    let (id, symbol) = shader
+        .symbols()
+        .find(|(_, symbol)| symbol.name == name && !matches!(symbol.kind, SymbolKind::Param(_) | SymbolKind::Local))?;
+    Some((
+        id,
+        match symbol.kind {
+            SymbolKind::Global(storage) => storage,
+            SymbolKind::BlockMember(block) | SymbolKind::BlockInstance(block) => {
+                shader.interface().blocks[block].storage
+            }
+            SymbolKind::Builtin | SymbolKind::Param(_) | SymbolKind::Local => Storage::Global,
+        },
+    ))
+}
+
 /// `name(vec3, float)`
 fn signature(info: &FunctionInfo) -> String {
     let types: Vec<String> = info.params.iter().map(|p| p.ty.to_string()).collect();
     format!("{}({})", info.name.name, types.join(", "))
 }
 
-fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
+/// A program, with outputs captured, and as the interpreter runs it.
+type Made = (Program, Kernel, Executable);
+
+fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, String> {
     let main = info.name.name == "main";
     if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
@@ -104,7 +156,7 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
 }
 
 /// The function in a text of its own.
-fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, String> {
+fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, String> {
     let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
     let target = Target::Function(wrapper::NAME.to_owned());
     let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;
@@ -118,13 +170,13 @@ fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Ready, 
     made(program)
 }
 
-fn made(program: Program) -> Result<Ready, String> {
+fn made(program: Program) -> Result<Made, String> {
     let kernel = program.compute_kernel().map_err(|e| reason(&e))?;
     if kernel.output.is_empty() {
         return Err("it writes no output".to_owned());
     }
     let executable = interp::compile(&program).map_err(|e| e.locate(&program))?;
-    Ok(Ready { program, kernel, executable })
+    Ok((program, kernel, executable))
 }
 
 /// Why a program cannot be made, in one line with the place in the author's file.

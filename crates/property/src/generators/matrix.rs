@@ -21,6 +21,30 @@ pub fn read(words: &[u32]) -> DMat4 {
     DMat4::from_cols_array(&entries)
 }
 
+/// The inverse of a matrix of 16 words; false where there is none.
+pub fn inverse(words: &[u32], out: &mut [u32]) -> bool {
+    let inverse = read(words).inverse();
+    if inverse.is_finite() {
+        write(&inverse, out);
+    }
+    inverse.is_finite()
+}
+
+/// What transforms normals where a matrix of 16 words transforms points, as 9 or 16 words: the inverse of its linear
+/// part, transposed. False where there is none.
+pub fn normal(words: &[u32], out: &mut [u32]) -> bool {
+    let normal = DMat3::from_mat4(read(words)).inverse().transpose();
+    if !normal.is_finite() {
+        return false;
+    }
+    if out.len() == 16 {
+        write(&DMat4::from_mat3(normal), out);
+    } else {
+        out.iter_mut().zip(normal.to_cols_array()).for_each(|(out, entry)| *out = word(entry + 0.0));
+    }
+    true
+}
+
 /// Two points of the open unit disc, each with the square of its distance from the centre.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Discs([(f64, f64, f64); 2]);

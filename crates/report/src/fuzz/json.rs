@@ -40,6 +40,7 @@ struct Function<'a> {
     function: &'a str,
     at: &'a str,
     samples: u64,
+    hostile: u64,
     edges: u64,
     not_run: Option<&'a str>,
     inputs: Vec<Domain<'a>>,
@@ -53,6 +54,7 @@ struct Function<'a> {
 struct Domain<'a> {
     input: &'a str,
     domain: Vec<String>,
+    taken_for: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -64,12 +66,23 @@ struct OnLane {
     undetermined: u64,
     undetermined_by: serde_json::Map<String, serde_json::Value>,
     max_ulp: f64,
+    hostile: Counts,
+}
+
+/// Samples of the second part of a run.
+#[derive(Serialize)]
+struct Counts {
+    agreed: u64,
+    deviated: u64,
+    undetermined: u64,
 }
 
 #[derive(Serialize)]
 struct FindingJson<'a> {
     kind: &'static str,
     severity: &'static str,
+    part: &'static str,
+    group: Option<&'a str>,
     message: &'a str,
     at: Option<&'a Location>,
     text: Option<&'a str>,
@@ -134,12 +147,18 @@ fn function(report: &FunctionReport) -> Function<'_> {
         function: &report.function,
         at: &report.at,
         samples: report.samples,
+        hostile: report.hostile,
         edges: report.edges,
         not_run: report.not_run.as_deref(),
         inputs: report
             .inputs
             .iter()
-            .map(|(input, laws)| Domain { input, domain: laws.iter().map(ToString::to_string).collect() })
+            .enumerate()
+            .map(|(k, (input, laws))| Domain {
+                input,
+                domain: laws.iter().map(ToString::to_string).collect(),
+                taken_for: report.taken_for.get(k).and_then(Option::as_deref),
+            })
             .collect(),
         textures: &report.textures,
         max_error: report.max_error,
@@ -160,6 +179,11 @@ fn on_lane(lane: &LaneReport) -> OnLane {
         undetermined: v.undetermined_count(),
         undetermined_by: reasons.map(|(reason, n)| (reason.name().to_owned(), n.into())).collect(),
         max_ulp: v.max_ulp,
+        hostile: Counts {
+            agreed: lane.hostile.agreed,
+            deviated: lane.hostile.deviated,
+            undetermined: lane.hostile.undetermined_count(),
+        },
     }
 }
 
@@ -168,6 +192,8 @@ fn found(finding: &Finding) -> FindingJson<'_> {
     FindingJson {
         kind: finding.kind.name(),
         severity: finding.severity.name(),
+        part: finding.part.name(),
+        group: finding.cause.as_deref(),
         message: &finding.message,
         at: place.map(|place| &place.at),
         text: place.map(|place| place.text.as_str()),

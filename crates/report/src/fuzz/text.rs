@@ -6,7 +6,7 @@ use super::{FileReport, Summary};
 use crate::diagnostics;
 use base::diagnostic::Lang;
 use base::value::F32Bits;
-use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport, Severity};
+use engine::fuzz::{Finding, FunctionReport, InputValue, LaneReport, Part, Severity};
 use judge::verdict::diagnosis::Place;
 
 /// Colours of a terminal; empty strings elsewhere.
@@ -40,7 +40,11 @@ pub fn line(function: &FunctionReport, color: bool) -> String {
                 (Severity::Warning, "warning", "warnings"),
                 (Severity::Note, "note", "notes"),
             ];
-            let mut parts = vec![format!("{} samples", function.samples)];
+            let of = match function.hostile {
+                0 => String::new(),
+                hostile => format!(", {hostile} of them hostile"),
+            };
+            let mut parts = vec![format!("{} samples{of}", function.samples)];
             for (severity, one, many) in counted {
                 match function.of(severity).count() {
                     0 => {}
@@ -61,7 +65,12 @@ fn on_lane(lane: &LaneReport) -> String {
     }
     let v = &lane.verdicts;
     let mut text = format!("{} {} agreed", lane.lane, v.agreed);
-    for (n, what) in [(v.deviated, "deviated"), (v.undetermined_count(), "undetermined")] {
+    let hostile = &lane.hostile;
+    for (n, what) in [
+        (v.deviated, "deviated"),
+        (v.undetermined_count(), "undetermined"),
+        (hostile.deviated, "deviated on hostile inputs"),
+    ] {
         if n > 0 {
             let _ = write!(text, ", {n} {what}");
         }
@@ -78,8 +87,9 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
     }
     for function in &file.functions {
         let mut shown = false;
-        for finding in function.findings.iter().filter(|f| notes || f.severity != Severity::Note) {
-            one(&mut text, &function.function, finding, color);
+        let told = |f: &&Finding| (notes || f.severity != Severity::Note) && !is_unstated(f);
+        for finding in function.findings.iter().filter(told) {
+            one(&mut text, function, finding, color);
             shown = true;
         }
         if shown && !function.textures.is_empty() {
@@ -94,10 +104,73 @@ pub fn findings(file: &FileReport, notes: bool, color: bool) -> String {
             );
         }
     }
+    unstated(&mut text, file, color);
     text
 }
 
-fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
+/// True for what needs inputs that nobody stated: it is told by its cause.
+fn is_unstated(finding: &Finding) -> bool {
+    finding.severity == Severity::Warning && finding.part == Part::Hostile && finding.cause.is_some()
+}
+
+/// Places, and inputs, that are told of one cause.
+const PLACES: usize = 3;
+const INPUTS: usize = 4;
+
+/// Warnings that need inputs that nobody stated: a paragraph of at most ten lines for each cause.
+fn unstated(text: &mut String, file: &FileReport, color: bool) {
+    let style = Style::new(color);
+    let all = || file.functions.iter().flat_map(|function| function.findings.iter().map(move |f| (function, f)));
+    let mut causes: Vec<&str> = Vec::new();
+    for (_, finding) in all().filter(|(_, f)| is_unstated(f)) {
+        let cause = finding.cause.as_deref().unwrap_or_default();
+        if !causes.contains(&cause) {
+            causes.push(cause);
+        }
+    }
+    for cause in causes {
+        let of = all().filter(|(_, f)| is_unstated(f) && f.cause.as_deref() == Some(cause));
+        let found: Vec<(&FunctionReport, &Finding)> = of.collect();
+        let mut functions: Vec<&str> = found.iter().map(|(function, _)| function.function.as_str()).collect();
+        functions.dedup();
+        let who = match functions[..] {
+            [only] => only.to_owned(),
+            [ref first, ..] => format!("{first} and {} more", functions.len() - 1),
+            [] => String::new(),
+        };
+        let _ = writeln!(text, "\n{}warning: {who}: {cause}, at inputs that nobody stated{}", style.bold, style.off);
+        let mut label = "at";
+        for (function, finding) in found.iter().take(PLACES) {
+            let at = finding.place.as_ref().map_or_else(|| function.at.clone(), |p| format!("{}: `{}`", p.at, p.text));
+            let _ = writeln!(text, "  {label:<10} {at}: {}", finding.message);
+            label = "";
+        }
+        if found.len() > PLACES {
+            let _ = writeln!(text, "  {label:<10} and {} more", found.len() - PLACES);
+        }
+        let Some((function, first)) = found.first() else { continue };
+        let mut label = "smallest";
+        for (k, input) in first.inputs.iter().enumerate().take(INPUTS) {
+            let rest = first.inputs.len() - INPUTS.min(first.inputs.len());
+            let more = if k + 1 == INPUTS && rest > 0 { format!(" (and {rest} more inputs)") } else { String::new() };
+            let taken = taken(function, input);
+            let _ = writeln!(text, "  {label:<10} {} = {}{taken}{more}", input.name, values(input));
+            label = "";
+        }
+        if let Some(command) = &first.reproduce {
+            let _ = writeln!(text, "  reproduce  {command}");
+        }
+    }
+}
+
+/// What an input of a function is taken for, in brackets.
+fn taken(function: &FunctionReport, input: &InputValue) -> String {
+    let at = function.inputs.iter().position(|(name, _)| *name == input.name);
+    let taken = at.and_then(|at| function.taken_for.get(at)?.as_ref());
+    taken.map_or_else(String::new, |taken| format!(" (taken for {taken})"))
+}
+
+fn one(text: &mut String, function: &FunctionReport, finding: &Finding, color: bool) {
     let style = Style::new(color);
     let severity = match finding.severity {
         Severity::Finding => "",
@@ -105,7 +178,7 @@ fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
         Severity::Note => "note: ",
     };
     let on = finding.lane.map_or_else(String::new, |lane| format!(" on {lane}"));
-    let _ = writeln!(text, "\n{}{severity}{function}{on}: {}{}", style.bold, finding.message, style.off);
+    let _ = writeln!(text, "\n{}{severity}{}{on}: {}{}", style.bold, function.function, finding.message, style.off);
     if let Some(Place { at, text: source, expansion, line: _ }) = &finding.place {
         let expanded = expansion.as_ref().map_or_else(String::new, |name| format!(", in the expansion of `{name}`"));
         let _ = writeln!(text, "  at         {at}: `{source}`{expanded}");
@@ -115,13 +188,14 @@ fn one(text: &mut String, function: &str, finding: &Finding, color: bool) {
             _ if finding.lane.is_some() => String::new(),
             0 => ", all of them with inputs beyond the moderate".to_owned(),
             n if n == finding.count => String::new(),
-            n => format!(", {n} of them with moderate or stated inputs"),
+            n if function.taken_for.is_empty() => format!(", {n} of them with moderate or stated inputs"),
+            n => format!(", {n} of them with realistic or stated inputs"),
         };
         let _ = writeln!(text, "  samples    {}{counting}", finding.count);
     }
     let mut label = "smallest";
     for input in &finding.inputs {
-        let _ = writeln!(text, "  {label:<10} {} = {}", input.name, values(input));
+        let _ = writeln!(text, "  {label:<10} {} = {}{}", input.name, values(input), taken(function, input));
         label = "";
     }
     if let Some((error, inputs)) = &finding.worst {

@@ -1,0 +1,145 @@
+//! What `fuzz` takes for realistic: faults that programs meet are errors, those that take an input which nobody stated
+//! are warnings, and what is right is silent.
+
+use std::fs;
+
+use engine::fuzz::{FunctionReport, FuzzFindingKind, Part, Severity};
+use judge::profile::Promises;
+use lanes::{Api, embedded};
+
+use crate::binary::run_in;
+use crate::fuzz::{functions, on, only};
+
+/// The report of `main` of a stage.
+fn main_of(name: &str, text: &str) -> FunctionReport {
+    let all = functions(name, text);
+    let main = all.iter().find(|subject| subject.label == "main").unwrap();
+    let report = on(main, "", &*embedded::open().unwrap(), Promises::of_api(Api::Binary32));
+    assert_eq!(report.not_run, None);
+    report
+}
+
+#[track_caller]
+fn is_error(report: &FunctionReport) {
+    let found = report.of(Severity::Finding).next().unwrap_or_else(|| panic!("{:?}", report.findings));
+    assert_eq!(found.part, Part::Realistic, "{found:?}");
+    assert!(found.counting > 0 && found.reproduce.is_some());
+}
+
+#[track_caller]
+fn is_warning(report: &FunctionReport, kinds: &[FuzzFindingKind]) {
+    assert!(!report.fails(), "{:?}", report.findings);
+    let found = report.of(Severity::Warning).find(|f| kinds.contains(&f.kind));
+    let found = found.unwrap_or_else(|| panic!("{:?}", report.findings));
+    assert_eq!((found.part, found.counting), (Part::Hostile, 0), "{found:?}");
+}
+
+#[track_caller]
+fn is_silent(report: &FunctionReport) {
+    let told: Vec<_> = report.findings.iter().filter(|f| f.severity != Severity::Note).collect();
+    assert!(told.is_empty(), "{told:?}");
+}
+
+const MISSING: [FuzzFindingKind; 2] = [FuzzFindingKind::NoValue, FuzzFindingKind::Infinite];
+
+#[test]
+fn a_fault_at_realistic_inputs_is_an_error() {
+    // A surface that faces up; a texel without colour; a highlight behind the surface.
+    is_error(&only("vec3 tangent(vec3 normal) { return normalize(cross(normal, vec3(0.0, 1.0, 0.0))); }", ""));
+    is_error(&only("vec3 straight(vec4 color) { return color.rgb / color.a; }", ""));
+    is_error(&only(
+        "float spot(vec3 reflectDir, vec3 viewDir, float shininess) { return pow(dot(reflectDir, viewDir), shininess); }",
+        "",
+    ));
+}
+
+#[test]
+fn what_takes_an_input_that_nobody_stated_is_a_warning() {
+    is_warning(&only("vec3 turned(vec3 v) { return normalize(v); }", ""), &MISSING);
+    is_warning(&only("vec3 to(vec3 lightPos, vec3 fragPos) { return normalize(lightPos - fragPos); }", ""), &MISSING);
+    is_warning(&only("float part(float a, float b) { return a / (a + b); }", ""), &MISSING);
+    is_warning(
+        &only("vec3 half_way(vec3 lightDir, vec3 viewDir) { return normalize(lightDir + viewDir); }", ""),
+        &MISSING,
+    );
+}
+
+#[test]
+fn what_is_right_is_silent() {
+    is_silent(&only("vec3 turned(vec3 v) { return v / max(length(v), 0.0001); }", "v=[-8,8]"));
+    is_silent(&only(
+        "vec3 straight(vec4 color) { return color.a > 0.0 ? clamp(color.rgb / color.a, 0.0, 1.0) : vec3(0.0); }",
+        "color=[0,1]",
+    ));
+    is_silent(&only("vec3 lit(vec3 color, float ndotl) { return color * max(ndotl, 0.0); }", ""));
+}
+
+#[test]
+fn a_stated_input_or_a_hostile_run_makes_it_an_error() {
+    assert!(only("vec3 turned(vec3 v) { return normalize(v); }", "v=[-1,1]").fails());
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.glsl"), "vec3 turned(vec3 v) { return normalize(v); }\n").unwrap();
+    let run = |more: &str| run_in(folder.path(), &format!("fuzz a.glsl --samples 2048 --lane embedded {more}"));
+    let told = run("").expect(0);
+    assert!(
+        told.out.contains("warning: turned: ") && told.out.contains("at inputs that nobody stated"),
+        "{}",
+        told.out
+    );
+    assert!(told.out.contains("(taken for any number)"), "{}", told.out);
+    let hostile = run("--hostile").expect(1);
+    assert!(hostile.out.contains("--hostile --lane embedded --function turned"), "{}", hostile.out);
+    let json = run("--format json").expect(0).json();
+    let function = &json["files"][0]["functions"][0];
+    assert_eq!(function["inputs"][0]["taken_for"], "any number");
+    assert_eq!((function["samples"].as_u64(), function["hostile"].as_u64()), (Some(2048), Some(512)));
+    let warning = function["findings"].as_array().unwrap().iter().find(|f| f["severity"] == "warning").unwrap();
+    assert_eq!(warning["part"], "hostile");
+    // Who gives the case states its inputs.
+    let command = warning["reproduce"].as_str().unwrap();
+    assert!(
+        crate::binary::run_reported(folder.path(), command, &[])
+            .expect(1)
+            .out
+            .contains(warning["message"].as_str().unwrap())
+    );
+}
+
+#[test]
+fn one_cause_at_many_places_is_one_warning_of_ten_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let text: String = (0..9).map(|k| format!("float f{k}(float a, float b) {{ return {k}.5 * a / b; }}\n")).collect();
+    fs::write(folder.path().join("a.glsl"), text).unwrap();
+    let out = run_in(folder.path(), "fuzz a.glsl --samples 2048 --lane embedded").expect(0).out;
+    let blocks: Vec<&str> = out.split("\n\n").filter(|block| block.starts_with("warning: ")).collect();
+    let cause = blocks.iter().find(|block| block.contains("a division by 0")).unwrap_or_else(|| panic!("{out}"));
+    assert!(cause.starts_with("warning: f0 and 8 more: a division by 0"), "{cause}");
+    assert!(blocks.iter().all(|block| block.trim_end().lines().count() <= 10), "{out}");
+}
+
+/// Inputs of a fragment shader as the vertex stage gives them: shorter than 1, and never 0.
+#[test]
+fn what_is_interpolated_is_no_longer_of_length_one() {
+    let text = "in vec3 normal;\nout vec4 color;\nvoid main() { float l = length(normal); \
+                color = vec4(l > 0.4 && l < 0.99 ? log(0.98 - l) : 1.0); }\n";
+    is_error(&main_of("a.frag", text));
+    let text = "in vec3 normal;\nout vec4 color;\nvoid main() { float l = length(normal); \
+                color = vec4(1.0 / (l - 0.4), sqrt(1.001 - l), 0.0, 1.0); }\n";
+    is_warning(&main_of("a.frag", text), &[FuzzFindingKind::NoValue, FuzzFindingKind::Infinite]);
+}
+
+#[test]
+fn a_normal_matrix_belongs_to_its_model_matrix() {
+    let of = |normal: &str, compared: &str| {
+        let text = format!(
+            "layout(location = 0) in vec3 p;\nuniform mat4 model;\nuniform mat3 {normal};\nout float gap;\n\
+             void main() {{ mat3 d = transpose({normal}) * mat3(model) - mat3(1.0);\n\
+             gap = dot(d[0], d[0]) + dot(d[1], d[1]) + dot(d[2], d[2]) < 0.0001 ? {compared}; gl_Position = vec4(p, 1.0); }}\n"
+        );
+        main_of("a.vert", &text)
+    };
+    // The gap is 0 in every realistic sample, and another matrix has one.
+    let broken = |report: &FunctionReport| report.of(Severity::Finding).any(|f| f.kind == FuzzFindingKind::NoValue);
+    assert!(!broken(&of("normalMatrix", "1.0 : sqrt(-1.0 - p.x * p.x)")));
+    assert!(broken(&of("other", "1.0 : sqrt(-1.0 - p.x * p.x)")));
+}
