@@ -163,10 +163,14 @@ impl Realistic {
     pub fn admits(&self, domain: &Domain, sample: &Sample) -> bool {
         let records = [&sample.invocation_record, &sample.case_record];
         let words = [&sample.invocation, &sample.case];
+        let follows = |at: (usize, usize)| self.links.iter().any(|link| link.to == at);
         let each = (0..2).all(|side| {
             self.sides[side].iter().enumerate().all(|(k, drawn)| {
                 let record = records[side];
-                stated(domain, (side, k)) || drawn.draw.admits(&record.fields()[k], &words[side][record.range(k)])
+                // What follows from another input has no range of its own.
+                stated(domain, (side, k))
+                    || follows((side, k))
+                    || drawn.draw.admits(&record.fields()[k], &words[side][record.range(k)])
             })
         });
         each && self.links.iter().filter(|link| !stated(domain, link.to)).all(|link| {
@@ -484,7 +488,7 @@ mod tests {
         }
         // Another normal matrix does not belong to the model.
         let mut other = Sample::of(&batch, 0);
-        other.set("normalMatrix", &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        other.set("normalMatrix", &[8.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0]);
         assert!(!realistic.admits(&domain, &other));
         for input in 0..own.fields().len() + case.fields().len() {
             let plainer = realistic.plainer(&domain, &Sample::of(&batch, 1), input).unwrap();
