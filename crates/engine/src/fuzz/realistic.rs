@@ -337,7 +337,7 @@ impl Draw {
                 }
             }
             Self::By(generator, group) => {
-                let place = Place { case_seed: stream.bits(), lane: 0, exact: false };
+                let place = Place { case_seed: stream.bits(), invocation: 0, exact: false };
                 generator.fill(group, place, stream, out);
             }
         }
