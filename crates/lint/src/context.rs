@@ -9,7 +9,7 @@ use std::collections::{BTreeSet, HashSet};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
-use syntax::{Shader, Stage, TokenKind, TokenPlace, errors};
+use syntax::{BuiltinFunction, Shader, Stage, TokenKind, TokenPlace, errors};
 
 use super::project::Project;
 
@@ -73,22 +73,35 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     }
     if !has_main && !versioned {
         // Where a piece is not whole by itself, everything may have another meaning.
-        let whole = found.iter().all(|d| OF_A_FUNCTION.contains(&d.code));
+        let whole = found.iter().all(|d| OF_A_FUNCTION.contains(&d.code) && !is_of_the_user(file, d));
         return vec![!whole; found.len()];
     }
-    let joined = found.iter().any(|d| is_foreign(file, d));
+    let joined = found.iter().any(|d| is_foreign(file, d)) || imports(file.text());
     let replaced = found.iter().any(|d| d.code != errors::INCLUDE && is_foreign(file, d));
     let kept = under_conditions(shader, found);
     let unknown_stage = shader.stage() == Stage::Library;
     let of = |(error, kept): (&Diagnostic, bool)| {
         !kept
             || (joined && (REPAIRED_IN_FRONT.contains(&error.code) || is_bindless(file, error)))
+            || (joined && is_of_the_user(file, error))
+            // An engine calls this `main` from its own.
+            || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
             || (joined && error.code == errors::SYNTAX && (replaced || at_macro(file, error)))
             || (unknown_stage && OF_THE_STAGE.contains(&error.code))
             // Who puts a version in front may put more there; a slip comes with what was meant.
             || (!versioned && NAMES.contains(&error.code) && error.help.is_none())
     };
     found.iter().zip(kept).map(of).collect()
+}
+
+/// True for a text into which directives of a tool bring others.
+fn imports(text: &str) -> bool {
+    ["#pragma glslify", "#pragma include", "#pragma import"].iter().any(|directive| text.contains(directive))
+}
+
+/// True for a call of a function of the text, of which another text may have further overloads.
+fn is_of_the_user(file: &SourceFile, error: &Diagnostic) -> bool {
+    error.code == errors::NO_OVERLOAD && BuiltinFunction::from_name(file.slice(error.span)).is_none()
 }
 
 /// True for what another preprocessor than that of GLSL reads.
@@ -99,7 +112,8 @@ fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
         errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
         errors::SYNTAX => {
             let before = file.text()[..error.span.start].trim_end();
-            file.text()[error.span.start..].starts_with("{{") || before.ends_with(['$', '@', '#'])
+            ["{{", "[["].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
+                || before.ends_with(['$', '@', '#'])
         }
         _ => false,
     }
@@ -206,7 +220,7 @@ fn written(line: &str) -> Option<&str> {
     let starts =
         ["#define ", "uniform ", "const ", "in ", "out ", "varying ", "attribute ", "layout", "struct ", "\\n#define "];
     let declares = |start: &&str| quoted.trim_start().starts_with(*start) && quoted.len() > start.len();
-    starts.iter().any(|s| declares(&s)).then_some(quoted)
+    starts.iter().any(declares).then_some(quoted)
 }
 
 /// True for an error that is about a name, or at a macro: something in front may declare it.
@@ -255,6 +269,10 @@ mod tests {
         only_on_request(&[("light.glsl", "color += shade(n, l) * lamps[i].color;\n")], "E001");
         only_on_request(&[("noise.glsl", "float f(vec2 p) { return hash(p); }\n")], "E021");
         only_on_request(&[("facade.vert", "#define varying out\n")], "E025");
+        let overload = "float ao(vec2 p, float x) { return min(x, ao(p)); }\n";
+        only_on_request(&[("ao.glsl", overload)], "E022");
+        by_default(&[("ao.glsl", &overload.replace("ao(p)", "dot(p)"))], "E022");
+        only_on_request(&[("surface.frag", "vec3 main() { return vec3(1.0); }\n")], "E046");
         by_default(&[("noise.glsl", "vec2 f(vec2 p) { vec3 q = p; return q.xy; }\n")], "T003");
         by_default(&[("junk.frag", "placeholder")], "E001");
     }
@@ -264,6 +282,8 @@ mod tests {
         let shader =
             |line: &str, body: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
         only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");
+        only_on_request(&[("a.frag", &shader("#pragma glslify: light = require('light')", "light()"))], "E021");
+        only_on_request(&[("a.frag", &shader("[[INPUTS]]", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("#include \"light.glsl\"\nHIGH_PRECISION;", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("const int n = $COUNT;", "vec4(n)"))], "E002");
         by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");

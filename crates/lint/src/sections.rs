@@ -18,7 +18,11 @@ const DEFINED: [(&str, &str); 6] = [
 
 /// The shaders of such a file; none when it is one shader.
 pub fn sections(file: &SourceFile) -> Vec<(Stage, Literal)> {
-    [marked, separated, conditional].into_iter().map(|read| read(file)).find(|all| !all.is_empty()).unwrap_or_default()
+    [marked, versioned, separated, conditional]
+        .into_iter()
+        .map(|read| read(file))
+        .find(|all| !all.is_empty())
+        .unwrap_or_default()
 }
 
 /// Shaders behind lines that say their stage.
@@ -43,6 +47,30 @@ fn marked(file: &SourceFile) -> Vec<(Stage, Literal)> {
         .collect()
 }
 
+/// Shaders that each begin with a `#version`: what stands between them says the stage, or what each uses.
+fn versioned(file: &SourceFile) -> Vec<(Stage, Literal)> {
+    let text = file.text();
+    let starts: Vec<usize> =
+        lines(text).filter(|(_, line)| line.trim_start().starts_with("#version")).map(|(at, _)| at).collect();
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    let parts: Vec<Span> = starts.iter().zip(ends).map(|(&start, end)| Span::new(start, end)).collect();
+    // Branches of one shader may state versions of their own.
+    if parts.len() < 2 || !parts.iter().all(|part| marks::has_main(file.slice(*part))) {
+        return Vec::new();
+    }
+    let mut end_before = 0;
+    let mut read = |part: Span| {
+        // Behind the last function stands what introduces the next shader.
+        let end = file.slice(part).rfind('}').map_or(part.end, |at| part.start + at + 1);
+        let between = &text[end_before..part.start];
+        end_before = end;
+        let own = &text[part.start..end];
+        let stage = marks::stage_of_words(between).or_else(|| marks::stage(own).ok()?).unwrap_or(Stage::Library);
+        (stage, Literal::part(file, Span::new(part.start, end)))
+    };
+    parts.into_iter().map(&mut read).collect()
+}
+
 /// Lines with where they start.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.split_inclusive('\n').scan(0, |at, line| {
@@ -61,11 +89,11 @@ fn mark(line: &str) -> Option<Stage> {
             (words.next()?, words.next().filter(|w| !w.eq_ignore_ascii_case("shader")))
         }
         None => {
-            let mut words = line.strip_prefix('#')?.split_whitespace();
-            if !matches!(words.next()?, "type" | "shader" | "stage") {
-                return None;
+            let mut words = line.strip_prefix(['#', '@'])?.split_whitespace();
+            match words.next()? {
+                "type" | "shader" | "stage" => (words.next()?, words.next()),
+                word => (word, words.next()),
             }
-            (words.next()?, words.next())
         }
     };
     rest.is_none().then_some(())?;
@@ -183,6 +211,25 @@ mod tests {
             "#pragma parameter GAIN \"Gain\" 1.0 0.0 2.0 0.1\n#ifdef PARAMETER_UNIFORM\nuniform float GAIN;\n#endif\n";
         let shader = BRANCHES.replace("varying vec2 t;\nuniform", &format!("varying vec2 t;\n{parameter}uniform"));
         assert_eq!(reported(&shader.replace("texture2D(s, t)", "GAIN * texture2D(s, t)")), [""; 0]);
+    }
+
+    #[test]
+    fn a_file_with_two_versions_holds_two_shaders() {
+        let both = |first: &str, between: &str| {
+            format!(
+                "{first}\n#version 330 core\nlayout(location = 0) in vec3 p;\nout vec3 n;\nvoid main() {{ n = p; gl_Position = vec4(p, 1.0); }}\n{between}\n\
+                #version 330 core\nin vec3 n;\nout vec4 c;\nvoid main() {{ c = vec4(n, 1.0); }}\n"
+            )
+        };
+        for (first, between) in [("#vert", "#frag"), ("//BEGIN_VS", "//BEGIN_FS"), ("@vs", "@end\n@fs"), ("", "")] {
+            let text = both(first, between);
+            assert_eq!(reported(&text), [""; 0], "{text}");
+            let found = reported(&text.replace("vec4(n, 1.0)", "vec3(n)"));
+            assert!(found.len() == 1 && found[0].starts_with("T003 "), "{text}: {found:?}");
+        }
+        let branches =
+            "#ifdef GL_ES\n#version 300 es\n#else\n#version 330\n#endif\nvoid main() { gl_Position = vec4(1.0); }\n";
+        assert!(super::sections(&SourceFile::new("one.glsl", branches)).is_empty());
     }
 
     #[test]

@@ -200,6 +200,13 @@ pub(crate) fn lex(text: &str) -> Pieces {
                 }
                 (first, spaced) = (false, false);
             }
+            Lex::Number if let Some(at) = swizzled(&text[span.range()]) => {
+                let [point, word] = [span.start + at, span.start + at + 1];
+                out.pieces.push(Piece { lex, span: Span::new(span.start, point), first, spaced });
+                (first, spaced) = (false, false);
+                out.pieces.push(Piece { lex: Lex::Dot, span: Span::new(point, word), first, spaced });
+                out.pieces.push(Piece { lex: Lex::Word, span: Span::new(word, span.end), first, spaced });
+            }
             _ => {
                 out.pieces.push(Piece { lex, span, first, spaced });
                 (first, spaced) = (false, false);
@@ -207,6 +214,15 @@ pub(crate) fn lex(text: &str) -> Pieces {
         }
     }
     out
+}
+
+/// The last point of what starts like a number and is one with a swizzle: `0.25f.xxxx`.
+fn swizzled(text: &str) -> Option<usize> {
+    let at = text.rfind('.')?;
+    let (number, swizzle) = (&text[..at], &text[at + 1..]);
+    let letters = |set: &str| !swizzle.is_empty() && swizzle.chars().all(|c| set.contains(c));
+    let complete = number.contains('.') && number.ends_with(|c: char| c.is_ascii_digit() || ".fF".contains(c));
+    (complete && ["xyzw", "rgba", "stpq"].iter().any(|set| letters(set))).then_some(at)
 }
 
 #[cfg(test)]
@@ -226,6 +242,7 @@ mod tests {
     fn numbers_stay_in_one_piece() {
         assert_eq!(words("1.0e-5f+.5-0x1Fu*3.lf"), ["1.0e-5f", "+", ".5", "-", "0x1Fu", "*", "3.lf"]);
         assert_eq!(words("0xE+1 1e+2"), ["0xE", "+", "1", "1e+2"]);
+        assert_eq!(words("0.25f.xxxx 1.0.x 1.5.2 .5.f"), ["0.25f", ".", "xxxx", "1.0", ".", "x", "1.5.2", ".5.f"]);
     }
 
     #[test]

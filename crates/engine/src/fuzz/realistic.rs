@@ -46,7 +46,7 @@ enum Draw {
     /// `gl_FragCoord`, between the centres of two pixels.
     Screen { low: f64, high: f64 },
     /// By a generator of suites.
-    By(&'static dyn Generator, Group),
+    By(&'static dyn Generator, Box<Group>),
 }
 
 /// The fourth component of a direction.
@@ -235,7 +235,9 @@ fn drawn(field: &Field, guess: &Guess, varying: bool) -> Draw {
         name => {
             let options = Options { range: guess.range, ..Options::default() };
             let group = by_name(name).and_then(|g| Some((g, Group::new(g, &[shape], options).ok()?)));
-            group.map_or(Draw::Interval { low, high, closed: false }, |(generator, group)| Draw::By(generator, group))
+            group.map_or(Draw::Interval { low, high, closed: false }, |(generator, group)| {
+                Draw::By(generator, Box::new(group))
+            })
         }
     }
 }

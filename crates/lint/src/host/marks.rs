@@ -73,24 +73,25 @@ pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
         return None;
     }
     let file = name.rsplit('/').next().unwrap_or(name);
-    let words = words(file.split('.').next().unwrap_or(file));
-    let named = || {
-        let of = |word: &String| {
-            Some(match word.as_str() {
-                "vertex" | "vert" | "vtx" | "vs" | "vsh" => Stage::Vertex,
-                "fragment" | "frag" | "pixel" | "fs" | "fsh" | "ps" => Stage::Fragment,
-                "geometry" | "geom" | "gs" | "gsh" => Stage::Geometry,
-                "tesc" | "tcs" => Stage::TessControl,
-                "tese" | "tes" => Stage::TessEvaluation,
-                "compute" | "comp" | "cs" => Stage::Compute,
-                _ => return None,
-            })
-        };
-        let mut said: Vec<Stage> = words.iter().filter_map(of).collect();
-        said.dedup();
-        said.first().copied().filter(|_| said.len() == 1)
+    stage(text).ok()?.or_else(|| stage_of_words(file.split('.').next().unwrap_or(file)))
+}
+
+/// The stage that the words of a text say, when they say one.
+pub fn stage_of_words(text: &str) -> Option<Stage> {
+    let of = |word: &String| {
+        Some(match word.as_str() {
+            "vertex" | "vert" | "vtx" | "vs" | "vsh" => Stage::Vertex,
+            "fragment" | "frag" | "pixel" | "fs" | "fsh" | "ps" => Stage::Fragment,
+            "geometry" | "geom" | "gs" | "gsh" => Stage::Geometry,
+            "tesc" | "tcs" => Stage::TessControl,
+            "tese" | "tes" => Stage::TessEvaluation,
+            "compute" | "comp" | "cs" => Stage::Compute,
+            _ => return None,
+        })
     };
-    stage(text).ok()?.or_else(named)
+    let mut said: Vec<Stage> = words(text).iter().filter_map(of).collect();
+    said.dedup();
+    said.first().copied().filter(|_| said.len() == 1)
 }
 
 /// The words of a name, in small letters: `vsSource`, `VS_SOURCE` and `vs2` have the word `vs`.

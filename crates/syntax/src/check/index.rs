@@ -60,7 +60,8 @@ impl Checker<'_> {
                 );
             }
             Type::Array(element, _)
-                if element.contains_opaque() && !self.language.has(Feature::OpaqueIndex)
+                // A structure may be indexed for its other members.
+                if !matches!(**element, Type::Struct(_)) && element.contains_opaque() && !self.language.has(Feature::OpaqueIndex)
                 // The first versions leave it to the driver.
                 && self.language.at_least(130, 300) =>
             {

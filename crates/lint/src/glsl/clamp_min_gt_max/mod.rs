@@ -36,7 +36,7 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let (lo, hi) = if smooth { (0, 1) } else { (1, 2) };
         let Some((low, high)) = reversed(&observed, call.id, lo, hi, smooth) else { continue };
         let [first, second, third] = call.args else { continue };
-        let equal = low.lo == high.hi;
+        let equal = low.lo == high.hi && low.hi == low.lo && high.lo == high.hi;
         let span = shader.expr(call.args[lo]).span.to(shader.expr(call.args[hi]).span);
         let message = match (smooth, equal) {
             (true, true) => message!("the edges of `smoothstep` are equal", "`smoothstep` の両端が等しい値です"),

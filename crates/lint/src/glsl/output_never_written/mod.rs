@@ -3,10 +3,10 @@
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
-use syntax::Stage;
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;
 use syntax::types::{OpaqueKind, Type};
+use syntax::{Shader, Stage};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -30,7 +30,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             message!("the next stage gets an undefined value", "次のステージに未定義の値が渡ります")
         };
         // A shader that works on images or buffers may leave its output alone on purpose.
-        let level = if stores(file) { Level::Strict } else { Level::Default };
+        let level = if stores(file) || does_nothing(shader) { Level::Strict } else { Level::Default };
         findings.push_at(
             level,
             findings
@@ -60,6 +60,12 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             .with_why(message!("the position of the vertex is undefined", "頂点の位置が未定義になります"))
             .with_help(message!("write `gl_Position`", "`gl_Position` に書き込んでください")),
     );
+}
+
+/// True for a fragment shader with an empty `main`, which stands behind a vertex shader whose outputs are captured.
+fn does_nothing(shader: &Shader) -> bool {
+    let body = shader.function("main").and_then(|main| shader.function_syntax(main)?.body.as_ref());
+    shader.stage() == Stage::Fragment && body.is_some_and(|body| body.statements.is_empty())
 }
 
 /// True when the shader can write to memory.
