@@ -112,7 +112,7 @@ fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
         errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
         errors::SYNTAX => {
             let before = file.text()[..error.span.start].trim_end();
-            ["{{", "[["].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
+            ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
                 || before.ends_with(['$', '@', '#'])
         }
         _ => false,
@@ -284,6 +284,7 @@ mod tests {
         only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");
         only_on_request(&[("a.frag", &shader("#pragma glslify: light = require('light')", "light()"))], "E021");
         only_on_request(&[("a.frag", &shader("[[INPUTS]]", "vec4(1.0)"))], "E001");
+        only_on_request(&[("a.frag", &shader("##INPUTS##", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("#include \"light.glsl\"\nHIGH_PRECISION;", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("const int n = $COUNT;", "vec4(n)"))], "E002");
         by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");

@@ -110,7 +110,8 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         }
         *diagnostic = diagnostic.clone().in_expansion();
     }
-    let partial: BTreeSet<&str> = project.shaders().filter(|s| s.partial).map(|s| s.file.name()).collect();
+    let partial: BTreeSet<&str> =
+        project.shaders().filter(|s| s.partial && s.place.is_some()).map(|s| s.file.name()).collect();
     all.retain(|(_, d)| !partial.contains(d.file.name()) || document::holds_anywhere(d.code));
     embedded::relocate(&project, all.iter_mut().map(|(_, d)| d));
     all.retain(|(level, d)| settings.keeps(d.file.name(), d.code.0, *level));

@@ -50,8 +50,9 @@ fn marked(file: &SourceFile) -> Vec<(Stage, Literal)> {
 /// Shaders that each begin with a `#version`: what stands between them says the stage, or what each uses.
 fn versioned(file: &SourceFile) -> Vec<(Stage, Literal)> {
     let text = file.text();
-    let starts: Vec<usize> =
-        lines(text).filter(|(_, line)| line.trim_start().starts_with("#version")).map(|(at, _)| at).collect();
+    let commented = |at: usize| text[..at].rfind("/*").is_some_and(|open| !text[open..at].contains("*/"));
+    let is_start = |(at, line): &(usize, &str)| line.trim_start().starts_with("#version") && !commented(*at);
+    let starts: Vec<usize> = lines(text).filter(is_start).map(|(at, _)| at).collect();
     let ends = starts.iter().skip(1).copied().chain([text.len()]);
     let parts: Vec<Span> = starts.iter().zip(ends).map(|(&start, end)| Span::new(start, end)).collect();
     // Branches of one shader may state versions of their own.
@@ -267,7 +268,8 @@ mod tests {
         assert_eq!(reported(&text.replace("size);", "size.xs);")), ["T009 default.fs:3:68"]);
         let broken = reported(&text.replace("vec2 size;", "vec2 size"));
         assert!(broken.len() == 1 && broken[0].starts_with("E001 default.fs:"), "{broken:?}");
-        assert!(!reported(&text.replace("$HEADER$", "$HEADER")).is_empty(), "not a whole line");
+        let half = SourceFile::new("default.fs", text.replace("$HEADER$", "$HEADER"));
+        assert!(super::template(&half).is_none(), "not a whole line");
     }
 
     #[test]
