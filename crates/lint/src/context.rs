@@ -145,22 +145,29 @@ fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
     error.code == errors::CONSTRUCTOR && file.text()[error.span.start..].starts_with(|c: char| "siu".contains(c))
 }
 
-/// For each error, whether it stays where everything that an `#if` asks and the text does not define is defined from
-/// outside. What is left out then is judged as it stands.
+/// Names that one text asks for at most: each is tried by itself.
+const MOST_ASKED: usize = 12;
+
+/// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
+/// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing.
 fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     let asked = asked(shader);
-    if asked.is_empty() {
-        return vec![true; found.len()];
+    let each = asked.iter().take(MOST_ASKED).map(|name| vec![(name.clone(), "1".to_owned())]);
+    let all = (asked.len() > 1).then(|| asked.iter().map(|name| (name.clone(), "1".to_owned())).collect());
+    let mut kept = vec![true; found.len()];
+    for defines in each.chain(all) {
+        let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
+        let same = |a: &Diagnostic| other.diagnostics.iter().any(|b| a.code == b.code && a.span.start == b.span.start);
+        let left_out = |span: Span| {
+            let all = other.shader.tokens();
+            let at = all.partition_point(|t| t.span.end <= span.start);
+            all.get(at).is_some_and(|t| t.place == TokenPlace::Inactive)
+        };
+        for (kept, error) in kept.iter_mut().zip(found).filter(|(kept, _)| **kept) {
+            *kept = same(error) || left_out(error.span);
+        }
     }
-    let defines: Vec<(String, String)> = asked.into_iter().map(|name| (name, "1".to_owned())).collect();
-    let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
-    let same = |a: &Diagnostic| other.diagnostics.iter().any(|b| a.code == b.code && a.span.start == b.span.start);
-    let left_out = |span: Span| {
-        let all = other.shader.tokens();
-        let at = all.partition_point(|t| t.span.end <= span.start);
-        all.get(at).is_some_and(|t| t.place == TokenPlace::Inactive)
-    };
-    found.iter().map(|d| same(d) || left_out(d.span)).collect()
+    kept
 }
 
 /// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for and no `#define` of the text sets.
@@ -299,6 +306,10 @@ mod tests {
         };
         only_on_request(&[("a.frag", &shader("#ifdef TANGENTS"))], "E020");
         by_default(&[("a.frag", &shader("#define TANGENTS 0\n#if TANGENTS"))], "E020");
+        // Another definition may leave the place out.
+        let two = shader("#ifdef TANGENTS")
+            .replace("void main() {", "#ifdef DEPTH\nvoid main() { c = vec4(0.0); }\n#else\nvoid main() {");
+        only_on_request(&[("a.frag", &format!("{two}#endif\n"))], "E020");
         // What the definition leaves out stays wrong.
         let other =
             "#version 330\nout vec4 c;\nvoid main() {\n#ifdef FLAT\nc = vec4(1.0);\n#else\nc = vec3(1.0);\n#endif\n}\n";
