@@ -112,11 +112,18 @@ fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
         errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
         errors::SYNTAX => {
             let before = file.text()[..error.span.start].trim_end();
-            ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
+            is_template_name(&file.text()[error.span.start..])
+                || ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
                 || before.ends_with(['$', '@', '#'])
         }
         _ => false,
     }
+}
+
+/// True for text that begins with a name between marks: `%BoneCount%`.
+fn is_template_name(text: &str) -> bool {
+    let name = text.strip_prefix('%').and_then(|rest| rest.split_once('%')).map(|(name, _)| name);
+    name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
 }
 
 /// True for an error at a word in capitals: a macro that another text defines.
@@ -292,6 +299,8 @@ mod tests {
         only_on_request(&[("a.frag", &shader("#pragma glslify: light = require('light')", "light()"))], "E021");
         only_on_request(&[("a.frag", &shader("[[INPUTS]]", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("##INPUTS##", "vec4(1.0)"))], "E001");
+        only_on_request(&[("a.frag", &shader("in %Bones% b;", "vec4(1.0)"))], "E001");
+        by_default(&[("a.frag", &shader("in % b;", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("#include \"light.glsl\"\nHIGH_PRECISION;", "vec4(1.0)"))], "E001");
         only_on_request(&[("a.frag", &shader("const int n = $COUNT;", "vec4(n)"))], "E002");
         by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");

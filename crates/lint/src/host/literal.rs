@@ -186,6 +186,13 @@ impl Literal {
         assembly.finish(name)
     }
 
+    /// True when a line of the text that a place touches holds something that stands nowhere.
+    pub fn is_filled_in(&self, place: Span) -> bool {
+        let start = self.text[..place.start].rfind('\n').map_or(0, |at| at + 1);
+        let end = self.text[place.end..].find('\n').map_or(self.text.len(), |at| place.end + at);
+        self.pieces.iter().any(|p| p.kind == PieceKind::Made && p.text.start < end && start < p.text.end)
+    }
+
     /// Adds a further part of such a file.
     pub fn add_part(&mut self, file: &SourceFile, place: Span) {
         self.verbatim(file, place, PieceKind::File);

@@ -102,7 +102,9 @@ impl ShaderFile {
         let origin = Some(Origin { host: input.file.clone(), literal: found.literal });
         let mut shader = Self { origin, partial: found.partial, ..Self::new(&text, found.stage) };
         let lacks = shader.shader.has_unknown_names() || shader.shader.version().span.is_none();
-        shader.front_end.retain(|d| script::holds(d, found.partial, lacks));
+        let literal = shader.origin.as_ref().map(|origin| origin.literal.clone()).unwrap_or_default();
+        // What is filled in may have any type.
+        shader.front_end.retain(|d| script::holds(d, found.partial, lacks) && !literal.is_filled_in(d.span));
         shader
     }
 

@@ -72,6 +72,10 @@ fn what_a_host_adds_is_no_error() {
             "a.js",
             "const vs = `\n${head}\nvoid main() {\n  ${body}\n  gl_Position = vec4(${x}, ${n + `${m}`}.0, 0, 1);\n}`;",
         ),
+        (
+            "a.ts",
+            "const vs = `\nuniform mat4 ${n.m};\nattribute float ${n.size};\nvoid main() {\n  gl_PointSize = ${n.size};\n}`;",
+        ),
         // Joined to something else.
         ("a.js", "const vs = 'attribute vec4 ' + name + '; void main() { gl_Position = ' + name + '; }';"),
         // No GLSL.
