@@ -144,12 +144,21 @@ pub fn is_raw_string_file(text: &str) -> bool {
 
 /// True for a word in capitals.
 pub fn is_macro(word: &str) -> bool {
-    word.len() > 1 && word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_')
+    let in_capitals = word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+    word.len() > 1 && in_capitals && !word.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// True for a macro that nothing defines where the text defines one with nearly its name.
+pub fn is_slip(shader: &Shader, name: &str) -> bool {
+    let (_, defined) = conditions(shader);
+    base::nearest(name, defined.iter().map(String::as_str)).is_some()
 }
 
 /// True for a sampler that is made of a handle, which an extension in front brings.
 fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
-    error.code == errors::CONSTRUCTOR && file.text()[error.span.start..].starts_with(|c: char| "siu".contains(c))
+    const OPAQUE: [&str; 6] = ["sampler", "isampler", "usampler", "image", "iimage", "uimage"];
+    let at = &file.text()[error.span.start..];
+    error.code == errors::CONSTRUCTOR && OPAQUE.iter().any(|word| at.starts_with(word))
 }
 
 /// Names that one text asks for at most: each is tried by itself.
@@ -158,7 +167,9 @@ const MOST_ASKED: usize = 12;
 /// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
 /// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing.
 fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
-    let asked = asked(shader);
+    let (mut asked, set) = conditions(shader);
+    // What the language defines is known.
+    asked.retain(|name| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__"));
     let each = asked.iter().take(MOST_ASKED).map(|name| vec![(name.clone(), "1".to_owned())]);
     let all = (asked.len() > 1).then(|| asked.iter().map(|name| (name.clone(), "1".to_owned())).collect());
     let mut kept = vec![true; found.len()];
@@ -177,8 +188,8 @@ fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     kept
 }
 
-/// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for and no `#define` of the text sets.
-fn asked(shader: &Shader) -> BTreeSet<String> {
+/// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for, and those that a `#define` of the text sets.
+fn conditions(shader: &Shader) -> (BTreeSet<String>, BTreeSet<String>) {
     let (mut asked, mut set) = (BTreeSet::new(), BTreeSet::new());
     for line in shader.file().text().lines() {
         let Some(directive) = line.trim_start().strip_prefix('#') else { continue };
@@ -192,11 +203,7 @@ fn asked(shader: &Shader) -> BTreeSet<String> {
             _ => {}
         }
     }
-    // What the language defines is known.
-    asked
-        .into_iter()
-        .filter(|name| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__"))
-        .collect()
+    (asked, set)
 }
 
 /// Names that hosts can put in front of the shaders of a project: words of pieces, and those of texts that host code
@@ -306,6 +313,11 @@ mod tests {
         by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");
         by_default(&[("a.frag", &shader("", "light()"))], "E021");
         by_default(&[("a.frag", &shader("#include \"light.glsl\"\nout vec2 d", "vec4(1.0)"))], "E001");
+        by_default(&[("a.frag", &shader("#include \"light.glsl\"\nconst int n = 10", "vec4(n)"))], "E001");
+        let handle = "#include \"light.glsl\"\nuniform uvec2 handle;";
+        only_on_request(&[("a.frag", &shader(handle, "texture(sampler2D(handle), vec2(0.5))"))], "E040");
+        let sampler = "#include \"light.glsl\"\nuniform sampler2D shadow;";
+        by_default(&[("a.frag", &shader(sampler, "vec4(shadow)"))], "E040");
     }
 
     #[test]
@@ -362,6 +374,7 @@ mod tests {
             format!("#version 330\n#define LAMP_COUNT 4\nout vec4 c;\nvoid main() {{ c = vec4({name}); }}\n")
         };
         only_on_request(&[("a.frag", &text("FOG_LIMIT"))], "E020");
+        by_default(&[("a.frag", &text("LAMP_COUNTS"))], "E020");
     }
 
     #[test]

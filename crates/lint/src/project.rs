@@ -67,6 +67,16 @@ pub enum Language {
     Script,
 }
 
+/// True for a text that other tools write in another language under an ending that GLSL shares with them: engines
+/// their own `.shader`, assembly programs `.vp` and `.fp`, anyone `.cont` and `.eval`.
+fn is_other_language(path: &str, text: &str) -> bool {
+    match extension(path).to_ascii_lowercase().as_str() {
+        "shader" => true,
+        "vp" | "fp" | "cont" | "eval" => !super::host::marks::has_main(text) && !text.contains("#version"),
+        _ => false,
+    }
+}
+
 /// The language that a file's name says; none when it says neither shader nor C or C++.
 pub fn language_of(name: &str) -> Option<Language> {
     let ending = extension(name).to_ascii_lowercase();
@@ -201,8 +211,7 @@ impl Read {
                     Some(Self::Sections(parts.into_iter().map(|p| ShaderFile::part(input, p)).collect()))
                 } else if let Some(literal) = template(&input.file) {
                     Some(Self::Sections(vec![ShaderFile::filled_in(input, (stage, literal))]))
-                } else if extension(&path).eq_ignore_ascii_case("shader") {
-                    // Other tools write other languages under this ending.
+                } else if is_other_language(&path, input.file.text()) {
                     None
                 } else {
                     let told = || super::host::stage_of_file(&path, input.file.text()).unwrap_or(Stage::Library);
@@ -446,6 +455,15 @@ mod tests {
 
     fn input(name: &str, text: &str) -> Input {
         Input::new(SourceFile::new(name, text))
+    }
+
+    #[test]
+    fn another_language_under_a_shared_ending_is_left_alone() {
+        let lint = |name: &str, text: &str| crate::run(&[input(name, text)]);
+        assert!(lint("a.vp", "!!ARBvp1.0\nMOV result.position, vertex.position;\nEND\n").is_empty());
+        assert!(lint("b.eval", "step 1: evaluate the model\n").is_empty());
+        assert_eq!(lint("a.vp", "#version 330\nvoid main() { gl_Position = vec3(1.0); }\n").len(), 1);
+        assert_eq!(lint("a.fp", "void main() { gl_FragColor = vec3(1.0); }\n").len(), 1);
     }
 
     #[test]

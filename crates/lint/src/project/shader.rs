@@ -99,13 +99,11 @@ impl ShaderFile {
     /// A shader in a string of a script.
     pub(super) fn in_script(input: &Input, found: script::Found) -> Self {
         let text = input.with_file(SourceFile::new(found.name, found.literal.text.as_str()));
-        let origin = Some(Origin { host: input.file.clone(), literal: found.literal });
-        let mut shader = Self { origin, partial: found.partial, ..Self::new(&text, found.stage) };
+        let mut shader = Self { partial: found.partial, ..Self::new(&text, found.stage) };
         let lacks = shader.shader.has_unknown_names() || shader.shader.version().span.is_none();
-        let literal = shader.origin.as_ref().map(|origin| origin.literal.clone()).unwrap_or_default();
         // What is filled in may have any type.
-        shader.front_end.retain(|d| script::holds(d, found.partial, lacks) && !literal.is_filled_in(d.span));
-        shader
+        shader.front_end.retain(|d| script::holds(d, found.partial, lacks) && !found.literal.is_filled_in(d.span));
+        Self { origin: Some(Origin { host: input.file.clone(), literal: found.literal }), ..shader }
     }
 
     /// True when the interface is known from this text alone: the front end found no error outside the bodies
