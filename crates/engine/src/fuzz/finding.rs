@@ -80,7 +80,6 @@ impl FuzzFindingKind {
 
     /// How bad it is, by the samples that show it that say most, and where every input has a stated domain or not.
     pub fn severity(self, standing: Standing, stated: bool) -> Severity {
-        let counting = standing == Standing::Counts;
         match self {
             Self::LaneDeviation | Self::NotDeterministic | Self::LaneFailed => Severity::Finding,
             Self::NoValue
@@ -90,25 +89,15 @@ impl FuzzFindingKind {
             | Self::Lost
             | Self::NotWritten
             | Self::Unset
-            | Self::TooManyVertices
-                if counting =>
-            {
-                Severity::Finding
-            }
-            Self::NoValue
-            | Self::Infinite
-            | Self::Overflow
-            | Self::Underflow
-            | Self::Lost
-            | Self::NotWritten
-            | Self::Unset
-            | Self::TooManyVertices
-            | Self::IllConditioned
-                if standing == Standing::Unstated =>
-            {
-                Severity::Warning
-            }
-            Self::IllConditioned if counting => Severity::Warning,
+            | Self::TooManyVertices => match standing {
+                Standing::Counts => Severity::Finding,
+                Standing::Unstated => Severity::Warning,
+                Standing::Extreme => Severity::Note,
+            },
+            Self::IllConditioned => match standing {
+                Standing::Counts | Standing::Unstated => Severity::Warning,
+                Standing::Extreme => Severity::Note,
+            },
             // What whole numbers a function takes, and how large its results may be, only its author knows.
             Self::Undefined
             | Self::Index
@@ -117,28 +106,13 @@ impl FuzzFindingKind {
             | Self::Conversion
             | Self::IntegerOverflow
             | Self::TooLarge
-            | Self::Endless
-                if stated =>
-            {
-                Severity::Finding
+            | Self::Endless => {
+                if stated {
+                    Severity::Finding
+                } else {
+                    Severity::Note
+                }
             }
-            Self::NoValue
-            | Self::Infinite
-            | Self::Overflow
-            | Self::Underflow
-            | Self::Lost
-            | Self::NotWritten
-            | Self::TooManyVertices
-            | Self::IllConditioned
-            | Self::Unset
-            | Self::Undefined
-            | Self::Index
-            | Self::DivisionByZero
-            | Self::Shift
-            | Self::Conversion
-            | Self::IntegerOverflow
-            | Self::TooLarge
-            | Self::Endless => Severity::Note,
         }
     }
 }
