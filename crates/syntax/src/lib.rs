@@ -243,6 +243,11 @@ impl Shader {
         &self.extensions
     }
 
+    /// True when the text enables an extension of which the front end knows nothing: it may bring words, types and rules.
+    pub fn has_unknown_extension(&self) -> bool {
+        language::Language::new(&self.version, &self.extensions).is_open()
+    }
+
     /// All comments in the order of the text.
     pub fn comments(&self) -> &[Comment] {
         &self.comments

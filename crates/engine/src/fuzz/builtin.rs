@@ -26,12 +26,13 @@ const fn output(name: &'static str, ty: &'static str) -> Known {
 
 /// Those that a function can be given, or that it can give. What is not here is refused by name when a
 /// function that uses it is run.
-const ALL: [Known; 33] = [
+const ALL: [Known; 34] = [
     output("gl_Position", "vec4"),
     output("gl_PointSize", "float"),
     output("gl_FragColor", "vec4"),
     Known { name: "gl_FragData", ty: "vec4", array: Some(8), output: true },
     output("gl_FragDepth", "float"),
+    output("gl_FragDepthEXT", "float"),
     input("gl_FragCoord", "vec4"),
     input("gl_PointCoord", "vec2"),
     input("gl_FrontFacing", "bool"),

@@ -132,7 +132,7 @@ impl Build<'_> {
                 }
                 Ok(handle)
             }
-            (Stage::Fragment, "gl_FragDepth") => {
+            (Stage::Fragment, "gl_FragDepth" | "gl_FragDepthEXT") => {
                 let handle = self.private(name, ty, span)?;
                 self.built_in_output(name, ty, handle, Vec::new(), BuiltIn::FragDepth);
                 let ports = self.port_out(name, ty, handle, span)?;

@@ -145,6 +145,7 @@ const VARIABLES: &[Row] = &[
     ("gl_InvocationID", "g", 400, 320, &["ARB_gpu_shader5"]),
     ("gl_PointCoord", "*", 120, 100, &[]),
     ("gl_FragDepth", "*", 110, 300, &["EXT_frag_depth"]),
+    ("gl_FragDepthEXT", "*", NEVER, NEVER, &["EXT_frag_depth"]),
     ("gl_SampleID gl_SamplePosition", "*", 400, 320, &["ARB_sample_shading", "OES_sample_variables"]),
     ("gl_SampleMask", "*", 400, 320, &["ARB_sample_shading", "ARB_gpu_shader5", "OES_sample_variables"]),
     ("gl_SampleMaskIn", "*", 400, 320, &["ARB_gpu_shader5", "OES_sample_variables"]),

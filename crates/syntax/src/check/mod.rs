@@ -183,14 +183,19 @@ impl<'a> Checker<'a> {
         let broken = unit.items.iter().any(|i| i.kind == ItemKind::Error);
         let has_main = self.out.functions.iter().any(|f| f.name.name == "main" && f.definition.is_some());
         if self.stage != Stage::Library && !has_main && !broken && !self.incomplete {
-            let near = self.out.functions.iter().filter(|f| f.definition.is_some()).map(|f| f.name.name.as_str());
-            let near = nearest("main", near).map(str::to_owned);
+            let defined = || self.out.functions.iter().filter(|f| f.definition.is_some()).map(|f| &f.name);
+            let near = nearest("main", defined().map(|name| name.name.as_str()));
+            let near = near.and_then(|near| defined().find(|name| name.name == near)).cloned();
             let message = format!("this {} shader has no function `main`", self.stage.name());
-            let diagnostic =
-                self.sink.start(errors::MISSING_MAIN, Span::at(0), message).with_label("no `main` in here");
+            let place = near.as_ref().map_or(Span::at(0), |near| near.span);
+            let diagnostic = self.sink.start(errors::MISSING_MAIN, place, message);
             self.sink.push(match near {
-                Some(near) => diagnostic.with_help(format!("is `{near}` meant to be `main`?")),
-                None => diagnostic.with_help("add `void main() { … }`; a file of functions only is called `NAME.glsl`"),
+                Some(near) => diagnostic
+                    .with_label("the function with the nearest name")
+                    .with_help(format!("is `{}` meant to be `main`?", near.name)),
+                None => diagnostic
+                    .with_label("no `main` in here")
+                    .with_help("add `void main() { … }`; a file of functions only is called `NAME.glsl`"),
             });
         }
     }
