@@ -9,8 +9,9 @@ use std::collections::{BTreeSet, HashSet};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
-use syntax::{BuiltinFunction, Shader, Stage, TokenKind, TokenPlace, errors};
+use syntax::{BuiltinFunction, Profile, Shader, Stage, TokenKind, TokenPlace, Version, errors};
 
+use super::dialect;
 use super::project::Project;
 
 /// Errors about names, which something in front of the text can declare.
@@ -58,12 +59,27 @@ const OF_A_FUNCTION: &[Code] = &[
     errors::READ_ONLY,
 ];
 
+/// Errors that stay whatever an unknown extension brings: numbers of components, the grammar, and its own name.
+const WITH_ANY_EXTENSION: &[Code] = &[
+    errors::SYNTAX,
+    errors::EXTENSION,
+    errors::TOO_MANY,
+    errors::TOO_FEW,
+    errors::ASSIGN_SIZE,
+    errors::MATRIX_SIZE,
+    errors::SWIZZLE,
+    errors::LATE_VERSION,
+];
+
 /// Those of the errors of a text that its host may take away.
 pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     if found.is_empty() {
         return Vec::new();
     }
     let file = shader.file();
+    if found.iter().any(|d| dialect::is_mark(file, d)) {
+        return vec![true; found.len()];
+    }
     let has_main = shader.tokens().iter().any(|t| t.kind == TokenKind::Word && file.slice(t.span) == "main");
     let versioned = shader.version().span.is_some();
     // What holds nothing of a shader under the name of one is told as it is.
@@ -78,12 +94,19 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     }
     let joined = found.iter().any(|d| is_foreign(file, d)) || imports(file.text());
     let replaced = found.iter().any(|d| d.code != errors::INCLUDE && is_foreign(file, d));
-    let kept = under_conditions(shader, found);
+    let mut kept = under_conditions(shader, found);
+    if !versioned {
+        under_es(shader, found, &mut kept);
+    }
+    let open = shader.has_unknown_extension();
     let unknown_stage = shader.stage() == Stage::Library;
     let of = |(error, kept): (&Diagnostic, bool)| {
         !kept
             || (joined && (REPAIRED_IN_FRONT.contains(&error.code) || is_bindless(file, error)))
             || (joined && is_of_the_user(file, error))
+            || (open && !WITH_ANY_EXTENSION.contains(&error.code))
+            || (error.code == errors::MISSING_MAIN && error.span.is_empty())
+            || is_at_unknown_macro(shader, error)
             // An engine calls this `main` from its own.
             || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
             || (joined && error.code == errors::SYNTAX && (replaced || at_macro(file, error)))
@@ -131,6 +154,24 @@ fn at_macro(file: &SourceFile, error: &Diagnostic) -> bool {
     let before = file.text()[..error.span.start].trim_end();
     let last = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or("");
     is_macro(file.slice(error.span)) || is_macro(last)
+}
+
+/// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.
+fn is_at_unknown_macro(shader: &Shader, error: &Diagnostic) -> bool {
+    if ![errors::SYNTAX, errors::REDEFINITION].contains(&error.code) {
+        return false;
+    }
+    let file = shader.file();
+    let tokens = shader.tokens();
+    let last = tokens[..tokens.partition_point(|t| t.span.end <= error.span.start)].last();
+    let last = last.map_or("", |token| file.slice(token.span));
+    let defined = conditions(shader).1;
+    let undefined = |word: &str| is_macro(word) && !defined.contains(word);
+    // Where the macro is defined, what it stands for may use one that is not.
+    let body = file.expansion(error.span).and_then(|e| e.definition);
+    let body = body.map_or("", |at| file.text()[at.end..].lines().next().unwrap_or(""));
+    let mut words = body.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    undefined(file.slice(error.span)) || undefined(last) || words.any(undefined)
 }
 
 /// True for a text in a shader's file that is C++: shaders in raw strings, which host code includes.
@@ -188,6 +229,19 @@ fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     kept
 }
 
+/// Takes out what is in order in GLSL ES, which a text without a version may be as well.
+fn under_es(shader: &Shader, found: &[Diagnostic], kept: &mut [bool]) {
+    const OF_VERSIONS: &[Code] = &[errors::INITIALISER, errors::CONSTANT, errors::NO_OVERLOAD];
+    if !found.iter().any(|d| OF_VERSIONS.contains(&d.code)) {
+        return;
+    }
+    let es = Version { number: 100, profile: Profile::Es, span: None };
+    let other = Shader::parse_behind(shader.file(), shader.stage(), es);
+    for (kept, error) in kept.iter_mut().zip(found).filter(|(_, d)| OF_VERSIONS.contains(&d.code)) {
+        *kept &= other.diagnostics.iter().any(|b| error.code == b.code && error.span.start == b.span.start);
+    }
+}
+
 /// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for, and those that a `#define` of the text sets.
 fn conditions(shader: &Shader) -> (BTreeSet<String>, BTreeSet<String>) {
     let (mut asked, mut set) = (BTreeSet::new(), BTreeSet::new());
@@ -215,7 +269,7 @@ pub fn names_in_front(project: &Project) -> HashSet<String> {
         names.extend(words.filter(|w| w.len() > 1).map(str::to_owned));
     };
     for (_, shader) in project.shader_files() {
-        if shader.shader.version().span.is_none() && shader.shader.function("main").is_none() {
+        if shader.shader.function("main").is_none() {
             let shader = &shader.shader;
             let code =
                 shader.tokens().iter().filter(|t| t.kind == TokenKind::Word).map(|t| shader.file().slice(t.span));
@@ -342,6 +396,7 @@ mod tests {
         let shader = "#version 330\nout vec4 c;\n//%lamps%\nvoid main() { c = vec4(ambient); }\n";
         by_default(&[("a.frag", shader)], "E020");
         only_on_request(&[("a.frag", shader), ("lamps.glsl", "uniform float ambient;\n")], "E020");
+        only_on_request(&[("a.frag", shader), ("lamps.glsl", "#version 330\nuniform float ambient;\n")], "E020");
         let host = "void f() { text = \"uniform float ambient;\\n\" + text; }\n";
         only_on_request(&[("a.frag", shader), ("a.cpp", host)], "E020");
         // Another whole shader declares its names for itself, in a file or in a literal.
@@ -349,6 +404,69 @@ mod tests {
         by_default(&[("a.frag", shader), ("b.vert", whole)], "E020");
         let literal = format!("const char* t = R\"({whole})\";\nvoid f() {{ glShaderSource(s, 1, &t, 0); }}\n");
         by_default(&[("a.frag", shader), ("b.cpp", &literal)], "E020");
+    }
+
+    #[test]
+    fn a_text_in_another_language_is_left_to_its_tool() {
+        let shader = |line: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = vec3(1.0); }}\n");
+        for line in [
+            "const vec3 tint = #9CF0C0;",
+            "struct Sun { const mat4* matrix; };",
+            "uniform Sun* const sun = suns;",
+            "[FragmentShader]",
+            "Texture2D map : register(t0);",
+            "vec4 shade(vec2 t) : COLOR0 { return t.xyxy; }",
+        ] {
+            only_on_request(&[("a.frag", &shader(line))], "T003");
+        }
+        only_on_request(&[("a.frag", "float4 main(float2 t : TEXCOORD0) : COLOR\n{ return t.xyxy; }\n")], "E001");
+        by_default(&[("a.frag", &shader("float f(float x) { return x * * x; }"))], "T003");
+        by_default(&[("a.frag", &shader("float f(bool b) { return b ? 1.0 : ; }"))], "E001");
+        by_default(&[("a.frag", &shader("float f[2] = [1.0, 2.0];"))], "E001");
+    }
+
+    #[test]
+    fn an_unknown_extension_may_bring_types_and_rules() {
+        let shader = |extension: &str, body: &str| {
+            format!("#version 460\n{extension}\nout vec4 c;\nvoid main() {{ float f[2]; c = {body}; }}\n")
+        };
+        let (unknown, length) = ("#extension GL_NV_gpu_shader5 : require", "vec4(f.length)");
+        only_on_request(&[("a.frag", &shader(unknown, length))], "E034");
+        by_default(&[("a.frag", &shader("", length))], "E034");
+        by_default(&[("a.frag", &shader(unknown, "vec4(1.0).xyz"))], "T003");
+    }
+
+    #[test]
+    fn a_qualifier_in_capitals_may_be_defined_in_front() {
+        let text = |first: &str| format!("{first}FUNC float a() {{ return 1.0; }}\nFUNC float b() {{ return a(); }}\n");
+        let shader = |first: &str| format!("#version 330\n{}void main() {{}}\n", text(first));
+        only_on_request(&[("a.frag", &shader(""))], "E001");
+        only_on_request(
+            &[("a.frag", "#version 330\nFUNC_END\n/* A ray */\nstruct Ray { vec3 at; };\nvoid main() {}\n")],
+            "E001",
+        );
+        assert!(found(&[("a.frag", &shader("#define FUNC\n"))]).0.is_empty());
+        let missing = "#version 330\n#define TINT vec4(1.0)\nout vec4 c;\nvoid main() { c = TINT c += c; }\n";
+        by_default(&[("a.frag", missing)], "E001");
+        let unknown = "#version 330\n#define STACK STACK_OF(vec3)\nSTACK s;\nvoid main() {}\n";
+        only_on_request(&[("a.frag", unknown)], "E001");
+    }
+
+    #[test]
+    fn a_text_without_a_version_may_be_of_either_language() {
+        let constant =
+            "const vec3 LIGHT = normalize(vec3(1.0, 2.0, 3.0));\nvoid main() { gl_FragColor = LIGHT.xyzz; }\n";
+        only_on_request(&[("a.frag", constant)], "E044");
+        by_default(&[("a.frag", &format!("#version 110\n{constant}"))], "E044");
+        let varying = "varying float x;\nconst float y = x;\nvoid main() { gl_FragColor = vec4(y); }\n";
+        by_default(&[("a.frag", varying)], "E044");
+    }
+
+    #[test]
+    fn a_shader_without_main_may_be_joined_to_others() {
+        let text = |name: &str| format!("#version 330\nout vec4 c;\nvoid {name}() {{ c = vec4(1.0); }}\n");
+        only_on_request(&[("a.frag", &text("shade"))], "E025");
+        by_default(&[("a.frag", &text("mian"))], "E025");
     }
 
     #[test]

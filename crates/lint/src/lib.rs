@@ -6,6 +6,7 @@
 pub mod baseline;
 mod config;
 mod context;
+mod dialect;
 mod document;
 mod embedded;
 pub mod fix;

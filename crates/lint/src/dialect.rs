@@ -1,0 +1,53 @@
+//! Texts in languages that are like GLSL: a tool of their authors makes GLSL of them, or they are none.
+
+use base::diagnostic::Diagnostic;
+use base::text::SourceFile;
+use syntax::errors;
+
+/// True for an error of the grammar at a place that shows another language: what the text says by other rules than
+/// those of GLSL cannot be judged by them.
+pub fn is_mark(file: &SourceFile, error: &Diagnostic) -> bool {
+    if error.code != errors::SYNTAX {
+        return false;
+    }
+    // What is missing is missing behind the word before.
+    let at = error.span.start;
+    let at = file.text().len() - file.text()[at..].trim_start_matches([' ', '\t']).len();
+    let (before, behind) = file.text().split_at(at);
+    is_colour(before, behind) || is_pointer(before, behind) || is_title(before, behind) || is_semantic(before, behind)
+}
+
+/// `vec3 c = #9CF0C0;`
+fn is_colour(before: &str, behind: &str) -> bool {
+    let first_in_line = before.rsplit('\n').next().unwrap_or("").trim().is_empty();
+    let Some(digits) = behind.strip_prefix('#').or(before.strip_suffix('#').map(|_| behind)) else { return false };
+    let length = digits.find(|c: char| !c.is_ascii_hexdigit()).unwrap_or(digits.len());
+    !first_in_line && [3, 4, 6, 8].contains(&length)
+}
+
+/// `const mat4* m;`, `Light* const light = …;`
+fn is_pointer(before: &str, behind: &str) -> bool {
+    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let rest = |mark: char| behind.strip_prefix(mark).map(str::trim_start);
+    let declared = rest('*').or(rest('&')).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_alphabetic()));
+    let constant = before.trim_end().ends_with('*') && behind.starts_with("const");
+    (declared && before.trim_end().ends_with(word)) || constant
+}
+
+/// A line such as `[VertexShader]`, between the shaders of a file.
+fn is_title(before: &str, behind: &str) -> bool {
+    let line = behind.split('\n').next().unwrap_or("").trim();
+    let name = line.strip_prefix('[').and_then(|line| line.strip_suffix(']'));
+    let starts = before.rsplit('\n').next().unwrap_or("").trim().is_empty();
+    starts && name.is_some_and(|n| !n.is_empty() && n.chars().all(|c| c.is_ascii_alphabetic() || "_ ".contains(c)))
+}
+
+/// `float4 main(float2 t) : COLOR`, `Texture2D map : register(t0)`: HLSL and Cg.
+fn is_semantic(before: &str, behind: &str) -> bool {
+    let Some(name) = behind.strip_prefix(':').map(str::trim_start) else { return false };
+    let word = name.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or("");
+    let capitals = word.starts_with("SV_")
+        || (word.len() > 3 && word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit()));
+    let declared = before.trim_end().ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_' || c == ')');
+    declared && (capitals || word == "register")
+}
