@@ -48,6 +48,9 @@ pub enum InputError {
     /// It has no text.
     #[error("{}: the file is empty; name a file with text", .0.shown())]
     Empty(PathBuf),
+    /// A tool wrote it, from sources that are linted themselves.
+    #[error("{}: a bundle by the length of its lines, which a tool wrote from other files; name it to have it linted", .0.shown())]
+    Bundle(PathBuf),
     /// Its name does not say what it is.
     #[error(
         "{}: neither a shader nor host code by its name, and no document with blocks of such code; known endings are {}",
@@ -94,7 +97,7 @@ pub struct Loaded {
     pub inputs: Vec<Input>,
     /// What could not be read.
     pub problems: Vec<InputError>,
-    /// Files of host code in a folder that are no text.
+    /// Files of host code in a folder that are no text, and bundles.
     pub skipped: Vec<InputError>,
     /// Where each reported text came from, by its name.
     sources: BTreeMap<String, Candidate>,
@@ -199,6 +202,9 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                 true => loaded.problems.push(InputError::UnknownKind(path)),
                 false => {}
             },
+            Ok(Decoded { file, .. }) if !named && language == Some(Language::Script) && is_bundle(file.text()) => {
+                loaded.skipped.push(InputError::Bundle(path));
+            }
             Ok(Decoded { file, form, exact }) => {
                 loaded.sources.insert(file.name().to_owned(), Candidate { path, form, exact });
                 let input = Input::new(file);
@@ -214,6 +220,14 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             Err(error) => loaded.problems.push(error),
         }
     }
+}
+
+/// Lines of more bytes are written by tools.
+const MOST_BYTES_A_LINE: usize = 5000;
+
+/// True for a script that a tool packed: with lines that nobody writes.
+fn is_bundle(text: &str) -> bool {
+    text.lines().any(|line| line.len() > MOST_BYTES_A_LINE)
 }
 
 fn add_companions(loaded: &mut Loaded) {

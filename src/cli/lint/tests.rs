@@ -63,6 +63,20 @@ fn findings_give_status_1_and_information_alone_does_not() {
 }
 
 #[test]
+fn a_bundle_is_read_where_it_is_named() {
+    let shader = "const vs = `attribute vec4 p; void main() { gl_Position = p.xyzr; }`;";
+    let folder = folder(&[
+        ("dist/app.js", format!("{shader} /* {} */", "x".repeat(5000)).as_bytes()),
+        ("a.js", shader.as_bytes()),
+    ]);
+    let ran = lint(&at(&folder, ""), |_| {});
+    assert!(ran.out.contains("a.js:1:") && !ran.out.contains("app.js"), "{}", ran.out);
+    assert!(ran.err.contains("app.js: a bundle"), "{}", ran.err);
+    let ran = lint(&at(&folder, "dist/app.js"), |_| {});
+    assert!(ran.out.contains("app.js:1:") && ran.status == ExitStatus::Findings, "{}", ran.out);
+}
+
+#[test]
 fn fix_writes_safe_fixes_and_says_what_more_there_is() {
     let folder = folder(&[("cylinder.vert", CYLINDER.as_bytes())]);
     let ran = lint(&at(&folder, "cylinder.vert"), |a| a.fix = true);

@@ -24,11 +24,16 @@ pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
         "gl_FrontFacing",
         "gl_PointCoord",
         "gl_FragDepth",
+        "gl_FragDepthEXT",
         "discard",
     ]);
+    // The interface between stages has no locations there.
+    let located = code.contains("#version 300 es");
+    let fragment = fragment || (located && has_location(&code, "out"));
     let later = geometry || control || evaluation;
     let vertex = has(&["attribute", "gl_VertexID", "gl_InstanceID", "gl_Vertex", "ftransform"])
-        || (has(&["gl_Position"]) && !later && !has(&["gl_in"]));
+        || (has(&["gl_Position"]) && !later && !has(&["gl_in"]))
+        || (located && has_location(&code, "in"));
     let all = [
         (vertex, Stage::Vertex),
         (control, Stage::TessControl),
@@ -42,6 +47,14 @@ pub fn stage(text: &str) -> Result<Option<Stage>, Mixed> {
         (_, Some(_)) => Err(Mixed),
         (one, None) => Ok(one),
     }
+}
+
+/// True when a variable with this storage is given a location.
+fn has_location(code: &str, storage: &str) -> bool {
+    code.match_indices("layout").any(|(at, _)| {
+        let Some((inside, behind)) = code[at..].split_once(')') else { return false };
+        has_word(inside, "location") && behind.split_whitespace().next() == Some(storage)
+    })
 }
 
 /// The stage that a variable's name says.
@@ -178,6 +191,15 @@ mod tests {
             ("layout(local_size_x = 1) in; void main() { }", Ok(Some(Stage::Compute))),
             ("void main() { gl_Position = gl_TessCoord.xyzz; }", Ok(Some(Stage::TessEvaluation))),
             ("out vec4 c; void main() { c = vec4(1.0); }", Ok(None)),
+            (
+                "#version 300 es\nlayout (location = 0) out vec4 c; void main() { c = vec4(1.0); }",
+                Ok(Some(Stage::Fragment)),
+            ),
+            (
+                "#version 300 es\nlayout(location = 0) in vec4 p; out vec4 q; void main() { q = p; }",
+                Ok(Some(Stage::Vertex)),
+            ),
+            ("#version 330\nlayout(location = 0) out vec4 c; void main() { c = vec4(1.0); }", Ok(None)),
             (
                 "#ifdef V\nvoid main() { gl_Position = x; }\n#else\nvoid main() { gl_FragColor = x; }\n#endif",
                 Err(Mixed),

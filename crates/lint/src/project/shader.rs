@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use base::diagnostic::{Code, Diagnostic};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
-use syntax::{Shader, Stage};
+use syntax::{Shader, Stage, errors};
 
 use super::{Input, Project};
 use crate::document::{Listing, Place};
@@ -102,7 +102,15 @@ impl ShaderFile {
         let mut shader = Self { partial: found.partial, ..Self::new(&text, found.stage) };
         let lacks = shader.shader.has_unknown_names() || shader.shader.version().span.is_none();
         // What is filled in may have any type.
-        shader.front_end.retain(|d| script::holds(d, found.partial, lacks) && !found.literal.is_filled_in(d.span));
+        let items = &shader.shader.unit().items;
+        // What ends without a value may be given one by what is filled in.
+        let about = |d: &Diagnostic| match items.iter().find(|i| i.span.contains(d.span.start)) {
+            Some(item) if found.partial && d.code == errors::RETURN_TYPE => item.span,
+            _ => d.span,
+        };
+        let filled_in: Vec<bool> = shader.front_end.iter().map(|d| found.literal.is_filled_in(about(d))).collect();
+        let mut filled_in = filled_in.into_iter();
+        shader.front_end.retain(|d| !filled_in.next().unwrap_or(false) && script::holds(d, found.partial, lacks));
         Self { origin: Some(Origin { host: input.file.clone(), literal: found.literal }), ..shader }
     }
 

@@ -76,6 +76,18 @@ fn what_a_host_adds_is_no_error() {
             "a.ts",
             "const vs = `\nuniform mat4 ${n.m};\nattribute float ${n.size};\nvoid main() {\n  gl_PointSize = ${n.size};\n}`;",
         ),
+        (
+            "a.ts",
+            "const chunk = (body) => `\nfloat density(vec3 at, float scale) {\n  ${body}\n}\nfloat twice(float x) { return x * 2.0; }\n`;",
+        ),
+        // What a test expects of a compiler.
+        ("a.spec.ts", "expect(out).toContain(`vec3 d() {\n  vec3 a = vec3(1.0).xyz;\n  a.a = 1.0; return a;\n}`);"),
+        // An argument beside another says nothing of its stage.
+        (
+            "a.ts",
+            "make(screenVS, `#version 300 es\nprecision highp float;\nin vec2 t;\nlayout (location = 0) out vec4 c;\n\
+             void main() { c = vec4(t, 0.0, 1.0); }`);",
+        ),
         // Joined to something else.
         ("a.js", "const vs = 'attribute vec4 ' + name + '; void main() { gl_Position = ' + name + '; }';"),
         // No GLSL.
@@ -94,6 +106,8 @@ fn parts_are_held_to_what_is_sure() {
     assert_eq!(reported("a.js", &chunk("vec4(color.xys, 1.0)")), ["T009 a.js:3:21"]);
     assert_eq!(reported("a.js", &chunk("vec4(tint(color.xyz), time)")), [""; 0]);
     assert_eq!(reported("a.py", "s = \"\"\"\nvoid main() { gl_Position = $map(p).xys; }\n\"\"\""), [""; 0]);
+    let unfilled = "const chunk = `\nfloat density(vec3 at, float scale) {\n  scale *= 2.0;\n}\nfloat f(float x) {\n${body}\n}\n`;";
+    assert_eq!(reported("a.ts", unfilled), ["E038 a.ts:2:7"]);
     let hooked = "s = \"\"\"\nattribute vec4 p;\nvoid main() { gl_Position = $map(p) + p.xyzr; }\n\"\"\"";
     assert_eq!(reported("a.py", hooked), ["T009 a.py:3:41"]);
 }
