@@ -3,6 +3,7 @@
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
+use syntax::interface::OutputPrimitive;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,6 +17,12 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let Some((emit, set)) = file.flow().unplaced else { return };
+    // Points that are nowhere are captured, and not drawn.
+    let interface = file.shader.interface();
+    let points = interface.geometry.output.as_ref().is_some_and(|o| o.value == OutputPrimitive::Points);
+    if !set && points && !interface.outputs.is_empty() {
+        return;
+    }
     let label = if set {
         message!("it is set only later", "設定はこれより後")
     } else {
@@ -62,5 +69,18 @@ mod tests {
         {
             assert_eq!(reported(body), 0, "{body}");
         }
+    }
+
+    #[test]
+    fn points_without_a_position_are_captured() {
+        let reported = |output: &str, body: &str| {
+            let text = format!(
+                "#version 150 core\nlayout (points) in;\nlayout ({output}, max_vertices = 2) out;\nout vec3 c;\nvoid main(void)\n{{\n  {body}\n}}\n"
+            );
+            messages("G010", "a.geom", &text).len()
+        };
+        assert_eq!(reported("points", "c = vec3(1.0); EmitVertex();"), 0);
+        assert_eq!(reported("points", "c = vec3(1.0); EmitVertex(); gl_Position = vec4(c, 1.0); EmitVertex();"), 1);
+        assert_eq!(reported("line_strip", "c = vec3(1.0); EmitVertex();"), 1);
     }
 }
