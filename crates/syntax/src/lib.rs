@@ -243,9 +243,11 @@ impl Shader {
         &self.extensions
     }
 
-    /// True when the text enables an extension of which the front end knows nothing: it may bring words, types and rules.
-    pub fn has_unknown_extension(&self) -> bool {
-        language::Language::new(&self.version, &self.extensions).is_open()
+    /// True when the text requires an extension of which the front end knows nothing: it may bring words, types and rules.
+    pub fn requires_unknown_extension(&self) -> bool {
+        let required = |e: &&Extension| e.behavior == "require";
+        let extensions: Vec<Extension> = self.extensions.iter().filter(required).cloned().collect();
+        language::Language::new(&self.version, &extensions).is_open()
     }
 
     /// All comments in the order of the text.
