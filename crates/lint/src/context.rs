@@ -4,12 +4,15 @@
 //! preprocessor, is put together before it is compiled; what an `#if` asks may be set from outside; and a name that
 //! nothing declares may be declared in a piece, or in a text that host code writes.
 
-use std::collections::{BTreeSet, HashSet};
+#[cfg(test)]
+mod tests;
+
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
-use syntax::{BuiltinFunction, Profile, Shader, Stage, TokenKind, TokenPlace, Version, errors};
+use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors};
 
 use super::dialect;
 use super::project::Project;
@@ -21,6 +24,8 @@ const NAMES: &[Code] = &[errors::UNKNOWN_NAME, errors::UNKNOWN_FUNCTION, errors:
 const REPAIRED_IN_FRONT: &[Code] = &[
     errors::TOKEN,
     errors::UNKNOWN_DIRECTIVE,
+    errors::DIRECTIVE,
+    errors::CONDITIONAL,
     errors::ERROR_DIRECTIVE,
     errors::UNKNOWN_NAME,
     errors::UNKNOWN_FUNCTION,
@@ -59,8 +64,9 @@ const OF_A_FUNCTION: &[Code] = &[
     errors::READ_ONLY,
 ];
 
-/// Errors that stay whatever an unknown extension brings: numbers of components, the grammar, and its own name.
-const WITH_ANY_EXTENSION: &[Code] = &[
+/// Errors that stay whatever an unknown extension or definition brings: numbers of components, the grammar, and names
+/// of extensions.
+const HOLDS_ANYWAY: &[Code] = &[
     errors::SYNTAX,
     errors::EXTENSION,
     errors::TOO_MANY,
@@ -87,16 +93,23 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     if shader.stage() != Stage::Library && is_empty && found.iter().any(|d| d.code == errors::SYNTAX) {
         return vec![false; found.len()];
     }
-    if !has_main && !versioned {
+    let misspelt = found.iter().any(|d| d.code == errors::MISSING_MAIN && !d.span.is_empty());
+    if !has_main && !misspelt {
         // Where a piece is not whole by itself, everything may have another meaning.
         let whole = found.iter().all(|d| OF_A_FUNCTION.contains(&d.code) && !is_of_the_user(file, d));
-        return vec![!whole; found.len()];
+        let mut kept = vec![whole; found.len()];
+        if whole && !versioned {
+            under_versions(shader, found, &mut kept, &ANY_VERSION);
+        }
+        return kept.into_iter().map(|kept| !kept).collect();
     }
-    let joined = found.iter().any(|d| is_foreign(file, d)) || imports(file.text());
-    let replaced = found.iter().any(|d| d.code != errors::INCLUDE && is_foreign(file, d));
+    let filled_in = is_filled_in(shader);
+    let joined = filled_in || found.iter().any(|d| is_foreign(file, d)) || imports(file.text());
+    let replaced = filled_in || found.iter().any(|d| d.code != errors::INCLUDE && is_foreign(file, d));
     let mut kept = under_conditions(shader, found);
     if !versioned {
-        under_es(shader, found, &mut kept);
+        // What is written for the first versions is compiled as such where nobody states another.
+        under_versions(shader, found, &mut kept, if is_old(shader) { &ANY_VERSION[..1] } else { &ANY_VERSION });
     }
     let open = shader.requires_unknown_extension();
     let unknown_stage = shader.stage() == Stage::Library;
@@ -104,7 +117,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         !kept
             || (joined && (REPAIRED_IN_FRONT.contains(&error.code) || is_bindless(file, error)))
             || (joined && is_of_the_user(file, error))
-            || (open && !WITH_ANY_EXTENSION.contains(&error.code))
+            || (open && !HOLDS_ANYWAY.contains(&error.code))
             || (error.code == errors::MISSING_MAIN && error.span.is_empty())
             || is_at_unknown_macro(shader, error)
             // An engine calls this `main` from its own.
@@ -205,7 +218,13 @@ fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
     error.code == errors::CONSTRUCTOR && OPAQUE.iter().any(|word| at.starts_with(word))
 }
 
-/// Names that one text asks for at most: each is tried by itself.
+/// True for the macro of an extension, which is defined where the extension is there.
+fn is_extension(name: &str) -> bool {
+    let vendors = ["ARB", "EXT", "NV", "AMD", "KHR", "OES", "ARM", "IMG", "QCOM", "INTEL", "MESA", "ATI", "APPLE"];
+    vendors.iter().any(|v| name.strip_prefix("GL_").and_then(|n| n.strip_prefix(v)).is_some_and(|n| n.starts_with('_')))
+}
+
+/// Names that one text may ask for: each is tried by itself. Of a text that asks for more, little is sure.
 const MOST_ASKED: usize = 12;
 
 /// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
@@ -213,8 +232,13 @@ const MOST_ASKED: usize = 12;
 fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     let (mut asked, set) = conditions(shader);
     // What the language defines is known.
-    asked.retain(|name| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__"));
-    let each = asked.iter().take(MOST_ASKED).map(|name| vec![(name.clone(), "1".to_owned())]);
+    asked.retain(|name| {
+        !set.contains(name) && (!name.starts_with("GL_") || is_extension(name)) && !name.starts_with("__")
+    });
+    if asked.len() > MOST_ASKED {
+        return found.iter().map(|d| HOLDS_ANYWAY.contains(&d.code)).collect();
+    }
+    let each = asked.iter().map(|name| vec![(name.clone(), "1".to_owned())]);
     let all = (asked.len() > 1).then(|| asked.iter().map(|name| (name.clone(), "1".to_owned())).collect());
     let mut kept = vec![true; found.len()];
     for defines in each.chain(all) {
@@ -232,17 +256,40 @@ fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     kept
 }
 
-/// Takes out what is in order in GLSL ES, which a text without a version may be as well.
-fn under_es(shader: &Shader, found: &[Diagnostic], kept: &mut [bool]) {
-    const OF_VERSIONS: &[Code] = &[errors::INITIALISER, errors::CONSTANT, errors::NO_OVERLOAD];
-    if !found.iter().any(|d| OF_VERSIONS.contains(&d.code)) {
+/// What a host may state in front of a text without a version: the oldest and newest of each language.
+const ANY_VERSION: [(u32, Profile); 3] = [(100, Profile::Es), (310, Profile::Es), (460, Profile::Compatibility)];
+
+/// Takes out what is in order in a version that suits the text no worse. Where it stands, names are not told.
+fn under_versions(shader: &Shader, found: &[Diagnostic], kept: &mut [bool], versions: &[(u32, Profile)]) {
+    let of_names = |code: Code| NAMES.contains(&code) || [errors::MISSING_MAIN, errors::PRECISION].contains(&code);
+    let told = found.iter().filter(|d| !of_names(d.code)).count();
+    if told == 0 {
         return;
     }
-    let es = Version { number: 100, profile: Profile::Es, span: None };
-    let other = Shader::parse_behind(shader.file(), shader.stage(), es);
-    for (kept, error) in kept.iter_mut().zip(found).filter(|(_, d)| OF_VERSIONS.contains(&d.code)) {
-        *kept &= other.diagnostics.iter().any(|b| error.code == b.code && error.span.start == b.span.start);
+    for &(number, profile) in versions {
+        let other = Shader::parse_behind(shader.file(), shader.stage(), Version { number, profile, span: None });
+        let other: Vec<&Diagnostic> = other.diagnostics.iter().filter(|d| !of_names(d.code)).collect();
+        if other.len() > told {
+            continue;
+        }
+        for (kept, error) in kept.iter_mut().zip(found).filter(|(_, d)| !of_names(d.code)) {
+            *kept &= other.iter().any(|b| error.code == b.code && error.span.start == b.span.start);
+        }
     }
+}
+
+/// True for a text with words that later versions have no more.
+fn is_old(shader: &Shader) -> bool {
+    const OLD: [&str; 6] = ["attribute", "varying", "gl_FragColor", "gl_Vertex", "gl_FragData", "ftransform"];
+    let is = |t: &Token| {
+        t.kind == TokenKind::Word && t.place == TokenPlace::Text && OLD.contains(&shader.file().slice(t.span))
+    };
+    shader.tokens().iter().any(is)
+}
+
+/// True for a text with marks of a template, in directives as well: `#define SIZE ${size}`.
+fn is_filled_in(shader: &Shader) -> bool {
+    shader.tokens().iter().any(|t| shader.file().slice(t.span).starts_with('$'))
 }
 
 /// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for, and those that a `#define` of the text sets.
@@ -306,213 +353,26 @@ pub fn is_about_a_name(error: &Diagnostic) -> bool {
     NAMES.contains(&error.code) || (error.code == errors::SYNTAX && is_macro(error.file.slice(error.span)))
 }
 
-#[cfg(test)]
-mod tests {
-    use base::text::SourceFile;
+/// Names that hosts supply, as texts show that lack the same ones.
+pub struct Supplied(bool);
 
-    use crate::{Input, Level, Selection, Settings, run_with};
+/// In how many different texts a name is missing that a host supplies.
+const MISSING_IN: usize = 3;
 
-    /// Codes of what is found by default in files, and of what is found beyond it.
-    fn found(files: &[(&str, &str)]) -> (Vec<String>, Vec<String>) {
-        let inputs: Vec<Input> = files.iter().map(|(name, text)| Input::new(SourceFile::new(*name, *text))).collect();
-        let codes = |level: Level| -> Vec<String> {
-            let selection = Selection::new(&[], &[]).unwrap().at(level);
-            let found = run_with(&inputs, &Settings { selection, ..Settings::default() });
-            found
-                .iter()
-                .filter(|d| d.severity == base::diagnostic::Severity::Error)
-                .map(|d| d.code.0.to_owned())
-                .collect()
-        };
-        let default = codes(Level::Default);
-        let mut strict = codes(Level::Strict);
-        for code in &default {
-            strict.remove(strict.iter().position(|c| c == code).unwrap());
+/// What the shaders of a project lack together: a slip stands in one of them.
+pub fn supplied(project: &Project) -> Supplied {
+    let mut missing: HashMap<&str, HashSet<&str>> = HashMap::new();
+    for shader in project.shaders() {
+        for error in shader.front_end.iter().filter(|d| NAMES.contains(&d.code) && d.help.is_none()) {
+            missing.entry(error.file.slice(error.span)).or_default().insert(error.file.text());
         }
-        (default, strict)
     }
+    Supplied(missing.values().any(|texts| texts.len() >= MISSING_IN))
+}
 
-    fn only_on_request(files: &[(&str, &str)], code: &str) {
-        let (default, strict) = found(files);
-        assert!(default.is_empty() && strict.iter().any(|c| c == code), "{files:?}: {default:?}, {strict:?}");
-    }
-
-    fn by_default(files: &[(&str, &str)], code: &str) {
-        let (default, _) = found(files);
-        assert!(default.iter().any(|c| c == code), "{files:?}: {default:?}");
-    }
-
-    #[test]
-    fn a_piece_is_judged_where_it_is_whole() {
-        only_on_request(&[("light.glsl", "color += shade(n, l) * lamps[i].color;\n")], "E001");
-        only_on_request(&[("noise.glsl", "float f(vec2 p) { return hash(p); }\n")], "E021");
-        only_on_request(&[("facade.vert", "#define varying out\n")], "E025");
-        let overload = "float ao(vec2 p, float x) { return min(x, ao(p)); }\n";
-        only_on_request(&[("ao.glsl", overload)], "E022");
-        by_default(&[("ao.glsl", &overload.replace("ao(p)", "dot(p)"))], "E022");
-        only_on_request(&[("surface.frag", "vec3 main() { return vec3(1.0); }\n")], "E046");
-        by_default(&[("noise.glsl", "vec2 f(vec2 p) { vec3 q = p; return q.xy; }\n")], "T003");
-        by_default(&[("junk.frag", "placeholder")], "E001");
-    }
-
-    #[test]
-    fn what_another_preprocessor_reads_is_left_to_it() {
-        let shader =
-            |line: &str, body: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
-        only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");
-        only_on_request(&[("a.frag", &shader("#pragma glslify: light = require('light')", "light()"))], "E021");
-        only_on_request(&[("a.frag", &shader("[[INPUTS]]", "vec4(1.0)"))], "E001");
-        only_on_request(&[("a.frag", &shader("##INPUTS##", "vec4(1.0)"))], "E001");
-        only_on_request(&[("a.frag", &shader("in %Bones% b;", "vec4(1.0)"))], "E001");
-        by_default(&[("a.frag", &shader("in % b;", "vec4(1.0)"))], "E001");
-        only_on_request(&[("a.frag", &shader("#include \"light.glsl\"\nHIGH_PRECISION;", "vec4(1.0)"))], "E001");
-        only_on_request(&[("a.frag", &shader("const int n = $COUNT;", "vec4(n)"))], "E002");
-        by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");
-        by_default(&[("a.frag", &shader("", "light()"))], "E021");
-        by_default(&[("a.frag", &shader("#include \"light.glsl\"\nout vec2 d", "vec4(1.0)"))], "E001");
-        by_default(&[("a.frag", &shader("#include \"light.glsl\"\nconst int n = 10", "vec4(n)"))], "E001");
-        let handle = "#include \"light.glsl\"\nuniform uvec2 handle;";
-        only_on_request(&[("a.frag", &shader(handle, "texture(sampler2D(handle), vec2(0.5))"))], "E040");
-        let sampler = "#include \"light.glsl\"\nuniform sampler2D shadow;";
-        by_default(&[("a.frag", &shader(sampler, "vec4(shadow)"))], "E040");
-    }
-
-    #[test]
-    fn an_error_that_a_definition_from_outside_takes_away_is_told_on_request() {
-        let shader = |condition: &str| {
-            format!("#version 330\n{condition}\nin vec3 t;\n#endif\nout vec4 c;\nvoid main() {{ c = vec4(t, 1.0); }}\n")
-        };
-        only_on_request(&[("a.frag", &shader("#ifdef TANGENTS"))], "E020");
-        by_default(&[("a.frag", &shader("#define TANGENTS 0\n#if TANGENTS"))], "E020");
-        // Another definition may leave the place out.
-        let two = shader("#ifdef TANGENTS")
-            .replace("void main() {", "#ifdef DEPTH\nvoid main() { c = vec4(0.0); }\n#else\nvoid main() {");
-        only_on_request(&[("a.frag", &format!("{two}#endif\n"))], "E020");
-        // What the definition leaves out stays wrong.
-        let other =
-            "#version 330\nout vec4 c;\nvoid main() {\n#ifdef FLAT\nc = vec4(1.0);\n#else\nc = vec3(1.0);\n#endif\n}\n";
-        by_default(&[("a.frag", other)], "T003");
-    }
-
-    #[test]
-    fn names_of_pieces_and_of_texts_in_host_code_may_stand_in_front() {
-        let shader = "#version 330\nout vec4 c;\n//%lamps%\nvoid main() { c = vec4(ambient); }\n";
-        by_default(&[("a.frag", shader)], "E020");
-        only_on_request(&[("a.frag", shader), ("lamps.glsl", "uniform float ambient;\n")], "E020");
-        only_on_request(&[("a.frag", shader), ("lamps.glsl", "#version 330\nuniform float ambient;\n")], "E020");
-        let host = "void f() { text = \"uniform float ambient;\\n\" + text; }\n";
-        only_on_request(&[("a.frag", shader), ("a.cpp", host)], "E020");
-        // Another whole shader declares its names for itself, in a file or in a literal.
-        let whole = "#version 330\nuniform float ambient;\nvoid main() { gl_Position = vec4(ambient); }\n";
-        by_default(&[("a.frag", shader), ("b.vert", whole)], "E020");
-        let literal = format!("const char* t = R\"({whole})\";\nvoid f() {{ glShaderSource(s, 1, &t, 0); }}\n");
-        by_default(&[("a.frag", shader), ("b.cpp", &literal)], "E020");
-    }
-
-    #[test]
-    fn a_text_in_another_language_is_left_to_its_tool() {
-        let shader = |line: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = vec3(1.0); }}\n");
-        for line in [
-            "const vec3 tint = #9CF0C0;",
-            "struct Sun { const mat4* matrix; };",
-            "uniform Sun* const sun = suns;",
-            "[FragmentShader]",
-            "Texture2D map : register(t0);",
-            "vec4 shade(vec2 t) : COLOR0 { return t.xyxy; }",
-        ] {
-            only_on_request(&[("a.frag", &shader(line))], "T003");
-        }
-        only_on_request(&[("a.frag", "float4 main(float2 t : TEXCOORD0) : COLOR\n{ return t.xyxy; }\n")], "E001");
-        by_default(&[("a.frag", &shader("float f(float x) { return x * * x; }"))], "T003");
-        by_default(&[("a.frag", &shader("float f(bool b) { return b ? 1.0 : ; }"))], "E001");
-        by_default(&[("a.frag", &shader("float f[2] = [1.0, 2.0];"))], "E001");
-    }
-
-    #[test]
-    fn an_unknown_extension_may_bring_types_and_rules() {
-        let shader = |extension: &str, body: &str| {
-            format!("#version 460\n{extension}\nout vec4 c;\nvoid main() {{ float f[2]; c = {body}; }}\n")
-        };
-        let (unknown, length) = ("#extension GL_NV_gpu_shader5 : require", "vec4(f.length)");
-        only_on_request(&[("a.frag", &shader(unknown, length))], "E034");
-        by_default(&[("a.frag", &shader("", length))], "E034");
-        // What is only enabled may be missing.
-        by_default(&[("a.frag", &shader(&unknown.replace("require", "enable"), length))], "E034");
-        by_default(&[("a.frag", &shader(unknown, "vec4(1.0).xyz"))], "T003");
-    }
-
-    #[test]
-    fn a_qualifier_in_capitals_may_be_defined_in_front() {
-        let text = |first: &str| format!("{first}FUNC float a() {{ return 1.0; }}\nFUNC float b() {{ return a(); }}\n");
-        let shader = |first: &str| format!("#version 330\n{}void main() {{}}\n", text(first));
-        only_on_request(&[("a.frag", &shader(""))], "E001");
-        only_on_request(
-            &[("a.frag", "#version 330\nFUNC_END\n/* A ray */\nstruct Ray { vec3 at; };\nFUNC_END\nvoid main() {}\n")],
-            "E001",
-        );
-        assert!(found(&[("a.frag", &shader("#define FUNC\n"))]).0.is_empty());
-        by_default(&[("a.frag", "#version 330\nHELLO WORLD\nin vec3 p;\nvoid main() {}\n")], "E001");
-        let missing = "#version 330\n#define TINT vec4(1.0)\nout vec4 c;\nvoid main() { c = TINT c += c; }\n";
-        by_default(&[("a.frag", missing)], "E001");
-        let unknown = "#version 330\n#define STACK STACK_OF(vec3)\nSTACK s;\nvoid main() {}\n";
-        only_on_request(&[("a.frag", unknown)], "E001");
-    }
-
-    #[test]
-    fn a_text_without_a_version_may_be_of_either_language() {
-        let constant =
-            "const vec3 LIGHT = normalize(vec3(1.0, 2.0, 3.0));\nvoid main() { gl_FragColor = LIGHT.xyzz; }\n";
-        only_on_request(&[("a.frag", constant)], "E044");
-        by_default(&[("a.frag", &format!("#version 110\n{constant}"))], "E044");
-        let varying = "varying float x;\nconst float y = x;\nvoid main() { gl_FragColor = vec4(y); }\n";
-        by_default(&[("a.frag", varying)], "E044");
-    }
-
-    #[test]
-    fn a_shader_without_main_may_be_joined_to_others() {
-        let text = |name: &str| format!("#version 330\nout vec4 c;\nvoid {name}() {{ c = vec4(1.0); }}\n");
-        only_on_request(&[("a.frag", &text("shade"))], "E025");
-        by_default(&[("a.frag", &text("mian"))], "E025");
-    }
-
-    #[test]
-    fn a_file_of_raw_strings_is_host_code() {
-        let shader = |value: &str| {
-            format!(
-                "static const char a_frag[] = R\"(\n#version 330\nout vec4 c;\nvoid main() {{ c = {value}; }}\n)\";\n"
-            )
-        };
-        let two = shader("vec4(1.0)").repeat(2);
-        assert!(found(&[("shaders.glsl", &two)]).0.is_empty());
-        assert!(
-            found(&[("shader.frag", "R\"zz(\nvarying vec2 p;\nvoid main() { gl_FragColor = vec4(p, p); }\n)zz\"\n")])
-                .0
-                .is_empty()
-        );
-        by_default(&[("quoted.frag", "#version 330\nout vec4 c;\nvoid main() { c = R\"; }\n")], "E002");
-    }
-
-    #[test]
-    fn a_macro_may_be_defined_in_front_and_a_slip_in_one_is_told() {
-        let text = |name: &str| {
-            format!("#version 330\n#define LAMP_COUNT 4\nout vec4 c;\nvoid main() {{ c = vec4({name}); }}\n")
-        };
-        only_on_request(&[("a.frag", &text("FOG_LIMIT"))], "E020");
-        by_default(&[("a.frag", &text("LAMP_COUNTS"))], "E020");
-    }
-
-    #[test]
-    fn nothing_is_said_that_depends_on_an_unknown_stage() {
-        let text = "#version 330\nlayout(location = 0) in vec3 p;\nout vec3 q;\nvoid main() { q = p; }\n";
-        only_on_request(&[("shader.glsl", text)], "V002");
-        by_default(&[("shader_fs.glsl", text)], "V002");
-        assert!(found(&[("shader_vs.glsl", text)]).0.is_empty());
-    }
-
-    #[test]
-    fn a_name_in_a_text_without_a_version_is_told_where_it_is_a_slip() {
-        let text = |name: &str| format!("varying vec3 normal;\nvoid main() {{ gl_FragColor = vec4({name}, 1.0); }}\n");
-        only_on_request(&[("a.frag", &text("sceneTint"))], "E020");
-        by_default(&[("a.frag", &text("normol"))], "E020");
+impl Supplied {
+    /// True for an error that goes away when the host supplies a name.
+    pub fn may_be(&self, error: &Diagnostic) -> bool {
+        self.0 && NAMES.contains(&error.code) && error.help.is_none()
     }
 }

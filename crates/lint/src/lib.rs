@@ -135,6 +135,7 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
 fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)]) {
     let shaders: HashMap<&str, &ShaderFile> = project.shaders().map(|s| (s.file.name(), s)).collect();
     let mut in_front: Option<HashSet<String>> = None;
+    let supplied = context::supplied(project);
     for (level, error) in told.iter_mut().filter(|(level, _)| *level == Level::Default) {
         let Some(shader) = shaders.get(error.file.name()) else { continue };
         let mut may_be_in_front = || {
@@ -142,7 +143,9 @@ fn leave_doubtful_to_strict(project: &Project, told: &mut [(Level, Diagnostic)])
             names.contains(error.file.slice(error.span))
         };
         let of_front_end = shader.front_end.iter().any(|d| d.code == error.code && d.span == error.span);
-        if of_front_end && (shader.is_doubtful(error) || (context::is_about_a_name(error) && may_be_in_front())) {
+        let about_a_name = context::is_about_a_name(error);
+        let may_be_supplied = || supplied.may_be(error);
+        if of_front_end && (shader.is_doubtful(error) || (about_a_name && (may_be_supplied() || may_be_in_front()))) {
             *level = Level::Strict;
         }
     }

@@ -86,7 +86,9 @@ pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
         return None;
     }
     let file = name.rsplit('/').next().unwrap_or(name);
-    stage(text).ok()?.or_else(|| stage_of_words(file.split('.').next().unwrap_or(file)))
+    // What has no workgroup is no compute shader, whatever it is called.
+    let named = || stage_of_words(file.split('.').next().unwrap_or(file)).filter(|stage| *stage != Stage::Compute);
+    stage(text).ok()?.or_else(named)
 }
 
 /// The stage that the words of a text say, when they say one.
@@ -169,6 +171,7 @@ mod tests {
             ("vert_sky.glsl", Some(Stage::Vertex)),
             ("VertexShader.glsl", Some(Stage::Vertex)),
             ("invert.glsl", None),
+            ("VarianceCompute.glsl", None),
             ("canvas.glsl", None),
             ("vs_and_fs.glsl", None),
         ] {

@@ -1,0 +1,237 @@
+//! What a host may take away, and what stays.
+
+use base::text::SourceFile;
+
+use crate::{Input, Level, Selection, Settings, run_with};
+
+/// Codes of what is found by default in files, and of what is found beyond it.
+fn found(files: &[(&str, &str)]) -> (Vec<String>, Vec<String>) {
+    let inputs: Vec<Input> = files.iter().map(|(name, text)| Input::new(SourceFile::new(*name, *text))).collect();
+    let codes = |level: Level| -> Vec<String> {
+        let selection = Selection::new(&[], &[]).unwrap().at(level);
+        let found = run_with(&inputs, &Settings { selection, ..Settings::default() });
+        found.iter().filter(|d| d.severity == base::diagnostic::Severity::Error).map(|d| d.code.0.to_owned()).collect()
+    };
+    let default = codes(Level::Default);
+    let mut strict = codes(Level::Strict);
+    for code in &default {
+        strict.remove(strict.iter().position(|c| c == code).unwrap());
+    }
+    (default, strict)
+}
+
+fn only_on_request(files: &[(&str, &str)], code: &str) {
+    let (default, strict) = found(files);
+    assert!(default.is_empty() && strict.iter().any(|c| c == code), "{files:?}: {default:?}, {strict:?}");
+}
+
+fn by_default(files: &[(&str, &str)], code: &str) {
+    let (default, _) = found(files);
+    assert!(default.iter().any(|c| c == code), "{files:?}: {default:?}");
+}
+
+#[test]
+fn a_piece_is_judged_where_it_is_whole() {
+    only_on_request(&[("light.glsl", "color += shade(n, l) * lamps[i].color;\n")], "E001");
+    only_on_request(&[("noise.glsl", "float f(vec2 p) { return hash(p); }\n")], "E021");
+    only_on_request(&[("facade.vert", "#define varying out\n")], "E025");
+    let overload = "float ao(vec2 p, float x) { return min(x, ao(p)); }\n";
+    only_on_request(&[("ao.glsl", overload)], "E022");
+    by_default(&[("ao.glsl", &overload.replace("ao(p)", "dot(p)"))], "E022");
+    only_on_request(&[("surface.frag", "vec3 main() { return vec3(1.0); }\n")], "E046");
+    by_default(&[("noise.glsl", "vec2 f(vec2 p) { vec3 q = p; return q.xy; }\n")], "T003");
+    by_default(&[("junk.frag", "placeholder")], "E001");
+}
+
+#[test]
+fn what_another_preprocessor_reads_is_left_to_it() {
+    let shader = |line: &str, body: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
+    only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");
+    only_on_request(&[("a.frag", &shader("#pragma glslify: light = require('light')", "light()"))], "E021");
+    only_on_request(&[("a.frag", &shader("[[INPUTS]]", "vec4(1.0)"))], "E001");
+    only_on_request(&[("a.frag", &shader("##INPUTS##", "vec4(1.0)"))], "E001");
+    only_on_request(&[("a.frag", &shader("in %Bones% b;", "vec4(1.0)"))], "E001");
+    by_default(&[("a.frag", &shader("in % b;", "vec4(1.0)"))], "E001");
+    only_on_request(&[("a.frag", &shader("#include \"light.glsl\"\nHIGH_PRECISION;", "vec4(1.0)"))], "E001");
+    only_on_request(&[("a.frag", &shader("const int n = $COUNT;", "vec4(n)"))], "E002");
+    by_default(&[("a.frag", &shader("#include \"light.glsl\"", "vec3(1.0)"))], "T003");
+    by_default(&[("a.frag", &shader("", "light()"))], "E021");
+    by_default(&[("a.frag", &shader("#include \"light.glsl\"\nout vec2 d", "vec4(1.0)"))], "E001");
+    by_default(&[("a.frag", &shader("#include \"light.glsl\"\nconst int n = 10", "vec4(n)"))], "E001");
+    let handle = "#include \"light.glsl\"\nuniform uvec2 handle;";
+    only_on_request(&[("a.frag", &shader(handle, "texture(sampler2D(handle), vec2(0.5))"))], "E040");
+    let sampler = "#include \"light.glsl\"\nuniform sampler2D shadow;";
+    by_default(&[("a.frag", &shader(sampler, "vec4(shadow)"))], "E040");
+}
+
+#[test]
+fn an_error_that_a_definition_from_outside_takes_away_is_told_on_request() {
+    let shader = |condition: &str| {
+        format!("#version 330\n{condition}\nin vec3 t;\n#endif\nout vec4 c;\nvoid main() {{ c = vec4(t, 1.0); }}\n")
+    };
+    only_on_request(&[("a.frag", &shader("#ifdef TANGENTS"))], "E020");
+    by_default(&[("a.frag", &shader("#define TANGENTS 0\n#if TANGENTS"))], "E020");
+    // Another definition may leave the place out.
+    let two = shader("#ifdef TANGENTS")
+        .replace("void main() {", "#ifdef DEPTH\nvoid main() { c = vec4(0.0); }\n#else\nvoid main() {");
+    only_on_request(&[("a.frag", &format!("{two}#endif\n"))], "E020");
+    // What the definition leaves out stays wrong.
+    let other =
+        "#version 330\nout vec4 c;\nvoid main() {\n#ifdef FLAT\nc = vec4(1.0);\n#else\nc = vec3(1.0);\n#endif\n}\n";
+    by_default(&[("a.frag", other)], "T003");
+}
+
+#[test]
+fn names_of_pieces_and_of_texts_in_host_code_may_stand_in_front() {
+    let shader = "#version 330\nout vec4 c;\n//%lamps%\nvoid main() { c = vec4(ambient); }\n";
+    by_default(&[("a.frag", shader)], "E020");
+    only_on_request(&[("a.frag", shader), ("lamps.glsl", "uniform float ambient;\n")], "E020");
+    only_on_request(&[("a.frag", shader), ("lamps.glsl", "#version 330\nuniform float ambient;\n")], "E020");
+    let host = "void f() { text = \"uniform float ambient;\\n\" + text; }\n";
+    only_on_request(&[("a.frag", shader), ("a.cpp", host)], "E020");
+    // Another whole shader declares its names for itself, in a file or in a literal.
+    let whole = "#version 330\nuniform float ambient;\nvoid main() { gl_Position = vec4(ambient); }\n";
+    by_default(&[("a.frag", shader), ("b.vert", whole)], "E020");
+    let literal = format!("const char* t = R\"({whole})\";\nvoid f() {{ glShaderSource(s, 1, &t, 0); }}\n");
+    by_default(&[("a.frag", shader), ("b.cpp", &literal)], "E020");
+}
+
+#[test]
+fn a_text_in_another_language_is_left_to_its_tool() {
+    let shader = |line: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = vec3(1.0); }}\n");
+    for line in [
+        "const vec3 tint = #9CF0C0;",
+        "struct Sun { const mat4* matrix; };",
+        "uniform Sun* const sun = suns;",
+        "[FragmentShader]",
+        "Texture2D map : register(t0);",
+        "vec4 shade(vec2 t) : COLOR0 { return t.xyxy; }",
+    ] {
+        only_on_request(&[("a.frag", &shader(line))], "T003");
+    }
+    only_on_request(&[("a.frag", "float4 main(float2 t : TEXCOORD0) : COLOR\n{ return t.xyxy; }\n")], "E001");
+    by_default(&[("a.frag", &shader("float f(float x) { return x * * x; }"))], "T003");
+    by_default(&[("a.frag", &shader("float f(bool b) { return b ? 1.0 : ; }"))], "E001");
+    by_default(&[("a.frag", &shader("float f[2] = [1.0, 2.0];"))], "E001");
+}
+
+#[test]
+fn an_unknown_extension_may_bring_types_and_rules() {
+    let shader = |extension: &str, body: &str| {
+        format!("#version 460\n{extension}\nout vec4 c;\nvoid main() {{ float f[2]; c = {body}; }}\n")
+    };
+    let (unknown, length) = ("#extension GL_NV_gpu_shader5 : require", "vec4(f.length)");
+    only_on_request(&[("a.frag", &shader(unknown, length))], "E034");
+    by_default(&[("a.frag", &shader("", length))], "E034");
+    // What is only enabled may be missing.
+    by_default(&[("a.frag", &shader(&unknown.replace("require", "enable"), length))], "E034");
+    by_default(&[("a.frag", &shader(unknown, "vec4(1.0).xyz"))], "T003");
+}
+
+#[test]
+fn a_qualifier_in_capitals_may_be_defined_in_front() {
+    let text = |first: &str| format!("{first}FUNC float a() {{ return 1.0; }}\nFUNC float b() {{ return a(); }}\n");
+    let shader = |first: &str| format!("#version 330\n{}void main() {{}}\n", text(first));
+    only_on_request(&[("a.frag", &shader(""))], "E001");
+    only_on_request(
+        &[("a.frag", "#version 330\nFUNC_END\n/* A ray */\nstruct Ray { vec3 at; };\nFUNC_END\nvoid main() {}\n")],
+        "E001",
+    );
+    assert!(found(&[("a.frag", &shader("#define FUNC\n"))]).0.is_empty());
+    by_default(&[("a.frag", "#version 330\nHELLO WORLD\nin vec3 p;\nvoid main() {}\n")], "E001");
+    let missing = "#version 330\n#define TINT vec4(1.0)\nout vec4 c;\nvoid main() { c = TINT c += c; }\n";
+    by_default(&[("a.frag", missing)], "E001");
+    let unknown = "#version 330\n#define STACK STACK_OF(vec3)\nSTACK s;\nvoid main() {}\n";
+    only_on_request(&[("a.frag", unknown)], "E001");
+}
+
+#[test]
+fn a_text_without_a_version_may_be_of_either_language() {
+    let constant = "const vec3 LIGHT = normalize(vec3(1.0, 2.0, 3.0));\nvoid main() { gl_FragColor = LIGHT.xyzz; }\n";
+    only_on_request(&[("a.frag", constant)], "E044");
+    by_default(&[("a.frag", &format!("#version 110\n{constant}"))], "E044");
+    let varying = "varying float x;\nconst float y = x;\nvoid main() { gl_FragColor = vec4(y); }\n";
+    by_default(&[("a.frag", varying)], "E044");
+}
+
+#[test]
+fn what_a_newer_version_has_is_no_error_of_a_piece() {
+    let piece = "vec3 screen(vec3 a, vec3 b) {\n  bvec3 m = lessThan(a, vec3(0.5));\n  return mix(a, b, m);\n}\n";
+    only_on_request(&[("lib/a.glsl", piece)], "E022");
+    by_default(&[("a.glsl", &format!("#version 120\n{piece}void main() {{}}\n"))], "E022");
+    by_default(&[("lib/a.glsl", &piece.replace("mix(a, b, m)", "dot(a, b.xy)"))], "E022");
+    let stated = format!("#version 330\n{}", piece.replace("mix(a, b, m)", "a * b * half3(1.0) + shade(m)"));
+    only_on_request(&[("lib/a.glsl", &stated)], "E021");
+}
+
+#[test]
+fn a_name_that_many_texts_lack_is_supplied_by_their_host() {
+    let text =
+        |n: usize, name: &str| format!("#version 330\nout vec4 c;\nvoid main() {{ c = vec4({name} * {n}.0); }}\n");
+    let texts: Vec<String> = (1..=3).map(|n| text(n, "og_oneOverPi")).collect();
+    let other = text(4, "sun_strength");
+    let named = [("a.frag", &texts[0]), ("b.frag", &texts[1]), ("c.frag", &texts[2]), ("d.frag", &other)];
+    let files: Vec<(&str, &str)> = named.iter().map(|(name, text)| (*name, text.as_str())).collect();
+    only_on_request(&files, "E020");
+    by_default(&files[..2], "E020");
+    let copies = [("a.frag", texts[0].as_str()), ("b.frag", &texts[0]), ("c.frag", &texts[0])];
+    by_default(&copies, "E020");
+    // A slip is told all the same.
+    let slip = "#version 330\nuniform float gain;\nout vec4 c;\nvoid main() { c = vec4(gian); }\n";
+    by_default(&[files[0], files[1], files[2], ("e.frag", slip)], "E020");
+}
+
+#[test]
+fn templates_in_directives_are_filled_in() {
+    let shader = |line: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = vec4(1.0); }}\n");
+    only_on_request(&[("a.frag", &shader("#define MODE ${mode}\n#if MODE == 1\n#endif"))], "E012");
+    only_on_request(&[("a.frag", &shader("").replace("330", "$version core"))], "E012");
+    by_default(&[("a.frag", &shader("").replace("330", "33o"))], "E012");
+    let half = "#ifdef GL_NV_gpu_shader5\n#extension GL_NV_gpu_shader5 : enable\n#endif\nf16vec3 n;";
+    only_on_request(&[("a.frag", &shader(half))], "E023");
+}
+
+#[test]
+fn a_shader_without_main_may_be_joined_to_others() {
+    let text = |name: &str| format!("#version 330\nout vec4 c;\nvoid {name}() {{ c = vec4(1.0); }}\n");
+    only_on_request(&[("a.frag", &text("shade"))], "E025");
+    by_default(&[("a.frag", &text("mian"))], "E025");
+}
+
+#[test]
+fn a_file_of_raw_strings_is_host_code() {
+    let shader = |value: &str| {
+        format!("static const char a_frag[] = R\"(\n#version 330\nout vec4 c;\nvoid main() {{ c = {value}; }}\n)\";\n")
+    };
+    let two = shader("vec4(1.0)").repeat(2);
+    assert!(found(&[("shaders.glsl", &two)]).0.is_empty());
+    assert!(
+        found(&[("shader.frag", "R\"zz(\nvarying vec2 p;\nvoid main() { gl_FragColor = vec4(p, p); }\n)zz\"\n")])
+            .0
+            .is_empty()
+    );
+    by_default(&[("quoted.frag", "#version 330\nout vec4 c;\nvoid main() { c = R\"; }\n")], "E002");
+}
+
+#[test]
+fn a_macro_may_be_defined_in_front_and_a_slip_in_one_is_told() {
+    let text =
+        |name: &str| format!("#version 330\n#define LAMP_COUNT 4\nout vec4 c;\nvoid main() {{ c = vec4({name}); }}\n");
+    only_on_request(&[("a.frag", &text("FOG_LIMIT"))], "E020");
+    by_default(&[("a.frag", &text("LAMP_COUNTS"))], "E020");
+}
+
+#[test]
+fn nothing_is_said_that_depends_on_an_unknown_stage() {
+    let text = "#version 330\nlayout(location = 0) in vec3 p;\nout vec3 q;\nvoid main() { q = p; }\n";
+    only_on_request(&[("shader.glsl", text)], "V002");
+    by_default(&[("shader_fs.glsl", text)], "V002");
+    assert!(found(&[("shader_vs.glsl", text)]).0.is_empty());
+}
+
+#[test]
+fn a_name_in_a_text_without_a_version_is_told_where_it_is_a_slip() {
+    let text = |name: &str| format!("varying vec3 normal;\nvoid main() {{ gl_FragColor = vec4({name}, 1.0); }}\n");
+    only_on_request(&[("a.frag", &text("sceneTint"))], "E020");
+    by_default(&[("a.frag", &text("normol"))], "E020");
+}
