@@ -94,7 +94,8 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         return vec![false; found.len()];
     }
     let misspelt = found.iter().any(|d| d.code == errors::MISSING_MAIN && !d.span.is_empty());
-    if !has_main && !misspelt {
+    // What is called a stage and states its version wants to be one.
+    if !has_main && !misspelt && (!versioned || shader.stage() == Stage::Library) {
         // Where a piece is not whole by itself, everything may have another meaning.
         let whole = found.iter().all(|d| OF_A_FUNCTION.contains(&d.code) && !is_of_the_user(file, d));
         let mut kept = vec![whole; found.len()];
@@ -359,7 +360,10 @@ pub struct Supplied(bool);
 /// In how many different texts a name is missing that a host supplies.
 const MISSING_IN: usize = 3;
 
-/// What the shaders of a project lack together: a slip stands in one of them.
+/// How many such names there are where a host supplies them: copies of a text have one mistake.
+const MISSING_NAMES: usize = 2;
+
+/// What the shaders of a project lack together.
 pub fn supplied(project: &Project) -> Supplied {
     let mut missing: HashMap<&str, HashSet<&str>> = HashMap::new();
     for shader in project.shaders() {
@@ -367,7 +371,7 @@ pub fn supplied(project: &Project) -> Supplied {
             missing.entry(error.file.slice(error.span)).or_default().insert(error.file.text());
         }
     }
-    Supplied(missing.values().any(|texts| texts.len() >= MISSING_IN))
+    Supplied(missing.values().filter(|texts| texts.len() >= MISSING_IN).count() >= MISSING_NAMES)
 }
 
 impl Supplied {

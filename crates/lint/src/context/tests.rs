@@ -160,6 +160,7 @@ fn what_a_newer_version_has_is_no_error_of_a_piece() {
     only_on_request(&[("lib/a.glsl", piece)], "E022");
     by_default(&[("a.glsl", &format!("#version 120\n{piece}void main() {{}}\n"))], "E022");
     by_default(&[("lib/a.glsl", &piece.replace("mix(a, b, m)", "dot(a, b.xy)"))], "E022");
+    by_default(&[("a.geom", "#version 150\nin vec3 v;\nvec3 f(vec3 p) { return p + v; }\n")], "G007");
     let stated = format!("#version 330\n{}", piece.replace("mix(a, b, m)", "a * b * half3(1.0) + shade(m)"));
     only_on_request(&[("lib/a.glsl", &stated)], "E021");
 }
@@ -168,7 +169,7 @@ fn what_a_newer_version_has_is_no_error_of_a_piece() {
 fn a_name_that_many_texts_lack_is_supplied_by_their_host() {
     let text =
         |n: usize, name: &str| format!("#version 330\nout vec4 c;\nvoid main() {{ c = vec4({name} * {n}.0); }}\n");
-    let texts: Vec<String> = (1..=3).map(|n| text(n, "og_oneOverPi")).collect();
+    let texts: Vec<String> = (1..=3).map(|n| text(n, "og_oneOverPi * og_sunDirection.z")).collect();
     let other = text(4, "sun_strength");
     let named = [("a.frag", &texts[0]), ("b.frag", &texts[1]), ("c.frag", &texts[2]), ("d.frag", &other)];
     let files: Vec<(&str, &str)> = named.iter().map(|(name, text)| (*name, text.as_str())).collect();
@@ -176,6 +177,9 @@ fn a_name_that_many_texts_lack_is_supplied_by_their_host() {
     by_default(&files[..2], "E020");
     let copies = [("a.frag", texts[0].as_str()), ("b.frag", &texts[0]), ("c.frag", &texts[0])];
     by_default(&copies, "E020");
+    // One mistake can stand in several copies of a text.
+    let one: Vec<String> = (1..=3).map(|n| text(n, "depthMap")).collect();
+    by_default(&[("a.frag", one[0].as_str()), ("b.frag", &one[1]), ("c.frag", &one[2])], "E020");
     // A slip is told all the same.
     let slip = "#version 330\nuniform float gain;\nout vec4 c;\nvoid main() { c = vec4(gian); }\n";
     by_default(&[files[0], files[1], files[2], ("e.frag", slip)], "E020");
