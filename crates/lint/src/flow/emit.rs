@@ -56,7 +56,7 @@ impl State {
 
 /// Outputs that are set, emitted, and emitted again without being set on any path in between. `outputs`
 /// tells which variables are outputs.
-pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
+pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool + Copy) -> Vec<Stale> {
     let assigned = assign::solve(graph, false);
     let start = State { emitted: false, variables: vec![Since::default(); graph.variables.len()] };
     let mut states: Vec<Option<State>> = vec![None; graph.blocks.len()];
@@ -104,7 +104,40 @@ pub fn stale(graph: &Graph, outputs: impl Fn(SymbolId) -> bool) -> Vec<Stale> {
             assign::step(&mut known, event);
         }
     }
+    for new in in_loops(graph, &assigned, outputs, set) {
+        found.entry(new.symbol).or_insert(new);
+    }
     found.into_values().collect()
+}
+
+/// Outputs that a loop emits and never sets, though they were set before it: an outer loop may set them again, and
+/// still all rounds but the first go without.
+fn in_loops(
+    graph: &Graph,
+    assigned: &assign::States,
+    outputs: impl Fn(SymbolId) -> bool,
+    set: impl Fn(usize) -> Option<Span>,
+) -> Vec<Stale> {
+    let mut found = Vec::new();
+    for body in graph.loops() {
+        let events = || body.iter().flat_map(|at| &graph.blocks[*at].events);
+        let emit = body.iter().find_map(|at| {
+            let event = graph.blocks[*at].events.iter().find(|e| e.kind == Kind::Emit)?;
+            Some((event.span, assigned[*at].as_ref()?))
+        });
+        let Some((emit, known)) = emit else { continue };
+        for (index, variable) in graph.variables.iter().enumerate() {
+            let written = events().filter(|e| e.variable == index).fold(0, |mask, e| match e.kind {
+                Kind::Write { .. } => mask | e.mask,
+                Kind::Copy { .. } => variable.full,
+                Kind::Declare | Kind::Read { .. } | Kind::Emit | Kind::EndPrimitive | Kind::NoReturn { .. } => mask,
+            });
+            if known[index].may & !written != 0 && outputs(variable.symbol) {
+                found.extend(set(index).map(|set| Stale { symbol: variable.symbol, emit, set }));
+            }
+        }
+    }
+    found
 }
 
 /// The first `EmitVertex` that comes before `symbol` is set on any path, with whether it is set at all.

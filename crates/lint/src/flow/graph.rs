@@ -1,5 +1,7 @@
 //! The paths through a function and the functions it calls, as blocks of events.
 
+use std::collections::BTreeSet;
+
 use base::text::Span;
 use syntax::ast::ExprId;
 use syntax::symbols::{FunctionId, SymbolId};
@@ -109,6 +111,45 @@ pub enum Store {
 }
 
 impl Graph {
+    /// The blocks of each loop that paths go round in.
+    pub fn loops(&self) -> Vec<BTreeSet<usize>> {
+        let mut found = Vec::new();
+        for (from, to) in self.back_edges() {
+            let mut body = BTreeSet::from([to]);
+            let mut todo = vec![from];
+            while let Some(at) = todo.pop() {
+                if body.insert(at) {
+                    let before = self.blocks.iter().enumerate().filter(|(_, b)| b.next.iter().any(|e| e.to == at));
+                    todo.extend(before.map(|(i, _)| i));
+                }
+            }
+            found.push(body);
+        }
+        found
+    }
+
+    /// Edges that lead back to a block on the way to them.
+    fn back_edges(&self) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        let mut seen = vec![false; self.blocks.len()];
+        // The way to the current block, with the number of edges that were taken from each.
+        let mut way: Vec<(usize, usize)> = vec![(0, 0)];
+        while let Some((at, taken)) = way.last_mut() {
+            let (block, next) = (*at, self.blocks[*at].next.get(*taken).map(|e| e.to));
+            seen[block] = true;
+            *taken += 1;
+            match next {
+                None => {
+                    way.pop();
+                }
+                Some(to) if way.iter().any(|(b, _)| *b == to) => found.push((block, to)),
+                Some(to) if !seen[to] => way.push((to, 0)),
+                Some(_) => {}
+            }
+        }
+        found
+    }
+
     /// Blocks that a path leads to, over weak edges or not.
     pub fn reached(&self, weak: bool) -> Vec<bool> {
         let mut seen = vec![false; self.blocks.len()];

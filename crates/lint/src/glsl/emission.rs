@@ -239,16 +239,20 @@ pub fn rounds(
     let step_id = step?;
     let step = added(shader, step_id, counter)?;
     let step_span = shader.expr(step_id).span;
-    let written_elsewhere =
-        shader.uses_of(counter).any(|u| u.access.writes() && (u.from_macro || !step_span.contains(u.span.start)));
-    if written_elsewhere || shader.expr(step_id).from_macro || body.span.is_empty() {
+    let elsewhere = |at: usize| !step_span.contains(at) && !body.span.contains(at);
+    let unknown = shader.uses_of(counter).any(|u| u.access.writes() && (u.from_macro || elsewhere(u.span.start)));
+    if unknown || shader.expr(step_id).from_macro || body.span.is_empty() {
+        return None;
+    }
+    let step = step + moved(shader, body, counter)?;
+    if step == 0 {
         return None;
     }
     let ExprKind::Binary { op, op_span: _, left, right } = shader.expr(*condition).kind else { return None };
     if shader.symbol_of(left) != Some(counter) {
         return None;
     }
-    let end = shader.fold(right)?.as_integer()?;
+    let end = shader.fold(right).and_then(|c| c.as_integer()).or_else(|| vertices_in(shader, right))?;
     let distance = match (op, step > 0) {
         (BinaryOp::Less, true) => end - start,
         (BinaryOp::LessEqual, true) => end - start + 1,
@@ -258,6 +262,28 @@ pub fn rounds(
     };
     let rounds = u64::try_from(distance.max(0)).ok()?.div_ceil(step.unsigned_abs());
     (rounds <= MOST_ROUNDS).then_some(rounds)
+}
+
+/// What the body of a loop adds to the counter, whichever way it takes; none when that depends on the way.
+fn moved(shader: &Shader, stmt: &Stmt, counter: SymbolId) -> Option<i64> {
+    let writes = |at: base::text::Span| shader.uses_of(counter).any(|u| u.access.writes() && at.contains(u.span.start));
+    match &stmt.kind {
+        StmtKind::Block(block) => block.statements.iter().try_fold(0, |sum, s| Some(sum + moved(shader, s, counter)?)),
+        StmtKind::If { condition, then, otherwise } if !writes(shader.expr(*condition).span) => {
+            let then = moved(shader, then, counter)?;
+            let otherwise = otherwise.as_deref().map_or(Some(0), |o| moved(shader, o, counter))?;
+            (then == otherwise).then_some(then)
+        }
+        StmtKind::Expr(e) if writes(stmt.span) => added(shader, *e, counter),
+        _ => (!writes(stmt.span)).then_some(0),
+    }
+}
+
+/// The length of `gl_in`, which the primitive that comes in decides.
+fn vertices_in(shader: &Shader, expr: ExprId) -> Option<i64> {
+    let ExprKind::Method { base, .. } = &shader.expr(expr).kind else { return None };
+    let input = shader.interface().geometry.input?;
+    (shader.text_of(*base) == "gl_in").then(|| i64::from(input.value.vertices()))
 }
 
 /// What a step adds to the counter; never 0.

@@ -1,8 +1,11 @@
-//! T017: integer literals as arguments of built-in functions of floats.
+//! T017: integers as arguments of built-in functions of floats.
 
 use crate::project::ShaderFile;
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
+use syntax::Shader;
+use syntax::ast::{ExprId, ExprKind, UnaryOp};
+use syntax::types::ScalarType;
 
 use super::context::{Context, Contexts, integer_literal};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
@@ -24,7 +27,12 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
     let contexts = Contexts::new(shader);
     for (id, expr) in shader.arena().iter() {
-        let Some(text) = integer_literal(shader, id) else { continue };
+        let Some(text) = integer_literal(shader, id) else {
+            if let (Some(Context::Builtin(name)), true) = (contexts.of(id), is_computed(shader, id)) {
+                computed(file, id, name, findings);
+            }
+            continue;
+        };
         let Some(Context::Builtin(name)) = contexts.of(id) else { continue };
         let edit = Edit::insert(expr.span.end, ".0");
         findings.push(
@@ -44,6 +52,36 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
 }
 
+/// True for an integer that is no literal, inside of parentheses and signs.
+fn is_computed(shader: &Shader, id: ExprId) -> bool {
+    let around = matches!(
+        shader.expr(id).kind,
+        ExprKind::Paren(_) | ExprKind::Unary { op: UnaryOp::Minus | UnaryOp::Plus, .. } | ExprKind::Literal(_)
+    );
+    !around && matches!(shader.type_of(id).scalar(), Some(ScalarType::Int | ScalarType::Uint))
+}
+
+fn computed(file: &ShaderFile, id: ExprId, name: &str, findings: &mut Findings<'_>) {
+    let ty = file.shader.type_of(id).to_string();
+    findings.push(
+        findings
+            .at(
+                &file.file,
+                file.shader.expr(id).span,
+                message!(
+                    "`{name}` is given `{ty}`, and computes with floats",
+                    "浮動小数点数で計算する `{name}` に `{ty}` を渡しています"
+                ),
+            )
+            .with_label(message!("becomes a float", "浮動小数点数になる"))
+            .with_why(message!(
+                "the function is found by implicit conversion only, about which drivers disagree",
+                "暗黙の変換によって関数が選ばれますが、その結果はドライバによって異なることがあります"
+            ))
+            .with_help(message!("write the conversion: `float(…)`", "`float(…)` と変換を書いてください")),
+    );
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::messages;
@@ -57,6 +95,8 @@ mod tests {
             messages("T017", "a.frag", &text).len()
         };
         assert_eq!(reported("x = pow(2, 3);"), 2);
+        assert_eq!(reported("x = step(n + 1, i);"), 2, "no literals");
+        assert_eq!(reported("x = max(x, -(n));"), 1);
         for statement in ["x = max(x, 0);", "x = clamp(x, -1, 1.0);", "c = mix(c, c, 1);"] {
             assert_eq!(reported(statement), 1, "{statement}");
         }

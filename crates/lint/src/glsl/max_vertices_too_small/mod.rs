@@ -20,7 +20,8 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
-    if shader.stage() != Stage::Geometry || !file.is_sound() {
+    // A wrong type somewhere does not change how often a vertex is emitted.
+    if shader.stage() != Stage::Geometry || !file.is_plain() {
         return;
     }
     let layouts = &shader.interface().stage_layouts;
@@ -78,6 +79,17 @@ mod tests {
             ),
             message(4)
         );
+        let twice = "for (int i = 0; i < 6; ++i) { EmitVertex(); i++; EmitVertex(); }";
+        assert_eq!(reported("", twice), message(6), "three rounds of two");
+        let either = "for (int i = 0; i < 8; ++i) { if (i == n) { i++; EmitVertex(); } else { EmitVertex(); i++; } }";
+        assert_eq!(reported("", either), message(4), "both ways go on by two");
+        assert_eq!(
+            reported(
+                "",
+                "for (int i = 0; i < gl_in.length(); ++i) { EmitVertex(); EmitVertex(); EmitVertex(); EmitVertex(); }"
+            ),
+            message(4)
+        );
     }
 
     #[test]
@@ -87,6 +99,8 @@ mod tests {
             "for (int i = 0; i < 4; ++i) if (i != n) EmitVertex();",
             "for (int i = 0; i < 4; ++i) { if (i == n) break; EmitVertex(); }",
             "for (int i = 0; i < n; ++i) EmitVertex();",
+            "for (int i = 0; i < 6; ++i) { EmitVertex(); i++; }",
+            "for (int i = 0; i < 6; ++i) { if (i == n) i++; EmitVertex(); }",
             "if (n > 3) return; for (int i = 0; i < 4; ++i) EmitVertex();",
             "if (n > 3) { EmitVertex(); EmitVertex(); } if (n <= 3) { EmitVertex(); EmitVertex(); }",
         ] {

@@ -61,6 +61,7 @@ mod tests {
             "with(vec3(1.0), 0); at(1);",
             "for (int i = 0; i < 3; ++i) { at(i); if (i == 5) c = vec3(1.0); else c = vec3(0.5); at(i); }",
             "c = vec3(1.0); at(0); EndPrimitive(); at(1);",
+            "for (int f = 0; f < 2; ++f) { c = vec3(1.0); for (int i = 0; i < 3; ++i) at(i); EndPrimitive(); }",
         ] {
             assert_eq!(reported(body), message, "{body}");
         }
@@ -75,6 +76,8 @@ mod tests {
             "c = vec3(1.0); at(0);",
             "at(0); at(1);",
             "for (int i = 0; i < 3; ++i) { if (b) c = vec3(1.0); at(i); }",
+            "for (int f = 0; f < 2; ++f) { for (int i = 0; i < 3; ++i) { c = vec3(1.0); at(i); } EndPrimitive(); }",
+            "for (int f = 0; f < 2; ++f) { c = vec3(1.0); at(f); for (int i = 0; i < 3; ++i) c = vec3(0.0); }",
             "if (b) { c = vec3(1.0); at(0); } else { c = vec3(0.0); at(0); }",
         ] {
             assert_eq!(reported(body), [""; 0], "{body}");

@@ -1,4 +1,4 @@
-//! D007: a uniform or vertex attribute that nothing uses.
+//! D007: a uniform or an input that nothing uses.
 
 use crate::project::ShaderFile;
 use base::diagnostic::{Code, Severity, message};
@@ -26,8 +26,8 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let flow = file.flow();
     let reached = &flow.reached;
     let interface = shader.interface();
-    let attributes: &[_] = if shader.stage() == Stage::Vertex { &interface.inputs } else { &[] };
-    for variable in interface.uniforms.iter().chain(attributes) {
+    let inputs = interface.inputs.iter().filter(|v| !v.name.starts_with("gl_"));
+    for variable in interface.uniforms.iter().chain(inputs) {
         let used = shader.uses_of(variable.symbol).any(|u| match (u.function, reached) {
             (Some(function), Some(reached)) => reached.contains(&function),
             _ => true,
@@ -37,15 +37,24 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             continue;
         }
         let uniform = variable.storage != syntax::interface::Storage::In;
-        let (en, ja) = if uniform { ("uniform", "uniform") } else { ("attribute", "頂点属性") };
+        let vertex = shader.stage() == Stage::Vertex;
+        let (en, ja) = match (uniform, vertex) {
+            (true, _) => ("uniform", "uniform"),
+            (false, true) => ("attribute", "頂点属性"),
+            (false, false) => ("input", "入力"),
+        };
         findings.push(
             findings
                 .at(&file.file, span, message!("{en} `{name}` is not used", "{ja} `{name}` は使われていません"))
                 .with_label(message!("never used", "未使用"))
-                .with_why(message!(
-                    "the linker drops it, and a look-up of its location gives -1",
-                    "リンク時に取り除かれ、location を問い合わせると -1 になります"
-                ))
+                .with_why(if uniform || vertex {
+                    message!(
+                        "the linker drops it, and a look-up of its location gives -1",
+                        "リンク時に取り除かれ、location を問い合わせると -1 になります"
+                    )
+                } else {
+                    message!("what the stage before writes is lost here", "前のステージが書いた値はここで失われます")
+                })
                 .with_help(message!("use `{name}`, or remove it", "`{name}` を使うか、削除してください")),
         );
     }
@@ -75,5 +84,12 @@ mod tests {
         ] {
             assert_eq!(reported(outer, body), [""; 0], "{outer} {body}");
         }
+    }
+
+    #[test]
+    fn inputs_of_later_stages_count_too() {
+        let text =
+            "#version 150 core\nin vec2 t;\nin vec3 n;\nout vec4 c;\nvoid main() { c = vec4(n, gl_FragCoord.x); }\n";
+        assert_eq!(messages("D007", "a.frag", text), ["input `t` is not used"]);
     }
 }
