@@ -2,8 +2,10 @@
 
 mod printed;
 mod shader;
+mod words;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -14,7 +16,7 @@ use super::config::Config;
 use super::context;
 use super::document::{Document, Listing};
 use super::embedded::Origin;
-use super::host::{HostFile, HostTree, ShaderRef, named_shaders};
+use super::host::{Fed, HostFile, HostTree, ShaderRef, named_shaders, wrappers_of_project};
 use super::program::{self, Program};
 use super::script::{self, SCRIPT_EXTENSIONS};
 use super::sections::{sections, template};
@@ -188,6 +190,10 @@ pub struct Project {
     embedded: BTreeMap<(String, usize), ShaderFile>,
     hosts: Files<HostFile>,
     config: Config,
+    /// Words of all shaders, once they have been asked for.
+    words: OnceLock<HashSet<u64>>,
+    /// What host code feeds, once it has been asked for.
+    fed: OnceLock<Fed>,
 }
 
 /// An input, read by what its name says it is.
@@ -250,6 +256,8 @@ impl Project {
             embedded: BTreeMap::new(),
             hosts: Files::default(),
             config: config.clone(),
+            words: OnceLock::new(),
+            fed: OnceLock::new(),
         };
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
         let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
@@ -276,6 +284,8 @@ impl Project {
                 None => {}
             }
         }
+        let wrappers = wrappers_of_project(project.hosts.by_path.values());
+        project.hosts.by_path.values_mut().for_each(|h| h.add_wrappers(&wrappers));
         let hosts: Vec<(&String, &HostFile)> = project.hosts.by_path.iter().collect();
         let embedded: Vec<((String, usize), ShaderFile)> = hosts
             .into_par_iter()
@@ -358,6 +368,11 @@ impl Project {
         self.hosts.by_path.values()
     }
 
+    /// The attributes that the host files feed.
+    pub fn fed(&self) -> &Fed {
+        self.fed.get_or_init(|| Fed::of(self.hosts()))
+    }
+
     /// The shader that the host file called `from` means by `name`: the path from the host file, or
     /// the one shader of the run whose path ends so.
     pub fn shader_named(&self, from: &str, name: &str) -> Option<&ShaderFile> {
@@ -384,7 +399,15 @@ fn lookup<'p, T>(files: &'p Files<T>, from: &str, name: &str) -> Option<&'p T> {
         return Some(found);
     }
     let tail = normalise(name);
-    let tail = tail.trim_start_matches("../");
+    let mut tail = tail.trim_start_matches("../");
+    // A path in Qt's resources begins with what stands in no folder.
+    if let Some(resource) = tail.strip_prefix("qrc:").or(tail.strip_prefix(':')) {
+        tail = resource.trim_start_matches('/');
+        let known = |t: &str| files.by_name.get(file_name(t)).is_some_and(|all| all.iter().any(|p| p.ends_with(t)));
+        while let Some((_, rest)) = tail.split_once('/').filter(|_| !known(tail)) {
+            tail = rest;
+        }
+    }
     let mut ending = files
         .by_name
         .get(file_name(tail))?

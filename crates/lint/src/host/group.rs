@@ -2,10 +2,9 @@
 
 use tree_sitter::Node;
 
-use syntax::Stage;
-
 use super::HostFile;
 use super::index::taker;
+use super::marks::stage_of_path;
 use super::program::ShaderRef;
 use super::syntax::{ancestors, bare, elements, enclosing_function, plain_string, root_object, span};
 
@@ -35,16 +34,16 @@ pub fn groups<'t>(host: &'t HostFile, strings: &[Node<'t>], names: &[Node<'t>]) 
         let (name, _) = plain_string(literal, &host.file).filter(|(n, _)| is_shader_name(n))?;
         Some((literal, ShaderRef::File(name.to_owned())))
     });
-    let texts = strings.iter().chain(names).filter_map(|&node| Some((node, embedded(host, node)?)));
+    let texts = strings.iter().chain(names).filter_map(|&node| Some((node, named(host, node)?)));
     let mut all: Vec<(Node<'t>, ShaderRef)> = files.chain(texts).collect();
     all.sort_by_key(|(node, _)| node.start_byte());
     for (literal, shader) in all {
         if ancestors(literal).any(|a| a.kind() == "preproc_include") {
             continue;
         }
-        let list = ancestors(literal).find(|a| matches!(a.kind(), "argument_list" | "initializer_list"));
-        let is_name = literal.kind() == "identifier";
-        if is_name && list.is_none_or(|l| l.kind() != "argument_list") {
+        let list = ancestors(literal).find(|a| LISTS.contains(&a.kind()));
+        let is_name = NAMES.contains(&literal.kind());
+        if is_name && list.is_none_or(|l| l.kind() == "initializer_list" && !initialises(l)) {
             continue;
         }
         let node = list.map_or_else(|| literal.id(), |l| l.id());
@@ -58,17 +57,36 @@ pub fn groups<'t>(host: &'t HostFile, strings: &[Node<'t>], names: &[Node<'t>]) 
             taker: list.and_then(|l| taker(host, l)),
             receiver: list.and_then(|l| receiver(host, l)),
             function: enclosing_function(literal).map(|f| f.id()),
-            closed: list.is_some_and(|l| l.kind() == "argument_list" && elements(l).iter().all(|a| is_plain(host, *a))),
+            closed: list
+                .is_some_and(|l| l.kind() != "initializer_list" && elements(l).iter().all(|a| is_plain(host, *a))),
             node,
         });
     }
     groups
 }
 
+/// Lists that may hold names of shaders; a declaration reads as one of a function where only names are given.
+const LISTS: [&str; 3] = ["argument_list", "initializer_list", "parameter_list"];
+
+/// Nodes that are a name.
+pub const NAMES: [&str; 3] = ["identifier", "field_identifier", "type_identifier"];
+
+/// True for the list of `T x{a, b}`, of `T{a, b}` and of a member's initialiser.
+fn initialises(list: Node<'_>) -> bool {
+    let parents = ["init_declarator", "compound_literal_expression", "field_initializer", "field_declaration"];
+    list.parent().is_some_and(|p| parents.contains(&p.kind()))
+}
+
+/// The shader that a literal is, or that a name means.
+fn named(host: &HostFile, node: Node<'_>) -> Option<ShaderRef> {
+    let constant = || host.constants().path(host, node).map(|p| ShaderRef::File(p.to_owned()));
+    embedded(host, node).or_else(|| NAMES.contains(&node.kind()).then(constant).flatten())
+}
+
 /// The shader text that a literal is, or that an identifier names.
 fn embedded(host: &HostFile, node: Node<'_>) -> Option<ShaderRef> {
     let all = host.embedded();
-    if node.kind() != "identifier" {
+    if !NAMES.contains(&node.kind()) {
         let list = ancestors(node).take(4).any(|a| a.kind() == "argument_list");
         let at = all.iter().position(|e| list && e.variable.is_none() && e.place.contains(node.start_byte()))?;
         return Some(ShaderRef::Embedded(at));
@@ -90,12 +108,15 @@ fn receiver<'t>(host: &'t HostFile, list: Node<'t>) -> Option<&'t str> {
 
 /// True for an argument that is a shader's name or text, or that can be none.
 fn is_plain(host: &HostFile, argument: Node<'_>) -> bool {
-    let node = bare(argument);
+    let mut node = bare(argument);
+    if let Some(inner) = node.child_by_field_name("type").filter(|_| node.kind() == "parameter_declaration") {
+        node = inner;
+    }
     match node.kind() {
         "number_literal" | "true" | "false" | "null" | "string_literal" => true,
-        "identifier" => {
+        "identifier" | "type_identifier" => {
             let text = host.text(node);
-            text == "NULL" || text == "nullptr" || text.starts_with("GL_") || embedded(host, node).is_some()
+            text == "NULL" || text == "nullptr" || text.starts_with("GL_") || named(host, node).is_some()
         }
         "raw_string_literal" | "concatenated_string" => embedded(host, node).is_some(),
         "qualified_identifier" => super::creation::stage_constant(host.text(node)).is_some(),
@@ -109,6 +130,6 @@ pub fn is_shader_name(text: &str) -> bool {
     let stem = file.split('.').next().unwrap_or("");
     !stem.is_empty()
         && !text.contains(['%', '{', '*', '\n', ' '])
-        && Stage::from_path(text).is_some_and(|s| s != Stage::Library)
+        && stage_of_path(text).is_some()
         && !file.ends_with(".cs")
 }

@@ -3,9 +3,9 @@
 use tree_sitter::Node;
 
 use super::HostFile;
-use super::group::{Group, groups};
+use super::group::{Group, NAMES, groups};
 use super::program::has_unknown_sources;
-use super::syntax::{Write, callee, declared_name, descendants, enclosing_function, span, write};
+use super::syntax::{Write, callee, declared_name, descendants, elements, enclosing_function, span, write};
 
 /// Writes, calls, declarations and shader names of a file, in the order of the text.
 pub struct Index<'t> {
@@ -21,6 +21,8 @@ pub struct Index<'t> {
     pub declared: Vec<Node<'t>>,
     /// What takes each argument list: the name of a function or method, or of a constructed type.
     pub takers: Vec<&'t str>,
+    /// Bodies of macros.
+    macros: Vec<&'t str>,
     /// Shader files named in string literals.
     pub groups: Vec<Group<'t>>,
     /// True when the file holds shader text, or puts names of shaders together at run time.
@@ -44,7 +46,11 @@ impl<'t> Index<'t> {
                     declared.extend(node.children_by_field_name("declarator", &mut cursor).filter_map(declared_name));
                 }
                 "argument_list" | "parameter_list" => takers.extend(taker(host, node)),
-                "identifier" if texts.contains(&host.text(node)) => names.push(node),
+                kind if NAMES.contains(&kind) => {
+                    if texts.contains(&host.text(node)) || host.constants().path(host, node).is_some() {
+                        names.push(node);
+                    }
+                }
                 "preproc_arg" => macros.push(host.text(node)),
                 "string_literal" | "raw_string_literal" | "concatenated_string" => strings.push(node),
                 _ => {}
@@ -52,7 +58,7 @@ impl<'t> Index<'t> {
         }
         let groups = groups(host, &strings, &names);
         let unknown_sources = has_unknown_sources(host, &strings, &macros);
-        Some(Self { host, root, writes, calls, declared, takers, groups, unknown_sources })
+        Some(Self { host, root, writes, calls, declared, takers, macros, groups, unknown_sources })
     }
 
     /// The writes to `variable` within `scope`, other than plain numbers and null: those only mark
@@ -61,7 +67,12 @@ impl<'t> Index<'t> {
         self.writes
             .iter()
             .filter(move |w| within(scope, w.target))
-            .filter(move |w| self.host.text(w.target) == variable && !is_empty_value(w.value))
+            .filter(move |w| own(self.host.text(w.target)) == own(variable) && !is_empty_value(w.value))
+    }
+
+    /// Bodies of macros.
+    pub fn macros(&self) -> &[&'t str] {
+        &self.macros
     }
 
     /// How often `variable` is declared within `scope`.
@@ -78,7 +89,7 @@ impl<'t> Index<'t> {
 /// What takes an argument list: `f` of `f(a)`, `p->f(a)` and `n::f(a)`, `T` of `T x(a)` and `new T(a)`.
 pub fn taker<'t>(host: &'t HostFile, list: Node<'t>) -> Option<&'t str> {
     let parent = list.parent()?;
-    let mut name = match parent.kind() {
+    let name = match parent.kind() {
         "call_expression" => parent.child_by_field_name("function")?,
         "new_expression" => parent.child_by_field_name("type")?,
         "init_declarator" => parent.parent()?.child_by_field_name("type")?,
@@ -90,10 +101,16 @@ pub fn taker<'t>(host: &'t HostFile, list: Node<'t>) -> Option<&'t str> {
         }
         _ => return None,
     };
+    Some(host.text(last_part(name)))
+}
+
+/// The last name of `a.b`, `a->b` and `a::b`.
+pub fn last_part(name: Node<'_>) -> Node<'_> {
+    let mut name = name;
     while let Some(last) = name.child_by_field_name("field").or_else(|| name.child_by_field_name("name")) {
         name = last;
     }
-    Some(host.text(name))
+    name
 }
 
 /// True when `node` lies in `scope`.
@@ -102,8 +119,14 @@ pub fn within(scope: Node<'_>, node: Node<'_>) -> bool {
     outer.start <= inner.start && inner.end <= outer.end
 }
 
+/// A member without its object, when that is the own one.
+fn own(name: &str) -> &str {
+    name.strip_prefix("this->").unwrap_or(name)
+}
+
 fn is_empty_value(value: Node<'_>) -> bool {
     match value.kind() {
+        "argument_list" | "initializer_list" => elements(value).into_iter().all(is_empty_value),
         "number_literal" | "null" => true,
         "unary_expression" => value.child_by_field_name("argument").is_some_and(|a| a.kind() == "number_literal"),
         _ => false,

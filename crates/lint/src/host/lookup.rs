@@ -8,7 +8,7 @@ use super::HostFile;
 use super::feeds::{Feeds, User, feeds, users};
 use super::index::{Index, within};
 use super::presets::PRESETS;
-use super::program::{ProgramSource, own_source, source};
+use super::program::{ProgramSource, own_source, source, whole};
 use super::setter::Setter;
 use super::syntax::{arguments, bare, callee, enclosing_function, plain_string, span};
 use crate::config::Wrapped;
@@ -69,6 +69,8 @@ pub struct Lookup {
     pub sets: Option<Setter>,
     /// True when only the beginning of the name is known: `"bones[" + i + "]"`.
     pub partial: bool,
+    /// The expression for the program or the object that stands for it; empty for that of the class.
+    pub object: String,
 }
 
 impl Lookup {
@@ -119,10 +121,13 @@ fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
         Wrapped::LoadProgram => return None,
     };
     let (name, name_span, partial) = name(index, *all.get(at)?)?;
-    let program = object.or_else(|| all.first().copied().filter(|_| at > 0))?;
-    // Any object may be passed in: only what is done with this one counts.
-    let known = own_source(index, call, program).filter(|_| !call.has_error());
-    let source = known.unwrap_or(ProgramSource::Unknown);
+    let program = object.or_else(|| all.first().copied().filter(|_| at > 0));
+    // Any object may be passed in: only what is done with this one counts. Without one it is that of the class.
+    let known = match program {
+        Some(program) => own_source(index, call, program),
+        None => Some(whole(index)).filter(|s| configured.is_some() && matches!(s, ProgramSource::Named(_))),
+    };
+    let source = known.filter(|_| !call.has_error()).unwrap_or(ProgramSource::Unknown);
     Some(Lookup {
         kind,
         function: span(name_node),
@@ -134,6 +139,7 @@ fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
         wrapped: true,
         sets,
         partial,
+        object: program.map_or("", |p| host.text(p)).to_owned(),
     })
 }
 
@@ -152,7 +158,7 @@ fn name(index: &Index<'_>, argument: Node<'_>) -> Option<(String, Span, bool)> {
 }
 
 /// The object of methods that only convert: `(…).c_str()`, `QString("…").arg(i)`.
-fn unwrapped(argument: Node<'_>) -> Node<'_> {
+pub fn unwrapped(argument: Node<'_>) -> Node<'_> {
     let mut node = bare(argument);
     while let Some(inner) = node.child_by_field_name("function").and_then(|f| f.child_by_field_name("argument")) {
         node = bare(inner);
@@ -226,6 +232,7 @@ fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
         wrapped: false,
         sets: None,
         partial,
+        object: index.host.text(bare(arguments[0])).to_owned(),
     })
 }
 

@@ -87,8 +87,20 @@ pub fn stage_of_file(name: &str, text: &str) -> Option<Stage> {
     }
     let file = name.rsplit('/').next().unwrap_or(name);
     // What has no workgroup is no compute shader, whatever it is called.
-    let named = || stage_of_words(file.split('.').next().unwrap_or(file)).filter(|stage| *stage != Stage::Compute);
+    let named = || {
+        let words = file.rsplit_once('.').map_or(file, |(name, _)| name);
+        stage_of_words(words).filter(|stage| *stage != Stage::Compute)
+    };
     stage(text).ok()?.or_else(named)
+}
+
+/// The stage that a path says: by its ending, or for `.glsl` by a word of the name.
+pub fn stage_of_path(path: &str) -> Option<Stage> {
+    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    match Stage::from_path(path)? {
+        Stage::Library => stage_of_words(file.rsplit_once('.').map_or(file, |(name, _)| name)),
+        stage => Some(stage),
+    }
 }
 
 /// The stage that the words of a text say, when they say one.
@@ -168,6 +180,7 @@ mod tests {
             ("TubeFrag.glsl", Some(Stage::Fragment)),
             ("modelFS.glsl", Some(Stage::Fragment)),
             ("GrassVertex.glsl", Some(Stage::Vertex)),
+            ("Grass.Vertex.glsl", Some(Stage::Vertex)),
             ("vert_sky.glsl", Some(Stage::Vertex)),
             ("VertexShader.glsl", Some(Stage::Vertex)),
             ("invert.glsl", None),

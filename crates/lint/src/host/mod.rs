@@ -3,8 +3,10 @@
 mod around;
 mod attach;
 mod attributes;
+mod constants;
 mod creation;
 mod embedded;
+mod fed;
 mod feeds;
 mod group;
 mod index;
@@ -21,6 +23,7 @@ mod settings;
 mod stringized;
 mod suggest;
 pub(super) mod syntax;
+mod wrappers;
 
 // Rules: each in a folder with its name, with its pages.
 pub(super) mod assumed_location;
@@ -28,9 +31,11 @@ pub(super) mod attrib_integer_pointer;
 pub(super) mod attrib_size_mismatch;
 pub(super) mod attrib_stride;
 pub(super) mod attribute_lookup_of_uniform;
+pub(super) mod attribute_not_fed;
 pub(super) mod bind_after_link;
 pub(super) mod draw_mode_vs_geometry_input;
 pub(super) mod filled_array_undeclared;
+pub(super) mod flag_argument;
 pub(super) mod inactive_name;
 pub(super) mod lookup_before_link;
 pub(super) mod lookup_of_block_member;
@@ -43,6 +48,7 @@ pub(super) mod strip_adjacency_drops_ends;
 pub(super) mod uniform_lookup_of_attribute;
 pub(super) mod uniform_setter_type;
 pub(super) mod unknown_attribute_name;
+pub(super) mod unknown_interface_name;
 pub(super) mod unknown_uniform_name;
 
 use std::cell::RefCell;
@@ -57,16 +63,19 @@ use crate::document::Place;
 use crate::embedded::Origin;
 use base::text::{SourceFile, Span};
 
+use constants::Constants;
 use embedded::Embedded;
 use lookup::Lookup;
 use programs::HostPrograms;
 
+pub(super) use fed::Fed;
 pub(super) use group::is_shader_name;
 pub(super) use literal::Literal;
 pub(super) use marks::stage_of_file;
 pub(super) use program::{ShaderRef, named_shaders};
 pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use syntax::quoted_includes;
+pub(super) use wrappers::of_project as wrappers_of_project;
 
 /// A host file with its syntax tree.
 pub struct HostFile {
@@ -87,6 +96,7 @@ pub struct HostFile {
     concerned: bool,
     lookups: OnceLock<Vec<Lookup>>,
     embedded: OnceLock<Vec<Embedded>>,
+    constants: OnceLock<Constants>,
     programs: OnceLock<HostPrograms>,
     fragment: OnceLock<bool>,
 }
@@ -111,6 +121,7 @@ impl HostFile {
             wrappers: Vec::new(),
             lookups: OnceLock::new(),
             embedded: OnceLock::new(),
+            constants: OnceLock::new(),
             programs: OnceLock::new(),
             fragment: OnceLock::new(),
         }
@@ -122,6 +133,13 @@ impl HostFile {
         self.wrappers = wrappers.to_vec();
         self.concerned |= wrappers.iter().any(|w| self.file.text().contains(&w.function));
         self
+    }
+
+    /// Adds the wrappers that the project defines; those that it names in its configuration go first.
+    pub fn add_wrappers(&mut self, found: &[Wrapper]) {
+        let new = found.iter().filter(|f| self.wrappers.iter().all(|w| w.function != f.function));
+        let new: Vec<Wrapper> = new.cloned().collect();
+        self.wrappers.extend(new);
     }
 
     /// The root of the tree, which the first call makes; none when the parser gave up.
@@ -148,6 +166,11 @@ impl HostFile {
     /// The shaders in literals, in the order of the text.
     pub fn embedded(&self) -> &[Embedded] {
         self.embedded.get_or_init(|| if self.concerned { embedded::find(self) } else { Vec::new() })
+    }
+
+    /// The shader files that its variables and macros hold.
+    fn constants(&self) -> &Constants {
+        self.constants.get_or_init(|| Constants::of(self))
     }
 
     /// The programs that the file makes, and the shaders that it names.

@@ -13,10 +13,13 @@ use syntax::Stage;
 
 use super::HostFile;
 use super::around::around;
-use super::attach::attached;
+use super::attach::{attached, handed};
 use super::group::{Group, is_shader_name};
 use super::index::{Index, within};
-use super::syntax::{ancestors, bare, callee, declared_name, descendants, enclosing_function, root_object, span};
+use super::marks::stage_of_path;
+use super::syntax::{
+    ancestors, bare, callee, declared_name, descendants, enclosing_function, plain_string, root_object, span,
+};
 
 /// A shader as a host file names it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,7 +34,7 @@ impl ShaderRef {
     /// The stage, as the name or the text says.
     pub fn stage(&self, host: &HostFile) -> Option<Stage> {
         match self {
-            Self::File(name) => Stage::from_path(name).filter(|s| *s != Stage::Library),
+            Self::File(name) => stage_of_path(name),
             Self::Embedded(index) => host.embedded().get(*index).map(|e| e.stage),
         }
     }
@@ -89,7 +92,15 @@ pub fn own_source<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> O
             let inside = span(pointee(index, value).unwrap_or(value));
             let mut all = index.groups.iter().filter(|g| inside.contains(g.start)).peekable();
             if all.peek().is_some() {
-                return Some(named(index.host, all.flat_map(|g| g.names.iter().cloned()).collect()));
+                let names = all.flat_map(|g| g.names.iter().cloned()).collect();
+                return Some(if has_piece(index.host, value) {
+                    ProgramSource::Unknown
+                } else {
+                    named(index.host, names)
+                });
+            }
+            if let Some(shaders) = handed(index, value) {
+                return Some(named(index.host, shaders));
             }
             // Made from something with a name that is no file: load("phong").
             if descendants(value).any(|n| n.kind().ends_with("string_literal")) {
@@ -188,6 +199,12 @@ fn loader<'t>(index: &Index<'t>, call: Node<'t>, program: Node<'t>) -> Loader<'t
         &[value] => Loader::Value(value),
         _ => Loader::Several,
     }
+}
+
+/// True when a value names a text of GLSL that is no stage: a piece that is put before or into one.
+fn has_piece(host: &HostFile, value: Node<'_>) -> bool {
+    let names = descendants(value).filter_map(|n| plain_string(n, &host.file));
+    names.map(|n| n.0).any(|n| !is_shader_name(n) && Stage::from_path(n) == Some(Stage::Library))
 }
 
 /// The value of the one object that a pointer is set to: `p = &shader;`.
@@ -375,6 +392,42 @@ mod tests {
         let host = format!("void f() {{ {LOOK} }}");
         assert_eq!(resolve(&host, &[("m.vert", V), ("m.frag", F)]), Some(("m.vert, m.frag".to_owned(), true)));
         assert_eq!(resolve(&host, &[("sub/m.vert", V), ("n.vert", V)]), None);
+    }
+
+    #[test]
+    fn names_come_from_constants_and_shader_objects() {
+        let all = [("a.vert", V), ("a.frag", F), ("b.vert", V), ("b.frag", F)];
+        let other = "GLuint q = load(\"b.vert\", \"b.frag\");";
+        for body in [
+            "const char* v = \"a.vert\"; std::string w = dir + \"a.frag\"; GLuint program = load(v, w);",
+            "Shader v(\"a.vert\"); Shader w(\"a.frag\"); Program program(&v, &w);",
+            "Shader v(\"a.vert\"); Shader w(\"a.frag\"); Program program(v, w);",
+            "std::vector<GLuint> list; list.push_back(load(\"a.vert\")); list.push_back(load(\"a.frag\")); \
+             GLuint program = link(list);",
+            "auto v = make<Shader>(\"a.vert\", 1); auto w = make<Shader>(\"a.frag\", 1); auto program = make<P>(v, w);",
+        ] {
+            let host = format!("void f() {{ {body} {other} {LOOK} }}");
+            assert_eq!(resolve(&host, &all).map(|p| p.0).as_deref(), Some("a.vert, a.frag"), "{body}");
+        }
+        let member = format!(
+            "struct S {{ Program program; S() : program(\"a.vert\", \"a.frag\") {{}} void f() {{ {other} {LOOK} }} }};"
+        );
+        assert_eq!(resolve(&member, &all).map(|p| p.0).as_deref(), Some("a.vert, a.frag"));
+        let several = format!(
+            "void f() {{ Shader v(\"a.vert\"); v = Shader(\"b.vert\"); Shader w(\"a.frag\"); Program program(&v, &w); {other} {LOOK} }}"
+        );
+        assert_eq!(resolve(&several, &all), None, "one of them is either");
+        let piece = format!("void f() {{ GLuint program = load(\"a.vert\", \"noise.glsl\", \"a.frag\"); {LOOK} }}");
+        assert_eq!(resolve(&piece, &all), None, "a piece may have more");
+    }
+
+    #[test]
+    fn resources_of_qt_are_found_by_the_end_of_their_path() {
+        let host = format!(
+            "void f() {{ program->addShader(Q::Vertex, \":/gl/a.vert\"); program->addShader(Q::Fragment, \"qrc:/gl/a.frag\"); {LOOK} }}"
+        );
+        let found = resolve(&host, &[("res/a.vert", V), ("res/a.frag", F)]);
+        assert_eq!(found, Some(("res/a.vert, res/a.frag".to_owned(), true)));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The programs that a host file makes.
 
 use super::HostFile;
-use super::attach::attached;
+use super::attach::{attached, handed};
 use super::index::Index;
 use super::program::{ProgramSource, ShaderRef, is_call, one_each, whole};
 use super::syntax::{ancestors, arguments};
@@ -31,6 +31,7 @@ pub fn find(host: &HostFile) -> HostPrograms {
         }
     }
     linked.extend(by_method(&index));
+    linked.extend(index.writes.iter().filter_map(|w| handed(&index, w.value)));
     linked.iter_mut().for_each(|p| {
         p.sort_unstable();
         p.dedup();

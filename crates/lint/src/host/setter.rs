@@ -55,6 +55,17 @@ impl Setter {
         })
     }
 
+    /// The GLSL type of what it sets.
+    pub fn type_name(self) -> Option<String> {
+        let ty = match (self.matrix, self.rows) {
+            (true, rows) => Type::Matrix(self.scalar, self.columns, rows),
+            (false, 1) => Type::Scalar(self.scalar),
+            (false, rows) => Type::Vector(self.scalar, rows),
+        };
+        let name = ty.to_string();
+        Self::of_type(&name).map(|_| name)
+    }
+
     /// True when a uniform of this type may be set so. Of an array the element counts.
     pub fn fits(self, ty: &Type) -> bool {
         let scalar = |s: ScalarType| match s {

@@ -188,6 +188,27 @@ pub fn write(node: Node<'_>) -> Option<Write<'_>> {
             let value = bare(node.child_by_field_name("right")?);
             (operator == Some("=")).then_some(Write { target, value, declares: false })
         }
+        // `C::C() : member(a, b)`
+        "field_initializer" => match elements(node).as_slice() {
+            &[target, value] => Some(Write { target, value: bare(value), declares: false }),
+            _ => None,
+        },
+        "field_declaration" => Some(Write {
+            target: declared_name(node.child_by_field_name("declarator")?)?,
+            value: bare(node.child_by_field_name("default_value")?),
+            declares: false,
+        }),
+        // `T x(a, b);` in a function reads as the declaration of a function.
+        "declaration" => {
+            let function = node.child_by_field_name("declarator").filter(|d| d.kind() == "function_declarator")?;
+            enclosing_function(node)?;
+            let value = function.child_by_field_name("parameters")?;
+            let given = elements(value);
+            let is_value =
+                |p: &Node<'_>| p.kind() == "parameter_declaration" && p.child_by_field_name("declarator").is_none();
+            let target = declared_name(function)?;
+            (!given.is_empty() && given.iter().all(is_value)).then_some(Write { target, value, declares: true })
+        }
         _ => None,
     }
 }

@@ -16,7 +16,7 @@ pub(super) mod output_without_consumer;
 pub(super) mod uniform_type_conflict;
 
 use syntax::Stage;
-use syntax::interface::Variable;
+use syntax::interface::{Storage, Variable};
 
 use super::project::ShaderFile;
 
@@ -106,13 +106,19 @@ impl<'p> Program<'p> {
         self.shaders.iter().copied().flat_map(|s| s.shader.interface().uniforms.iter().map(|v| v.name.as_str()))
     }
 
-    /// True when a block, its instance or a member has this name, in any stage.
+    /// True when a block of uniforms or a buffer, its instance or a member has this name, in any stage.
     pub fn in_block(&self, name: &str) -> bool {
-        self.shaders.iter().flat_map(|s| &s.shader.interface().blocks).any(|block| {
+        let blocks = self.shaders.iter().flat_map(|s| &s.shader.interface().blocks);
+        blocks.filter(|b| !matches!(b.storage, Storage::In | Storage::Out)).any(|block| {
             block.name.name == name
                 || block.instance.as_ref().is_some_and(|i| i.name == name)
                 || block.members.iter().any(|m| m.name.name == name)
         })
+    }
+
+    /// True when no stage is missing, and the interface of each is known.
+    pub fn is_whole(&self) -> bool {
+        self.complete
     }
 
     /// True when the interface of all stages is known, a vertex and a fragment stage (or a compute
