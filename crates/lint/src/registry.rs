@@ -54,6 +54,9 @@ pub const RULES: &[&Rule] = &[
     &host::draw_mode_vs_geometry_input::RULE,
     &host::filled_array_undeclared::RULE,
     &host::strip_adjacency_drops_ends::RULE,
+    &host::unknown_interface_name::RULE,
+    &host::flag_argument::RULE,
+    &host::attribute_not_fed::RULE,
     // I. The interface between the stages of a program.
     &program::input_without_producer::RULE,
     &program::interface_type_mismatch::RULE,
@@ -64,6 +67,8 @@ pub const RULES: &[&Rule] = &[
     &program::geometry_bypass::RULE,
     &program::frag_output_locations::RULE,
     &program::block_drift::RULE,
+    &glsl::location_twice::RULE,
+    &glsl::function_without_body::RULE,
     // N. Numbers: domains of functions, precision, division by zero.
     &glsl::pow_negative_base::RULE,
     &glsl::pow_zero_exponent_zero::RULE,
@@ -106,6 +111,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::constant_index_out_of_range::RULE,
     &glsl::ambiguous_overload_int_args::RULE,
     &glsl::write_to_read_only::RULE,
+    &glsl::image_format::RULE,
     // V. Versions, profiles and extensions of the language.
     &glsl::missing_or_late_version::RULE,
     &glsl::feature_needs_version::RULE,
@@ -117,6 +123,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::token_paste_or_include::RULE,
     &glsl::missing_precision_es::RULE,
     &glsl::extension_not_enabled::RULE,
+    &glsl::per_vertex_redeclared::RULE,
     // X. Comments that silence rules.
     &suppress::unused_suppression::RULE,
     &suppress::bad_suppression::RULE,
