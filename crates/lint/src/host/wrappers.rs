@@ -14,7 +14,7 @@ use crate::config::{Wrapped, Wrapper};
 const ROUNDS: usize = 2;
 
 /// The wrappers that a project defines: functions that hand one of their parameters on as the name of a uniform or
-/// an attribute. Functions of one name that take it in different places are left out.
+/// an attribute. Functions of one name that take it in different places, or for different things, are left out.
 pub fn of_project<'p>(hosts: impl Iterator<Item = &'p HostFile>) -> Vec<Wrapper> {
     let asks = |h: &&HostFile| h.concerns_shaders() && ASKING.iter().any(|(name, _)| h.file.text().contains(name));
     let hosts: Vec<&HostFile> = hosts.filter(asks).collect();
@@ -30,8 +30,8 @@ pub fn of_project<'p>(hosts: impl Iterator<Item = &'p HostFile>) -> Vec<Wrapper>
     let mut clear: Vec<Wrapper> = Vec::new();
     for same in found.chunk_by(|a, b| a.function == b.function) {
         let first = &same[0];
-        let is_setter = |w: &Wrapper| w.kind == Wrapped::SetUniform;
-        if same.iter().any(|w| w.argument != first.argument || is_setter(w) != is_setter(first)) {
+        let attribute = |w: &Wrapper| w.kind == Wrapped::AttributeLocation;
+        if same.iter().any(|w| w.argument != first.argument || attribute(w) != attribute(first)) {
             continue;
         }
         let agreed = same.iter().all(|w| w.sets == first.sets);
