@@ -34,6 +34,7 @@ impl Constants {
         }
         for node in host.root().into_iter().flat_map(descendants) {
             let Some((name, path)) = write(node)
+                .filter(|_| may_hold_text(host, node))
                 .and_then(|w| Some((last(host.text(w.target)), path(host, w.value)?)))
                 .or_else(|| defined(host, node))
             else {
@@ -84,6 +85,19 @@ fn defined<'t>(host: &'t HostFile, node: Node<'t>) -> Option<(&'t str, String)> 
     (!path.contains('"') && is_shader_name(path)).then(|| (host.text(name), path.to_owned()))
 }
 
+/// True for an assignment, and for a declaration of a text: `Shader s("a.vert")` holds none.
+fn may_hold_text(host: &HostFile, node: Node<'_>) -> bool {
+    const TEXTS: [&str; 6] = ["char", "string", "String", "path", "Path", "auto"];
+    let declaration = match node.kind() {
+        "assignment_expression" => return true,
+        "init_declarator" => node.parent(),
+        "field_declaration" => Some(node),
+        _ => None,
+    };
+    let ty = declaration.and_then(|d| d.child_by_field_name("type")).map_or("", |t| host.text(t));
+    TEXTS.iter().any(|t| ty.contains(t))
+}
+
 /// The one shader's name in a value that is a text: a literal, a sum, or a string made of one.
 fn path(host: &HostFile, value: Node<'_>) -> Option<String> {
     let node = bare(value);
@@ -124,7 +138,9 @@ mod tests {
             ("void f() { std::string x = dir + \"a.vert\"; load(x); }", Some("a.vert")),
             ("void f() { auto x = std::string(\"a.vert\"); load(x); }", Some("a.vert")),
             ("struct S { const char* x = \"a.vert\"; void f() { load(x); } };", Some("a.vert")),
-            ("struct S { std::string x; S() : x(\"a.vert\") {} void f() { load(x); } };", Some("a.vert")),
+            ("struct S { std::string x; S() : x(\"a.vert\") {} void f() { load(x); } };", None),
+            ("void f() { Shader x(\"a.vert\"); load(x); }", None),
+            ("void f() { std::string x; x = \"a.vert\"; load(x); }", Some("a.vert")),
             ("const char* x = \"a.vert\"; void f(const char* x) { load(x); }", None),
             ("void f() { GLuint x = load(\"a.vert\"); load(x); }", None),
             ("const char* x = \"a.txt\"; void f() { load(x); }", None),
