@@ -158,7 +158,10 @@ pub fn has_main(text: &str) -> bool {
 pub fn without_comments(text: &str) -> String {
     let mut code = String::new();
     let mut rest = text;
-    while let Some(at) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
+    // From one slash to the next: a search for either mark would read the rest of the text again and again.
+    let opens =
+        |rest: &str| rest.match_indices('/').map(|(at, _)| at).find(|at| rest[at + 1..].starts_with(['/', '*']));
+    while let Some(at) = opens(rest) {
         code.push_str(&rest[..at]);
         let line = rest[at..].starts_with("//");
         let end = if line { "\n" } else { "*/" };

@@ -6,6 +6,7 @@ use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use syntax::ast::ExprId;
 
+use super::forms::cosine;
 use super::numeric::{around, calls, ends};
 
 /// The rule.
@@ -35,8 +36,11 @@ pub fn hazard(observed: &Observed, call: ExprId) -> Option<(Level, Range)> {
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
+    let mut forms = None;
     for call in calls(shader, &["acos", "asin"]) {
-        let (Some((level, range)), [arg]) = (hazard(&observed, call.id), call.args) else { continue };
+        let [arg] = call.args else { continue };
+        let unknown = || cosine(shader, &observed, &call, &mut forms);
+        let Some((level, range)) = hazard(&observed, call.id).or_else(unknown) else { continue };
         let (name, (lo, hi)) = (call.name, ends(&range));
         let mut found = findings
             .at(
@@ -78,7 +82,11 @@ mod tests {
                 "float c = dot(normalize(p), normalize(q)); if (t > 0.0) r = acos(c);",
             ],
         );
-        rings("N006", Level::Strict, &["r = asin(sin(s) + cos(s));"]);
+        rings(
+            "N006",
+            Level::Strict,
+            &["r = asin(sin(s) + cos(s));", "r = acos(dot(p, q));", "float c = dot(p, q); r = acos(c);"],
+        );
     }
 
     #[test]
@@ -88,6 +96,7 @@ mod tests {
             Level::Heuristic,
             &[
                 "r = acos(s);",
+                "float c = dot(p, q); c = clamp(c, -1.0, 1.0); r = acos(c);",
                 "r = acos(clamp(dot(normalize(p), normalize(q)), -1.0, 1.0));",
                 "r = acos(min(max(s, -1.0), 1.0));",
                 "r = asin(sin(s));",

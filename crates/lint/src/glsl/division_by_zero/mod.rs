@@ -7,6 +7,7 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 
+use super::forms::Forms;
 use super::numeric::calls;
 
 /// The rule.
@@ -27,6 +28,11 @@ fn level(divisor: &Range) -> Option<Level> {
     (through && !divisor.excludes_zero()).then_some(Level::Strict)
 }
 
+/// True for the distance of two points, or a product with one: 0 where they meet.
+fn is_distance(forms: &Forms<'_>, divisor: ExprId) -> bool {
+    forms.factors(forms.value(divisor)).0.into_iter().any(|f| forms.between(f).is_some())
+}
+
 /// All divisions: the expression and its divisor.
 fn divisions(shader: &Shader) -> impl Iterator<Item = (ExprId, ExprId)> {
     let operators = shader.arena().iter().filter_map(|(id, expr)| match expr.kind {
@@ -40,9 +46,15 @@ fn divisions(shader: &Shader) -> impl Iterator<Item = (ExprId, ExprId)> {
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
+    let mut forms = None;
     for (id, divisor) in divisions(shader) {
-        let all = observed.visits(id).iter().filter_map(|v| v.operands.get(1)).flat_map(|v| &v.parts);
-        let Some(level) = all.filter_map(level).min() else { continue };
+        let all = || observed.visits(id).iter().filter_map(|v| v.operands.get(1)).flat_map(|v| &v.parts);
+        let mut found = all().filter_map(level).min();
+        if found.is_none() && all().any(|r| !r.excludes_zero()) {
+            let forms = forms.get_or_insert_with(|| Forms::new(shader));
+            found = is_distance(forms, divisor).then_some(Level::Strict);
+        }
+        let Some(level) = found else { continue };
         let integer = shader.type_of(divisor).scalar().is_some_and(|s| s.is_integer());
         let why = if integer {
             message!("an integer divided by 0 is undefined", "整数を 0 で割った結果は未定義です")
@@ -90,6 +102,16 @@ mod tests {
             ],
         );
         rings("N009", Level::Strict, &["r = cos(s) / sin(t);", "r = 1.0 / dot(normalize(p), normalize(q));"]);
+        rings(
+            "N009",
+            Level::Strict,
+            &[
+                "r = 1.0 / distance(p, q);",
+                "vec3 d = q - p; r = s / dot(d, d);",
+                "vec3 d = q - p; float l = length(d); r = s / (l * l);",
+                "v = (q - p) / length(q - p);",
+            ],
+        );
     }
 
     #[test]
@@ -100,6 +122,8 @@ mod tests {
             &[
                 "r = s / t;",
                 "v = p / length(p);",
+                "float d = distance(p, q); if (d > 0.0) r = s / d;",
+                "float d = distance(p, q); r = s / (1.0 + d * d);",
                 "r = 1.0 / (1.0 + max(s, 0.0));",
                 "r = s / max(t, 1e-6);",
                 "float d = max(s, 0.0); if (d > 0.0) r = 1.0 / d;",

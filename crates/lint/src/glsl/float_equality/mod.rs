@@ -1,5 +1,6 @@
 //! T013: floats that are compared for equality.
 
+use super::forms::builtin;
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
@@ -25,7 +26,9 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         };
         let floating = |id| shader.type_of(id).scalar().is_some_and(|s| s.is_floating());
         let same = shader.text_of(left) == shader.text_of(right);
-        if !(floating(left) && floating(right)) || same || is_constant(shader, left) || is_constant(shader, right) {
+        let exact = |id| is_constant(shader, id);
+        let computed = [left, right].into_iter().any(|id| is_inexact(shader, id));
+        if !(floating(left) && floating(right)) || same || ((exact(left) || exact(right)) && !computed) {
             continue;
         }
         let (op, ty) = (op.text(), shader.type_of(left).to_string());
@@ -50,6 +53,11 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
 }
 
+/// True for remainders, which devices compute by a division that is rounded: they miss 0 by a little, or by the divisor.
+fn is_inexact(shader: &Shader, id: ExprId) -> bool {
+    builtin(shader, id, &["mod", "fract"]).is_some()
+}
+
 /// True for constants and for vectors of them.
 fn is_constant(shader: &Shader, id: ExprId) -> bool {
     shader.fold(id).is_some()
@@ -72,7 +80,8 @@ mod tests {
             );
             messages("T013", "a.frag", &text).len()
         };
-        for condition in ["a == b", "a.x != b.x", "length(a) == length(b)"] {
+        for condition in ["a == b", "a.x != b.x", "length(a) == length(b)", "mod(a.x, 2.0) == 0.0", "1.0 != fract(a.x)"]
+        {
             assert_eq!(reported(condition), 1, "{condition}");
         }
         for condition in ["n == 1", "a.x == 0.0", "a.x != a.x", "a == vec3(0.0)", "a.x < b.x", "-1.0 == a.y"] {

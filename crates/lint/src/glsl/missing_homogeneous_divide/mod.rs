@@ -3,11 +3,12 @@
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Severity, message};
-use syntax::Shader;
-use syntax::ast::{BinaryOp, ExprId, ExprKind};
+use syntax::ast::{ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::Type;
 
+use super::forms::product;
+use super::names::has_word;
 use super::numeric::{bare, constant};
 use super::walk::{declarators, expressions};
 
@@ -24,35 +25,6 @@ pub const RULE: Rule = Rule {
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     undivided(file, findings);
     wrong_w(file, findings);
-}
-
-/// The words of a name: `lightProjection` and `light_projection` have two.
-fn words(name: &str) -> Vec<String> {
-    let mut all = vec![String::new()];
-    let mut before = '_';
-    for c in name.chars() {
-        if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
-            all.push(String::new());
-        }
-        before = c;
-        if let (Some(word), true) = (all.last_mut(), c != '_') {
-            word.extend(c.to_lowercase());
-        }
-    }
-    all
-}
-
-fn has_word(name: &str, wanted: &[&str]) -> bool {
-    words(name).iter().any(|w| wanted.iter().any(|x| w.starts_with(x)))
-}
-
-/// The vector that a matrix is multiplied with from the left: `m * v`.
-fn product(shader: &Shader, id: ExprId) -> Option<(ExprId, ExprId)> {
-    let ExprKind::Binary { op: BinaryOp::Mul, op_span: _, left, right } = shader.expr(bare(shader, id)).kind else {
-        return None;
-    };
-    let matrix = matches!(shader.type_of(left), Type::Matrix(..)) && matches!(shader.type_of(right), Type::Vector(..));
-    matrix.then_some((left, right))
 }
 
 fn undivided(file: &ShaderFile, findings: &mut Findings<'_>) {
@@ -122,23 +94,13 @@ fn wrong_w(file: &ShaderFile, findings: &mut Findings<'_>) {
             ExprKind::Field { base: _, field } if field.name.len() > 4 => &field.name,
             _ => continue,
         };
-        let direction = has_word(name, &["normal", "tangent", "bitangent", "direction"]) || has_word(name, &["dir"]);
-        let position = has_word(name, &["position", "pos", "vertex", "vert"]);
-        let message = match (constant(shader, *w), direction, position) {
-            (Some(1.0), true, false) => {
-                message!(
-                    "`{name}` looks like a direction, but has `w = 1`",
-                    "`{name}` は方向のようですが、`w = 1` になっています"
-                )
-            }
-            (Some(0.0), false, true) => {
-                message!(
-                    "`{name}` looks like a position, but has `w = 0`",
-                    "`{name}` は位置のようですが、`w = 0` になっています"
-                )
-            }
-            _ => continue,
-        };
+        if constant(shader, *w) != Some(0.0) || !has_word(name, &["position", "pos", "vertex", "vert"]) {
+            continue;
+        }
+        let message = message!(
+            "`{name}` looks like a position, but has `w = 0`",
+            "`{name}` は位置のようですが、`w = 0` になっています"
+        );
         findings.push(
             findings
                 .at(&file.file, shader.expr(vector).span, message)
@@ -147,10 +109,7 @@ fn wrong_w(file: &ShaderFile, findings: &mut Findings<'_>) {
                     "a matrix moves what has `w = 1` and only turns and scales what has `w = 0`",
                     "行列による平行移動は `w = 1` のものだけに働き、`w = 0` のものは回転と拡大縮小だけを受けます"
                 ))
-                .with_help(message!(
-                    "use 1.0 for positions and 0.0 for directions",
-                    "位置には 1.0、方向には 0.0 を使ってください"
-                )),
+                .with_help(message!("use 1.0 for positions", "位置には 1.0 を使ってください")),
         );
     }
 }
@@ -171,7 +130,6 @@ mod tests {
     fn undivided_and_mismatched_coordinates_are_reported() {
         assert_eq!(count("vec4 c = projection * vec4(p, 1.0); v = c.xyz;"), 1);
         assert_eq!(count("vec4 c = projection * model * vec4(p, 1.0); v.xy = c.xy;"), 1);
-        assert_eq!(count("v = (model * vec4(normal, 1.0)).xyz;"), 1);
         assert_eq!(count("v = (model * vec4(position, 0.0)).xyz;"), 1);
     }
 
@@ -188,12 +146,5 @@ mod tests {
         ] {
             assert_eq!(count(body), 0, "{body}");
         }
-    }
-
-    #[test]
-    fn names_have_words() {
-        assert_eq!(words("lightProjection"), ["light", "projection"]);
-        assert_eq!(words("u_MVP"), ["u", "mvp"]);
-        assert!(!has_word("composition", &["pos"]));
     }
 }

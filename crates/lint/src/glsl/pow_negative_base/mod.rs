@@ -7,6 +7,7 @@ use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
 use syntax::ast::ExprId;
 
+use super::forms::cosine;
 use super::numeric::{around, bare, calls, constant, ends, in_place, is_plain, is_simple};
 
 /// The rule.
@@ -35,8 +36,11 @@ pub fn hazard(observed: &Observed, call: ExprId) -> Option<(Level, Range)> {
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
+    let mut forms = None;
     for call in calls(shader, &["pow"]) {
-        let (Some((level, range)), [base, exponent]) = (hazard(&observed, call.id), call.args) else { continue };
+        let [base, exponent] = call.args else { continue };
+        let unknown = || cosine(shader, &observed, &call, &mut forms);
+        let Some((level, range)) = hazard(&observed, call.id).or_else(unknown) else { continue };
         let (lo, hi) = ends(&range);
         let mut found = findings
             .at(
@@ -99,6 +103,7 @@ mod tests {
             &[
                 "vec3 h = normalize(normalize(q) + normalize(p)); r = pow(dot(h, normalize(p)), s);",
                 "float a = sin(s); float b = cos(s); r = pow(a + b, 2.5);",
+                "r = pow(dot(p, q), s);",
             ],
         );
     }

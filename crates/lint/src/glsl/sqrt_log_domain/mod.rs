@@ -5,7 +5,10 @@ use crate::range::{Evidence, Range};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 
-use super::numeric::{around, calls, ends};
+use super::forms::{Forms, is_square};
+use super::numeric::{around, bare, calls, constant, ends};
+use syntax::Shader;
+use syntax::ast::{BinaryOp, ExprId, ExprKind};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -26,14 +29,29 @@ fn level(range: &Range, zero_is_inside: bool) -> Option<Level> {
     }
 }
 
+/// True for `1 - x * x` and `1 - dot(v, v)`, which are negative beyond 1.
+fn is_leg(shader: &Shader, forms: &Forms<'_>, arg: ExprId) -> bool {
+    match shader.expr(bare(shader, arg)).kind {
+        ExprKind::Binary { op: BinaryOp::Sub, op_span: _, left, right } => {
+            constant(shader, left).is_some() && is_square(shader, forms.value(right))
+        }
+        _ => false,
+    }
+}
+
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let observed = file.observed(project);
+    let mut forms = None;
     for call in calls(shader, &["sqrt", "inversesqrt", "log", "log2"]) {
         let [arg] = call.args else { continue };
         let root = call.name == "sqrt";
         let all = observed.visits(call.id).iter().filter_map(|v| v.operands.first()).flat_map(|v| &v.parts);
-        let worst = all.filter_map(|r| Some((level(r, root)?, *r))).min_by_key(|(level, _)| *level);
+        let mut worst = all.clone().filter_map(|r| Some((level(r, root)?, *r))).min_by_key(|(level, _)| *level);
+        if let (None, Some(range), true) = (worst, all.clone().find(|r| r.lo == f64::NEG_INFINITY), root) {
+            let forms = forms.get_or_insert_with(|| Forms::new(shader));
+            worst = is_leg(shader, forms, *arg).then_some((Level::Strict, *range));
+        }
         let Some((level, range)) = worst else { continue };
         let (name, (lo, hi)) = (call.name, ends(&range));
         let message = if range.lo < 0.0 {
@@ -77,6 +95,7 @@ mod tests {
             ],
         );
         rings("N008", Level::Strict, &["r = log(length(p));", "r = sqrt(sin(s) + cos(s));", "r = log(fract(s));"]);
+        rings("N008", Level::Strict, &["r = sqrt(1.0 - dot(p.xy, p.xy));", "r = sqrt(1.0 - s * s);"]);
     }
 
     #[test]
@@ -86,6 +105,8 @@ mod tests {
             Level::Heuristic,
             &[
                 "r = sqrt(s);",
+                "r = sqrt(s - t);",
+                "if (s * s <= 1.0) r = sqrt(1.0 - s * s);",
                 "r = log(s);",
                 "r = sqrt(dot(p, p));",
                 "r = sqrt(p.x * p.x + p.y * p.y);",

@@ -1,0 +1,128 @@
+//! N028: a direction that a matrix moves, because its `w` is 1.
+
+use crate::project::ShaderFile;
+use crate::rule::{Check, Findings, Level, Pages, Rule};
+use base::diagnostic::{Code, Severity, message};
+use syntax::Shader;
+use syntax::ast::{BinaryOp, ExprId, ExprKind, UnaryOp};
+use syntax::types::Type;
+
+use super::forms::{Forms, builtin, constructed, product};
+use super::names::{self, has_word, words};
+use super::numeric::{bare, constant};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("N028"),
+    name: "direction-moved",
+    severity: Severity::Warning,
+    level: Level::Strict,
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
+    check: Check::Shader(check),
+};
+
+/// The name of the direction that an expression is: the name itself, or what is turned, scaled or normalised.
+fn direction(shader: &Shader, id: ExprId) -> Option<&str> {
+    let id = bare(shader, id);
+    if let Some(name) = names::of(shader, id) {
+        let says = names::is_normal(name)
+            || has_word(name, &["tangent", "bitangent", "binormal", "direction"])
+            || words(name).iter().any(|w| w == "dir");
+        let place = has_word(name, &["position", "pos", "vertex", "vert", "point", "coord", "light"]);
+        // The direction of a light is one.
+        let lamp = words(name).iter().any(|w| w == "dir" || w.starts_with("direction"));
+        return (says && (!place || lamp) && !has_word(name, &["pos"])).then_some(name);
+    }
+    match shader.expr(id).kind {
+        ExprKind::Unary { op: UnaryOp::Minus, op_span: _, operand } => direction(shader, operand),
+        ExprKind::Binary { op: BinaryOp::Mul, op_span: _, left, right } => {
+            let matrix = matches!(shader.type_of(left), Type::Matrix(..));
+            direction(shader, right).or_else(|| direction(shader, left).filter(|_| !matrix))
+        }
+        _ => match builtin(shader, id, &["normalize"])? {
+            (_, [inner]) => direction(shader, *inner),
+            _ => None,
+        },
+    }
+}
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let mut forms = None;
+    for (id, _) in shader.arena().iter() {
+        let Some((matrix, vector)) = product(shader, id).filter(|_| bare(shader, id) == id) else { continue };
+        let Some([three, w]) = constructed(shader, vector, &Type::VEC4) else { continue };
+        let Some(name) = direction(shader, *three).filter(|_| constant(shader, *w) == Some(1.0)) else { continue };
+        // A rotation moves nothing, and what becomes a position is drawn as one.
+        let text = shader.text_of(matrix).to_lowercase();
+        if *shader.type_of(*three) != Type::VEC3 || text.contains("rot") || text.contains("normal") {
+            continue;
+        }
+        let forms = forms.get_or_insert_with(|| Forms::new(shader));
+        let drawn = forms.around(id).any(|p| match shader.expr(p).kind {
+            ExprKind::Assign { op: _, op_span: _, target, value: _ } => shader.text_of(target).contains("gl_Position"),
+            _ => false,
+        });
+        if drawn {
+            continue;
+        }
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    shader.expr(vector).span,
+                    message!(
+                        "`{name}` is a direction by its name, but has `w = 1`",
+                        "`{name}` は名前によれば方向ですが、`w = 1` になっています"
+                    ),
+                )
+                .with_label(message!("is moved as a point", "点として平行移動されます"))
+                .with_why(message!(
+                    "a matrix moves what has `w = 1` and only turns and scales what has `w = 0`",
+                    "行列による平行移動は `w = 1` のものだけに働き、`w = 0` のものは回転と拡大縮小だけを受けます"
+                ))
+                .with_help(message!("use 0.0 for directions", "方向には 0.0 を使ってください")),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::strict_count;
+    use super::*;
+
+    fn count(body: &str) -> usize {
+        let text = format!(
+            "#version 330 core\nin vec3 place;\nin vec3 aNormal;\nuniform vec3 lightDir;\nuniform vec3 lightPos;\n\
+             uniform mat4 model;\nuniform mat4 rotation;\nuniform mat3 turn;\nout vec3 n;\nvoid main()\n{{\n  \
+             gl_Position = model * vec4(place, 1.0);\n  {body}\n}}\n"
+        );
+        strict_count(RULE.code, "a.vert", &text)
+    }
+
+    #[test]
+    fn directions_with_w_of_one_are_reported() {
+        for body in [
+            "n = (model * vec4(aNormal, 1.0)).xyz;",
+            "n = vec3(model * vec4(turn * aNormal, 1.0));",
+            "n = vec3(model * vec4(normalize(-lightDir), 1));",
+            "n = vec3(model * vec4(2.0 * aNormal, 1.0));",
+        ] {
+            assert_eq!(count(body), 1, "{body}");
+        }
+    }
+
+    #[test]
+    fn others_are_not() {
+        for body in [
+            "n = (model * vec4(aNormal, 0.0)).xyz;",
+            "n = (model * vec4(place, 1.0)).xyz;",
+            "n = (model * vec4(lightPos, 1.0)).xyz;",
+            "n = (rotation * vec4(aNormal, 1.0)).xyz;",
+            "n = (model * vec4(place + aNormal, 1.0)).xyz;",
+            "gl_Position = model * vec4(aNormal, 1.0);",
+        ] {
+            assert_eq!(count(body), 0, "{body}");
+        }
+    }
+}

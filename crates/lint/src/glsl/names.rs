@@ -1,0 +1,73 @@
+//! What names say of the values that they stand for.
+
+use syntax::Shader;
+use syntax::ast::{ExprId, ExprKind};
+
+use super::numeric::bare;
+
+/// The words of a name, in small letters: `lightProjection` and `light_projection` have two.
+pub fn words(name: &str) -> Vec<String> {
+    let mut all = vec![String::new()];
+    let mut before = '_';
+    for c in name.chars() {
+        if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
+            all.push(String::new());
+        }
+        before = c;
+        if let (Some(word), true) = (all.last_mut(), c != '_') {
+            word.extend(c.to_lowercase());
+        }
+    }
+    all
+}
+
+/// True when a word of the name begins with one of these.
+pub fn has_word(name: &str, wanted: &[&str]) -> bool {
+    words(name).iter().any(|w| wanted.iter().any(|x| w.starts_with(x)))
+}
+
+/// True for the name of a normal: `aNormal`, `normal_eye`, `N`; not for that of a matrix or texture of normals.
+pub fn is_normal(name: &str) -> bool {
+    let words = words(name);
+    let other =
+        ["matrix", "mat", "mtx", "map", "tex", "sampler", "uv", "coord", "scale", "strength", "offset", "transform"];
+    let says = |w: &str| {
+        let w = w.trim_end_matches(|c: char| c.is_ascii_digit());
+        ["normal", "norm", "normals", "nrm", "nor"].contains(&w)
+            || w.strip_suffix("normal").is_some_and(|p| p.len() <= 1)
+    };
+    let letter = name.len() <= 2 && words.last().is_some_and(|w| w == "n");
+    (letter || words.iter().any(|w| says(w))) && !words.iter().any(|w| other.iter().any(|o| w.starts_with(o)))
+}
+
+/// The name of a variable or of a member; none for other expressions.
+pub fn of(shader: &Shader, id: ExprId) -> Option<&str> {
+    match &shader.expr(bare(shader, id)).kind {
+        ExprKind::Name(name) => Some(name),
+        ExprKind::Field { base, field } if super::forms::is_member(shader, *base) => Some(&field.name),
+        ExprKind::Field { base, field: _ } | ExprKind::Index { base, index: _ } => of(shader, *base),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_have_words() {
+        assert_eq!(words("lightProjection"), ["light", "projection"]);
+        assert_eq!(words("u_MVP"), ["u", "mvp"]);
+        assert!(!has_word("composition", &["pos"]));
+    }
+
+    #[test]
+    fn normals_are_known_by_their_names() {
+        for name in ["normal", "aNormal", "normal_eye", "N", "vN", "vnormal", "fragNormal", "n", "normal0"] {
+            assert!(is_normal(name), "{name}");
+        }
+        for name in ["normalMatrix", "normal_map", "normalScale", "abnormal", "nn", "noise", "count", "normalized"] {
+            assert!(!is_normal(name), "{name}");
+        }
+    }
+}
