@@ -1,22 +1,27 @@
-//! Shaders of documents, for commands that run them: `chapter.md`, or `chapter.md:34` for the one at that line.
+//! Shaders of documents and of host code, for commands that run them: `chapter.md`, or `chapter.md:34` for the one at
+//! that line.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
 use base::text::{Shown, SourceFile};
-use lint::{Printed, language_of, printed_shaders};
+use lint::{Language, Printed, language_of, printed_shaders};
 
-/// The shaders that a path means; none when it names no document.
+/// The shaders that a path means; none when it names a file that is one shader.
 ///
 /// # Errors
-/// When the document cannot be read, or no shader stands at the line.
+/// When the file cannot be read, host code holds no whole shader, or none stands at the line.
 pub fn shaders(path: &Path) -> anyhow::Result<Option<Vec<Printed>>> {
     if path.is_file() {
-        if language_of(&path.to_string_lossy()).is_some() {
-            return Ok(None);
-        }
-        let all = printed_shaders(&super::translate::read(path)?);
+        let file = super::translate::read(path)?;
+        let all = printed_shaders(&file);
+        let is_host = matches!(language_of(file.name()), Some(Language::Host | Language::Script));
+        anyhow::ensure!(
+            !is_host || !all.is_empty(),
+            "`{}` holds no whole shader; name a shader file, or state with --stage that this is one",
+            path.shown()
+        );
         return Ok((!all.is_empty()).then_some(all));
     }
     let Some((document, line)) = at_line(path) else { return Ok(None) };

@@ -12,6 +12,7 @@ use super::bar::Bar;
 use super::check::Format;
 use super::check::shell_word;
 use super::includes::{self, IncludedText};
+use crate::cli::StageName;
 use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Severity};
@@ -57,13 +58,16 @@ domain. A function that loses digits (ill-conditioned) gets a warning.
 Exit status: 0 no finding; 1 findings, or a file that does not compile; 2 usage, a lane of --lane that is \
 unavailable, or nothing could be run.")]
 pub struct FuzzArgs {
-    /// Shader files, where the extension tells the stage and a file without `main` is a library; or documents with
-    /// shaders, as a whole or at a line (`README.md:12`)
+    /// Shader files, where the extension tells the stage and a file without `main` is a library; or documents and host
+    /// code with shaders, as a whole or at a line (`README.md:12`, `scene.cpp:40`)
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// Only functions of this name; with the types of the parameters, one of several: `f(vec3, float)`
     #[arg(long, value_name = "NAME")]
     pub function: Vec<String>,
+    /// Stage of the files, where their endings do not say it or say another
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub stage: Option<StageName>,
     /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
     #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
     pub domain: Vec<String>,
@@ -117,14 +121,14 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     let sources: Vec<IncludedText> = args
         .files
         .iter()
-        .map(|path| includes::read_all(path, &args.include))
+        .map(|path| includes::read_all(path, &args.include, args.stage.map(syntax::Stage::from)))
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
         .collect();
-    let printed = sources.iter().find(|s| lint::language_of(&s.path.to_string_lossy()).is_none());
+    let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {
-        anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in a document", printed.name);
+        anyhow::bail!("--write-suite writes a suite beside a shader file, and {} stands in another file", printed.name);
     }
     let mut summary = Summary { seed: args.seed, ..Summary::default() };
     let lanes = open_lanes(args, &mut summary)?;
@@ -310,6 +314,9 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     let mut words = format!("shadercheck fuzz {}", shell_word(&source.name));
     for folder in &args.include {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
+    }
+    if let Some(stage) = args.stage {
+        words = format!("{words} --stage {}", stage.word());
     }
     for domain in &args.domain {
         words = format!("{words} --domain {}", shell_word(domain));

@@ -17,6 +17,8 @@ pub struct IncludedText {
     pub file: SourceFile,
     /// Its stage.
     pub stage: Stage,
+    /// True for one of the shaders of a file that holds others, or other text, as well.
+    pub printed: bool,
     /// Where includes were looked for.
     includes: Includes,
 }
@@ -33,23 +35,27 @@ pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
     Ok(IncludedText {
         name: file.name().to_owned(),
         path: path.to_owned(),
-        stage: Stage::from_path(file.name()).unwrap_or(Stage::Library),
+        stage: lint::stage_of(&file).unwrap_or(Stage::Library),
+        printed: false,
         file: whole,
         includes,
     })
 }
 
-/// The files that a path means: itself, or the shaders of a document.
+/// The files that a path means: itself, as a shader of `stage` if that is given, or the shaders that it holds.
 ///
 /// # Errors
-/// As [`read`].
-pub fn read_all(path: &Path, folders: &[PathBuf]) -> anyhow::Result<Vec<IncludedText>> {
+/// As [`read`], and when a file of host code holds no whole shader.
+pub fn read_all(path: &Path, folders: &[PathBuf], stage: Option<Stage>) -> anyhow::Result<Vec<IncludedText>> {
+    if let (Some(stage), true) = (stage, path.is_file()) {
+        return Ok(vec![IncludedText { stage, ..read(path, folders)? }]);
+    }
     let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, folders)?]) };
     let text = |shader: lint::Printed| {
         let mut includes = Includes::new(folders.to_vec(), "`-I FOLDER`");
         let file = includes.resolve(&shader.file)?;
         let (name, path) = (shader.file.name().to_owned(), path.to_owned());
-        Ok(IncludedText { name, path, file, stage: shader.stage, includes })
+        Ok(IncludedText { name, path, file, stage: shader.stage, printed: true, includes })
     };
     printed.into_iter().map(text).collect()
 }

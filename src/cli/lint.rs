@@ -17,14 +17,15 @@ use anyhow::Context as _;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
-use crate::cli::LangName;
 use crate::cli::status::ExitStatus;
+use crate::cli::{LangName, StageName};
 use base::diagnostic::{Diagnostic, Lang, Safety, Severity};
 use base::text::{Encoding, Shown};
 use disk::fresh;
 use lint::fix::{FixedFile, Outcome};
 use lint::{Input, Level};
 use report::lint::{Context, FORMATS, Format, by_name};
+use syntax::Stage;
 
 use files::Loaded;
 use groups::Groups;
@@ -51,6 +52,9 @@ pub struct LintArgs {
     /// With --fix or --diff: run each repaired shader before and after, and tell how far its outputs move
     #[arg(long)]
     pub prove: bool,
+    /// Stage of the shader files that are named, where their endings do not say it or say another
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub stage: Option<StageName>,
     /// Only these rules: codes (T001), beginnings of codes (H), or names
     #[arg(long, value_name = "RULE", value_delimiter = ',')]
     pub select: Vec<String>,
@@ -134,7 +138,7 @@ pub fn run(args: &LintArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if args.prove && cfg!(not(feature = "run")) {
         anyhow::bail!("--prove runs shaders, which this program was built without; build it with the feature `run`");
     }
-    let mut loaded = files::load(&args.paths);
+    let mut loaded = files::load(&args.paths, args.stage.map(Stage::from))?;
     let groups = Groups::new(args, &mut loaded)?;
     let lang = super::lang(args.lang.or(groups.lang));
     for problem in &loaded.problems {

@@ -41,6 +41,7 @@ pub mod worker;
 use std::io::{IsTerminal, Write};
 
 use clap::{Parser, Subcommand, ValueEnum};
+use syntax::Stage;
 
 use base::diagnostic::Lang;
 use base::text::printable;
@@ -53,6 +54,52 @@ pub enum LangName {
     En,
     /// Japanese
     Ja,
+}
+
+/// Stages by the names that options have for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StageName {
+    /// Vertex shader
+    #[value(alias = "vert")]
+    Vertex,
+    /// Tessellation control shader
+    #[value(alias = "tesc")]
+    TessControl,
+    /// Tessellation evaluation shader
+    #[value(alias = "tese")]
+    TessEvaluation,
+    /// Geometry shader
+    #[value(alias = "geom")]
+    Geometry,
+    /// Fragment shader
+    #[value(alias = "frag")]
+    Fragment,
+    /// Compute shader
+    #[value(alias = "comp")]
+    Compute,
+    /// Functions that shaders of any stage use
+    Library,
+}
+
+impl From<StageName> for Stage {
+    fn from(name: StageName) -> Self {
+        match name {
+            StageName::Vertex => Self::Vertex,
+            StageName::TessControl => Self::TessControl,
+            StageName::TessEvaluation => Self::TessEvaluation,
+            StageName::Geometry => Self::Geometry,
+            StageName::Fragment => Self::Fragment,
+            StageName::Compute => Self::Compute,
+            StageName::Library => Self::Library,
+        }
+    }
+}
+
+impl StageName {
+    /// How an option spells it.
+    pub fn word(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
 }
 
 /// The language that is asked for, or else the one of the environment: `LC_ALL`, `LC_MESSAGES` and

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 
+use crate::cli::StageName;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
 use base::text::{Shown, SourceFile, decode};
@@ -24,6 +25,9 @@ pub struct TranslateArgs {
     /// Language: spirv, wgsl, glsl330 (or glsl), glsl450, glsl-es310, msl, hlsl
     #[arg(long, value_name = "LANGUAGE")]
     pub to: Language,
+    /// Stage of the shader, where its ending does not say it or says another
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub stage: Option<StageName>,
     /// Function to translate, for a function library; the first one when there is only one
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
@@ -45,9 +49,10 @@ pub struct TranslateArgs {
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let source = super::includes::read(&args.file, &args.include)?;
     let file = &source.file;
-    let Some(stage) = Stage::from_path(file.name()) else {
+    let Some(stage) = args.stage.map(Stage::from).or_else(|| lint::stage_of(file)) else {
         anyhow::bail!(
-            "{}: the extension does not tell the stage; use .vert, .frag, .geom, .comp, or .glsl for a function library",
+            "{}: the extension does not tell the stage; name it with --stage, or use .vert, .frag, .geom, .comp, or .glsl \
+             for a function library",
             file.name()
         );
     };

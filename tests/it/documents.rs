@@ -76,3 +76,45 @@ fn a_printed_shader_is_checked_and_fuzzed_by_its_line() {
     let ran = run(&format!("fuzz {CHAPTER}:100 --samples 256 --lane embedded")).expect(0);
     assert!(ran.out.contains("main"), "{}", ran.out);
 }
+
+const LIT: &str = "#version 330 core\nin vec3 n;\nout vec4 c;\nvoid main() { c = vec4(acos(dot(normalize(n), vec3(0.0, 0.0, 1.0)))); }\n";
+
+#[test]
+fn a_stage_that_a_name_does_not_say_is_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("lit.txt"), LIT).unwrap();
+    fs::write(folder.path().join("part.glsl"), "#version 330 core\nin vec3 n;\nout vec3 m;\nvoid main() { m = n; }\n")
+        .unwrap();
+    let lint = |args: &str| run_in(folder.path(), &format!("lint --lang en --format concise {args}"));
+    let told = lint("lit.txt --stage fragment").expect(1);
+    assert!(told.out.contains("lit.txt:4:29: warning[N006"), "{}", told.out);
+    let told = lint(". --stage frag").expect(2);
+    assert!(told.err.contains("--stage says the stage of shader files that are named"), "{}", told.err);
+    let told = lint("lit.txt --stage pixel").expect(2);
+    assert!(told.err.contains("invalid value 'pixel'") && told.err.contains("tess-evaluation"), "{}", told.err);
+    let translated = |args: &str| run_in(folder.path(), &format!("translate part.glsl --to wgsl {args}"));
+    assert!(translated("--stage vertex").out.contains("@vertex"));
+    assert!(translated("--stage fragment").expect(0).out.contains("@fragment"));
+    let ran = run_in(folder.path(), "fuzz lit.txt --stage fragment --samples 64 --lane embedded");
+    assert!(ran.out.contains("main") && ran.code < 2, "{ran:?}");
+}
+
+#[test]
+fn shaders_in_strings_and_files_of_two_stages_are_fuzzed() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("scene.js", &format!("const frag = `{LIT}`;\n"));
+    write("scene.cpp", "int main() { return 0; }\n");
+    write(
+        "both.glsl",
+        "attribute vec3 p;\nvarying vec2 t;\nvoid main() { t = p.xy; gl_Position = vec4(p, 1.0); }\n$$\n\
+         varying vec2 t;\nvoid main() { gl_FragColor = vec4(t, 0.0, 1.0); }\n",
+    );
+    let fuzz = |args: &str| run_in(folder.path(), &format!("fuzz {args} --samples 64 --lane embedded"));
+    let ran = fuzz("scene.js --hostile");
+    assert!(ran.out.contains("scene.js:4:24"), "{ran:?}");
+    let ran = fuzz("both.glsl").expect(0);
+    assert!(ran.out.contains("both.glsl (vertex)") && ran.out.contains("both.glsl (fragment)"), "{ran:?}");
+    let ran = fuzz("scene.cpp").expect(2);
+    assert!(ran.err.contains("`scene.cpp` holds no whole shader"), "{ran:?}");
+}

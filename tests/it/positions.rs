@@ -40,8 +40,15 @@ fn fixture(name: &str) -> SourceFile {
 /// What `shadercheck translate` says.
 fn said(name: &str) -> (ExitStatus, String) {
     let file = Path::new(FOLDER).join(name);
-    let args =
-        TranslateArgs { file, to: Language::Wgsl, entry: None, include: Vec::new(), lenient: false, output: None };
+    let args = TranslateArgs {
+        file,
+        stage: None,
+        to: Language::Wgsl,
+        entry: None,
+        include: Vec::new(),
+        lenient: false,
+        output: None,
+    };
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let status = run(&args, &mut out, &mut err).unwrap();
     assert!(out.is_empty(), "nothing is translated");

@@ -228,6 +228,21 @@ fn is_extension(name: &str) -> bool {
 /// Names that one text may ask for: each is tried by itself. Of a text that asks for more, little is sure.
 const MOST_ASKED: usize = 12;
 
+/// What may be defined from outside of that which an `#if` asks: each name by itself, those behind a condition that is
+/// not met first, and all of them. Names that the code uses as values are left out.
+pub fn definitions(shader: &Shader) -> Vec<Vec<(String, String)>> {
+    let (mut asked, set) = conditions(shader);
+    let code = shader.file().text().lines().filter(|l| !l.trim_start().starts_with('#'));
+    let used: HashSet<&str> = code.flat_map(|l| l.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')).collect();
+    let free = |name: &String| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__");
+    asked.retain(|name| free(name) && !used.contains(name.as_str()));
+    let one = |name: &String| (name.clone(), "1".to_owned());
+    let all: Vec<(String, String)> = asked.iter().map(one).collect();
+    let mut sets = if asked.len() > 1 { vec![all] } else { Vec::new() };
+    sets.extend(asked.iter().take(MOST_ASKED).map(|name| vec![one(name)]));
+    sets
+}
+
 /// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
 /// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing.
 fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {

@@ -93,6 +93,14 @@ pub fn language_of(name: &str) -> Option<Language> {
     stage.map(Language::Shader)
 }
 
+/// The stage of a shader's file: what its ending says, or else what its text uses, or a word of its name. A library when
+/// nothing says it; none for a file that is no shader.
+pub fn stage_of(file: &SourceFile) -> Option<Stage> {
+    let Some(Language::Shader(stage)) = language_of(file.name()) else { return None };
+    let told = || super::host::stage_of_file(file.name(), file.text()).unwrap_or(Stage::Library);
+    Some(if stage == Stage::Library { told() } else { stage })
+}
+
 fn extension(name: &str) -> &str {
     file_name(name).rsplit_once('.').map_or("", |(stem, ending)| if stem.is_empty() { "" } else { ending })
 }
@@ -121,6 +129,8 @@ pub struct Input {
     pub reported: bool,
     /// True when the file was named by itself, and not found in a folder.
     pub named: bool,
+    /// The stage that is stated for it: it is a shader then, whatever its name says.
+    pub stage: Option<Stage>,
     /// The syntax tree of a host file, once it has been asked for: companions are looked for before
     /// rules run, and the text is parsed once for both.
     tree: HostTree,
@@ -129,7 +139,7 @@ pub struct Input {
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true, named: false, tree: HostTree::default() }
+        Self { file, reported: true, named: false, stage: None, tree: HostTree::default() }
     }
 
     /// A text that others refer to; nothing is reported on it.
@@ -143,6 +153,12 @@ impl Input {
         Self { named: true, ..self }
     }
 
+    /// The same text as a shader of this stage.
+    #[must_use]
+    pub fn with_stage(self, stage: Stage) -> Self {
+        Self { stage: Some(stage), ..self }
+    }
+
     /// The same text, reported or not.
     #[must_use]
     pub fn with_reported(&self, reported: bool) -> Self {
@@ -152,7 +168,7 @@ impl Input {
     /// Another text under the same name.
     #[must_use]
     pub fn with_file(&self, file: SourceFile) -> Self {
-        Self { reported: self.reported, named: self.named, ..Self::new(file) }
+        Self { reported: self.reported, named: self.named, stage: self.stage, ..Self::new(file) }
     }
 
     fn host(&self) -> HostFile {
@@ -207,6 +223,9 @@ enum Read {
 impl Read {
     fn new(input: &Input) -> (String, Option<Self>) {
         let path = normalise(input.file.name());
+        if let Some(stage) = input.stage {
+            return (path, Some(Self::Shader(Box::new(ShaderFile::new(input, stage)))));
+        }
         let read = match language_of(&path) {
             Some(Language::Shader(_)) if context::is_raw_string_file(input.file.text()) => {
                 Some(Self::Host(Box::new(input.host())))
@@ -220,8 +239,7 @@ impl Read {
                 } else if is_other_language(&path, input.file.text()) {
                     None
                 } else {
-                    let told = || super::host::stage_of_file(&path, input.file.text()).unwrap_or(Stage::Library);
-                    let stage = if stage == Stage::Library { told() } else { stage };
+                    let stage = stage_of(&input.file).unwrap_or(stage);
                     Some(Self::Shader(Box::new(ShaderFile::new(input, stage))))
                 }
             }

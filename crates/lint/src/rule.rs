@@ -88,6 +88,7 @@ impl Rule {
                 }
             }
             shader.forget();
+            numbers_of_variants(rules, shader, project, &mut found);
             found
         }));
         for rule in rules {
@@ -124,6 +125,33 @@ impl Rule {
                 project.hosts().filter(|h| h.reported).for_each(|h| check(&h.file, &mut findings));
             }
         }
+    }
+}
+
+/// Runs the rules about numbers on lines that only a definition from outside makes a part of the shader: what such a
+/// line computes is its own, whatever else the definition changes.
+fn numbers_of_variants(
+    rules: &[&'static Rule],
+    shader: &ShaderFile,
+    project: &Project,
+    into: &mut Vec<(Level, Diagnostic)>,
+) {
+    let rules: Vec<&&'static Rule> = rules.iter().filter(|r| r.code.0.starts_with('N')).collect();
+    if rules.is_empty() {
+        return;
+    }
+    for (variant, fresh) in shader.variants() {
+        let mut found = Vec::new();
+        for rule in &rules {
+            let mut findings = Findings { rule, into: &mut found };
+            match rule.check {
+                Check::Shader(check) => check(&variant, &mut findings),
+                Check::ShaderWith(check) => check(&variant, project, &mut findings),
+                _ => {}
+            }
+        }
+        let starts: BTreeSet<usize> = fresh.iter().map(|s| s.start).collect();
+        into.extend(found.into_iter().filter(|(_, d)| starts.contains(&d.span.start)));
     }
 }
 

@@ -10,13 +10,14 @@ use ignore::{WalkBuilder, WalkState};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use base::text::{Decoded, Form, Shown, TextError, decode_western};
+use base::text::{Decoded, Form, Shown, SourceFile, TextError, decode_western};
 use disk::{MOST_BYTES, read_source};
 use lint::fix::FixedFile;
 use lint::{
     DOCUMENT_EXTENSIONS, HOST_EXTENSIONS, Input, Language, SCRIPT_EXTENSIONS, SHADER_EXTENSIONS, companions,
     is_document, language_of,
 };
+use syntax::Stage;
 
 use super::write::{WriteError, replace};
 
@@ -95,6 +96,8 @@ fn known_endings() -> impl Iterator<Item = &'static &'static str> {
 pub struct Loaded {
     /// The texts, without byte-order marks.
     pub inputs: Vec<Input>,
+    /// The stage of shader files that are named, where it is stated.
+    stage: Option<Stage>,
     /// What could not be read.
     pub problems: Vec<InputError>,
     /// Files of host code in a folder that are no text, and bundles.
@@ -152,9 +155,13 @@ impl Loaded {
 }
 
 /// Reads all files that `paths` name, searches folders, and adds the files that these refer to as
-/// context, as far as they can be read.
-pub fn load(paths: &[PathBuf]) -> Loaded {
-    let mut loaded = Loaded::default();
+/// context, as far as they can be read. Shader files among `paths`, and files of no known kind, are of `stage` where that
+/// is given.
+///
+/// # Errors
+/// When a stage is given and no such file is named.
+pub fn load(paths: &[PathBuf], stage: Option<Stage>) -> anyhow::Result<Loaded> {
+    let mut loaded = Loaded { stage, ..Loaded::default() };
     let mut wanted: Vec<(PathBuf, bool)> = Vec::new();
     // Folders that hold nothing, or documents alone, in which nothing may be code.
     let mut searched: Vec<PathBuf> = Vec::new();
@@ -175,8 +182,13 @@ pub fn load(paths: &[PathBuf]) -> Loaded {
     take(wanted, &mut loaded);
     searched.retain(|folder| !loaded.sources.values().any(|s| s.path.starts_with(folder)));
     loaded.problems.extend(searched.into_iter().map(InputError::NothingInFolder));
+    let staged = loaded.inputs.iter().any(|input| input.stage.is_some());
+    anyhow::ensure!(
+        stage.is_none() || staged || !loaded.problems.is_empty(),
+        "--stage says the stage of shader files that are named, and none is: name the file by itself"
+    );
     add_companions(&mut loaded);
-    loaded
+    Ok(loaded)
 }
 
 /// Reads files into `loaded`, each once. An empty file found in a folder is passed over; one that was
@@ -193,8 +205,15 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
     let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
     for ((path, named), text) in fresh.into_iter().zip(texts) {
         let language = language_of(&name(&path));
+        let is_document = |file: &SourceFile| language.is_none() && is_document(file);
+        let is_shader = |file: &SourceFile| match language {
+            Some(Language::Shader(_)) => true,
+            Some(Language::Host | Language::Script) => false,
+            None => !is_document(file),
+        };
+        let stage = loaded.stage.filter(|_| named);
         match text {
-            Ok(Decoded { file, .. }) if language.is_none() && !is_document(&file) => match named {
+            Ok(Decoded { file, .. }) if stage.is_none() && language.is_none() && !is_document(&file) => match named {
                 // Of a text by its name it is not clear that it is a document.
                 true if has_ending(&path, DOCUMENT_EXTENSIONS.iter().filter(|e| **e != "txt")) => {
                     loaded.skipped.push(InputError::NoCode(path))
@@ -207,8 +226,13 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             }
             Ok(Decoded { file, form, exact }) => {
                 loaded.sources.insert(file.name().to_owned(), Candidate { path, form, exact });
+                let stage = stage.filter(|_| is_shader(&file));
                 let input = Input::new(file);
-                loaded.inputs.push(if named { input.named() } else { input });
+                let input = if named { input.named() } else { input };
+                loaded.inputs.push(match stage {
+                    Some(stage) => input.with_stage(stage),
+                    None => input,
+                });
             }
             // Most documents of a folder have nothing to do with shaders.
             Err(_) if !named && language.is_none() => {}

@@ -142,9 +142,12 @@ fn by_use(shape: Shape, uses: &Uses) -> Option<Guess> {
 fn narrowed(found: Guess, shape: Shape, uses: &Uses) -> Guess {
     let Some([low, high]) = found.range.filter(|_| found.generator == "interval") else {
         let below = uses.index_below().filter(|_| found.generator == "index" && shape.scalar != Scalar::F32);
-        let below = below
+        let range = below
             .map_or(found.range, |most| found.range.map(|[low, high]| [low, high.min(f64::from(most) - 1.0).max(low)]));
-        return Guess { range: below, ..found };
+        // A whole number that something is divided by says how many there are.
+        let counts = uses.has(Usage::Divisor) && found.generator == "index" && shape.scalar != Scalar::F32;
+        let range = if counts { range.map(|[low, high]| [low.max(1.0), high.max(1.0)]) } else { range };
+        return Guess { range, ..found };
     };
     // From below, far enough from the pole of a logarithm.
     let low = if uses.has(Usage::Positive) { low.max(1.0 / 64.0) } else { low };
@@ -216,6 +219,21 @@ mod tests {
         ] {
             assert_eq!(guessed(name, shape), (generator, taken_for), "{name}");
         }
+    }
+
+    #[test]
+    fn a_whole_number_that_divides_is_not_zero() {
+        use base::text::SourceFile;
+        use syntax::{Shader, Stage};
+        let text = "float f(int i, int n, int k) { return float(i) / float(n) + float(i % k); }\n";
+        let parsed = Shader::parse(&SourceFile::new("a.glsl", text), Stage::Library);
+        let usages = Usages::of(&parsed.shader);
+        let least = |name: &str| {
+            let (symbol, _) = parsed.shader.symbols().find(|(_, s)| s.name == name).unwrap();
+            let field = Field { name: name.into(), shape: Shape::INT };
+            with_uses(&field, Role::Parameter, &usages.of_input(symbol, name)).range.unwrap()[0]
+        };
+        assert_eq!([least("i"), least("n"), least("k")], [0.0, 1.0, 1.0]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use syntax::Shader;
-use syntax::ast::{Callee, ExprId, ExprKind};
+use syntax::ast::{BinaryOp, Callee, ExprId, ExprKind};
 use syntax::symbols::{CallTarget, SymbolId, SymbolKind};
 use syntax::types::{ArraySize, ScalarType, Type};
 
@@ -20,6 +20,8 @@ pub enum Usage {
     Share,
     /// Where a texture is read, from 0 to 1.
     Coordinates,
+    /// What something is divided by.
+    Divisor,
     /// Converted to a whole number.
     Counted,
     /// In a shader that reads texels by their number.
@@ -84,6 +86,11 @@ impl Usages {
                     let whole = matches!(shader.type_of(id), Type::Scalar(ScalarType::Int | ScalarType::Uint));
                     if let Some(part) = args.first().filter(|_| whole).and_then(|&arg| part(shader, arg)) {
                         found.parts.entry(part).or_default().add(Usage::Counted);
+                    }
+                }
+                ExprKind::Binary { op: BinaryOp::Div | BinaryOp::Rem, op_span: _, left: _, right } => {
+                    if let Some(part) = part(shader, converted(shader, *right)) {
+                        found.parts.entry(part).or_default().add(Usage::Divisor);
                     }
                 }
                 ExprKind::Index { base, index } => {
@@ -154,6 +161,17 @@ fn given_to(name: &str, argument: usize) -> Option<Usage> {
         ("texture" | "texture2D" | "textureLod", 1) => Usage::Coordinates,
         _ => return None,
     })
+}
+
+/// What a conversion to a number converts.
+fn converted(shader: &Shader, id: ExprId) -> ExprId {
+    match &shader.expr(id).kind {
+        ExprKind::Paren(inner) => converted(shader, *inner),
+        ExprKind::Call { callee: Callee::Type(_), args } if args.len() == 1 && shader.type_of(id).is_scalar() => {
+            converted(shader, args[0])
+        }
+        _ => id,
+    }
 }
 
 /// The variable that an expression is, or a part of: a member, an element, components.

@@ -15,7 +15,10 @@ use base::diagnostic::Code;
 use base::text::{SourceFile, Span};
 use syntax::{Stage, errors};
 
-use super::host::{Literal, concerns_shaders};
+use super::host::{HostFile, Literal, concerns_shaders};
+use super::project::{Language, language_of};
+use super::script;
+use super::sections::sections;
 use blocks::Blocks;
 
 /// Endings of documents that a folder is searched for.
@@ -130,15 +133,32 @@ pub struct Printed {
     pub lines: std::ops::RangeInclusive<usize>,
 }
 
-/// The whole shaders of a document, in the order of the text.
+/// The whole shaders that a file of another kind holds, in the order of the text: the blocks of a document, strings of
+/// host code, and the stages of a file that has several. None for a file that is one shader.
 pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
-    let shaders = Document::read(file).map(|d| d.shaders).unwrap_or_default();
-    let whole = shaders.into_iter().filter(|s| !s.partial);
-    let printed = whole.filter_map(|s| {
-        let place = s.literal.place()?;
+    let all: Vec<(String, Stage, Literal)> = match language_of(file.name()) {
+        Some(Language::Shader(_)) => {
+            let named = |stage: Stage| format!("{} ({})", file.name(), stage.name());
+            sections(file).into_iter().map(|(stage, literal)| (named(stage), stage, literal)).collect()
+        }
+        Some(Language::Host) => {
+            let host = HostFile::new(file, true);
+            host.embedded().iter().map(|e| (e.name.clone(), e.stage, e.literal.clone())).collect()
+        }
+        Some(Language::Script) => {
+            let whole = script::shaders(file).into_iter().filter(|s| !s.partial);
+            whole.map(|s| (s.name, s.stage, s.literal)).collect()
+        }
+        None => {
+            let shaders = Document::read(file).map(|d| d.shaders).unwrap_or_default();
+            shaders.into_iter().filter(|s| !s.partial).map(|s| (s.name, s.stage, s.literal)).collect()
+        }
+    };
+    let printed = all.into_iter().filter_map(|(name, stage, literal)| {
+        let place = literal.place()?;
         let last = file.position(place.end.saturating_sub(1)).line;
         let lines = file.position(place.start).line.saturating_sub(1)..=last + 1;
-        Some(Printed { file: s.literal.assembled(file, &s.name), stage: s.stage, lines })
+        Some(Printed { file: literal.assembled(file, &name), stage, lines })
     });
     printed.collect()
 }

@@ -40,6 +40,11 @@ pub fn is_normal(name: &str) -> bool {
     (letter || words.iter().any(|w| says(w))) && !words.iter().any(|w| other.iter().any(|o| w.starts_with(o)))
 }
 
+/// True for the name of a direction: a normal, or what says that it is one.
+pub fn is_direction(name: &str) -> bool {
+    is_normal(name) || words(name).iter().any(|w| ["dir", "direction"].contains(&w.as_str()))
+}
+
 /// The name of a variable or of a member; none for other expressions.
 pub fn of(shader: &Shader, id: ExprId) -> Option<&str> {
     match &shader.expr(bare(shader, id)).kind {

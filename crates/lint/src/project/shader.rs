@@ -1,11 +1,12 @@
 //! A shader of a run, as far as the front end could read it.
 
+use std::collections::HashSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use base::diagnostic::{Code, Diagnostic};
 use base::text::{SourceFile, Span};
 use syntax::ast::ItemKind;
-use syntax::{Shader, Stage, errors};
+use syntax::{Parsed, Shader, Stage, TokenPlace, errors};
 
 use super::{Input, Project};
 use crate::document::{Listing, Place};
@@ -14,6 +15,9 @@ use crate::flow::Flow;
 use crate::host::Literal;
 use crate::range::Observed;
 use crate::{context, script, version};
+
+/// Readings of one text with names defined at most.
+const MOST_VARIANTS: usize = 3;
 
 /// A shader as rules see it.
 pub struct ShaderFile {
@@ -46,7 +50,10 @@ pub struct ShaderFile {
 
 impl ShaderFile {
     pub(super) fn new(input: &Input, stage: Stage) -> Self {
-        let parsed = version::read(&input.file, stage);
+        Self::read(input, version::read(&input.file, stage))
+    }
+
+    fn read(input: &Input, parsed: Parsed) -> Self {
         let claimed = |d| crate::glsl::hlsl_name::claim(&parsed.shader, d);
         let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
         let doubtful = context::doubtful(&parsed.shader, &front_end);
@@ -66,6 +73,35 @@ impl ShaderFile {
             observed: Mutex::default(),
             flow: Mutex::default(),
         }
+    }
+
+    /// The same text with names defined that an `#if` asks for: readings in which lines are active that no reading
+    /// before has, each with the places of these lines. What is defined is `1`; a name that the code uses as a value is
+    /// left alone.
+    pub fn variants(&self) -> Vec<(Self, Vec<Span>)> {
+        if !self.conditional || self.partial {
+            return Vec::new();
+        }
+        let inactive = |shader: &Shader| -> Vec<Span> {
+            shader.tokens().iter().filter(|t| t.place == TokenPlace::Inactive).map(|t| t.span).collect()
+        };
+        let mut open = inactive(&self.shader);
+        let mut found = Vec::new();
+        let input = Input::new(self.shader.file().clone()).with_reported(self.reported);
+        let sets = if open.is_empty() { Vec::new() } else { context::definitions(&self.shader) };
+        for defines in sets {
+            if open.is_empty() || found.len() == MOST_VARIANTS {
+                break;
+            }
+            let parsed = Shader::parse_with(self.shader.file(), self.shader.stage(), &defines);
+            let still: HashSet<usize> = inactive(&parsed.shader).iter().map(|s| s.start).collect();
+            let (left, fresh): (Vec<Span>, Vec<Span>) = open.into_iter().partition(|s| still.contains(&s.start));
+            open = left;
+            if !fresh.is_empty() {
+                found.push((Self::read(&input, parsed), fresh));
+            }
+        }
+        found
     }
 
     /// A shader of a file that holds several.
@@ -176,6 +212,31 @@ fn is_conditional(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_looked_at_behind_conditions_from_outside() {
+        let found = |condition: &str, line: &str, more: &str| {
+            let text = format!(
+                "#version 330 core\n{more}\nin vec3 p;\nin vec3 q;\nout vec4 c;\nvoid main() {{\nfloat r = 0.0;\n\
+                 {condition}\n{line}\n#endif\nc = vec4(r);\n}}\n"
+            );
+            let found = crate::run(&[Input::new(SourceFile::new("a.frag", text))]);
+            found
+                .iter()
+                .filter(|d| d.code.0.starts_with('N'))
+                .map(|d| d.file.position(d.span.start).line)
+                .collect::<Vec<_>>()
+        };
+        let line = "r = acos(dot(normalize(p), normalize(q)));";
+        assert_eq!(found("#ifdef ANGLE", line, ""), [9]);
+        assert_eq!(found("#if defined(ANGLE) && !defined(FLAT)", line, ""), [9]);
+        assert_eq!(found("#ifndef FLAT", line, ""), [9]);
+        assert_eq!(found("#ifdef ANGLE\n#ifdef NESTED", &format!("{line}\n#endif"), ""), [10]);
+        assert_eq!(found("#ifdef ANGLE", "r = 1.0;", ""), [0usize; 0]);
+        // What is a value as well is not made up, and what the text defines is known.
+        assert_eq!(found("#if ANGLES > 0", &format!("r = float(ANGLES); {line}"), ""), [0usize; 0]);
+        assert_eq!(found("#if ANGLE", line, "#define ANGLE 0"), [0usize; 0]);
+    }
 
     #[test]
     fn conditional_text_is_noticed() {

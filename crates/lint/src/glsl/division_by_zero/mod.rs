@@ -7,7 +7,7 @@ use base::diagnostic::{Code, Severity, message};
 use syntax::Shader;
 use syntax::ast::{BinaryOp, ExprId, ExprKind};
 
-use super::forms::Forms;
+use super::forms::{Forms, builtin};
 use super::numeric::calls;
 
 /// The rule.
@@ -33,6 +33,15 @@ fn is_distance(forms: &Forms<'_>, divisor: ExprId) -> bool {
     forms.factors(forms.value(divisor)).0.into_iter().any(|f| forms.between(f).is_some())
 }
 
+/// True for a component of a texel, which is 0 where the image is black or clear.
+fn is_texel(shader: &Shader, forms: &Forms<'_>, divisor: ExprId) -> bool {
+    let mut id = forms.value(divisor);
+    while let ExprKind::Field { base, field: _ } = shader.expr(id).kind {
+        id = forms.value(base);
+    }
+    builtin(shader, id, &["texture", "texture2D", "textureLod", "textureCube", "texelFetch", "imageLoad"]).is_some()
+}
+
 /// All divisions: the expression and its divisor.
 fn divisions(shader: &Shader) -> impl Iterator<Item = (ExprId, ExprId)> {
     let operators = shader.arena().iter().filter_map(|(id, expr)| match expr.kind {
@@ -52,7 +61,8 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let mut found = all().filter_map(level).min();
         if found.is_none() && all().any(|r| !r.excludes_zero()) {
             let forms = forms.get_or_insert_with(|| Forms::new(shader));
-            found = is_distance(forms, divisor).then_some(Level::Strict);
+            let zero = is_distance(forms, divisor) || is_texel(shader, forms, divisor);
+            found = zero.then_some(Level::Strict);
         }
         let Some(level) = found else { continue };
         let integer = shader.type_of(divisor).scalar().is_some_and(|s| s.is_integer());
@@ -110,6 +120,8 @@ mod tests {
                 "vec3 d = q - p; r = s / dot(d, d);",
                 "vec3 d = q - p; float l = length(d); r = s / (l * l);",
                 "v = (q - p) / length(q - p);",
+                "vec4 c = texture(image, p.xy); v = c.rgb / c.a;",
+                "v = p / texture(image, p.xy).a;",
             ],
         );
     }
@@ -123,6 +135,8 @@ mod tests {
                 "r = s / t;",
                 "v = p / length(p);",
                 "float d = distance(p, q); if (d > 0.0) r = s / d;",
+                "vec4 c = texture(image, p.xy); v = c.rgb / max(c.a, 0.01);",
+                "vec4 c = texture(image, p.xy); if (c.a > 0.0) v = c.rgb / c.a;",
                 "float d = distance(p, q); r = s / (1.0 + d * d);",
                 "r = 1.0 / (1.0 + max(s, 0.0));",
                 "r = s / max(t, 1e-6);",

@@ -20,16 +20,8 @@ pub const RULE: Rule = Rule {
 };
 
 /// Pairs of words for the beginning and the end of a path.
-const PAIRS: [(&str, &str); 8] = [
-    ("start", "end"),
-    ("begin", "end"),
-    ("first", "last"),
-    ("first", "second"),
-    ("from", "to"),
-    ("min", "max"),
-    ("low", "high"),
-    ("prev", "next"),
-];
+const PAIRS: [(&str, &str); 5] =
+    [("start", "end"), ("begin", "end"), ("first", "last"), ("from", "to"), ("prev", "next")];
 
 /// True when `a` is named as the end of what `b` is the beginning of: `p1` and `p0`, `colorEnd` and `colorStart`.
 fn swapped(a: &str, b: &str) -> bool {
@@ -58,7 +50,14 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         };
         // A weight that is turned round goes with ends that are.
         let (Some(first), Some(second), Some(_)) = (name(*a), name(*b), name(*t)) else { continue };
-        if !swapped(first, second) {
+        // `x = mix(x, y, b)` replaces x where b is 1.
+        let replaces = shader.arena().iter().any(|(_, expr)| match expr.kind {
+            ExprKind::Assign { op: None, op_span: _, target, value } => {
+                value == call.id && shader.symbol_of(target).is_some_and(|s| shader.symbol_of(*a) == Some(s))
+            }
+            _ => false,
+        });
+        if replaces || !swapped(first, second) {
             continue;
         }
         let mut found = findings
@@ -109,6 +108,8 @@ mod tests {
                 "vec3 p0 = p; vec3 p1 = q; v = mix(p0, p1, s);",
                 "vec3 p0 = p; vec3 p1 = q; v = mix(p1, p0, 1.0 - s);",
                 "v = mix(q, p, s);",
+                "vec3 p0 = p; vec3 p1 = q; p1 = mix(p1, p0, s); v = p1;",
+                "float most1 = s; float most0 = t; r = mix(t, s, most0);",
             ],
         );
         assert!(swapped("a12", "a11") && !swapped("a1", "b0") && !swapped("x", "y"));

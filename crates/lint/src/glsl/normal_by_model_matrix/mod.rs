@@ -32,7 +32,7 @@ const SCALES: [&str; 8] = ["model", "world", "object", "mv", "mvp", "modelview",
 fn scales(shader: &Shader, matrix: ExprId) -> bool {
     let all = expressions(shader, matrix);
     let text = shader.text_of(matrix).to_lowercase();
-    let treated = ["norm", "inv", "transpose", "rot", "tbn"].iter().any(|w| text.contains(w));
+    let treated = ["norm", "inv", "transpose", "rot", "tbn", "bone", "joint", "skin"].iter().any(|w| text.contains(w));
     let named = |id: &ExprId| match &shader.expr(*id).kind {
         ExprKind::Name(name) => words(name).iter().any(|w| SCALES.iter().any(|s| w.starts_with(s))),
         ExprKind::Field { base: _, field } => words(&field.name).iter().any(|w| SCALES.contains(&w.as_str())),

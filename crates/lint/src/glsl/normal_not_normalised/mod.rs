@@ -60,7 +60,7 @@ fn interpolated(shader: &Shader) -> Vec<(ExprId, Message)> {
         }
         for arg in [a, b] {
             let value = unsigned(shader, &forms, *arg);
-            let Some(name) = names::of(shader, value).filter(|n| names::is_normal(n)) else { continue };
+            let Some(name) = names::of(shader, value).filter(|n| names::is_direction(n)) else { continue };
             if *shader.type_of(value) == Type::VEC3 && is_interpolated(shader, value) {
                 let function = call.name;
                 found.push((
@@ -173,6 +173,7 @@ mod tests {
         ] {
             assert_eq!(count("in vec3 normal;", body), 1, "{body}");
         }
+        assert_eq!(count("in vec3 viewDir;", "color = vec4(dot(l, viewDir));"), 1);
         assert_eq!(count("in Vertex { vec3 normal; } vertex;", "color = vec4(dot(l, vertex.normal));"), 1);
         assert_eq!(count("in Vertex { vec3 normal; };", "color = vec4(dot(l, normal));"), 1);
     }
