@@ -27,7 +27,7 @@ fn is_position(shader: &Shader, forms: &Forms<'_>, id: ExprId) -> bool {
         return false;
     }
     match &shader.expr(id).kind {
-        ExprKind::Name(name) if name == "gl_Position" || name == "gl_Vertex" => true,
+        ExprKind::Name(name) if name == "gl_Position" => true,
         ExprKind::Field { base: _, field } if field.name == "gl_Position" => true,
         ExprKind::Binary { op: BinaryOp::Add | BinaryOp::Sub, op_span: _, left, right } => {
             is_position(shader, forms, *left) || is_position(shader, forms, *right)

@@ -11,7 +11,7 @@ use syntax::symbols::{CallTarget, FunctionInfo, SymbolId};
 use syntax::types::Type;
 
 use super::forms::{Forms, builtin, constructed};
-use super::numeric::constant;
+use super::numeric::{bare, constant};
 use super::walk::expressions;
 
 /// The rule.
@@ -34,7 +34,8 @@ fn condition(shader: &Shader, id: ExprId) -> Option<Vec<ExprId>> {
         return Some(args.to_vec());
     }
     let [one] = constructed(shader, id, &Type::FLOAT)? else { return None };
-    (*shader.type_of(*one) == Type::BOOL).then(|| vec![*one])
+    let compares = matches!(shader.expr(bare(shader, *one)).kind, ExprKind::Binary { .. });
+    (*shader.type_of(*one) == Type::BOOL && compares).then(|| vec![*one])
 }
 
 /// What must be inside a domain for an expression to have a value: divisors and arguments.
