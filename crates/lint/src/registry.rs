@@ -86,6 +86,7 @@ pub const RULES: &[&Rule] = &[
     &glsl::low_precision_pi::RULE,
     &glsl::literal_out_of_range::RULE,
     &glsl::normal_not_normalised::RULE,
+    &glsl::cosine_not_clamped::RULE,
     &glsl::unnormalised_weights::RULE,
     &glsl::missing_homogeneous_divide::RULE,
     &glsl::normal_by_model_matrix::RULE,

@@ -23,6 +23,7 @@ pub(super) mod clamp_min_gt_max;
 pub(super) mod constant_index_out_of_range;
 pub(super) mod constructor_too_few_args;
 pub(super) mod constructor_too_many_args;
+pub(super) mod cosine_not_clamped;
 pub(super) mod dead_store;
 pub(super) mod degrees_as_radians;
 pub(super) mod deprecated_in_profile;
