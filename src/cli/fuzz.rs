@@ -311,7 +311,7 @@ fn one_function(
 
 /// The command line up to the function.
 fn command(args: &FuzzArgs, source: &IncludedText) -> String {
-    let mut words = format!("shadercheck fuzz {}", shell_word(&source.name));
+    let mut words = format!("shadercheck fuzz {}", shell_word(&source.given));
     for folder in &args.include {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use base::diagnostic::{Diagnostic, Severity};
-use base::text::{Assembly, SourceFile, Span};
+use base::text::{Assembly, Shown as _, SourceFile, Span};
 use engine::suite::Includes;
 use syntax::{Parsed, Shader, Stage};
 
@@ -11,6 +11,8 @@ use syntax::{Parsed, Shader, Stage};
 pub struct IncludedText {
     /// Its name, as it was given.
     pub name: String,
+    /// How a command line names it.
+    pub given: String,
     /// Its path.
     pub path: PathBuf,
     /// Its text, with includes.
@@ -34,6 +36,7 @@ pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
     let whole = includes.resolve(&file)?;
     Ok(IncludedText {
         name: file.name().to_owned(),
+        given: file.name().to_owned(),
         path: path.to_owned(),
         stage: lint::stage_of(&file).unwrap_or(Stage::Library),
         printed: false,
@@ -55,7 +58,10 @@ pub fn read_all(path: &Path, folders: &[PathBuf], stage: Option<Stage>) -> anyho
         let mut includes = Includes::new(folders.to_vec(), "`-I FOLDER`");
         let file = includes.resolve(&shader.file)?;
         let (name, path) = (shader.file.name().to_owned(), path.to_owned());
-        Ok(IncludedText { name, path, file, stage: shader.stage, printed: true, includes })
+        // The name of a shader in host code is no path: its line leads to it.
+        let is_file = lint::language_of(&path.to_string_lossy()).is_some();
+        let given = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
+        Ok(IncludedText { name, given, path, file, stage: shader.stage, printed: true, includes })
     };
     printed.into_iter().map(text).collect()
 }

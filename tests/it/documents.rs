@@ -114,6 +114,8 @@ fn shaders_in_strings_and_files_of_two_stages_are_fuzzed() {
     let fuzz = |args: &str| run_in(folder.path(), &format!("fuzz {args} --samples 64 --lane embedded"));
     let ran = fuzz("scene.js --hostile");
     assert!(ran.out.contains("scene.js:4:"), "{ran:?}");
+    assert!(ran.out.contains("reproduce  shadercheck fuzz scene.js:1 "), "{ran:?}");
+    assert!(fuzz("scene.js:1").out.contains("main"));
     let ran = fuzz("both.glsl").expect(0);
     assert!(ran.out.contains("both.glsl (vertex)") && ran.out.contains("both.glsl (fragment)"), "{ran:?}");
     let ran = fuzz("scene.cpp").expect(2);
