@@ -19,6 +19,9 @@ use crate::{context, script, version};
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
 
+/// Bytes of the longest text that is read again: preprocessed collections of everything take too long.
+const LONGEST_VARIED: usize = 1 << 15;
+
 /// A shader as rules see it.
 pub struct ShaderFile {
     /// The text.
@@ -79,7 +82,7 @@ impl ShaderFile {
     /// before has, each with the places of these lines. What is defined is `1`; a name that the code uses as a value is
     /// left alone.
     pub fn variants(&self) -> Vec<(Self, Vec<Span>)> {
-        if !self.conditional || self.partial {
+        if !self.conditional || self.partial || self.file.text().len() > LONGEST_VARIED {
             return Vec::new();
         }
         let inactive = |shader: &Shader| -> Vec<Span> {
