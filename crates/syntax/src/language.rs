@@ -42,6 +42,7 @@ pub(crate) enum Feature {
     InitializerLists,
     Interpolation,
     Invariant,
+    LayoutExpressions,
     LayoutLocation,
     LayoutLocationUniform,
     LayoutLocationVarying,
@@ -104,12 +105,13 @@ impl Feature {
             Self::InitializerLists | Self::LocalConstants | Self::ScalarSwizzles | Self::VectorLength => {
                 (420, NEVER, &["ARB_shading_language_420pack"])
             }
-            Self::MixedQualifiers => (420, 310, &["ARB_shading_language_420pack"]),
+            Self::MixedQualifiers => (420, 310, &["ARB_shading_language_420pack", "ARB_enhanced_layouts"]),
             Self::LayoutLocation => (330, 300, &["ARB_explicit_attrib_location", "ARB_separate_shader_objects"]),
             Self::LayoutLocationUniform => (430, 310, &["ARB_explicit_uniform_location"]),
             Self::LayoutLocationVarying => {
                 (410, 310, &["ARB_separate_shader_objects", "EXT_separate_shader_objects", "ARB_enhanced_layouts"])
             }
+            Self::LayoutExpressions => (440, 310, &["ARB_enhanced_layouts"]),
             Self::Invariant => (120, 100, &[]),
             Self::OpaqueIndex => (400, 320, &["ARB_gpu_shader5", "EXT_gpu_shader5", "OES_gpu_shader5"]),
             Self::Precision => (130, 100, &["ARB_ES2_compatibility", "ARB_ES3_compatibility"]),
@@ -144,6 +146,7 @@ impl Feature {
             Self::VectorLength => message!("`.length()` of a vector or matrix", "ベクトル・行列の `.length()`"),
             Self::LocalConstants => message!("a local constant of the run", "実行時に決まるローカル定数"),
             Self::MixedQualifiers => message!("this order of qualifiers", "この順序の修飾子"),
+            Self::LayoutExpressions => message!("an expression as a layout value", "layout の値としての式"),
             Self::LayoutLocation => message!("`layout(location)`", "`layout(location)`"),
             Self::LayoutLocationUniform => message!("`layout(location)` of a uniform", "uniform の `layout(location)`"),
             Self::LayoutLocationVarying => {
@@ -167,6 +170,7 @@ const KNOWN: &[&str] = &[
     "ARB_derivative_control",
     "ARB_draw_buffers",
     "ARB_draw_instanced",
+    "ARB_enhanced_layouts",
     "ARB_ES2_compatibility",
     "ARB_ES3_compatibility",
     "ARB_explicit_attrib_location",
@@ -175,6 +179,8 @@ const KNOWN: &[&str] = &[
     "ARB_gpu_shader_fp64",
     "ARB_separate_shader_objects",
     "ARB_shader_bit_encoding",
+    "ARB_shader_stencil_export",
+    "AMD_shader_stencil_export",
     "ARB_shader_storage_buffer_object",
     "ARB_shader_texture_lod",
     "ARB_shading_language_420pack",
@@ -246,6 +252,21 @@ impl Language {
 
     pub(crate) fn since(&self, (desktop, es, extensions): Since) -> bool {
         self.at_least(desktop, es) || extensions.iter().any(|e| self.enabled(e)) || self.open
+    }
+
+    /// The same without what an extension may bring of which nothing is known.
+    pub(crate) fn stated(&self, (desktop, es, extensions): Since) -> bool {
+        self.at_least(desktop, es) || extensions.iter().any(|e| self.enabled(e))
+    }
+
+    /// True when an extension is on whose name has this word.
+    pub(crate) fn enabled_with(&self, word: &str) -> bool {
+        self.enabled.iter().any(|e| e.contains(word))
+    }
+
+    /// True where samplers and images are numbers that any variable may hold.
+    pub(crate) fn bindless(&self) -> bool {
+        self.enabled("ARB_bindless_texture") || self.enabled("NV_bindless_texture")
     }
 
     pub(crate) fn has(&self, feature: Feature) -> bool {

@@ -146,6 +146,8 @@ const VARIABLES: &[Row] = &[
     ("gl_PointCoord", "*", 120, 100, &[]),
     ("gl_FragDepth", "*", 110, 300, &["EXT_frag_depth"]),
     ("gl_FragDepthEXT", "*", NEVER, NEVER, &["EXT_frag_depth"]),
+    ("gl_FragStencilRefARB", "*", NEVER, NEVER, &["ARB_shader_stencil_export"]),
+    ("gl_FragStencilRefAMD", "*", NEVER, NEVER, &["AMD_shader_stencil_export"]),
     ("gl_SampleID gl_SamplePosition", "*", 400, 320, &["ARB_sample_shading", "OES_sample_variables"]),
     ("gl_SampleMask", "*", 400, 320, &["ARB_sample_shading", "ARB_gpu_shader5", "OES_sample_variables"]),
     ("gl_SampleMaskIn", "*", 400, 320, &["ARB_gpu_shader5", "OES_sample_variables"]),

@@ -52,6 +52,7 @@ const TABLE: &[(&str, &str, &str, char)] = &[
     ("gl_SampleMask", "f", "int ?", 'w'),
     ("gl_FragDepth", "f", "float", 'w'),
     ("gl_FragDepthEXT", "f", "float", 'w'),
+    ("gl_FragStencilRefARB gl_FragStencilRefAMD", "f", "int", 'w'),
     ("gl_FragColor", "f", "vec4", 'w'),
     ("gl_FragData", "f", "vec4 ?", 'w'),
     ("gl_NumWorkGroups gl_WorkGroupID gl_LocalInvocationID gl_GlobalInvocationID gl_WorkGroupSize", "k", "uvec3", 'r'),

@@ -55,6 +55,10 @@ impl Checker<'_> {
             return true;
         }
         self.reserved_name(name, false);
+        if let Some(first) = self.functions.get(&name.name).and_then(|all| all.first()) {
+            let first = self.out.functions[first.index()].name.span;
+            self.redefinition(name, Some(first));
+        }
         if !self.blocks.insert((storage, name.name.clone())) {
             self.redefinition(name, None);
         } else if let Some(entry) = self.scopes.first().and_then(|s| s.entries.get(&name.name)) {
@@ -127,7 +131,9 @@ impl Checker<'_> {
             self.sink.error(errors::VARIABLE_TYPE, name.span, message, message!("this member", "このメンバー"));
         }
         self.layout_rules(&member.qualifiers, Bearer::Member(storage), Some(ty));
-        if let Some((word, span)) = member.qualifiers.storage()
+        if let Some((StorageQualifier::Varying | StorageQualifier::Attribute, span)) = member.qualifiers.storage() {
+            self.qualifier(span, message!("a block has `in` and `out`", "ブロックでは `in`・`out` を使います"));
+        } else if let Some((word, span)) = member.qualifiers.storage()
             && Storage::of(word, self.stage) != storage
         {
             self.qualifier(span, message!("the block has another storage", "ブロックの記憶域と違います"));
@@ -168,6 +174,7 @@ impl Checker<'_> {
             self.member_rules(member, Bearer::Member(storage));
             self.precision_needed(&member.qualifiers, &Type::Error, member.span);
             for (name, ty, declarator) in self.member_types(member) {
+                self.limited_size(&name.name, &declarator.dims);
                 if !builtin_block {
                     self.reserved_name(&name, false);
                     self.block_member_rules(member, storage, &name, &ty, block);
@@ -221,10 +228,24 @@ impl Checker<'_> {
                 });
             }
         }
+        let placed: Vec<(Type, &Qualifiers)> = members.iter().map(|m| (m.ty.clone(), &m.qualifiers)).collect();
+        self.offset_rules(block, storage, &placed);
         let base = Type::Struct(Arc::new(StructType { name: block.name.name.clone(), fields, span: block.name.span }));
         let ty = self.dimensions(base, &block.dims);
         if block.dims.len() > 1 {
             self.need(Feature::ArraysOfArrays, block.dims[1].span);
+        }
+        if let (Storage::Uniform, Some(dim)) = (storage, block.dims.first().filter(|d| d.size.is_none()))
+            && (self.language.es() || !self.language.at_least(430, u32::MAX))
+            && !self.language.is_open()
+        {
+            let message =
+                message!("an array of uniform blocks needs a size", "uniform ブロックの配列には大きさが必要です");
+            self.sink.error(errors::ARRAY, dim.span, message, message!("no size", "大きさがない"));
+        }
+        if !builtin_block {
+            let name = block.instance.as_ref().unwrap_or(&block.name).clone();
+            self.patch_array(&name, &ty, storage, &block.qualifiers);
         }
         if storage == Storage::In && !builtin_block {
             let name = block.instance.as_ref().unwrap_or(&block.name);
@@ -291,6 +312,12 @@ impl Checker<'_> {
             for entry in entries {
                 let key = entry.key.name.to_ascii_lowercase();
                 let key = key.as_str();
+                // Of one declaration the last value counts.
+                if entry.value.is_some()
+                    && qualifiers.layout_entry(&entry.key.name).is_some_and(|e| e.span != entry.span)
+                {
+                    continue;
+                }
                 let span = entry.span;
                 let number = entry.value.and_then(|v| self.value_of(v)).and_then(Const::as_integer);
                 let number = number.and_then(|n| u32::try_from(n).ok()).map(|value| Located { value, span });
@@ -331,14 +358,7 @@ impl Checker<'_> {
                             }
                             geometry.output = Some(Located { value, span });
                         } else if key == "max_vertices" {
-                            let differs = |old: Located<u32>| number.is_some_and(|n| n.value != old.value);
-                            if geometry.max_vertices.is_some_and(differs) {
-                                let message =
-                                    message!("another `max_vertices` than above", "上と異なる `max_vertices` です");
-                                self.sink.error(errors::LAYOUT, span, message, message!("second one", "二つ目"));
-                                continue;
-                            }
-                            geometry.max_vertices = number;
+                            geometry.max_vertices = geometry.max_vertices.or(number);
                         }
                     }
                     Some(Storage::Uniform | Storage::Buffer | Storage::Shared | Storage::Const | Storage::Global)

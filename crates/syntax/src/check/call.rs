@@ -87,7 +87,8 @@ impl Checker<'_> {
             Type::Scalar(_) | Type::Vector(..) | Type::Matrix(..) => {
                 let mut good = true;
                 for (arg, arg_ty) in args.iter().zip(&types) {
-                    if arg_ty.components().is_none() && !arg_ty.is_error() {
+                    let handle = self.language.bindless() && matches!(arg_ty, Type::Opaque(_));
+                    if arg_ty.components().is_none() && !arg_ty.is_error() && !handle {
                         let message = format!(
                             "{} `{arg_ty}` has no components to build {} `{ty}` from",
                             article(arg_ty),
@@ -247,6 +248,7 @@ impl Checker<'_> {
     }
 
     fn function_call(&mut self, id: ExprId, name: &Ident, args: &[ExprId]) -> (Type, Option<Const>) {
+        self.meeting(name);
         let types: Vec<Type> = args.iter().map(|a| self.type_of(*a).clone()).collect();
         let user = self.functions.get(&name.name).cloned().unwrap_or_default();
         let mut candidates: Vec<Candidate> = user
@@ -282,9 +284,23 @@ impl Checker<'_> {
             return (Type::Error, None);
         }
         let Some((index, certain)) = best else {
+            // An extension may bring operations on other types of numbers.
+            let more = match name.name.as_str() {
+                n if n.starts_with("imageAtomic") || n.starts_with("atomic") => {
+                    self.language.enabled_with("atomic_float")
+                }
+                n if n.starts_with("texture") => self.language.enabled("EXT_texture_shadow_lod"),
+                _ => false,
+            };
+            if more && candidates.iter().all(|c| c.user.is_none()) {
+                return (Type::Error, None);
+            }
             self.no_overload(name, &candidates, &types);
             return (Type::Error, None);
         };
+        if candidates[index].user.is_some() {
+            self.chosen_rules(name, index, &candidates, &types, args);
+        }
         let Candidate { params, result, user } = candidates.swap_remove(index);
         for ((direction, wanted), arg) in params.iter().zip(args) {
             if *direction == Direction::In {
@@ -316,6 +332,50 @@ impl Checker<'_> {
             (None, None) => None,
         };
         (if certain { result } else { Type::Error }, value)
+    }
+
+    /// Rules of a call of the shader's own function: which one is meant must be certain, and an array that is passed has
+    /// a size.
+    fn chosen_rules(&mut self, name: &Ident, index: usize, candidates: &[Candidate], types: &[Type], args: &[ExprId]) {
+        let text = &name.name;
+        if candidates[index].user.is_some_and(|f| self.subroutines.contains(&self.out.functions[f.index()].name.name)) {
+            let message = message!(
+                "`{text}` is a subroutine type and cannot be called",
+                "`{text}` はサブルーチン型で、呼び出せません"
+            );
+            self.sink.error(errors::UNKNOWN_FUNCTION, name.span, message, message!("called here", "ここで呼び出し"));
+        }
+        for (ty, arg) in types.iter().zip(args) {
+            let builtin = |c: &Self| c.sink.file.slice(c.arena.get(*arg).span).contains("gl_");
+            if matches!(ty, Type::Array(_, ArraySize::Unsized)) && !builtin(self) {
+                let message = message!(
+                    "an array without a size cannot be passed as a whole",
+                    "大きさのない配列の全体は渡せません"
+                );
+                self.sink.error(
+                    errors::ARRAY,
+                    self.arena.get(*arg).span,
+                    message,
+                    message!("this argument", "この引数"),
+                );
+            }
+        }
+        let modern = self.conversions.int_to_uint;
+        let fits = |c: &Candidate| best(std::slice::from_ref(c), types, self.conversions).is_some();
+        if types.iter().any(Type::is_error) || best_cost(&candidates[index], types, self.conversions) == Some(0) {
+            return;
+        }
+        let mut others = candidates.iter().enumerate().filter(|(k, c)| *k != index && c.user.is_some() && fits(c));
+        let chosen = &candidates[index];
+        let unclear = others.find(|(_, other)| !modern || !is_better(chosen, other, types));
+        if let Some(other) = unclear.and_then(|(_, c)| c.user) {
+            let first = self.out.functions[other.index()].name.span;
+            let file = self.sink.file.clone();
+            let message = message!("which `{text}` is meant is not certain", "どの `{text}` を呼ぶのか決まりません");
+            let d = self.sink.start(errors::NO_OVERLOAD, name.span, message);
+            let d = d.with_label(message!("several fit after conversions", "変換すると複数が当てはまります"));
+            self.sink.push(d.with_related(&file, first, message!("this one fits as well", "これも当てはまります")));
+        }
     }
 
     /// Offsets of texels are part of the instruction: they have to be constant expressions (GLSL 4.60
@@ -435,6 +495,32 @@ fn best(candidates: &[Candidate], types: &[Type], rules: Conversions) -> Option<
         }
     }
     found.map(|(_, i)| (i, certain))
+}
+
+/// Conversions that one candidate needs.
+fn best_cost(candidate: &Candidate, types: &[Type], rules: Conversions) -> Option<u32> {
+    let costs = candidate.params.iter().zip(types).map(|((direction, param), given)| match direction {
+        Direction::In => cost(given, param, rules),
+        Direction::Out | Direction::InOut => cost(param, given, rules),
+    });
+    costs.sum()
+}
+
+/// True when the first candidate has a better conversion for an argument, and a worse one for none (GLSL 4.60
+/// specification, section 6.1).
+fn is_better(one: &Candidate, other: &Candidate, types: &[Type]) -> bool {
+    let rank = |(direction, param): &(Direction, Type), given: &Type| {
+        let (from, to) = if *direction == Direction::In { (given, param) } else { (param, given) };
+        match (from.scalar(), to.scalar()) {
+            _ if from == to => 0,
+            (Some(ScalarType::Float), Some(ScalarType::Double)) => 1,
+            (_, Some(ScalarType::Double)) => 3,
+            _ => 2,
+        }
+    };
+    let ranks = |c: &Candidate| c.params.iter().zip(types).map(|(p, t)| rank(p, t)).collect::<Vec<_>>();
+    let (a, b) = (ranks(one), ranks(other));
+    a.iter().zip(&b).all(|(a, b)| a <= b) && a != b
 }
 
 /// True when the version has this form of a built-in function: those on unsigned integers, on `double`,

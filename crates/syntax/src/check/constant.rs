@@ -6,7 +6,7 @@ use super::super::errors;
 use super::super::interface::Storage;
 use super::super::language::{Feature, Since};
 use super::super::symbols::{CallTarget, SymbolKind};
-use super::super::types::{ScalarType, Type};
+use super::super::types::{ArraySize, ScalarType, Type};
 use super::Checker;
 use base::diagnostic::{Message, message};
 use base::text::Span;
@@ -50,7 +50,9 @@ impl Checker<'_> {
             // A sequence is no constant from 1.20 and ES 3.00 on.
             ExprKind::Comma { .. } => all() && !self.language.at_least(120, 300),
             ExprKind::Method { base, .. } => {
-                self.type_of(*base).index_count().is_some() || self.type_of(*base).is_error()
+                // An array over the vertices of a patch has as many as the implementation knows.
+                let ty = self.type_of(*base);
+                ty.index_count().is_some() || ty.is_error() || matches!(ty, Type::Array(_, ArraySize::Unknown))
             }
             ExprKind::Call { callee: _, args: _ } => match &self.out.calls[id.index()] {
                 Some(CallTarget::User(_)) => false,

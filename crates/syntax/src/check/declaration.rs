@@ -212,7 +212,10 @@ impl Checker<'_> {
         }
         if bearer == Bearer::Nothing {
             for q in &member.qualifiers.list {
-                if !matches!(q.kind, QualifierKind::Precision(_)) {
+                // Images in structures came with handles.
+                let image =
+                    self.language.bindless() && matches!(q.kind, QualifierKind::Memory(_) | QualifierKind::Layout(_));
+                if !matches!(q.kind, QualifierKind::Precision(_)) && !image {
                     self.qualifier(
                         q.span,
                         message!("it does not belong to a member", "構造体のメンバーには付けられません"),
@@ -349,6 +352,7 @@ impl Checker<'_> {
         self.layout_values(qualifiers);
         self.qualifier_rules(qualifiers);
         self.storage_rules(qualifiers, storage);
+        self.subroutine_variable(qualifiers);
         let base = self.specified_type(&declaration.ty);
         self.precision_needed(qualifiers, &base, declaration.ty.span);
         for (position, declarator) in declaration.declarators.iter().enumerate() {
@@ -401,6 +405,21 @@ impl Checker<'_> {
         let bearer = if again { Bearer::Builtin } else { Bearer::Variable(storage) };
         self.layout_rules(qualifiers, bearer, Some(ty));
         if again {
+            self.limited_size(&name.name, &declarator.dims);
+            if name.name == "gl_FragCoord" {
+                let origin =
+                    ["origin_upper_left", "pixel_center_integer"].map(|k| qualifiers.layout_entry(k).is_some());
+                if self.fragment_origin.replace(origin).is_some_and(|old| old != origin) {
+                    let message =
+                        message!("`gl_FragCoord` has other layouts above", "`gl_FragCoord` の layout が上と違います");
+                    self.sink.error(
+                        errors::REDECLARATION,
+                        name.span,
+                        message,
+                        message!("second declaration", "二つ目の宣言"),
+                    );
+                }
+            }
             return;
         }
         let per_vertex = matches!(
@@ -419,6 +438,7 @@ impl Checker<'_> {
         if storage == Storage::In {
             self.geometry_input(name, ty, declarator.span);
         }
+        self.patch_array(name, ty, storage, qualifiers);
         if per_vertex && !patch {
             self.array_rules(own, declarator.span, declarator.initializer.is_some(), false);
         } else {
@@ -455,6 +475,7 @@ impl Checker<'_> {
             params.push(ParamInfo { name: param.name.clone(), ty, direction, symbol: None, span: param.span });
         }
         self.function_rules(function, &return_type, &params);
+        self.subroutine_rules(function, &return_type, &params);
         let id = self.declare_function(item, function, &return_type, params.clone());
         let Some(body) = &function.body else { return };
         self.scoped(|this| {
@@ -505,14 +526,25 @@ impl Checker<'_> {
         };
         let old = &self.out.functions[id.index()];
         let directions = old.params.iter().zip(&params).all(|(a, b)| a.direction == b.direction);
-        let twice = (function.body.is_some() && old.definition.is_some()) || !directions;
+        let again =
+            function.body.is_none() && !old.prototypes.is_empty() && self.language.es() && self.language.number() < 300;
+        let constants = |f: &Function| f.params.iter().map(|p| p.qualifiers.is_const()).collect::<Vec<_>>();
+        let before = old.prototypes.first().copied().or(old.definition).and_then(|k| self.unit.items.get(k));
+        let directions = directions
+            && before.is_none_or(|item| match &item.kind {
+                ItemKind::Function(f) => constants(f) == constants(function),
+                _ => true,
+            });
+        let twice = (function.body.is_some() && old.definition.is_some()) || !directions || again;
         let differs = old.return_type != *return_type && !old.return_type.is_error() && !return_type.is_error();
         if twice || differs {
             let (first, old_return) = (old.name.span, old.return_type.to_string());
             let message = if differs {
                 format!("`{}` returns `{return_type}` here and `{old_return}` before", name.name)
             } else if !directions {
-                format!("`{}` has other `in` and `out` parameters here than before", name.name)
+                format!("`{}` has other `in`, `out` and `const` parameters here than before", name.name)
+            } else if again {
+                format!("`{}` is declared twice, which this version does not allow", name.name)
             } else {
                 format!("`{}` has two bodies for the same parameters", name.name)
             };

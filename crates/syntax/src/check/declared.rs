@@ -205,6 +205,9 @@ impl Checker<'_> {
         if ty.is_error() {
             return;
         }
+        if ty.contains_opaque() && self.language.bindless() {
+            return;
+        }
         if ty.contains_opaque() && storage != Storage::Uniform {
             let message =
                 message!("`{ty}` can only be a uniform or a parameter", "`{ty}` は uniform か引数に限られます");
@@ -383,6 +386,22 @@ impl Checker<'_> {
         {
             return false;
         }
+        if self.per_vertex.contains_key(&Storage::Out)
+            && builtin::in_per_vertex(&name.name)
+            && storage == Some(Storage::Out)
+        {
+            let text = &name.name;
+            let message = message!(
+                "`{text}` is declared again behind a block of `gl_PerVertex`",
+                "`gl_PerVertex` ブロックの後で `{text}` が再宣言されています"
+            );
+            self.sink.error(
+                errors::REDECLARATION,
+                name.span,
+                message,
+                message!("belongs into the block", "ブロックの中に書きます"),
+            );
+        }
         if let Type::Array(_, ArraySize::Known(n)) = ty {
             self.builtin_limit(&name.name, i64::from(*n), name.span);
         }
@@ -440,6 +459,18 @@ impl Checker<'_> {
         };
         if elements > limit {
             let message = message!("`{name}` has at most {limit} elements", "`{name}` の要素は {limit} 個までです");
+            self.sink.error(errors::ARRAY, span, message, message!("beyond the limit", "上限を超えています"));
+        }
+    }
+
+    /// A size of a built-in array that is greater than its limit.
+    pub(super) fn limited_size(&mut self, name: &str, dims: &[super::super::ast::ArrayDim]) {
+        let (Some(limit), Some(size)) = (super::places::limit_of(name), dims.first().and_then(|d| d.size)) else {
+            return;
+        };
+        if self.beyond_limit(size, limit).is_some_and(|more| more > 0) {
+            let message = message!("`{name}` has at most `{limit}` elements", "`{name}` の要素は `{limit}` 個までです");
+            let span = self.arena.get(size).span;
             self.sink.error(errors::ARRAY, span, message, message!("beyond the limit", "上限を超えています"));
         }
     }

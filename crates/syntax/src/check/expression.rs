@@ -403,10 +403,17 @@ impl Checker<'_> {
             self.misfit(&value_ty, &target_ty, span, message);
         } else if op.is_none() {
             self.implicit(value, &value_ty, &target_ty);
-            if has_array(&target_ty) {
+            // A structure is copied with its arrays in the first version as well, but not in ES.
+            if if self.language.es() { has_array(&target_ty) } else { matches!(target_ty, Type::Array(..)) } {
                 self.need(Feature::ArrayValues, op_span);
             }
-            if let Type::Array(_, ArraySize::Unsized) = target_ty {
+            // Built-in arrays have a size that the implementation knows.
+            let builtin = match &self.arena.get(target).kind {
+                ExprKind::Name(name) => name.starts_with("gl_"),
+                ExprKind::Field { field, .. } => field.name.starts_with("gl_"),
+                _ => false,
+            };
+            if let (Type::Array(_, ArraySize::Unsized), false) = (&target_ty, builtin) {
                 let message = message!(
                     "an array without a size cannot be written as a whole",
                     "大きさのない配列の全体には書き込めません"

@@ -52,7 +52,7 @@ impl Checker<'_> {
                 self.sink.error(errors::ARRAY, function.return_type.span, message, here.clone());
             }
         }
-        if return_type.contains_opaque() {
+        if return_type.contains_opaque() && !self.language.bindless() {
             let message = message!("a function cannot return `{return_type}`", "関数は `{return_type}` を返せません");
             self.sink.error(errors::VARIABLE_TYPE, function.return_type.span, message, here.clone());
         }
@@ -116,7 +116,7 @@ impl Checker<'_> {
             let message = message!("a parameter cannot be `void`", "引数は `void` にできません");
             self.sink.error(errors::VARIABLE_TYPE, param.span, message, here.clone());
         }
-        if info.ty.contains_opaque() && info.direction != Direction::In {
+        if info.ty.contains_opaque() && info.direction != Direction::In && !self.language.bindless() {
             let ty = &info.ty;
             let message = message!("`{ty}` can only be an `in` parameter", "`{ty}` は `in` 引数に限られます");
             self.sink.error(errors::VARIABLE_TYPE, param.span, message, here.clone());
@@ -124,6 +124,11 @@ impl Checker<'_> {
         if matches!(param.ty.kind, TypeKind::Struct(_)) {
             let message = message!("a structure cannot be defined in a parameter", "引数の中で構造体は定義できません");
             self.sink.error(errors::FUNCTION, param.ty.span, message, here.clone());
+        }
+        if let Type::Array(element, _) = &info.ty
+            && matches!(**element, Type::Array(..))
+        {
+            self.need(Feature::ArraysOfArrays, param.span);
         }
         if let Type::Array(_, ArraySize::Unsized) = info.ty {
             let message = message!("an array parameter needs a size", "配列の引数には大きさが必要です");

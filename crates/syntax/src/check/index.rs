@@ -16,6 +16,17 @@ impl Checker<'_> {
         let span = self.arena.get(index).span;
         let value = self.value_of(index).and_then(Const::as_integer);
         let count = base_ty.index_count();
+        let name = match &self.arena.get(base).kind {
+            ExprKind::Name(name) => Some(name.clone()),
+            ExprKind::Field { field, .. } => Some(field.name.clone()),
+            _ => None,
+        };
+        if let Some(limit) = name.as_deref().and_then(super::places::limit_of)
+            && self.beyond_limit(index, limit).is_some_and(|more| more >= 0)
+        {
+            let message = message!("there is no element `{limit}`", "`{limit}` 番の要素はありません");
+            return self.sink.error(errors::INDEX_RANGE, span, message, message!("this index", "この添字"));
+        }
         if let Some(value) = value {
             let beyond = count.is_some_and(|n| value >= i64::from(n));
             if value < 0 || beyond {

@@ -1,7 +1,7 @@
 //! Which layout qualifiers there are, where they belong, and their values (GLSL 4.60 specification,
 //! section 4.4).
 
-use super::super::ast::{LayoutEntry, Qualifiers};
+use super::super::ast::{ExprKind, LayoutEntry, Qualifiers};
 use super::super::fold::Const;
 use super::super::interface::Storage;
 use super::super::language::{Feature, Since};
@@ -44,7 +44,7 @@ const KEYS: &[(&str, bool, Since)] = &[
         ),
     ),
     ("index", true, (330, u32::MAX, &["ARB_explicit_attrib_location"])),
-    ("component", true, (440, u32::MAX, &[])),
+    ("component", true, (440, u32::MAX, &["ARB_enhanced_layouts"])),
     (
         "binding",
         true,
@@ -59,8 +59,8 @@ const KEYS: &[(&str, bool, Since)] = &[
             ],
         ),
     ),
-    ("offset", true, (420, 310, &[])),
-    ("align", true, (440, u32::MAX, &[])),
+    ("offset", true, (420, 310, &["ARB_enhanced_layouts", "ARB_shader_atomic_counters"])),
+    ("align", true, (440, u32::MAX, &["ARB_enhanced_layouts"])),
     ("shared packed row_major column_major", false, (140, 300, &["ARB_uniform_buffer_object"])),
     ("std140", false, (140, 300, &["ARB_uniform_buffer_object", "ARB_shader_storage_buffer_object"])),
     ("std430", false, (430, 310, &["ARB_shader_storage_buffer_object"])),
@@ -86,7 +86,7 @@ const KEYS: &[(&str, bool, Since)] = &[
         (420, u32::MAX, &["ARB_conservative_depth", "AMD_conservative_depth", "EXT_conservative_depth"]),
     ),
     ("early_fragment_tests", false, (420, 310, &[])),
-    ("xfb_buffer xfb_offset xfb_stride", true, (440, u32::MAX, &[])),
+    ("xfb_buffer xfb_offset xfb_stride", true, (440, u32::MAX, &["ARB_enhanced_layouts"])),
     (
         "rgba32f rgba16f rg32f rg16f r11f_g11f_b10f r32f r16f rgba16 rgb10_a2 rgba8 rg16 rg8 r16 r8 rgba16_snorm \
          rgba8_snorm rg16_snorm rg8_snorm r16_snorm r8_snorm rgba32i rgba16i rgba8i rg32i rg16i rg8i r32i r16i r8i \
@@ -94,22 +94,27 @@ const KEYS: &[(&str, bool, Since)] = &[
         false,
         (420, 310, &[]),
     ),
+    ("size1x8 size1x16 size1x32 size2x32 size4x32", false, (420, u32::MAX, &["EXT_shader_image_load_store"])),
 ];
 
 impl Checker<'_> {
     /// Checks all layout qualifiers; their values have been typed.
     pub(super) fn layout_rules(&mut self, qualifiers: &Qualifiers, bearer: Bearer, ty: Option<&Type>) {
-        if self.language.is_open() {
-            return;
-        }
         let mut count = 0;
         let mut seen: Vec<&str> = Vec::new();
         for (entries, span) in qualifiers.layouts() {
             count += 1;
-            if count > 1 && !self.language.has(Feature::MixedQualifiers) {
-                self.need(Feature::MixedQualifiers, span);
+            if count > 1 && !self.language.stated(Feature::MixedQualifiers.since()) {
+                self.lacks(Feature::MixedQualifiers.name(), Feature::MixedQualifiers.since(), span);
             }
-            if bearer == Bearer::Nothing {
+            let open = self.language.is_open();
+            if open {
+                // What an extension may bring is let through; values follow the same rules.
+                for entry in entries {
+                    self.layout_value(entry);
+                }
+            }
+            if !open && bearer == Bearer::Nothing {
                 self.qualifier(
                     span,
                     message!(
@@ -121,16 +126,18 @@ impl Checker<'_> {
             }
             for entry in entries {
                 let key = entry.key.name.as_str();
-                if seen.contains(&key) && !self.language.has(Feature::MixedQualifiers) {
+                if seen.contains(&key) && !self.language.stated(Feature::MixedQualifiers.since()) {
                     self.layout_error(entry, message!("it stands there twice", "二度書かれています"));
                 }
                 seen.push(key);
-                self.layout_entry(entry, bearer, ty);
+                if !open {
+                    self.layout_entry(entry, bearer, ty);
+                }
             }
         }
     }
 
-    fn layout_error(&mut self, entry: &LayoutEntry, why: Message) {
+    pub(super) fn layout_error(&mut self, entry: &LayoutEntry, why: Message) {
         let key = &entry.key.name;
         let d = self
             .sink
@@ -154,17 +161,9 @@ impl Checker<'_> {
         match (entry.value, *valued) {
             (None, true) => return self.layout_error(entry, message!("it needs a value", "値が必要です")),
             (Some(_), false) => return self.layout_error(entry, message!("it takes no value", "値は取りません")),
-            (Some(value), true) => {
-                let folded = self.value_of(value).and_then(Const::as_integer);
-                if folded.is_some_and(|v| v < 0) {
-                    return self
-                        .layout_error(entry, message!("its value must not be negative", "値を負にはできません"));
-                }
-                let integer =
-                    self.type_of(value).is_error() || self.type_of(value).scalar().is_some_and(|s| s.is_integer());
-                if !integer && key != "max_vertices" && key != "invocations" {
-                    return self
-                        .layout_error(entry, message!("its value must be an integer", "値は整数でなければなりません"));
+            (Some(_), true) => {
+                if !self.layout_value(entry) {
+                    return;
                 }
             }
             (None, false) => {}
@@ -177,6 +176,57 @@ impl Checker<'_> {
         }
         if !self.language.since(*since) {
             self.lacks(message!("`layout({key})`", "`layout({key})` "), *since, entry.span);
+        }
+    }
+
+    /// Checks the value of a key that takes one; false when it is wrong.
+    fn layout_value(&mut self, entry: &LayoutEntry) -> bool {
+        let key = entry.key.name.to_ascii_lowercase();
+        let valued = KEYS.iter().any(|(keys, valued, _)| *valued && keys.split_whitespace().any(|k| k == key));
+        let Some(value) = entry.value.filter(|_| valued) else { return true };
+        let ty = self.type_of(value).clone();
+        let folded = self.value_of(value).and_then(Const::as_integer);
+        let integer = ty.is_scalar() && ty.scalar().is_some_and(|s| s.is_integer());
+        // A geometry stage tells of these two by itself.
+        let own = matches!(key.as_str(), "max_vertices" | "invocations") && self.stage == Stage::Geometry;
+        let why = if ty.is_error() || own && !(integer && self.is_constant(value)) {
+            return true;
+        } else if folded.is_some_and(|v| v < 0) {
+            message!("its value must not be negative", "値を負にはできません")
+        } else if !integer {
+            message!("its value must be an integer", "値は整数でなければなりません")
+        } else if !self.is_constant(value) {
+            message!("its value must be constant", "値は定数でなければなりません")
+        } else {
+            match (key.as_str(), folded) {
+                ("local_size_x" | "local_size_y" | "local_size_z" | "vertices" | "invocations", Some(0)) => {
+                    message!("its value must be positive", "値は正でなければなりません")
+                }
+                ("align", Some(n)) if n == 0 || n & (n - 1) != 0 => {
+                    message!("its value must be a power of two", "値は 2 の累乗でなければなりません")
+                }
+                ("index", Some(n)) if n > 1 && self.stage == Stage::Fragment => {
+                    message!("its value is 0 or 1", "値は 0 か 1 です")
+                }
+                ("component", Some(n)) if n > 3 => message!("its value is 0 to 3", "値は 0 から 3 です"),
+                _ => {
+                    self.below_limit(entry);
+                    if !self.is_literal(value) {
+                        self.need(Feature::LayoutExpressions, self.arena.get(value).span);
+                    }
+                    return true;
+                }
+            }
+        };
+        self.layout_error(entry, why);
+        false
+    }
+
+    fn is_literal(&self, value: super::ExprId) -> bool {
+        match &self.arena.get(value).kind {
+            ExprKind::Paren(inner) => self.is_literal(*inner),
+            ExprKind::Literal(_) | ExprKind::Error => true,
+            _ => false,
         }
     }
 
@@ -247,7 +297,8 @@ impl Checker<'_> {
             | "point_mode" => stage == Stage::TessEvaluation && bearer == Bearer::Stage(In),
             "local_size_x" | "local_size_y" | "local_size_z" => stage == Stage::Compute && bearer == Bearer::Stage(In),
             "early_fragment_tests" => stage == Stage::Fragment && bearer == Bearer::Stage(In),
-            "xfb_buffer" | "xfb_offset" | "xfb_stride" => {
+            "xfb_offset" => matches!(bearer, Variable(Out) | Block(Out) | Member(Out) | Builtin),
+            "xfb_buffer" | "xfb_stride" => {
                 matches!(bearer, Bearer::Stage(Out) | Variable(Out) | Block(Out) | Member(Out) | Builtin)
             }
             // Formats of images.

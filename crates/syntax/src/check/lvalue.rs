@@ -81,7 +81,7 @@ impl Checker<'_> {
         let Some(id) = self.out.names[name.index()] else { return true };
         let symbol = &self.out.symbols[id.index()];
         let text = symbol.name.clone();
-        if symbol.ty.contains_opaque() {
+        if symbol.ty.contains_opaque() && !self.language.bindless() {
             let ty = symbol.ty.to_string();
             let message = message!("`{text}`, a `{ty}`, cannot be written", "`{text}`（`{ty}`）には書き込めません");
             let label = message!("written here", "ここで書き込み");

@@ -3,6 +3,7 @@
 
 mod block;
 mod call;
+mod captured;
 mod constant;
 mod declaration;
 mod declared;
@@ -11,7 +12,10 @@ mod functions;
 mod index;
 mod layouts;
 mod lvalue;
+mod meeting;
+mod offsets;
 mod operator;
+mod places;
 mod statement;
 mod uses;
 
@@ -79,6 +83,10 @@ struct Checker<'a> {
     most_index: HashMap<SymbolId, i64>,
     /// What loops and switches are around the statement at hand.
     around: statement::Around,
+    /// Calls of the interlock that stand above.
+    met: Vec<String>,
+    /// Origin and centre of the pixel of a `gl_FragCoord` that was declared again.
+    fragment_origin: Option<[bool; 2]>,
     /// Functions that each function calls, with the place.
     calls: Vec<(FunctionId, FunctionId, Span)>,
     /// Names of blocks, by storage.
@@ -143,6 +151,8 @@ pub(crate) fn check(
         uniform_blocks: HashSet::new(),
         most_index: HashMap::new(),
         around: statement::Around::default(),
+        met: Vec::new(),
+        fragment_origin: None,
         calls: Vec::new(),
         blocks: HashSet::new(),
         float_precision: false,
@@ -180,6 +190,7 @@ impl<'a> Checker<'a> {
         }
         self.recursion();
         self.whole_stage();
+        self.whole_interface();
         let broken = unit.items.iter().any(|i| i.kind == ItemKind::Error);
         let has_main = self.out.functions.iter().any(|f| f.name.name == "main" && f.definition.is_some());
         if self.stage != Stage::Library && !has_main && !broken && !self.incomplete {

@@ -15,6 +15,8 @@ pub(super) struct Around {
     switch: Option<Switch>,
     /// Inside a block or a branch of the switch, where no label may stand.
     nested: bool,
+    /// Inside something that not every invocation runs once.
+    branched: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -31,6 +33,10 @@ impl Switch {
 }
 
 impl Around {
+    pub(super) fn is_branched(&self) -> bool {
+        self.branched
+    }
+
     /// Marks a nested statement; gives what was before.
     fn enter_nested(&mut self) -> Self {
         let before = self.clone();
@@ -41,13 +47,13 @@ impl Around {
 
 impl Checker<'_> {
     fn in_loop(&mut self, run: impl FnOnce(&mut Self)) {
-        let inner = Around { in_loop: true, switch: None, nested: false };
+        let inner = Around { in_loop: true, switch: None, nested: false, branched: true };
         let outer = std::mem::replace(&mut self.around, inner);
         run(self);
         self.around = outer;
     }
 
-    fn misplaced(&mut self, word: &str, why: Message, span: Span) {
+    pub(super) fn misplaced(&mut self, word: &str, why: Message, span: Span) {
         let message = message!("`{word}` cannot stand here", "`{word}` はここに書けません");
         let d = self.sink.start(errors::PLACEMENT, span, message).with_label(message!("here", "ここ")).with_why(why);
         self.sink.push(d);
@@ -165,6 +171,7 @@ impl Checker<'_> {
             StmtKind::If { condition, then, otherwise } => {
                 let nested = self.around.enter_nested();
                 self.bool_condition(*condition, "the condition of `if`");
+                self.around.branched = true;
                 self.scoped(|this| this.statement(then));
                 if let Some(otherwise) = otherwise {
                     self.scoped(|this| this.statement(otherwise));
@@ -197,7 +204,8 @@ impl Checker<'_> {
                     let span = self.arena.get(*selector).span;
                     self.sink.error(errors::CONDITION_TYPE, span, message, "selector");
                 }
-                let inner = Around { in_loop: self.around.in_loop, switch: Some(Switch::new(ty)), nested: false };
+                let switch = Some(Switch::new(ty));
+                let inner = Around { in_loop: self.around.in_loop, switch, nested: false, branched: true };
                 let outer = std::mem::replace(&mut self.around, inner);
                 if let Some(first) = body.statements.first()
                     && !matches!(first.kind, StmtKind::Case(_) | StmtKind::Default | StmtKind::Error)
@@ -232,7 +240,22 @@ impl Checker<'_> {
     fn condition(&mut self, condition: &Condition, what: &str) {
         match condition {
             Condition::Expr(value) => self.bool_condition(*value, what),
-            Condition::Declaration(declaration) => self.local_declaration(declaration),
+            Condition::Declaration(declaration) => {
+                self.local_declaration(declaration);
+                let ty = self.out.symbols.last().map_or(Type::Error, |s| s.ty.clone());
+                if !ty.is_error() && ty != Type::BOOL {
+                    let message = message!(
+                        "{what} must be a `bool`, not a `{ty}`",
+                        "条件は `bool` でなければなりません（`{ty}` です）"
+                    );
+                    self.sink.error(
+                        errors::CONDITION_TYPE,
+                        declaration.span,
+                        message,
+                        message!("declared here", "ここで宣言"),
+                    );
+                }
+            }
         }
     }
 

@@ -25,6 +25,7 @@ impl Parser<'_> {
                     ItemKind::Error
                 }
             };
+            items.append(&mut self.prototypes);
             items.push(Item { kind, span: self.since(start) });
         }
         Unit { items }
@@ -194,7 +195,12 @@ impl Parser<'_> {
         Ok(Declarator { name, dims, initializer, span })
     }
 
-    fn function(&mut self, start: Span, qualifiers: Qualifiers, return_type: TypeSpecifier) -> Read<Function> {
+    pub(super) fn function(
+        &mut self,
+        start: Span,
+        qualifiers: Qualifiers,
+        return_type: TypeSpecifier,
+    ) -> Read<Function> {
         let name = self.ident("the name of a function")?;
         let open = self.expect(Lex::LParen, "`(`")?;
         let mut params = Vec::new();

@@ -41,6 +41,8 @@ pub(crate) struct Parser<'a> {
     arena: Arena,
     /// An initialiser of the declaration at hand could not be read and was skipped.
     skipped: bool,
+    /// Prototypes in the function at hand.
+    prototypes: Vec<super::ast::Item>,
 }
 
 /// Reads all tokens.
@@ -48,8 +50,18 @@ pub(crate) fn parse(tokens: Vec<Tok>, language: &Language, sink: &mut Sink) -> (
     let file = sink.file.clone();
     let end = Tok::end(tokens.last().map_or(file.text().len(), |t| t.span.end));
     let words = Words::new(language);
-    let mut parser =
-        Parser { file, sink, tokens, end, at: 0, depth: 0, words, arena: Arena::default(), skipped: false };
+    let mut parser = Parser {
+        file,
+        sink,
+        tokens,
+        end,
+        at: 0,
+        depth: 0,
+        words,
+        arena: Arena::default(),
+        skipped: false,
+        prototypes: Vec::new(),
+    };
     let unit = parser.unit();
     (unit, parser.arena)
 }

@@ -1,6 +1,7 @@
 //! Statements.
 
-use super::super::ast::{Condition, Declaration, QualifiedNames, Stmt, StmtKind};
+use super::super::ast::{Condition, Declaration, Item, ItemKind, QualifiedNames, Qualifiers, Stmt, StmtKind};
+use super::super::errors;
 use super::super::language::Feature;
 use super::super::lexer::Lex;
 use super::{Message, Parser, Read};
@@ -110,6 +111,17 @@ impl Parser<'_> {
             let ty = self.type_specifier()?;
             return Ok(StmtKind::Declaration(self.declarators(start, qualifiers, ty)?));
         }
+        if self.prototype_follows() {
+            let start = self.span();
+            let ty = self.type_specifier()?;
+            let function = self.function(start, Qualifiers::default(), ty)?;
+            if let Some(body) = &function.body {
+                self.sink.error(errors::SYNTAX, body.span, "a function cannot be defined in another", "this body");
+            }
+            // It means what it means at file scope, where it is known from here on.
+            self.prototypes.push(Item { kind: ItemKind::Function(function), span: self.since(start) });
+            return Ok(StmtKind::Empty);
+        }
         if self.declaration_follows() {
             return Ok(StmtKind::Declaration(self.declaration()?));
         }
@@ -119,6 +131,17 @@ impl Parser<'_> {
     }
 
     /// True when a type and a name stand here: `T x`, `T[2] x`, `struct`.
+    /// True at a prototype in a function, which GLSL 1.10 has (section 6.1) and no version behind it.
+    fn prototype_follows(&self) -> bool {
+        let language = self.words.language();
+        let first = language.number() == 110 && !language.es();
+        let parameter = self.peek_at(3) == Lex::RParen
+            || self.words.built_in_type(self.word_at(3))
+            || self.words.qualifier(self.word_at(3));
+        let ty = self.word() == "void" || self.words.built_in_type(self.word());
+        first && ty && self.peek_at(1) == Lex::Word && self.peek_at(2) == Lex::LParen && parameter
+    }
+
     fn declaration_follows(&self) -> bool {
         if self.word() == "struct" {
             return true;

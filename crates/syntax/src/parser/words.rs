@@ -8,16 +8,10 @@ use super::super::types::Type;
 /// version, the first ES version, and extensions that bring them, without `GL_`. Names of types have a
 /// table of their own.
 const LATE: &[(&str, Since)] = &[
-    (
-        "sample",
-        (400, 320, &["ARB_gpu_shader5", "MESA_shader_integer_functions", "OES_shader_multisample_interpolation"]),
-    ),
+    ("sample", (400, 320, &["ARB_gpu_shader5", "OES_shader_multisample_interpolation"])),
     ("patch", (400, 320, &["ARB_tessellation_shader", "OES_tessellation_shader", "EXT_tessellation_shader"])),
     ("subroutine", (400, NEVER, &["ARB_shader_subroutine"])),
-    (
-        "precise",
-        (400, 320, &["ARB_gpu_shader5", "EXT_gpu_shader5", "OES_gpu_shader5", "MESA_shader_integer_functions"]),
-    ),
+    ("precise", (400, 320, &["ARB_gpu_shader5", "EXT_gpu_shader5", "OES_gpu_shader5"])),
     ("coherent", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
     ("volatile", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),
     ("restrict", (420, 310, &["ARB_shader_image_load_store", "ARB_shader_storage_buffer_object"])),

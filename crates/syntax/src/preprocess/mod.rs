@@ -1,6 +1,7 @@
 //! Directives and macros: from the tokens of the text to the tokens that are compiled.
 
 mod condition;
+mod extension;
 mod foreign;
 mod limit;
 mod macros;
@@ -49,6 +50,8 @@ struct Preprocessor<'a> {
     incomplete: bool,
     /// A token or directive stands before the line at hand.
     begun: bool,
+    /// Characters outside of the language in bodies of macros, with their names.
+    foreign: Vec<(String, Span)>,
 }
 
 /// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option; `before` is
@@ -79,6 +82,7 @@ pub(crate) fn run(
         extensions: Vec::new(),
         line_shift: 0,
         begun: false,
+        foreign: Vec::new(),
     };
     this.predefine();
     defines.iter().for_each(|(name, value)| this.given(name, value));
@@ -112,6 +116,12 @@ pub(crate) fn run(
         raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
     }
     this.flush();
+    for (name, span) in std::mem::take(&mut this.foreign) {
+        let uses = raw.iter().filter(|t| t.place != TokenPlace::Inactive && this.sink.file.slice(t.span) == name);
+        if uses.count() > 1 {
+            this.unknown(span);
+        }
+    }
     for open in std::mem::take(&mut this.conditionals) {
         let diagnostic = this
             .sink
@@ -158,7 +168,8 @@ impl Preprocessor<'_> {
 
     /// Macros that depend on the version.
     fn predefine(&mut self) {
-        for name in ["GL_ES", "GL_core_profile", "GL_compatibility_profile", "GL_es_profile"] {
+        let own = ["GL_ES", "GL_core_profile", "GL_compatibility_profile", "GL_es_profile", "GL_ARB_texture_rectangle"];
+        for name in own {
             self.macros.remove(name);
         }
         let number = self.version.number;
@@ -176,6 +187,10 @@ impl Preprocessor<'_> {
                 }
             }
             Profile::Core | Profile::Compatibility => {}
+        }
+        if self.version.profile != Profile::Es {
+            // Part of OpenGL since 3.1, and of every implementation before.
+            self.number("GL_ARB_texture_rectangle", "1");
         }
         if self.version.profile == Profile::Es || number >= 130 {
             self.number("GL_FRAGMENT_PRECISION_HIGH", "1");
@@ -435,8 +450,13 @@ impl Preprocessor<'_> {
             _ => (None, body),
         };
         let body = self.with_texts(body);
+        // What is left behind preprocessing counts: GLSL 4.20 and GLSL ES 3.00, section 3.1.
+        let later = self.version.number >= if self.version.profile == Profile::Es { 300 } else { 420 };
         for piece in body.iter().filter(|p| p.lex == Lex::Unknown) {
-            self.unknown(piece.span);
+            match later {
+                true => self.foreign.push((text.clone(), piece.span)),
+                false => self.unknown(piece.span),
+            }
         }
         let body = body.iter().filter(|p| p.lex != Lex::Unknown).map(|p| (p.lex, Spelling::Source(p.span))).collect();
         if text == "defined" || text.starts_with("__") && self.macros.contains_key(&text) {
@@ -546,35 +566,6 @@ impl Preprocessor<'_> {
                 self.extensions.push(Extension { name, behavior: behavior_text, span });
             }
             _ => self.malformed(span, "`#extension` is written as `#extension NAME : enable`"),
-        }
-    }
-
-    /// `require` of something that no vendor can have made, and `all` with a behaviour that it cannot have.
-    fn known_extension(&mut self, name: &str, behavior: &str, span: Span) {
-        const VENDORS: &[&str] = &[
-            "ARB", "EXT", "OES", "NV", "NVX", "AMD", "ATI", "INTEL", "KHR", "APPLE", "ANDROID", "MESA", "OVR", "QCOM",
-            "ARM", "IMG", "SGI", "SGIS", "SGIX", "WEBGL", "GOOGLE", "3DFX", "VIV", "DMP", "FJ", "HUAWEI", "ANGLE",
-            "CHROMIUM", "WIN", "IBM", "MTX", "PGI", "REND", "S3", "SUN", "NOUVEAU",
-        ];
-        if name == "all" && matches!(behavior, "require" | "enable") {
-            return self.malformed(span, "`all` can only be `warn` or `disable`");
-        }
-        let made = name.strip_prefix("GL_").and_then(|n| n.split('_').next()).is_some_and(|v| VENDORS.contains(&v));
-        if behavior == "require" && !made && name != "all" {
-            let d = self
-                .sink
-                .start(
-                    errors::EXTENSION,
-                    span,
-                    message!("there is no extension `{name}`", "拡張 `{name}` は存在しません"),
-                )
-                .with_label(message!("required here", "ここで必須とされています"))
-                .with_why(message!(
-                    "a required extension that is not there is an error",
-                    "必須の拡張がないとエラーになります"
-                ))
-                .with_help(message!("check its name, or write `enable`", "名前を確かめるか `enable` にしてください"));
-            self.sink.push(d);
         }
     }
 

@@ -107,7 +107,7 @@ fn unsized_geometry_inputs_have_the_vertices_of_the_primitive() {
 fn constants_in_layouts_and_macros_are_folded() {
     let shader = clean(PARTICLES, Stage::Geometry);
     assert_eq!(shader.interface().geometry.max_vertices.unwrap().value, 4);
-    let source = "#version 400\nconst int N = 1 << 2;\nlayout(triangles, invocations = 2) in;\n\
+    let source = "#version 440\nconst int N = 1 << 2;\nlayout(triangles, invocations = 2) in;\n\
                   layout(points, max_vertices = N * 3 - 2) out;\nvoid main() {}";
     let g = clean(source, Stage::Geometry).interface().geometry.clone();
     assert_eq!((g.max_vertices.unwrap().value, g.invocations.unwrap().value), (10, 2));
@@ -116,7 +116,7 @@ fn constants_in_layouts_and_macros_are_folded() {
 #[test]
 fn qualifiers_keep_their_spans_and_values() {
     let source =
-        "#version 410\nlayout(location = 2) flat in highp int k;\ninvariant centroid out vec4 o;\nvoid main() {}";
+        "#version 410\nlayout(location = 2) flat in highp int k[];\ninvariant centroid out vec4 o;\nvoid main() {}";
     let shader = clean(source, Stage::TessEvaluation);
     let k = shader.interface().input("k").unwrap();
     let location = k.qualifiers.layout_entry("location").unwrap();

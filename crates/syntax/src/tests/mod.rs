@@ -3,6 +3,7 @@
 mod diagnostics;
 mod grammar;
 mod interface;
+mod layouts;
 mod mutation;
 mod preprocessor;
 mod rules;
