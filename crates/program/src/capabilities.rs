@@ -7,6 +7,16 @@ const OP_CAPABILITY: u32 = 17;
 const OP_DECORATE: u32 = 71;
 const OP_MEMBER_DECORATE: u32 = 72;
 const BUILT_IN: u32 = 11;
+const OP_TYPE_BOOL: u32 = 20;
+const OP_TYPE_VECTOR: u32 = 23;
+const OP_TYPE_IMAGE: u32 = 25;
+const OP_LOAD: u32 = 61;
+const OP_IMAGE_QUERY_SIZE_LOD: u32 = 103;
+const OP_IMAGE_QUERY_SIZE: u32 = 104;
+const OP_LOGICAL_OR: u32 = 166;
+const OP_LOGICAL_AND: u32 = 167;
+const OP_BITWISE_OR: u32 = 197;
+const OP_BITWISE_AND: u32 = 199;
 
 /// Built-in values with the capability that declares each, and the extension that has it before SPIR-V 1.3 (SPIR-V 1.6,
 /// 3.21).
@@ -65,16 +75,52 @@ pub(super) fn known_to_reader(words: &[u32]) -> Vec<u32> {
         [] => false,
     };
     let mut kept = words.get(..HEADER).unwrap_or(words).to_vec();
-    let mut at = HEADER;
-    while let Some(&first) = words.get(at) {
-        let length = ((first >> 16) as usize).max(1);
-        let instruction = words.get(at..at + length).unwrap_or(&words[at..]);
-        if !unknown(instruction) {
+    let (mut boolean, mut vectors) = (None, Vec::new());
+    for instruction in instructions(words) {
+        let mut instruction = instruction.to_vec();
+        match instruction[..] {
+            [first, id] if first & 0xffff == OP_TYPE_BOOL => boolean = Some(id),
+            [first, id, of, _] if first & 0xffff == OP_TYPE_VECTOR && Some(of) == boolean => vectors.push(id),
+            // The reader takes these for `&&` and `||`, which have no vectors.
+            [ref mut first, ty, ..] if vectors.contains(&ty) => match *first & 0xffff {
+                OP_LOGICAL_OR => *first = *first & !0xffff | OP_BITWISE_OR,
+                OP_LOGICAL_AND => *first = *first & !0xffff | OP_BITWISE_AND,
+                _ => {}
+            },
+            _ => {}
+        }
+        if !unknown(&instruction) {
             kept.extend(instruction);
         }
-        at += length;
     }
     kept
+}
+
+/// True for a module that asks for the number of layers of a texture, which naga's reader takes for one more size.
+pub(super) fn asks_for_layers(words: &[u32]) -> bool {
+    let (mut arrayed, mut loaded) = (Vec::new(), Vec::new());
+    instructions(words).any(|instruction| {
+        match *instruction {
+            [first, id, _, _, _, 1, ..] if first & 0xffff == OP_TYPE_IMAGE => arrayed.push(id),
+            [first, ty, id, ..] if first & 0xffff == OP_LOAD && arrayed.contains(&ty) => loaded.push(id),
+            [first, _, _, image, ..] if matches!(first & 0xffff, OP_IMAGE_QUERY_SIZE_LOD | OP_IMAGE_QUERY_SIZE) => {
+                return loaded.contains(&image);
+            }
+            _ => {}
+        }
+        false
+    })
+}
+
+/// The instructions of a module, each with its first word.
+fn instructions(words: &[u32]) -> impl Iterator<Item = &[u32]> {
+    let mut rest = words.get(HEADER..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let length = ((*rest.first()? >> 16) as usize).clamp(1, rest.len());
+        let (instruction, behind) = rest.split_at(length);
+        rest = behind;
+        Some(instruction)
+    })
 }
 
 /// A string as words: UTF-8 in little endian, ended by zero.

@@ -141,7 +141,7 @@ pub enum TranslateError {
 }
 
 impl Program {
-    /// Translates the program. A vertex stage stays a vertex stage. A geometry stage and a function
+    /// Translates the program. A vertex stage stays a vertex stage. A geometry or tessellation stage and a function
     /// have no counterpart in naga: what is translated is the compute kernel that runs them.
     ///
     /// # Errors
@@ -177,7 +177,8 @@ impl Program {
                 translate(module, info, stage, language)
             }
             Role::Geometry(_) | Role::Function { .. } => {
-                let mut module = self.compute_kernel()?.module;
+                // Storage blocks stay what a host binds.
+                let mut module = Self { memory: Vec::new(), ..self.clone() }.compute_kernel()?.module;
                 // What the kernel has taken over is left without use, `main` of a library for one.
                 naga::compact::compact(&mut module, KeepUnused::No);
                 let info = validate(&module)?;
@@ -307,6 +308,7 @@ fn glsl_reason(error: &glsl::Error) -> String {
 pub fn read_back(translation: &Translation, language: Language, role: &Role) -> Result<Option<Module>, TranslateError> {
     let fails = |reason: String| TranslateError::ReadBack { language, reason };
     let parsed = contain(|| match (translation, language) {
+        (Translation::Words(words), Language::SpirV) if capabilities::asks_for_layers(words) => Ok(None),
         (Translation::Words(words), Language::SpirV) => {
             let options = naga::front::spv::Options { adjust_coordinate_space: false, ..Default::default() };
             naga::front::spv::Frontend::new(capabilities::known_to_reader(words).into_iter(), &options)

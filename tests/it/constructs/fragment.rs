@@ -33,6 +33,8 @@ fn coordinates_choose_the_texel_in_which_they_lie() {
     looks_up("sampler2D t", "textureLod(t, p.xy, 3.0)", [0.99, 0.01, 0.0], [15, 0, 0]);
     looks_up("sampler2D t", "textureProj(t, p)", [1.0, 0.5, 2.0], [8, 2, 0]);
     looks_up("sampler2D t", "textureOffset(t, p.xy, ivec2(2, -3))", [0.4, 0.3, 0.0], [8, 0, 0]);
+    looks_up("sampler2D t", "textureOffset(t, p.xy, ivec3(-3, 2, 1).yx)", [0.4, 0.3, 0.0], [8, 0, 0]);
+    looks_up("sampler2D t", "textureOffset(t, p.xy, ivec2(2.5, -3.0))", [0.4, 0.3, 0.0], [8, 0, 0]);
     looks_up("sampler2D t", "textureGrad(t, p.xy, p.xy, p.yz)", [0.4, 0.3, 0.0], [6, 2, 0]);
     looks_up("sampler2D t", "texelFetch(t, ivec2(p.xy), 0)", [3.0, 5.0, 0.0], [3, 5, 0]);
     looks_up("sampler1D t", "texture(t, p.x)", [0.5, 0.0, 0.0], [8, 0, 0]);

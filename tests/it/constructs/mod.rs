@@ -9,6 +9,7 @@ mod linked;
 mod memory;
 mod numbers;
 mod refused;
+mod tessellation;
 
 use std::sync::Arc;
 

@@ -44,6 +44,12 @@ fn memory_that_has_no_type() {
         "a subroutine uniform",
     );
     refused(
+        "t.tesc",
+        "#version 400\nlayout(vertices = 1) out;\nvoid main() { barrier(); gl_TessLevelOuter[0] = 1.0; }",
+        "barrier",
+        "`barrier` outside of a compute shader",
+    );
+    refused(
         "t.vert",
         "#version 330\nfloat f(float a);\nvoid main() { gl_Position = vec4(f(1.0)); }",
         "f(1.0)",

@@ -66,7 +66,11 @@ impl Build<'_> {
             self.globals.insert(symbol, Global::Number(n));
             return Ok(());
         }
-        let ty = if name == "gl_in" { self.per_vertex(&info.ty)? } else { self.with_size(symbol, &info.ty) };
+        let ty = match name.as_str() {
+            "gl_in" => self.per_vertex(&info.ty, self.vertices_taken())?,
+            "gl_out" => self.per_vertex(&info.ty, self.vertices_given())?,
+            _ => self.with_size(symbol, &info.ty),
+        };
         if ty.contains_opaque() {
             let global = Global::Opaque { key: name, ty, data: None, image: ImageLayout::default() };
             self.globals.insert(symbol, global);
@@ -114,7 +118,7 @@ impl Build<'_> {
         }
         match (stage, name) {
             (_, "gl_Position" | "gl_PointSize" | "gl_ClipDistance" | "gl_CullDistance")
-                if matches!(stage, Stage::Vertex | Stage::Geometry) =>
+                if matches!(stage, Stage::Vertex | Stage::Geometry | Stage::TessEvaluation) =>
             {
                 let handle = self.private(name, ty, span)?;
                 if stage == Stage::Vertex {
@@ -153,7 +157,9 @@ impl Build<'_> {
                 self.built_in_outputs.extend(ports);
                 Ok(handle)
             }
-            (Stage::Geometry, "gl_Layer" | "gl_ViewportIndex" | "gl_PrimitiveID") => {
+            (Stage::Geometry, "gl_Layer" | "gl_ViewportIndex" | "gl_PrimitiveID")
+            | (Stage::TessEvaluation, "gl_Layer" | "gl_ViewportIndex")
+            | (Stage::TessControl, "gl_out" | "gl_TessLevelOuter" | "gl_TessLevelInner") => {
                 let handle = self.private(name, ty, span)?;
                 let ports = self.port_out(name, ty, handle, span)?;
                 self.built_in_outputs.extend(ports);
@@ -187,12 +193,15 @@ impl Build<'_> {
             }
             (Stage::Fragment, "gl_NumSamples") => self.uniform(name, ty, span),
             (Stage::Geometry, "gl_InvocationID") => self.private(name, ty, span),
-            (Stage::Geometry, "gl_PrimitiveIDIn") => {
+            (Stage::Geometry, "gl_PrimitiveIDIn")
+            | (Stage::TessControl | Stage::TessEvaluation, "gl_PatchVerticesIn" | "gl_PrimitiveID")
+            | (Stage::TessControl, "gl_InvocationID")
+            | (Stage::TessEvaluation, "gl_TessCoord" | "gl_TessLevelOuter" | "gl_TessLevelInner") => {
                 let handle = self.private(name, ty, span)?;
                 self.port_in(name, ty, PortAt::Global(handle), span)?;
                 Ok(handle)
             }
-            (Stage::Geometry, "gl_in") => {
+            (Stage::Geometry | Stage::TessControl | Stage::TessEvaluation, "gl_in") => {
                 let handle = self.private(name, ty, span)?;
                 let others = std::mem::take(&mut self.inputs);
                 self.vertices(name, ty, handle, span)?;
@@ -246,8 +255,8 @@ impl Build<'_> {
         }
     }
 
-    /// `gl_in` with the members that the text names, so that only these are fed.
-    fn per_vertex(&self, ty: &Type) -> Result<Type> {
+    /// `gl_in` or `gl_out` with the members that the text names, so that only these are fed and read.
+    fn per_vertex(&self, ty: &Type, count: u32) -> Result<Type> {
         let element = match ty {
             Type::Array(element, _) => element.as_ref(),
             other => other,
@@ -267,12 +276,13 @@ impl Build<'_> {
         for field in s.fields.iter().filter(|f| f.name == "gl_Position" || uses(&f.name)) {
             let mut field = field.clone();
             if let Type::Array(element, ArraySize::Unsized | ArraySize::Unknown) = &field.ty {
-                field.ty = element.as_ref().clone().array(self.greatest_index(&field.name));
+                let whole = self.taken_whole(&field.name);
+                field.ty = element.as_ref().clone().array(if whole { 8 } else { self.greatest_index(&field.name) });
             }
             fields.push(field);
         }
         let element = Type::Struct(Arc::new(StructType { name: "gl_PerVertex".to_owned(), fields, span: s.span }));
-        Ok(Type::Array(Arc::new(element), ArraySize::Known(self.input_primitive().vertices())))
+        Ok(Type::Array(Arc::new(element), ArraySize::Known(count)))
     }
 
     pub(super) fn greatest_index(&self, field: &str) -> u32 {

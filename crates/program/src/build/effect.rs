@@ -39,7 +39,8 @@ impl Fun<'_, '_> {
             _ => return Ok(None),
         };
         if matches!(statement, Statement::ControlBarrier(_)) && self.shader.stage() != Stage::Compute {
-            return Err(self.build.unsupported(span, "`barrier` outside of a compute shader", "remove it"));
+            let help = "invocations of a patch run one by one here, and know nothing of each other";
+            return Err(self.build.unsupported(span, "`barrier` outside of a compute shader", help));
         }
         self.push(statement);
         Ok(Some(None))

@@ -76,7 +76,7 @@ impl Build<'_> {
         f.at = span;
         f.clear_if_discarded()?;
         f.build.settle_sources();
-        let outgoing = if f.build.is_geometry() { Vec::new() } else { f.build.outgoing.clone() };
+        let outgoing = if f.build.takes_vertices() { Vec::new() } else { f.build.outgoing.clone() };
         let result = f.hand_on(&outgoing)?;
         let mut arguments: Vec<_> = incoming.into_iter().map(|i| i.argument).collect();
         arguments.append(&mut more);
@@ -128,7 +128,7 @@ impl Build<'_> {
     fn settle_outputs(&mut self) {
         let mut all = std::mem::take(&mut self.built_in_outputs);
         all.append(&mut self.outputs);
-        if !self.is_geometry() {
+        if !self.takes_vertices() {
             for port in &mut all {
                 let (handle, path): (Handle<GlobalVariable>, Vec<u32>) = match &port.at {
                     PortAt::Global(handle) => (*handle, Vec::new()),
@@ -187,7 +187,7 @@ impl Fun<'_, '_> {
     }
 
     fn hand_on(&mut self, outgoing: &[Outgoing]) -> Result<Option<FunctionResult>> {
-        let shared = self.shares_outputs() && !self.build.is_geometry();
+        let shared = self.shares_outputs() && !self.build.takes_vertices();
         if outgoing.is_empty() && !shared {
             self.push(Statement::Return { value: None });
             return Ok(None);

@@ -12,11 +12,11 @@ use super::texture::{Data, Opaque};
 use super::types::{Layout, has_data};
 use super::{Build, Result};
 use base::text::Span;
+use syntax::Const;
 use syntax::ast::{Callee, ExprId, ExprKind, Ident, UnaryOp};
 use syntax::interface::{self, Storage};
 use syntax::symbols::{SymbolId, SymbolKind};
 use syntax::types::{ArraySize, ScalarType, Type};
-use syntax::{Const, Stage};
 
 /// A variable that functions of the module reach.
 #[derive(Clone, Debug)]
@@ -129,9 +129,9 @@ impl<'s> Build<'s> {
             | "gl_ObjectPlaneR"
             | "gl_ObjectPlaneQ" => 8,
             "gl_SampleMask" | "gl_SampleMaskIn" => 1,
-            "gl_in" => self.input_primitive().vertices(),
+            "gl_in" => self.vertices_taken(),
             "gl_TexCoord" if self.indexed_freely(name) => 8,
-            "gl_ClipDistance" | "gl_CullDistance" if self.indexed_freely(name) => 8,
+            "gl_ClipDistance" | "gl_CullDistance" if self.indexed_freely(name) || self.taken_whole(name) => 8,
             _ => return None,
         })
     }
@@ -424,10 +424,9 @@ impl<'s> Build<'s> {
         if block.name.name == "gl_PerVertex" || block.name.name.starts_with("gl_") {
             return None;
         }
-        let geometry = self.is_geometry().then(|| self.input_primitive().vertices());
         let ty = self.sized_members(index, &block.ty);
-        Some(match (&ty, geometry) {
-            (Type::Array(..), Some(n)) if block.storage == Storage::In => with_length(&ty, n),
+        Some(match (&ty, self.vertices_of(block.storage, &block.qualifiers)) {
+            (Type::Array(..), Some(n)) => with_length(&ty, n),
             _ => match block.symbol {
                 Some(symbol) => self.with_size(symbol, &ty),
                 None => ty,
@@ -576,10 +575,5 @@ impl Build<'_> {
     /// The value of a limit of the language.
     pub(super) fn limit(&self, name: &str) -> Option<i32> {
         limit(name)
-    }
-
-    /// True for the stage that captures its outputs from variables.
-    pub(super) fn is_geometry(&self) -> bool {
-        self.shader.stage() == Stage::Geometry
     }
 }

@@ -7,7 +7,7 @@ use super::{Expr, Result};
 use base::text::Span;
 use syntax::BuiltinFunction as F;
 use syntax::ast::{QualifierKind, Qualifiers};
-use syntax::types::{OpaqueType, Type};
+use syntax::types::{OpaqueType, ScalarType, Type};
 
 /// What the declaration of an image says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -21,10 +21,31 @@ impl ImageLayout {
     pub(super) fn of(qualifiers: &Qualifiers) -> Self {
         use syntax::ast::MemoryQualifier as Q;
         let has = |q| qualifiers.list.iter().any(|k| k.kind == QualifierKind::Memory(q));
-        let known = |name: &str| storage_format(name).is_some();
+        let known = |name: &str| storage_format(sized_format(name, ScalarType::Uint)).is_some();
         let mut entries = qualifiers.layouts().flat_map(|(entries, _)| entries);
         let format = entries.find(|e| known(&e.key.name)).map(|e| e.key.name.clone());
         Self { format, reads: !has(Q::WriteOnly), writes: !has(Q::ReadOnly) }
+    }
+}
+
+/// The format that a size stands for (GL_EXT_shader_image_load_store); other names stay as they are.
+pub(super) fn sized_format(name: &str, scalar: ScalarType) -> &str {
+    match (name, scalar) {
+        ("size1x8", ScalarType::Int) => "r8i",
+        ("size1x8", _) => "r8ui",
+        ("size1x16", ScalarType::Float | ScalarType::Double) => "r16f",
+        ("size1x16", ScalarType::Int) => "r16i",
+        ("size1x16", _) => "r16ui",
+        ("size1x32", ScalarType::Float | ScalarType::Double) => "r32f",
+        ("size1x32", ScalarType::Int) => "r32i",
+        ("size1x32", _) => "r32ui",
+        ("size2x32", ScalarType::Float | ScalarType::Double) => "rg32f",
+        ("size2x32", ScalarType::Int) => "rg32i",
+        ("size2x32", _) => "rg32ui",
+        ("size4x32", ScalarType::Float | ScalarType::Double) => "rgba32f",
+        ("size4x32", ScalarType::Int) => "rgba32i",
+        ("size4x32", _) => "rgba32ui",
+        _ => name,
     }
 }
 

@@ -39,10 +39,10 @@ pub(super) struct Outgoing {
 }
 
 /// A value that the harness feeds or reads word by word.
-struct Part {
-    name: String,
-    path: Vec<u32>,
-    ty: Type,
+pub(super) struct Part {
+    pub name: String,
+    pub path: Vec<u32>,
+    pub ty: Type,
 }
 
 /// Locations that are taken.
@@ -110,7 +110,7 @@ fn closed(ty: &Type) -> Type {
 }
 
 /// The largest parts of a value that are fed word by word; others are named in `unfed`.
-fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<Part>, unfed: &mut Vec<String>) {
+pub(super) fn parts(name: &str, ty: &Type, path: &[u32], found: &mut Vec<Part>, unfed: &mut Vec<String>) {
     if ty.shape().is_some() {
         found.push(Part { name: name.to_owned(), path: path.to_vec(), ty: ty.clone() });
         return;
@@ -158,7 +158,7 @@ impl<'s> Build<'s> {
         u32::try_from(self.shader.fold(value)?.as_integer()?).ok()
     }
 
-    fn not_fed(&mut self, what: Vec<String>, span: Span) {
+    pub(super) fn not_fed(&mut self, what: Vec<String>, span: Span) {
         self.unfed.extend(what.into_iter().map(|what| (what, span)));
     }
 
@@ -410,12 +410,12 @@ impl<'s> Build<'s> {
             return Ok(());
         }
         let mut ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
-        if let (true, Some(input)) = (self.is_geometry(), Some(self.input_primitive())) {
-            ty = super::statement::with_length(&v.ty, input.vertices());
+        if let Some(n) = self.vertices_of(Storage::In, &v.qualifiers) {
+            ty = super::statement::with_length(&v.ty, n);
         }
         let handle = self.private(&v.name, &ty, v.name_span)?;
         self.stage_inputs.push((v.name.clone(), handle, v.name_span));
-        if self.is_geometry() {
+        if self.takes_vertices() {
             self.vertices(&v.name, &ty, handle, v.name_span)?;
         } else if self.shader.stage() != Stage::Library {
             let first = self.declarator_location(v);
@@ -426,7 +426,7 @@ impl<'s> Build<'s> {
     }
 
     /// `layout(location = n) in vec4 a, b;` counts on.
-    fn declarator_location(&self, v: &interface::Variable) -> Option<u32> {
+    pub(super) fn declarator_location(&self, v: &interface::Variable) -> Option<u32> {
         let first = self.written(&v.qualifiers, "location")?;
         let interface = self.shader.interface();
         let before =
@@ -434,48 +434,16 @@ impl<'s> Build<'s> {
         Some(first + before.map(|o| u32::try_from(leaves(&o.ty).len()).unwrap_or(1)).sum::<u32>())
     }
 
-    /// Ports of an array over the vertices of a primitive.
-    pub(super) fn vertices(&mut self, name: &str, ty: &Type, handle: Handle<GlobalVariable>, span: Span) -> Result<()> {
-        if ty.shape().is_some() {
-            return self.port_in(name, ty, PortAt::Global(handle), span);
-        }
-        if let Type::Array(element, ArraySize::Known(count)) = ty
-            && let Type::Struct(s) = element.as_ref()
-        {
-            for (k, field) in s.fields.iter().enumerate() {
-                let whole = field.ty.clone().array(*count);
-                let member = u32::try_from(k).unwrap_or(0);
-                if whole.shape().is_none() {
-                    // What is no number in each vertex is fed vertex by vertex.
-                    let (mut found, mut unfed) = (Vec::new(), Vec::new());
-                    for vertex in 0..*count {
-                        let name = format!("{name}[{vertex}].{}", field.name);
-                        parts(&name, &field.ty, &[vertex, member], &mut found, &mut unfed);
-                    }
-                    for part in found {
-                        let at = PortAt::Part { global: handle, path: part.path };
-                        self.port_in(&part.name, &part.ty, at, span)?;
-                    }
-                    self.not_fed(unfed, span);
-                    continue;
-                }
-                let at = PortAt::Vertices { global: handle, member, count: *count };
-                let name = if name == "gl_in" { field.name.clone() } else { format!("{name}.{}", field.name) };
-                self.port_in(&name, &whole, at, span)?;
-            }
-            return Ok(());
-        }
-        self.not_fed(vec![format!("`{name}` of type `{ty}`")], span);
-        Ok(())
-    }
-
     pub(super) fn declare_output(&mut self, v: &'s interface::Variable) -> Result<()> {
         if v.name.starts_with("gl_") || self.globals.contains_key(&v.symbol) {
             return Ok(());
         }
-        let ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
+        let mut ty = self.with_size(v.symbol, &self.with_dims(&v.ty, &self.dims_of(v)));
+        if let Some(n) = self.vertices_of(Storage::Out, &v.qualifiers) {
+            ty = super::statement::with_length(&v.ty, n);
+        }
         let handle = self.private(&v.name, &ty, v.name_span)?;
-        if !self.is_geometry() && self.shader.stage() != Stage::Library {
+        if !self.takes_vertices() && self.shader.stage() != Stage::Library {
             let first = self.declarator_location(v);
             self.located_output(&v.name, &ty, (handle, &[]), first, &[&v.qualifiers], v.name_span)?;
         }
@@ -494,7 +462,7 @@ impl<'s> Build<'s> {
     ) -> Result<()> {
         let block = &self.shader.interface().blocks[index];
         self.stage_inputs.push((block.name.name.clone(), handle, block.name.span));
-        if self.is_geometry() {
+        if self.takes_vertices() {
             return self.vertices(prefix, ty, handle, block.name.span);
         }
         self.each_member(
@@ -516,7 +484,7 @@ impl<'s> Build<'s> {
         ty: &Type,
     ) -> Result<()> {
         let block = &self.shader.interface().blocks[index];
-        if !self.is_geometry() {
+        if !self.takes_vertices() {
             self.each_member(
                 index,
                 ty,

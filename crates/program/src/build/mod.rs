@@ -21,6 +21,7 @@ mod known;
 mod lookup;
 mod math;
 mod operator;
+mod patch;
 mod place;
 mod quad;
 mod shared;
@@ -251,12 +252,16 @@ impl Build<'_> {
         self.declare()?;
         match (target, shader.stage()) {
             (Target::Function(name), _) => self.single(name),
-            (Target::Stage, Stage::Vertex | Stage::Fragment | Stage::Compute | Stage::Geometry) => {
-                let role = match shader.stage() {
+            (Target::Stage, stage) if stage != Stage::Library => {
+                let role = match stage {
                     Stage::Vertex => Role::Vertex,
                     Stage::Fragment => Role::Fragment,
                     Stage::Geometry => Role::Geometry(self.primitives()?),
-                    _ => Role::Compute,
+                    Stage::Compute => Role::Compute,
+                    // One invocation is a function over the vertices of a patch.
+                    Stage::TessControl | Stage::TessEvaluation | Stage::Library => {
+                        Role::Function { name: "main".to_owned() }
+                    }
                 };
                 if matches!(role, Role::Geometry(_)) {
                     self.emission("EmitVertex");
@@ -269,8 +274,8 @@ impl Build<'_> {
                 self.entry(main)?;
                 Ok((Entry::Point(0), role))
             }
-            (Target::Stage, Stage::TessControl | Stage::TessEvaluation | Stage::Library) => {
-                let message = format!("a {} shader as a stage", shader.stage().name());
+            (Target::Stage, stage) => {
+                let message = format!("a {} shader as a stage", stage.name());
                 Err(self.unsupported(
                     Span::at(0),
                     message,

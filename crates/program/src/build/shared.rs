@@ -10,6 +10,7 @@ use super::io::leaves;
 use super::types::count;
 use super::{Build, Result};
 use base::text::Span;
+use syntax::Stage;
 use syntax::ast::Qualifiers;
 use syntax::interface::Storage;
 use syntax::types::{ScalarType, Type};
@@ -77,6 +78,15 @@ impl Build<'_> {
         }
         for (input, first, count) in found {
             self.shared.at.extend((first..).take(count).map(|l| (input, l)));
+        }
+        // Attributes may stand at one location, of which one is read (OpenGL 4.6, 11.1.1).
+        if self.shader.stage() == Stage::Vertex {
+            let mut seen = HashSet::new();
+            for v in &interface.inputs {
+                let Some(first) = self.declarator_location(v) else { continue };
+                let all = (first..).take(leaves(&v.ty).len());
+                self.shared.at.extend(all.filter(|l| !seen.insert(*l)).map(|l| (true, l)));
+            }
         }
     }
 

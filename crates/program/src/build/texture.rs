@@ -8,7 +8,7 @@ use naga::{
 };
 
 use super::function::{Fun, Val};
-use super::image::{ImageLayout, storage_format};
+use super::image::{ImageLayout, sized_format, storage_format};
 use super::place::{Place, Var};
 use super::{Build, Expr, Result};
 use crate::texture::{Image, TextureKind};
@@ -75,7 +75,7 @@ impl Build<'_> {
             OpaqueKind::Sampler => ImageClass::Sampled { kind: kind(ty.scalar), multi: ty.multisampled },
             OpaqueKind::Image => {
                 let format = match (opaque.image.format.as_deref(), ty.scalar) {
-                    (Some(format), _) => storage_format(format),
+                    (Some(format), scalar) => storage_format(sized_format(format, scalar)),
                     // What is only written takes any format (GLSL 4.60, 4.4.6.2): the widest one loses nothing.
                     (None, _) if opaque.image.reads => None,
                     (None, ScalarType::Int) => Some(naga::StorageFormat::Rgba32Sint),
@@ -204,7 +204,8 @@ impl Fun<'_, '_> {
         }
         let Some(&first) = args.first() else { return Ok(None) };
         if let Some((index, count)) = self.computed_index(first) {
-            return self.choose(id, (function, args), index, count, span).map(Some);
+            let ty = self.shader.type_of(id).clone();
+            return self.choose(&ty, index, count, &mut |f| f.builtin(id, function, args, span)).map(Some);
         }
         let Some(opaque) = self.opaque(first)? else { return Ok(None) };
         let Type::Opaque(ty) = opaque.ty else { return Ok(None) };
@@ -272,7 +273,7 @@ impl Fun<'_, '_> {
     }
 
     /// An index into an array of samplers that is not known now, with the length of the array.
-    fn computed_index(&self, id: ExprId) -> Option<(ExprId, u32)> {
+    pub(super) fn computed_index(&self, id: ExprId) -> Option<(ExprId, u32)> {
         match self.shader.expr(id).kind {
             ExprKind::Index { base, index } => {
                 if self.constant_index(index).is_none() {
@@ -286,19 +287,17 @@ impl Fun<'_, '_> {
         }
     }
 
-    /// A lookup in each texture of an array, of which the index chooses one.
-    fn choose(
+    /// A call with each texture of an array, of which the index chooses one.
+    pub(super) fn choose(
         &mut self,
-        id: ExprId,
-        (function, args): (F, &[ExprId]),
+        ty: &Type,
         index: ExprId,
         count: u32,
-        span: Span,
+        each: &mut dyn FnMut(&mut Self) -> Result<Option<Val>>,
     ) -> Result<Option<Val>> {
-        let ty = self.shader.type_of(id).clone();
         let chosen = self.expression(index)?;
         let chosen = self.cast(chosen.clone(), chosen.ty.scalar().unwrap_or(ScalarType::Int), ScalarType::Uint)?;
-        let result = if ty == Type::Void { None } else { Some(self.local("sc_texel", &ty)?) };
+        let result = if *ty == Type::Void { None } else { Some(self.local("sc_texel", ty)?) };
         for k in 0..count {
             let number = self.number(ScalarType::Uint, f64::from(k));
             let condition = self.add(Expression::Binary { op: B::Equal, left: chosen.e, right: number });
@@ -307,7 +306,7 @@ impl Fun<'_, '_> {
                 condition,
                 |f| {
                     f.chosen.insert(index, k);
-                    let value = f.builtin(id, function, args, span);
+                    let value = each(f);
                     f.chosen.remove(&index);
                     match (result, value?) {
                         (Some(place), Some(value)) => f.store(&place, &value),
@@ -405,8 +404,11 @@ impl Fun<'_, '_> {
 
     /// The numbers of a constant vector.
     fn integers(&self, id: ExprId) -> Option<Vec<i32>> {
-        if let Some(n) = self.shader.fold(id).and_then(|c| c.as_integer()) {
-            return Some(vec![i32::try_from(n).ok()?]);
+        if let Some(constant) = self.shader.fold(id) {
+            // `ivec2(1.0, 0.0)` takes the whole part.
+            #[expect(clippy::cast_possible_truncation, reason = "a constructor of integers truncates")]
+            let n = constant.as_integer().or_else(|| constant.as_f64().map(|v| v.trunc() as i64));
+            return Some(vec![i32::try_from(n?).ok()?]);
         }
         match &self.shader.expr(id).kind {
             ExprKind::Paren(inner) => self.integers(*inner),
@@ -425,6 +427,10 @@ impl Fun<'_, '_> {
                 Some(self.integers(*operand)?.into_iter().map(i32::wrapping_neg).collect())
             }
             ExprKind::Name(_) => self.integers(self.build.initializer(self.shader.symbol_of(id)?)?),
+            ExprKind::Field { base, field } => {
+                let all = self.integers(*base)?;
+                super::place::components(&field.name)?.iter().map(|&k| all.get(usize::from(k)).copied()).collect()
+            }
             _ => None,
         }
     }

@@ -13,7 +13,8 @@ pub enum Role {
     Compute,
     /// A geometry stage, turned into a function over the vertices of one primitive.
     Geometry(Primitives),
-    /// One function of a library: parameters in, `out` parameters and the return value out.
+    /// One function of a library: parameters in, `out` parameters and the return value out. Also the `main` of a
+    /// tessellation stage, for one invocation: the vertices of a patch in, its outputs out.
     Function {
         /// Name of the function.
         name: String,
