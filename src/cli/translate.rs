@@ -9,7 +9,7 @@ use clap::Args;
 use crate::cli::StageName;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
-use base::text::{Shown, SourceFile, decode};
+use base::text::{Shown, SourceFile, decode_western};
 use disk::{fresh, read_source};
 use program::lower::Target;
 use program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
@@ -19,7 +19,8 @@ use syntax::{Shader, Stage};
 /// Arguments of `shadercheck translate`.
 #[derive(Args, Clone, Debug)]
 pub struct TranslateArgs {
-    /// Shader file; the extension tells the stage (.vert, .frag, .geom, .comp, or .glsl for a function library)
+    /// Shader file; the extension tells the stage (.vert, .frag, .geom, .comp; .glsl by its text and name, or else a
+    /// function library)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Language: spirv, wgsl, glsl330 (or glsl), glsl450, glsl-es310, msl, hlsl
@@ -48,14 +49,19 @@ pub struct TranslateArgs {
 /// When a file cannot be read or written.
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let source = super::includes::read(&args.file, &args.include)?;
-    let file = &source.file;
-    let Some(stage) = args.stage.map(Stage::from).or_else(|| lint::stage_of(file)) else {
+    let Some(stage) = args.stage.map(Stage::from).or_else(|| lint::stage_of(&source.file)) else {
         anyhow::bail!(
             "{}: the extension does not tell the stage; name it with --stage, or use .vert, .frag, .geom, .comp, or .glsl \
              for a function library",
-            file.name()
+            source.name
         );
     };
+    // Hosts put a version in front of a text that states none.
+    let fitted = match stage {
+        Stage::Library => source.file.clone(),
+        _ => syntax::fitting(&source.file, stage, &[], || None),
+    };
+    let file = &fitted;
     let target = |shader: &Shader| target(shader, stage, args.entry.as_deref());
     let mut reported = |found: Vec<Diagnostic>| -> std::io::Result<()> {
         found.into_iter().try_for_each(|diagnostic| {
@@ -129,7 +135,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         anyhow::bail!("`{name}` is empty");
     }
-    Ok(decode(&name, &bytes)?.file)
+    Ok(decode_western(&name, &bytes)?.file)
 }
 
 fn write_file(path: &Path, translation: Translation) -> anyhow::Result<()> {

@@ -51,6 +51,7 @@ mod targets;
 mod terminal;
 mod tidy;
 mod translate;
+mod translate_cli;
 mod translate_flips;
 mod translate_validators;
 mod translated;

@@ -29,6 +29,7 @@ mod version;
 
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
 pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};
+pub use host::stage_of_file;
 pub use page::{Example, Pages};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of, stage_of};
 pub use registry::{RULES, by_code, nearest, with_name};

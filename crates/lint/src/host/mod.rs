@@ -71,7 +71,7 @@ use programs::HostPrograms;
 pub(super) use fed::Fed;
 pub(super) use group::is_shader_name;
 pub(super) use literal::Literal;
-pub(super) use marks::stage_of_file;
+pub use marks::stage_of_file;
 pub(super) use program::{ShaderRef, named_shaders};
 pub(super) use suggest::{list, list_in_japanese, nearest};
 pub(super) use syntax::quoted_includes;
