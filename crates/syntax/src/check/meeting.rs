@@ -57,8 +57,11 @@ impl Checker<'_> {
         for ty in *types {
             let text = &ty.name;
             if !self.subroutines.contains(text) {
-                let message = message!("there is no subroutine type `{text}`", "サブルーチン型 `{text}` はありません");
-                self.sink.error(errors::UNKNOWN_TYPE, ty.span, message, message!("unknown", "未知の型"));
+                if self.first_time(text) {
+                    let message =
+                        message!("there is no subroutine type `{text}`", "サブルーチン型 `{text}` はありません");
+                    self.sink.error(errors::UNKNOWN_TYPE, ty.span, message, message!("unknown", "未知の型"));
+                }
                 continue;
             }
             let Some(wanted) = self.functions.get(text).and_then(|all| all.first()).copied() else { continue };

@@ -41,7 +41,10 @@ impl Checker<'_> {
     pub(super) fn whole_interface(&mut self) {
         let interface = std::mem::take(&mut self.out.interface);
         self.stage_values(&interface);
-        self.locations(&interface);
+        // A library may hold several stages.
+        if self.stage != Stage::Library {
+            self.locations(&interface);
+        }
         if self.stage == Stage::Compute {
             self.compute_rules(&interface);
         }
