@@ -74,6 +74,9 @@ pub struct FuzzArgs {
     /// Folders that are searched for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
+    /// What a host puts around each shader; without it, texts of known hosts are recognised
+    #[arg(long, value_name = "NAME", value_parser = super::preludes())]
+    pub prelude: Option<String>,
     /// Only these lanes; all that are available without it
     #[arg(long, value_name = "LANE", value_delimiter = ',')]
     pub lane: Vec<String>,
@@ -125,6 +128,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
+        .map(|source| source.with_prelude(super::prelude(args.prelude.as_deref())))
         .collect();
     let printed = sources.iter().find(|s| s.printed);
     if let Some(printed) = printed.filter(|_| args.write_suite) {

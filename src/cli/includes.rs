@@ -82,6 +82,13 @@ impl IncludedText {
         if errors(&newest) > 0 && errors(&parsed) == 0 { parsed } else { newest }
     }
 
+    /// The same between the texts that its host puts around it.
+    #[must_use]
+    pub fn with_prelude(self, wanted: lint::WantedPrelude) -> Self {
+        let (file, stage) = lint::behind_prelude(&self.file, self.stage, wanted);
+        Self { file, stage, ..self }
+    }
+
     /// A diagnostic with what is known about includes that were not found.
     pub fn explained(&self, diagnostic: Diagnostic) -> Diagnostic {
         self.includes.explained(diagnostic)

@@ -85,6 +85,9 @@ pub struct LintArgs {
     /// With --baseline: remove from the file what is not found any more
     #[arg(long, requires = "baseline", conflicts_with = "diff")]
     pub prune_baseline: bool,
+    /// What a host puts around each shader; without it, texts of known hosts are recognised
+    #[arg(long, value_name = "NAME", value_parser = super::preludes())]
+    pub prelude: Option<String>,
     /// Exit status 0 also when there are findings
     #[arg(long)]
     pub exit_zero: bool,

@@ -40,6 +40,8 @@ pub mod worker;
 
 use std::io::{IsTerminal, Write};
 
+use ::lint::WantedPrelude;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use syntax::Stage;
 
@@ -100,6 +102,17 @@ impl StageName {
     pub fn word(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
+}
+
+/// Names for `--prelude`.
+fn preludes() -> PossibleValuesParser {
+    let named = ::lint::PRELUDES.iter().map(|p| PossibleValue::new(p.name).help(p.title()));
+    PossibleValuesParser::new(named.chain([PossibleValue::new("none").help("Nothing, whatever a text looks like")]))
+}
+
+/// What `--prelude` asks for; without it, texts are recognised.
+fn prelude(given: Option<&str>) -> WantedPrelude {
+    given.and_then(WantedPrelude::named).unwrap_or_default()
 }
 
 /// The language that is asked for, or else the one of the environment: `LC_ALL`, `LC_MESSAGES` and

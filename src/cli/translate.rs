@@ -35,6 +35,9 @@ pub struct TranslateArgs {
     /// Folder in which included files are looked for, after that of the file that includes them
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
+    /// What a host puts around each shader; without it, texts of known hosts are recognised
+    #[arg(long, value_name = "NAME", value_parser = super::preludes())]
+    pub prelude: Option<String>,
     /// Go on where the language refuses code that the translation does not use; its errors are printed all the same
     #[arg(long)]
     pub lenient: bool,
@@ -49,13 +52,15 @@ pub struct TranslateArgs {
 /// When a file cannot be read or written.
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let source = super::includes::read(&args.file, &args.include)?;
-    let Some(stage) = args.stage.map(Stage::from).or_else(|| lint::stage_of(&source.file)) else {
+    if args.stage.is_none() && lint::stage_of(&source.file).is_none() {
         anyhow::bail!(
             "{}: the extension does not tell the stage; name it with --stage, or use .vert, .frag, .geom, .comp, or .glsl \
              for a function library",
             source.name
         );
-    };
+    }
+    let source = source.with_prelude(super::prelude(args.prelude.as_deref()));
+    let stage = args.stage.map_or(source.stage, Stage::from);
     // Hosts put a version in front of a text that states none.
     let fitted = match stage {
         Stage::Library => source.file.clone(),

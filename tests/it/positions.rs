@@ -46,6 +46,7 @@ fn said(name: &str) -> (ExitStatus, String) {
         to: Language::Wgsl,
         entry: None,
         include: Vec::new(),
+        prelude: None,
         lenient: false,
         output: None,
     };

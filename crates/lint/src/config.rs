@@ -1,6 +1,8 @@
 //! What a project says about itself, as far as rules need it. Data; reading `shadercheck.toml` is the
 //! work of `cli`.
 
+use crate::prelude::Wanted;
+
 /// What a project says about itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Config {
@@ -12,6 +14,8 @@ pub struct Config {
     pub wrappers: Vec<Wrapper>,
     /// Libraries whose wrappers are known, by their names in [`Config::PRESETS`].
     pub presets: Vec<String>,
+    /// What hosts put around the shaders.
+    pub prelude: Wanted,
 }
 
 impl Config {

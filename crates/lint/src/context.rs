@@ -309,7 +309,7 @@ fn is_filled_in(shader: &Shader) -> bool {
 }
 
 /// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for, and those that a `#define` of the text sets.
-fn conditions(shader: &Shader) -> (BTreeSet<String>, BTreeSet<String>) {
+pub fn conditions(shader: &Shader) -> (BTreeSet<String>, BTreeSet<String>) {
     let (mut asked, mut set) = (BTreeSet::new(), BTreeSet::new());
     for line in shader.file().text().lines() {
         let Some(directive) = line.trim_start().strip_prefix('#') else { continue };

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use base::diagnostic::{Diagnostic, Safety};
 use base::text::{EditList, SourceFile};
 
+use super::host::Embedded;
 use super::host::{HostFile, Literal};
 use super::project::{Input, Language, language_of};
 use super::registry::{RULES, with_name};
 use super::rule::Rule;
-use super::script::{Found, shaders};
+use super::script::Script;
 use super::sections::sections;
 use super::{Settings, run_rules};
 use syntax::Stage;
@@ -197,8 +198,8 @@ fn faults(name: &str, text: &str) -> usize {
         }
         Some(Language::Script) => {
             let faults =
-                |f: Found| syntax::Shader::parse(&SourceFile::new(name, f.literal.text), f.stage).diagnostics.len();
-            shaders(&file).into_iter().map(faults).sum()
+                |f: Embedded| syntax::Shader::parse(&SourceFile::new(name, f.literal.text), f.stage).diagnostics.len();
+            Script::read(&file).shaders.into_iter().map(faults).sum()
         }
         None => {
             let read = crate::document::Document::read(&file).unwrap_or_default();

@@ -14,6 +14,7 @@ mod flow;
 mod glsl;
 mod host;
 mod page;
+mod prelude;
 mod program;
 mod project;
 mod range;
@@ -25,12 +26,14 @@ mod select;
 mod suppress;
 #[cfg(test)]
 mod tests;
+mod variants;
 mod version;
 
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
 pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};
 pub use host::stage_of_file;
 pub use page::{Example, Pages};
+pub use prelude::{PRELUDES, Prelude, Wanted as WantedPrelude, behind as behind_prelude};
 pub use project::{HOST_EXTENSIONS, Input, Language, SHADER_EXTENSIONS, companions, language_of, stage_of};
 pub use registry::{RULES, by_code, nearest, with_name};
 pub use rule::{Level, Rule};
@@ -40,6 +43,9 @@ pub use select::{PerFile, SelectError, Selection};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic, Fix, Severity};
+use base::text::{SourceFile, Span};
+use rayon::prelude::*;
+
 use project::{Project, ShaderFile};
 use suppress::Suppressions;
 use syntax::errors;
@@ -86,6 +92,15 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         .filter(|s| s.reported)
         .flat_map(|s| s.front_end.iter().filter(plain).map(|d| (front_end_level(&project, s, d), d.clone())))
         .collect();
+    let asked = project.shaders().filter(|s| s.reported).flat_map(|s| &s.on_request);
+    all.extend(asked.map(|d| (Level::Strict, d.clone())));
+    let in_variants = |shader: &ShaderFile| {
+        let found = if shader.conditional { variants::errors(&shader.shader) } else { Vec::new() };
+        let level = |certain| if certain { Level::Default } else { Level::Strict };
+        found.into_iter().map(|(certain, d)| (level(certain), d)).collect::<Vec<_>>()
+    };
+    let reported: Vec<&ShaderFile> = project.shaders().filter(|s| s.reported).collect();
+    all.par_extend(reported.par_iter().flat_map_iter(|shader| in_variants(shader)));
     let programs = project.programs();
     // A rule that is not asked for is of use only where the front end tells its code.
     let of_use = |rule: &&'static Rule| {
@@ -111,6 +126,14 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
             diagnostic.fix = None;
         }
         *diagnostic = diagnostic.clone().in_expansion();
+    }
+    // What the host puts around a text is not the author's.
+    let around: HashMap<&str, &ShaderFile> =
+        project.shaders().filter(|s| s.has_prelude()).map(|s| (s.file.name(), s)).collect();
+    let is_around = |file: &SourceFile, at: Span| around.get(file.name()).is_some_and(|s| s.is_in_front(at));
+    all.retain(|(_, d)| !is_around(&d.file, d.span));
+    for (_, diagnostic) in &mut all {
+        diagnostic.related.retain(|label| !is_around(&label.file, label.span));
     }
     let partial: BTreeSet<&str> =
         project.shaders().filter(|s| s.partial && s.place.is_some()).map(|s| s.file.name()).collect();

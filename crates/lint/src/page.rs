@@ -185,7 +185,10 @@ pub(crate) mod tests {
     }
 
     fn written(file: &Example) -> String {
-        let language = if file.name.ends_with(".cpp") { "cpp" } else { "glsl" };
+        let language = match file.name.rsplit_once('.') {
+            Some((_, ending @ ("cpp" | "js"))) => ending,
+            _ => "glsl",
+        };
         format!("`{}`\n\n```{language}\n{}```", file.name, file.text)
     }
 }

@@ -17,8 +17,9 @@ use super::context;
 use super::document::{Document, Listing};
 use super::embedded::Origin;
 use super::host::{Fed, HostFile, HostTree, ShaderRef, named_shaders, wrappers_of_project};
+use super::prelude::Wanted;
 use super::program::{self, Program};
-use super::script::{self, SCRIPT_EXTENSIONS};
+use super::script::SCRIPT_EXTENSIONS;
 use super::sections::{sections, template};
 
 pub use shader::ShaderFile;
@@ -171,6 +172,12 @@ impl Input {
         Self { reported: self.reported, named: self.named, stage: self.stage, ..Self::new(file) }
     }
 
+    fn script(&self) -> HostFile {
+        let mut host = HostFile::script(&self.file, self.reported);
+        host.named = self.named;
+        host
+    }
+
     fn host(&self) -> HostFile {
         let mut host = HostFile::with_tree(&self.file, self.reported, self.tree.clone());
         host.named = self.named;
@@ -221,10 +228,10 @@ enum Read {
 }
 
 impl Read {
-    fn new(input: &Input) -> (String, Option<Self>) {
+    fn new(input: &Input, wanted: Wanted) -> (String, Option<Self>) {
         let path = normalise(input.file.name());
         if let Some(stage) = input.stage {
-            return (path, Some(Self::Shader(Box::new(ShaderFile::new(input, stage)))));
+            return (path, Some(Self::Shader(Box::new(ShaderFile::of_file(input, stage, wanted)))));
         }
         let read = match language_of(&path) {
             Some(Language::Shader(_)) if context::is_raw_string_file(input.file.text()) => {
@@ -235,19 +242,16 @@ impl Read {
                 if !parts.is_empty() {
                     Some(Self::Sections(parts.into_iter().map(|p| ShaderFile::part(input, p)).collect()))
                 } else if let Some(literal) = template(&input.file) {
-                    Some(Self::Sections(vec![ShaderFile::filled_in(input, (stage, literal))]))
+                    Some(Self::Sections(vec![ShaderFile::filled_in(input, (stage, literal), wanted)]))
                 } else if is_other_language(&path, input.file.text()) {
                     None
                 } else {
                     let stage = stage_of(&input.file).unwrap_or(stage);
-                    Some(Self::Shader(Box::new(ShaderFile::new(input, stage))))
+                    Some(Self::Shader(Box::new(ShaderFile::of_file(input, stage, wanted))))
                 }
             }
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
-            Some(Language::Script) => {
-                let found = script::shaders(&input.file).into_iter();
-                Some(Self::Sections(found.map(|f| ShaderFile::in_script(input, f)).collect()))
-            }
+            Some(Language::Script) => Some(Self::Host(Box::new(input.script()))),
             None => Document::read(&input.file).map(|document| Self::document(input, document)),
         };
         (path, read)
@@ -279,7 +283,8 @@ impl Project {
         };
         let (context, reported): (Vec<&Input>, Vec<&Input>) = files.iter().partition(|f| !f.reported);
         let inputs: Vec<&Input> = context.into_iter().chain(reported).collect();
-        let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(Read::new).collect();
+        let wanted = config.prelude.in_project(inputs.iter().map(|i| i.file.text()));
+        let read: Vec<(String, Option<Read>)> = inputs.into_par_iter().map(|input| Read::new(input, wanted)).collect();
         for (path, read) in read {
             match read {
                 Some(Read::Shader(shader)) => {
@@ -311,10 +316,16 @@ impl Project {
                 host.embedded().iter().enumerate().map(move |(index, embedded)| {
                     let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
                     let input = if host.reported { Input::new(file) } else { Input::context(file) };
-                    let mut shader = ShaderFile::new(&input, embedded.stage);
+                    let mut shader = if host.is_script() {
+                        ShaderFile::in_script(host, &input, embedded, wanted)
+                    } else {
+                        ShaderFile::new(&input, embedded.stage)
+                    };
                     // One rule tells what is wrong; all else follows from it.
                     shader.reported &= embedded.run_on().is_none();
-                    shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
+                    if shader.origin.is_none() {
+                        shader.origin = Some(Origin { host: host.file.clone(), literal: embedded.literal.clone() });
+                    }
                     ((path.clone(), index), shader)
                 })
             })

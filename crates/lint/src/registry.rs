@@ -57,6 +57,7 @@ pub const RULES: &[&Rule] = &[
     &host::unknown_interface_name::RULE,
     &host::flag_argument::RULE,
     &host::attribute_not_fed::RULE,
+    &host::uniform_without_value::RULE,
     // I. The interface between the stages of a program.
     &program::input_without_producer::RULE,
     &program::interface_type_mismatch::RULE,

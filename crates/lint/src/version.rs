@@ -17,7 +17,14 @@ const STATED: [(u32, Profile); 5] = [
 /// another version in front of it leaves fewer errors: then it is read as such, and names may be declared in
 /// front as well.
 pub fn read(file: &SourceFile, stage: Stage) -> Parsed {
-    let plain = Shader::parse(file, stage);
+    read_as(file, stage, false)
+}
+
+/// The same for a host that knows OpenGL ES alone, where `es` says so.
+pub fn read_as(file: &SourceFile, stage: Stage, es: bool) -> Parsed {
+    let oldest = Version { number: 100, profile: Profile::Es, span: None };
+    let es = es && !file.text().contains("#version");
+    let plain = if es { Shader::parse_behind(file, stage, oldest) } else { Shader::parse(file, stage) };
     let later = [errors::NEEDS_VERSION, errors::EXTENSION, errors::FLOAT_SUFFIX];
     if plain.shader.version().span.is_some() || !plain.diagnostics.iter().any(|d| later.contains(&d.code)) {
         return plain;
@@ -25,7 +32,7 @@ pub fn read(file: &SourceFile, stage: Stage) -> Parsed {
     // Names that are not declared say nothing about the version.
     let weight = |p: &Parsed| p.diagnostics.iter().filter(|d| !is_name(d)).count();
     let mut best = plain;
-    for (number, profile) in STATED {
+    for (number, profile) in STATED.into_iter().filter(|(_, profile)| !es || *profile == Profile::Es) {
         let before = Version { number, profile, span: None };
         let parsed = Shader::parse_behind(file, stage, before);
         if weight(&parsed) < weight(&best) {
@@ -59,6 +66,20 @@ mod tests {
         let blocks = "layout(std430, binding = 0) buffer B { float v[]; };\nlayout(local_size_x = 64) in;\n\
             void main() { v[gl_GlobalInvocationID.x] *= 2; }\n";
         assert_eq!(reported(Stage::Compute, blocks), [""; 0]);
+    }
+
+    #[test]
+    fn a_host_of_opengl_es_leaves_its_versions() {
+        let file = |text: &str| SourceFile::new("a", text);
+        let codes = |text: &str| -> Vec<&str> {
+            read_as(&file(text), Stage::Fragment, true).diagnostics.iter().map(|d| d.code.0).collect()
+        };
+        let text = "precision highp float;\nin vec2 uv;\nout vec4 c;\nvoid main() { vec4 sample = vec4(uv, 0.0, 1.0); c = sample; }\n";
+        assert_eq!(codes(text)[0], "V002");
+        assert!(read(&file(text), Stage::Fragment).diagnostics.is_empty(), "OpenGL 3.30 has it");
+        assert_eq!(codes("precision highp float;\nvoid main() { gl_FragColor = vec4(2 * 1.5); }\n"), ["T006"]);
+        let stated = "#version 300 es\nprecision highp float;\nvoid main() { gl_FragColor = vec4(1.0); }\n";
+        assert_eq!(codes(stated), ["E020"], "what is stated is believed");
     }
 
     #[test]

@@ -176,6 +176,14 @@ impl Shader {
         Self::read(file, stage, defines, None)
     }
 
+    /// Reads the text once more, with macros that are given from outside.
+    pub fn with_defines(&self, defines: &[(String, String)]) -> Parsed {
+        // GLSL 1.10 is what a text is that states nothing.
+        let assumed = self.version.span.is_none() && self.version.number != 110;
+        let before = assumed.then(|| self.version.clone());
+        Self::read(&self.file, self.stage, defines, before)
+    }
+
     fn read(file: &SourceFile, stage: Stage, defines: &[(String, String)], before: Option<Version>) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexer::lex(file.text());

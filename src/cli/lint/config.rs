@@ -141,6 +141,7 @@ fn whole(root: Table<'_>) -> FileConfig {
         programs: root.tables("program", "[[program]]").into_iter().filter_map(program).collect(),
         wrappers: root.tables("wrapper", "[[wrapper]]").into_iter().filter_map(wrapper).collect(),
         presets: presets(root),
+        ..Config::default()
     };
     config
 }

@@ -93,6 +93,7 @@ impl Groups {
             }
         }
         settings.config = file.config;
+        settings.config.prelude = crate::cli::prelude(args.prelude.as_deref());
         Ok(Group { settings, names: files.into_keys().collect() })
     }
 

@@ -17,7 +17,6 @@ use syntax::{Stage, errors};
 
 use super::host::{HostFile, Literal, concerns_shaders};
 use super::project::{Language, language_of};
-use super::script;
 use super::sections::sections;
 use blocks::Blocks;
 
@@ -141,13 +140,11 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             let named = |stage: Stage| format!("{} ({})", file.name(), stage.name());
             sections(file).into_iter().map(|(stage, literal)| (named(stage), stage, literal)).collect()
         }
-        Some(Language::Host) => {
-            let host = HostFile::new(file, true);
-            host.embedded().iter().map(|e| (e.name.clone(), e.stage, e.literal.clone())).collect()
-        }
-        Some(Language::Script) => {
-            let whole = script::shaders(file).into_iter().filter(|s| !s.partial);
-            whole.map(|s| (s.name, s.stage, s.literal)).collect()
+        Some(language) => {
+            let host =
+                if language == Language::Script { HostFile::script(file, true) } else { HostFile::new(file, true) };
+            let whole = host.embedded().iter().filter(|e| !e.partial);
+            whole.map(|e| (e.name.clone(), e.stage, e.literal.clone())).collect()
         }
         None => {
             let shaders = Document::read(file).map(|d| d.shaders).unwrap_or_default();

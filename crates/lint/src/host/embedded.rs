@@ -27,6 +27,8 @@ pub struct Embedded {
     pub literal: Literal,
     /// Place of the literals in the host file.
     pub place: Span,
+    /// True when a template fills something in, or other texts are joined to it.
+    pub partial: bool,
 }
 
 impl Embedded {
@@ -96,7 +98,7 @@ pub fn find(host: &HostFile) -> Vec<Embedded> {
         if found.iter().any(|e| e.name == name) {
             name = format!("{name}:{line}");
         }
-        found.push(Embedded { name, variable, stage, created_as, literal, place });
+        found.push(Embedded { name, variable, stage, created_as, literal, place, partial: false });
     }
     found
 }

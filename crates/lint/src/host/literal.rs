@@ -156,6 +156,39 @@ impl Literal {
         literal
     }
 
+    /// The text with `front` put in at an offset, and `behind` at its end; both stand nowhere.
+    pub fn with_text_at(&self, at: usize, front: &str, behind: &str) -> Self {
+        let mut literal = Self::default();
+        let mut put = false;
+        for piece in &self.pieces {
+            let cut = at.clamp(piece.text.start, piece.text.end);
+            for text in [Span::new(piece.text.start, cut), Span::new(cut, piece.text.end)] {
+                if !put && text.start >= at {
+                    let host = offset(piece, text.start);
+                    literal.made(front, Span::at(host));
+                    put = true;
+                }
+                if text.is_empty() {
+                    continue;
+                }
+                let start = literal.text.len();
+                literal.text.push_str(&self.text[text.range()]);
+                let host = if piece.kind == PieceKind::Made {
+                    piece.host
+                } else {
+                    Span::new(offset(piece, text.start), offset(piece, text.end))
+                };
+                literal.pieces.push(Piece { text: Span::new(start, literal.text.len()), host, ..*piece });
+            }
+        }
+        let end = self.place().unwrap_or_default().end;
+        if !put {
+            literal.made(front, Span::at(end));
+        }
+        literal.made(behind, Span::at(end));
+        literal
+    }
+
     /// Adds what stands between the marks of a raw string.
     pub fn verbatim_raw(&mut self, file: &SourceFile, place: Span) {
         self.verbatim(file, place, PieceKind::Raw);

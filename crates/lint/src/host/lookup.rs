@@ -2,6 +2,7 @@
 
 use tree_sitter::Node;
 
+use base::diagnostic::{Message, message};
 use base::text::Span;
 
 use super::HostFile;
@@ -22,6 +23,52 @@ pub enum LookupKind {
     Attribute,
     /// `glBindAttribLocation(program, index, "name")`
     BindAttribute,
+    /// `program["name"]`: a uniform or an attribute.
+    Name,
+}
+
+/// What comes of a name that the program does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Missing {
+    /// A location of -1.
+    Negative,
+    /// A location that is null.
+    Null,
+    /// What it would set is left aside.
+    Ignored,
+    /// An error when the program runs.
+    Refused,
+}
+
+impl Missing {
+    /// What stands beside the name.
+    pub fn label(self) -> Message {
+        match self {
+            Self::Negative => message!("gives -1", "-1 になります"),
+            Self::Null => message!("gives null", "null になります"),
+            Self::Ignored => message!("sets nothing", "何も設定しません"),
+            Self::Refused => message!("raises an error", "エラーになります"),
+        }
+    }
+
+    /// Why that is a mistake; none where a location of -1 is given.
+    pub fn why(self) -> Option<Message> {
+        match self {
+            Self::Negative => None,
+            Self::Null => Some(message!(
+                "getUniformLocation gives null without an error, and uniform functions ignore null",
+                "getUniformLocation はエラーなしに null を返し、uniform 系の関数は null を無視します"
+            )),
+            Self::Ignored => Some(message!(
+                "a value under a name that no stage declares reaches no shader, and no error is raised",
+                "どのステージも宣言しない名前の値はシェーダに届かず、エラーにもなりません"
+            )),
+            Self::Refused => Some(message!(
+                "a program that is asked for a name that it does not have raises an error",
+                "プログラムにない名前を使うとエラーになります"
+            )),
+        }
+    }
 }
 
 impl LookupKind {
@@ -31,18 +78,21 @@ impl LookupKind {
             Self::Uniform => "glGetUniformLocation",
             Self::Attribute => "glGetAttribLocation",
             Self::BindAttribute => "glBindAttribLocation",
+            Self::Name => "",
         }
     }
 
-    fn of(function: &str) -> Option<Self> {
+    /// What a function of OpenGL asks for.
+    pub fn of(function: &str) -> Option<Self> {
         [Self::Uniform, Self::Attribute, Self::BindAttribute].into_iter().find(|k| k.function() == function)
     }
 
     /// Number of arguments; the name is the last one.
-    fn arity(self) -> usize {
+    pub fn arity(self) -> usize {
         match self {
             Self::Uniform | Self::Attribute => 2,
             Self::BindAttribute => 3,
+            Self::Name => 0,
         }
     }
 }
@@ -71,11 +121,41 @@ pub struct Lookup {
     pub partial: bool,
     /// The expression for the program or the object that stands for it; empty for that of the class.
     pub object: String,
+    /// True for a name in quotation marks, false for the key of an object.
+    pub quoted: bool,
+    /// What comes of a name that the program does not have.
+    pub missing: Missing,
+    /// Components that an array gives to the attribute, where the look-up says so.
+    pub given: Option<usize>,
 }
 
 impl Lookup {
+    /// A look-up whose location is not followed.
+    pub fn new(kind: LookupKind, function: Span, name: (String, Span, bool), source: ProgramSource) -> Self {
+        let (name, name_span, partial) = name;
+        Self {
+            kind,
+            function,
+            name,
+            name_span,
+            source,
+            feeds: Feeds::default(),
+            users: Vec::new(),
+            wrapped: false,
+            sets: None,
+            partial,
+            object: String::new(),
+            quoted: true,
+            missing: Missing::Negative,
+            given: None,
+        }
+    }
+
     /// Place of the name with its quotation marks.
     pub fn literal_span(&self) -> Span {
+        if !self.quoted {
+            return self.name_span;
+        }
         Span::new(self.name_span.start - 1, self.name_span.end + 1)
     }
 
@@ -120,7 +200,7 @@ fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
         Wrapped::AttributeLocation => LookupKind::Attribute,
         Wrapped::LoadProgram => return None,
     };
-    let (name, name_span, partial) = name(index, *all.get(at)?)?;
+    let name = name(index, *all.get(at)?)?;
     let program = object.or_else(|| all.first().copied().filter(|_| at > 0));
     // Any object may be passed in: only what is done with this one counts. Without one it is that of the class.
     let known = match program {
@@ -128,19 +208,8 @@ fn wrapped<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
         None => Some(whole(index)).filter(|s| configured.is_some() && matches!(s, ProgramSource::Named(_))),
     };
     let source = known.filter(|_| !call.has_error()).unwrap_or(ProgramSource::Unknown);
-    Some(Lookup {
-        kind,
-        function: span(name_node),
-        name,
-        name_span,
-        source,
-        feeds: Feeds::default(),
-        users: Vec::new(),
-        wrapped: true,
-        sets,
-        partial,
-        object: program.map_or("", |p| host.text(p)).to_owned(),
-    })
+    let object = program.map_or("", |p| host.text(p)).to_owned();
+    Some(Lookup { wrapped: true, sets, object, ..Lookup::new(kind, span(name_node), name, source) })
 }
 
 /// A name in a literal, or the beginning of one that goes on with an index or a member.
@@ -220,20 +289,11 @@ fn lookup<'t>(index: &Index<'t>, call: Node<'t>) -> Option<Lookup> {
     if call.has_error() || arguments.len() != kind.arity() {
         return None;
     }
-    let (name, name_span, partial) = name(index, *arguments.last()?)?;
-    Some(Lookup {
-        kind,
-        function: span(function_node),
-        name,
-        name_span,
-        source: source(index, call, arguments[0]),
-        feeds: feeds(index, call),
-        users: users(index, call),
-        wrapped: false,
-        sets: None,
-        partial,
-        object: index.host.text(bare(arguments[0])).to_owned(),
-    })
+    let name = name(index, *arguments.last()?)?;
+    let source = source(index, call, arguments[0]);
+    let (feeds, users) = (feeds(index, call), users(index, call));
+    let object = index.host.text(bare(arguments[0])).to_owned();
+    Some(Lookup { feeds, users, object, ..Lookup::new(kind, span(function_node), name, source) })
 }
 
 #[cfg(test)]

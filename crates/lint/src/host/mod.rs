@@ -1,4 +1,4 @@
-//! C and C++ host code: its syntax tree and the rules on it.
+//! Host code: the syntax tree of C and C++, what other languages do with shaders, and the rules on both.
 
 mod around;
 mod attach;
@@ -20,6 +20,7 @@ mod program;
 mod programs;
 mod setter;
 mod settings;
+mod spelling;
 mod stringized;
 mod suggest;
 pub(super) mod syntax;
@@ -47,6 +48,7 @@ pub(super) mod status_not_checked;
 pub(super) mod strip_adjacency_drops_ends;
 pub(super) mod uniform_lookup_of_attribute;
 pub(super) mod uniform_setter_type;
+pub(super) mod uniform_without_value;
 pub(super) mod unknown_attribute_name;
 pub(super) mod unknown_interface_name;
 pub(super) mod unknown_uniform_name;
@@ -63,10 +65,16 @@ use crate::document::Place;
 use crate::embedded::Origin;
 use base::text::{SourceFile, Span};
 
+use crate::script::{Field, Script, Table};
 use constants::Constants;
-use embedded::Embedded;
-use lookup::Lookup;
-use programs::HostPrograms;
+
+pub(super) use embedded::Embedded;
+pub(super) use feeds::{Feeds, User};
+pub(super) use lookup::{Lookup, LookupKind, Missing};
+pub(super) use presets::PRESETS;
+pub(super) use program::ProgramSource;
+pub(super) use programs::HostPrograms;
+pub(super) use setter::Setter;
 
 pub(super) use fed::Fed;
 pub(super) use group::is_shader_name;
@@ -92,6 +100,8 @@ pub struct HostFile {
     /// Functions of the project that wrap those of OpenGL.
     wrappers: Vec<Wrapper>,
     tree: HostTree,
+    /// What was read instead of a tree, in another language than C++.
+    script: Option<Script>,
     /// False for text that cannot feed shaders: most files of a project.
     concerned: bool,
     lookups: OnceLock<Vec<Lookup>>,
@@ -119,12 +129,49 @@ impl HostFile {
             origin: None,
             place: None,
             wrappers: Vec::new(),
+            script: None,
             lookups: OnceLock::new(),
             embedded: OnceLock::new(),
             constants: OnceLock::new(),
             programs: OnceLock::new(),
             fragment: OnceLock::new(),
         }
+    }
+
+    /// A file of another language.
+    pub(super) fn script(file: &SourceFile, reported: bool) -> Self {
+        let script = Script::read(file);
+        let concerned = !script.lookups.is_empty() || !script.shaders.is_empty() || !script.tables.is_empty();
+        Self { script: Some(script), concerned, ..Self::with_tree(file, reported, HostTree::default()) }
+    }
+
+    /// Objects with the values of the uniforms of a program.
+    pub(super) fn tables(&self) -> &[Table] {
+        self.script.as_ref().map_or(&[], |s| &s.tables)
+    }
+
+    /// Fields of records of numbers, which arrays of attributes are made of.
+    pub(super) fn fields(&self) -> &[Field] {
+        self.script.as_ref().map_or(&[], |s| &s.fields)
+    }
+
+    /// True for code whose shaders are of OpenGL ES: for the web, or for Android.
+    pub fn is_of_es(&self) -> bool {
+        let text = self.file.text();
+        let android = || ["GLES20", "GLES30", "GLES31"].iter().any(|word| text.contains(word));
+        self.is_script() && (crate::script::is_of_the_web(self.file.name()) || android())
+    }
+
+    /// True for a file that gives its shaders to OpenGL itself, and writes no precision in front of them.
+    pub fn compiles_itself(&self) -> bool {
+        let text = self.file.text();
+        let outside = |at: usize| !self.embedded().iter().any(|e| e.place.contains(at));
+        text.contains("haderSource(") && !text.match_indices("precision ").any(|(at, _)| outside(at))
+    }
+
+    /// True for a file of another language than C and C++.
+    pub fn is_script(&self) -> bool {
+        self.script.is_some()
     }
 
     /// The same file in a project with wrappers of its own.
@@ -142,8 +189,11 @@ impl HostFile {
         self.wrappers.extend(new);
     }
 
-    /// The root of the tree, which the first call makes; none when the parser gave up.
+    /// The root of the tree, which the first call makes; none when the parser gave up, and for other languages.
     pub fn root(&self) -> Option<Node<'_>> {
+        if self.script.is_some() {
+            return None;
+        }
         self.tree.0.get_or_init(|| parse(&self.file)).as_ref().map(Tree::root_node)
     }
 
@@ -160,11 +210,17 @@ impl HostFile {
 
     /// All look-ups with a literal name, in the order of the text.
     fn lookups(&self) -> &[Lookup] {
+        if let Some(script) = &self.script {
+            return &script.lookups;
+        }
         self.lookups.get_or_init(|| if self.concerned { lookup::find(self) } else { Vec::new() })
     }
 
     /// The shaders in literals, in the order of the text.
     pub fn embedded(&self) -> &[Embedded] {
+        if let Some(script) = &self.script {
+            return &script.shaders;
+        }
         self.embedded.get_or_init(|| if self.concerned { embedded::find(self) } else { Vec::new() })
     }
 
@@ -175,6 +231,9 @@ impl HostFile {
 
     /// The programs that the file makes, and the shaders that it names.
     pub fn programs(&self) -> &HostPrograms {
+        if let Some(script) = &self.script {
+            return &script.programs;
+        }
         self.programs.get_or_init(|| if self.concerned { programs::find(self) } else { HostPrograms::default() })
     }
 

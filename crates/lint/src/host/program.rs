@@ -76,7 +76,13 @@ pub fn resolve<'p>(host: &HostFile, project: &'p Project, source: &ProgramSource
         return around(host, project);
     }
     let all = found.iter().all(Option::is_some);
-    Program::new(found.into_iter().flatten().collect(), all)
+    let found: Vec<&ShaderFile> = found.into_iter().flatten().collect();
+    // Scripts name files whose names say no stage.
+    let stages: Vec<Stage> = found.iter().map(|s| s.shader.stage()).collect();
+    if host.is_script() && !distinct(&stages) {
+        return None;
+    }
+    Program::new(found, all)
 }
 
 /// Where the shaders of the program in a look-up are named: `call` is the look-up and `program` the

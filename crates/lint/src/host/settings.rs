@@ -63,7 +63,7 @@ pub fn settings<'a>(host: &'a HostFile, project: &'a Project) -> Vec<Setting<'a>
         for user in &lookup.users {
             let at = usize::from(user.function.starts_with("glProgramUniform"));
             let Some(setter) = Setter::of_function(&user.function).filter(|_| user.position == at) else { continue };
-            let (function, place) = (user.function.clone(), user.function_span);
+            let (function, place) = (host.file.slice(user.function_span).to_owned(), user.function_span);
             found.push(Setting { lookup, user: Some(user), function, place, setter, variable, shader, ty });
         }
     }

@@ -12,9 +12,10 @@ use super::{Input, Project};
 use crate::document::{Listing, Place};
 use crate::embedded::Origin;
 use crate::flow::Flow;
-use crate::host::Literal;
+use crate::host::{Embedded, HostFile, Literal};
+use crate::prelude::{self, Between, Wanted};
 use crate::range::Observed;
-use crate::{context, script, version};
+use crate::{context, script, variants, version};
 
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
@@ -46,6 +47,10 @@ pub struct ShaderFile {
     pub partial: bool,
     /// True when the file was named by itself, and not found in a folder.
     pub named: bool,
+    /// What a host puts in front and behind, as parts of the text.
+    around: [Span; 2],
+    /// Errors that hold unless the host puts something around the text that is not seen.
+    pub on_request: Vec<Diagnostic>,
     /// Ranges of its expressions, found out when the first rule asks.
     observed: Mutex<Option<Arc<Observed>>>,
     flow: Mutex<Option<Arc<Flow>>>,
@@ -53,16 +58,19 @@ pub struct ShaderFile {
 
 impl ShaderFile {
     pub(super) fn new(input: &Input, stage: Stage) -> Self {
-        Self::read(input, version::read(&input.file, stage))
+        Self::read_as(input, stage, false)
+    }
+
+    /// A shader; of OpenGL ES where the host says so, and the text does not say what it is.
+    fn read_as(input: &Input, stage: Stage, es: bool) -> Self {
+        Self::read(input, version::read_as(&input.file, stage, es))
     }
 
     fn read(input: &Input, parsed: Parsed) -> Self {
         let claimed = |d| crate::glsl::hlsl_name::claim(&parsed.shader, d);
         let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
-        let doubtful = context::doubtful(&parsed.shader, &front_end);
-        let doubtful = front_end.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span));
         Self {
-            doubtful: doubtful.collect(),
+            doubtful: Self::doubtful_of(&parsed.shader, &front_end),
             file: parsed.shader.file().clone(),
             reported: input.reported,
             shader: parsed.shader,
@@ -73,6 +81,8 @@ impl ShaderFile {
             called: None,
             partial: false,
             named: input.named,
+            around: [Span::default(); 2],
+            on_request: Vec::new(),
             observed: Mutex::default(),
             flow: Mutex::default(),
         }
@@ -107,6 +117,57 @@ impl ShaderFile {
         found
     }
 
+    fn doubtful_of(shader: &Shader, found: &[Diagnostic]) -> Vec<(Code, Span)> {
+        let doubtful = context::doubtful(shader, found);
+        found.iter().zip(doubtful).filter(|(_, doubtful)| *doubtful).map(|(d, _)| (d.code, d.span)).collect()
+    }
+
+    /// A shader in a file of its own, with what its host puts around it.
+    pub(super) fn of_file(input: &Input, stage: Stage, wanted: Wanted) -> Self {
+        if prelude::recognised(input.file.text(), wanted).is_none() {
+            return Self::new(input, stage);
+        }
+        let whole = Literal::part(&input.file, Span::new(0, input.file.text().len()));
+        match prelude::around(&whole, stage, wanted) {
+            Some(between) => Self::between(input, stage, wanted, between, false),
+            None => Self::new(input, stage),
+        }
+    }
+
+    /// A shader between the texts of its host.
+    fn between(input: &Input, stage: Stage, wanted: Wanted, between: Between, es: bool) -> Self {
+        let Between { literal, prelude, front, behind } = between;
+        // The text and the file that it stands in need two names.
+        let name = format!("{} ({})", input.file.name(), prelude.name);
+        let text = input.with_file(SourceFile::new(name, literal.text.as_str()));
+        let of_fragments = stage == Stage::Library && !behind.is_empty();
+        let mut shader = Self::read_as(&text, if of_fragments { Stage::Fragment } else { stage }, es);
+        shader.around = [front, behind];
+        shader.front_end.retain(|d| !front.contains(d.span.start) && !behind.contains(d.span.start));
+        if matches!(wanted, Wanted::Recognised | Wanted::RecognisedOr(_)) {
+            // Textures may have other types, other parts of the text declare names, and ports of it state a version.
+            const OF_HOST: [Code; 5] = [
+                errors::NO_OVERLOAD,
+                errors::IMPLICIT_FLOAT,
+                errors::FLOAT_SUFFIX,
+                errors::NEEDS_VERSION,
+                errors::EXTENSION,
+            ];
+            let stated = shader.shader.version().span.is_some_and(|v| front.contains(v.start));
+            let is_port = |d: &Diagnostic| stated && OF_HOST.contains(&d.code);
+            let is_name = |d: &Diagnostic| context::is_about_a_name(d) && d.help.is_none();
+            // A text whose `main` the host writes is a piece, of which others may be meant to stand beside it.
+            let is_piece = !behind.is_empty();
+            let holds =
+                |d: &Diagnostic| !is_piece || variants::CERTAIN.contains(&d.code) || context::is_about_a_name(d);
+            let sure = |d: &Diagnostic| d.code != errors::NO_OVERLOAD && !is_port(d) && !is_name(d) && holds(d);
+            let (sure, asked) = shader.front_end.into_iter().partition(sure);
+            (shader.front_end, shader.on_request) = (sure, asked);
+        }
+        shader.origin = Some(Origin { host: input.file.clone(), literal });
+        shader
+    }
+
     /// A shader of a file that holds several.
     pub(super) fn part(input: &Input, (stage, literal): (Stage, Literal)) -> Self {
         // Two parts of a file need two names.
@@ -129,28 +190,70 @@ impl ShaderFile {
     }
 
     /// A shader in which a host fills in lines.
-    pub(super) fn filled_in(input: &Input, part: (Stage, Literal)) -> Self {
-        let mut shader = Self { partial: true, ..Self::part(input, part) };
-        shader.front_end.retain(|d| script::holds(d, false, true));
+    pub(super) fn filled_in(input: &Input, (stage, literal): (Stage, Literal), wanted: Wanted) -> Self {
+        let part = match prelude::around(&literal, stage, wanted) {
+            Some(between) => Self::between(input, stage, wanted, between, false),
+            None => Self::part(input, (stage, literal)),
+        };
+        let mut shader = Self { partial: true, ..part };
+        shader.leave(|d| script::holds(d, false, true));
         shader
     }
 
     /// A shader in a string of a script.
-    pub(super) fn in_script(input: &Input, found: script::Found) -> Self {
-        let text = input.with_file(SourceFile::new(found.name, found.literal.text.as_str()));
-        let mut shader = Self { partial: found.partial, ..Self::new(&text, found.stage) };
-        let lacks = shader.shader.has_unknown_names() || shader.shader.version().span.is_none();
+    pub(super) fn in_script(host: &HostFile, input: &Input, found: &Embedded, wanted: Wanted) -> Self {
+        let es = host.is_of_es();
+        let mut shader = match prelude::around(&found.literal, found.stage, wanted) {
+            Some(between) => {
+                let literal = between.literal.clone();
+                let shader = Self::between(input, found.stage, wanted, between, es);
+                Self { origin: Some(Origin { host: host.file.clone(), literal }), ..shader }
+            }
+            None => Self {
+                origin: Some(Origin { host: host.file.clone(), literal: found.literal.clone() }),
+                ..Self::read_as(input, found.stage, es)
+            },
+        };
+        shader.partial = found.partial;
+        let lacks =
+            shader.shader.has_unknown_names() || shader.shader.version().span.is_none_or(|v| shader.is_in_front(v));
+        let compiled_as_is = es && !found.partial && host.compiles_itself() && !shader.shader.has_unknown_names();
+        // No version for the web is newer than 3.00.
+        let newest = es && shader.shader.version().number == 300;
+        let sure_of_es = |code: Code| match code {
+            errors::IMPLICIT_FLOAT | errors::RESERVED => es,
+            errors::NEEDS_VERSION | errors::INITIALISER => newest,
+            _ => false,
+        };
+        shader.leave(|d| {
+            script::holds(d, found.partial, lacks)
+                || sure_of_es(d.code)
+                || (compiled_as_is && d.code == errors::PRECISION)
+        });
         // What is filled in may have any type.
+        let literal = shader.origin.as_ref().map(|o| o.literal.clone()).unwrap_or_default();
         let items = &shader.shader.unit().items;
         // What ends without a value may be given one by what is filled in.
         let about = |d: &Diagnostic| match items.iter().find(|i| i.span.contains(d.span.start)) {
             Some(item) if found.partial && d.code == errors::RETURN_TYPE => item.span,
             _ => d.span,
         };
-        let filled_in: Vec<bool> = shader.front_end.iter().map(|d| found.literal.is_filled_in(about(d))).collect();
+        let filled_in: Vec<bool> = shader.front_end.iter().map(|d| literal.is_filled_in(about(d))).collect();
         let mut filled_in = filled_in.into_iter();
-        shader.front_end.retain(|d| !filled_in.next().unwrap_or(false) && script::holds(d, found.partial, lacks));
-        Self { origin: Some(Origin { host: input.file.clone(), literal: found.literal }), ..shader }
+        shader.front_end.retain(|_| !filled_in.next().unwrap_or(false));
+        shader.doubtful = Self::doubtful_of(&shader.shader, &shader.front_end);
+        shader.doubtful.retain(|(code, _)| !sure_of_es(*code));
+        // What stands behind `$` is a name of the template.
+        let is_hook = |d: &Diagnostic| host.file.text()[..literal.to_host(d.span).start].ends_with('$');
+        shader.on_request.retain(|d| !literal.is_filled_in(d.span) && !is_hook(d));
+        shader
+    }
+
+    /// Leaves to a request what does not hold for certain.
+    fn leave(&mut self, holds: impl Fn(&Diagnostic) -> bool) {
+        let (sure, asked): (Vec<_>, Vec<_>) = std::mem::take(&mut self.front_end).into_iter().partition(holds);
+        self.front_end = sure;
+        self.on_request.extend(asked);
     }
 
     /// True when the interface is known from this text alone: the front end found no error outside the bodies
@@ -178,6 +281,16 @@ impl ShaderFile {
     /// Which values the operands of its calls and operators take, under the ranges that `project` states.
     pub fn observed(&self, project: &Project) -> Arc<Observed> {
         cached(&self.observed, || Observed::new(&self.shader, project.config()))
+    }
+
+    /// True when a host is known to put something around the text.
+    pub fn has_prelude(&self) -> bool {
+        self.around.iter().any(|part| !part.is_empty())
+    }
+
+    /// True for a place in what a host puts around the text.
+    pub fn is_in_front(&self, place: Span) -> bool {
+        self.around.iter().any(|part| part.contains(place.start))
     }
 
     /// True when the front end read the whole text without error, and it is all there.

@@ -1,41 +1,88 @@
-//! Shaders in strings of Python, JavaScript, TypeScript, Java, Kotlin and Rust.
+//! Shaders in strings of Python, JavaScript, TypeScript, Java, Kotlin and Rust, and the code around them that feeds them.
 //!
 //! The text of a string says whether it is a shader, and mostly of which stage; else the name does that it is kept
 //! under. Hosts put more in front of such a text than this reader sees: engines declare attributes and uniforms, and
 //! templates fill in names. What may be right with that is not reported.
 
+mod code;
+#[cfg(test)]
+mod feed_tests;
 mod language;
+mod lookup;
+mod program;
 mod strings;
+mod table;
 #[cfg(test)]
 mod tests;
+mod token;
 
-use base::diagnostic::{Code, Diagnostic};
+use base::diagnostic::{Code as ErrorCode, Diagnostic};
 use base::text::SourceFile;
 use syntax::{BuiltinFunction, Stage, errors};
 
-use super::host::{Literal, marks};
+use super::host::{Embedded, HostPrograms, Lookup, ProgramSource, ShaderRef, marks};
+use code::Code;
+use program::Programs;
 use strings::Text;
 
 use language::Language;
 pub use language::SCRIPT_EXTENSIONS;
+pub use lookup::Field;
+pub use table::Table;
 
-/// A shader in a string.
-pub struct Found {
-    /// Name for messages: the file's, `#`, and the variable's or the line.
-    pub name: String,
-    /// Its stage; a library for a part without `main`.
-    pub stage: Stage,
-    /// The text and its places.
-    pub literal: Literal,
-    /// True when a template fills something in, or other texts are joined to it.
-    pub partial: bool,
+/// What a file has to do with shaders.
+#[derive(Default)]
+pub struct Script {
+    /// The shaders in its strings, in the order of the text.
+    pub shaders: Vec<Embedded>,
+    /// The look-ups of uniforms and attributes, in the order of the text.
+    pub lookups: Vec<Lookup>,
+    /// The programs that it makes.
+    pub programs: HostPrograms,
+    /// Objects with the values of the uniforms of a program.
+    pub tables: Vec<Table>,
+    /// Fields of records of numbers.
+    pub fields: Vec<Field>,
+}
+
+impl Script {
+    /// Reads a file.
+    pub fn read(file: &SourceFile) -> Self {
+        let text = file.text();
+        let Some(language) = Language::of(file.name()).filter(|_| may_hold(text) || may_feed(text)) else {
+            return Self::default();
+        };
+        let code = Code::new(file, language);
+        let shaders = if may_hold(text) { shaders(&code) } else { Vec::new() };
+        if !may_feed(text) {
+            return Self { shaders, ..Self::default() };
+        }
+        let programs = Programs { code: &code, shaders: &shaders };
+        let (tables, named) = table::find(&programs);
+        let mut lookups = lookup::find(&programs);
+        lookups.extend(named);
+        lookups.sort_by_key(|l| l.name_span);
+        let sources = lookups.iter().map(|l| &l.source).chain(tables.iter().map(|t| &t.source));
+        let mut linked: Vec<Vec<ShaderRef>> = sources
+            .filter_map(|source| match source {
+                ProgramSource::Named(shaders) => Some(shaders.clone()),
+                ProgramSource::Beside | ProgramSource::Unknown => None,
+            })
+            .collect();
+        linked.sort_unstable();
+        linked.dedup();
+        let mut named: Vec<ShaderRef> = linked.iter().flatten().cloned().collect();
+        named.sort_unstable();
+        named.dedup();
+        Self { programs: HostPrograms { linked, named }, lookups, tables, shaders, fields: lookup::fields(&code) }
+    }
 }
 
 /// The shaders of a file, in the order of the text.
-pub fn shaders(file: &SourceFile) -> Vec<Found> {
-    let Some(language) = Language::of(file.name()).filter(|_| may_hold(file.text())) else { return Vec::new() };
-    let mut found: Vec<Found> = Vec::new();
-    for text in strings::texts(file, language) {
+fn shaders(code: &Code<'_>) -> Vec<Embedded> {
+    let file = code.file;
+    let mut found: Vec<Embedded> = Vec::new();
+    for text in strings::texts(file, code.language, &code.tokens) {
         let Some(stage) = stage(&text) else { continue };
         let line = file.position(text.place.start).line;
         let called = text.names.first().cloned().unwrap_or_else(|| line.to_string());
@@ -44,9 +91,22 @@ pub fn shaders(file: &SourceFile) -> Vec<Found> {
             name = format!("{name}:{line}");
         }
         let partial = text.partial || stage == Stage::Library;
-        found.push(Found { name, stage, literal: text.literal, partial });
+        let Text { literal, place, .. } = text;
+        found.push(Embedded { name, variable: None, stage, created_as: None, literal, place, partial });
     }
     found
+}
+
+/// Words of code that feeds shaders.
+fn may_feed(text: &str) -> bool {
+    const WORDS: [&str; 8] =
+        ["niform", "ttrib", "rogram", "vertexShader", "fragmentShader", "vertex_array", "frag", "vert"];
+    WORDS.iter().any(|word| text.contains(word))
+}
+
+/// True for JavaScript and TypeScript: what they draw with is OpenGL ES.
+pub fn is_of_the_web(name: &str) -> bool {
+    Language::of(name) == Some(Language::JavaScript)
 }
 
 /// Words that no shader does without: most files of a project have none of them.
@@ -84,7 +144,7 @@ fn stage(text: &Text) -> Option<Stage> {
 fn defines_function(code: &str) -> bool {
     let types = ["void", "bool", "int", "uint", "float", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4"];
     code.match_indices('{').any(|(at, _)| {
-        let head = code[..at].rsplit([';', '}', '{', '\n']).next().unwrap_or("").trim();
+        let head = code[..at].trim_end().rsplit([';', '}', '{', '\n']).next().unwrap_or("").trim();
         let Some((before, arguments)) = head.split_once('(') else { return false };
         let words: Vec<&str> = before.split_whitespace().collect();
         let [ty, name] = words[..] else { return false };
@@ -98,7 +158,7 @@ fn defines_function(code: &str) -> bool {
 /// `lacks` says that the text has no version, or uses names which it does not declare: what is put in front of it may
 /// state another version and extensions as well, and mostly states precisions.
 pub fn holds(diagnostic: &Diagnostic, partial: bool, lacks: bool) -> bool {
-    const OF_TYPES: [Code; 8] = [
+    const OF_TYPES: [ErrorCode; 8] = [
         errors::ASSIGN_TYPE,
         errors::OPERAND_TYPE,
         errors::ASSIGN_SIZE,

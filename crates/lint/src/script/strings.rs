@@ -3,6 +3,7 @@
 use base::text::{SourceFile, Span};
 
 use super::language::{Form, Language};
+use super::token::{Token, closing};
 use crate::host::Literal;
 
 /// Stands for what a template fills in.
@@ -21,16 +22,8 @@ pub struct Text {
     pub partial: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Token<'t> {
-    Word(&'t str),
-    Mark(char),
-    String { place: Span, inner: Span, form: Form },
-}
-
 /// The texts that may be shaders, in their order.
-pub fn texts(file: &SourceFile, language: Language) -> Vec<Text> {
-    let tokens = tokens(file.text(), language);
+pub fn texts(file: &SourceFile, language: Language, tokens: &[Token<'_>]) -> Vec<Text> {
     let mut found = Vec::new();
     let mut at = 0;
     while at < tokens.len() {
@@ -38,9 +31,9 @@ pub fn texts(file: &SourceFile, language: Language) -> Vec<Text> {
             at += 1;
             continue;
         }
-        let chain = list(&tokens, at, file).unwrap_or_else(|| sum(&tokens, at, language));
+        let chain = list(tokens, at, file).unwrap_or_else(|| sum(tokens, at, language));
         at = chain.end.max(at + 1);
-        found.extend(text(file, &tokens, &chain));
+        found.extend(text(file, tokens, &chain, language));
     }
     found
 }
@@ -104,9 +97,10 @@ fn sum(tokens: &[Token<'_>], start: usize, language: Language) -> Chain {
     Chain { start, end, parts, between: "", partial }
 }
 
-fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain) -> Option<Text> {
+fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain, language: Language) -> Option<Text> {
     let mut partial = chain.partial;
-    if is_formatted(tokens, chain, &mut partial) {
+    let formatted = formatted(tokens, chain, &mut partial);
+    if formatted == Formatted::Otherwise {
         return None;
     }
     let mut literal = Literal::default();
@@ -117,6 +111,12 @@ fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain) -> Option<Text> 
             literal.made(chain.between, Span::at(inner.start));
         }
         place = Some(place.map_or(whole, |p: Span| p.to(whole)));
+        let later = language == Language::Python && formatted == Formatted::No && has_double_braces(file.slice(inner));
+        partial |= later;
+        if formatted == Formatted::Braces || form == Form::Braces || later {
+            partial |= in_braces(&mut literal, file, inner, form != Form::Raw)?;
+            continue;
+        }
         match form {
             Form::Line | Form::Escaped => literal.escaped(file, inner)?,
             Form::Raw => literal.verbatim_raw(file, inner),
@@ -129,31 +129,78 @@ fn text(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain) -> Option<Text> 
     Some(Text { literal, place: place?, names: names(file, tokens, chain), partial: partial || hooks })
 }
 
-/// True when the text is a format, in which more stands than can be known.
-fn is_formatted(tokens: &[Token<'_>], chain: &Chain, partial: &mut bool) -> bool {
+/// What is filled into a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Formatted {
+    /// Nothing, or what its own form says.
+    No,
+    /// Single braces.
+    Braces,
+    /// More than can be known.
+    Otherwise,
+}
+
+fn formatted(tokens: &[Token<'_>], chain: &Chain, partial: &mut bool) -> Formatted {
     let before = |back: usize| chain.start.checked_sub(back).and_then(|at| tokens.get(at));
     if let Some(Token::Mark('(')) = before(1) {
-        let called = if matches!(before(2), Some(Token::Mark('!'))) { before(3) } else { before(2) };
+        let is_macro = matches!(before(2), Some(Token::Mark('!')));
         // What a test expects of a tool that writes shaders is no shader of a program.
         const EXPECTED: [&str; 6] =
             ["toContain", "toBe", "toEqual", "toStrictEqual", "toMatch", "toMatchInlineSnapshot"];
-        if matches!(called, Some(Token::Word(word)) if EXPECTED.contains(word)) {
-            return true;
-        }
-        if matches!(called, Some(Token::Word("format" | "println" | "print" | "write" | "printf"))) {
-            return true;
+        match if is_macro { before(3) } else { before(2) } {
+            Some(Token::Word("format")) if is_macro => return Formatted::Braces,
+            Some(Token::Word("format" | "println" | "print" | "write" | "printf")) => return Formatted::Otherwise,
+            Some(Token::Word(word)) if EXPECTED.contains(word) => return Formatted::Otherwise,
+            _ => {}
         }
     }
     match tokens.get(chain.end..chain.end + 2) {
-        Some([Token::Mark('%'), _] | [Token::Mark('.'), Token::Word("format" | "formatted" | "format_map")]) => true,
+        Some([Token::Mark('.'), Token::Word("format" | "format_map")]) => Formatted::Braces,
+        Some([Token::Mark('%'), _] | [Token::Mark('.'), Token::Word("formatted")]) => Formatted::Otherwise,
         Some([Token::Mark('.'), Token::Word(method)]) => {
             const SAME: [&str; 8] =
                 ["strip", "trim", "trimIndent", "encode", "trimStart", "trimEnd", "lstrip", "stripIndent"];
             *partial |= !SAME.contains(method);
-            false
+            Formatted::No
         }
-        _ => false,
+        _ => Formatted::No,
     }
+}
+
+/// True for a text whose blocks are in double braces: it is formatted elsewhere.
+fn has_double_braces(text: &str) -> bool {
+    let mut opened = text.match_indices("{{").map(|(at, _)| text[at + 2..].starts_with(['\n', '\r'])).peekable();
+    opened.peek().is_some() && opened.all(|ends_line| ends_line) && text.contains("}}")
+}
+
+/// Adds the text of a format in which single braces are filled in and double ones stand for one. True when something is
+/// filled in; none for braces that are no format.
+fn in_braces(literal: &mut Literal, file: &SourceFile, inner: Span, escapes: bool) -> Option<bool> {
+    let text = file.slice(inner);
+    let (mut at, mut filled) = (0, false);
+    while at < text.len() {
+        let end = text[at..].find(['{', '}']).map_or(text.len(), |end| at + end);
+        let double = text[end..].starts_with("{{") || text[end..].starts_with("}}");
+        let plain = Span::new(inner.start + at, inner.start + end + usize::from(double));
+        if escapes {
+            literal.escaped(file, plain)?;
+        } else {
+            literal.verbatim_raw(file, plain);
+        }
+        if double {
+            at = end + 2;
+        } else if end < text.len() {
+            text[end..].starts_with('{').then_some(())?;
+            let hole = end + text[end..].find('}')? + 1;
+            let name = |c: char| c.is_alphanumeric() || "_.[]():, ".contains(c);
+            text[end + 1..hole - 1].chars().all(name).then_some(())?;
+            literal.made(FILLED_IN, Span::new(inner.start + end, inner.start + hole));
+            (at, filled) = (hole, true);
+        } else {
+            break;
+        }
+    }
+    Some(filled)
 }
 
 /// Adds the text of a template. True when something is filled in.
@@ -186,22 +233,6 @@ fn template(literal: &mut Literal, file: &SourceFile, inner: Span, escapes: bool
 fn holes(text: &str, at: usize) -> impl Iterator<Item = Span> {
     let starts = text[at..].match_indices("${").map(move |(i, _)| at + i);
     starts.filter(|start| !text[..*start].ends_with('\\')).map(|start| Span::new(start, closing(text, start + 2)))
-}
-
-/// Behind the brace that ends what is filled in.
-fn closing(text: &str, start: usize) -> usize {
-    let mut depth = 1;
-    for (i, c) in text[start..].char_indices() {
-        depth = match c {
-            '{' => depth + 1,
-            '}' => depth - 1,
-            _ => depth,
-        };
-        if depth == 0 {
-            return start + i + 1;
-        }
-    }
-    text.len()
 }
 
 /// Takes `$` out of the text: `$name` of a template becomes a name that nothing declares. True where there is one;
@@ -277,91 +308,4 @@ fn names(file: &SourceFile, tokens: &[Token<'_>], chain: &Chain) -> Vec<String> 
     }
     found.retain(|name| !name.is_empty() && name.len() <= 60 && !name.contains(char::is_whitespace));
     found
-}
-
-fn tokens(text: &str, language: Language) -> Vec<Token<'_>> {
-    let mut found: Vec<Token<'_>> = Vec::new();
-    let mut at = 0;
-    while let Some(c) = text[at..].chars().next() {
-        let rest = &text[at..];
-        let before = text[..at].chars().next_back();
-        if c.is_whitespace() {
-            at += c.len_utf8();
-        } else if rest.starts_with(language.comment()) {
-            at += rest.find('\n').unwrap_or(rest.len());
-        } else if language.has_block_comments() && rest.starts_with("/*") {
-            at += rest.find("*/").map_or(rest.len(), |end| end + 2);
-        } else if let Some(opening) = language.opening(rest, before) {
-            let inner = at + opening.length;
-            match end_of(text, inner, opening.close, opening.form) {
-                Some(end) => {
-                    let after = end + opening.close.len();
-                    if opening.form != Form::Character {
-                        let (place, inner) = (Span::new(at, after), Span::new(inner, end));
-                        found.push(Token::String { place, inner, form: opening.form });
-                    }
-                    at = after;
-                }
-                None => at += opening.length,
-            }
-        } else if c.is_alphanumeric() || c == '_' {
-            let length = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            found.push(Token::Word(&rest[..length]));
-            at += length;
-        } else if language == Language::JavaScript && c == '/' && begins_pattern(found.last()) {
-            at += pattern(rest);
-        } else {
-            found.push(Token::Mark(c));
-            at += c.len_utf8();
-        }
-    }
-    found
-}
-
-/// Where a string ends whose text begins at `start`; none for one that does not.
-fn end_of(text: &str, start: usize, close: &str, form: Form) -> Option<usize> {
-    let mut at = start;
-    loop {
-        let rest = text.get(at..)?;
-        let c = rest.chars().next()?;
-        if rest.starts_with(close) {
-            return Some(at);
-        }
-        let escapes = !matches!(form, Form::Raw | Form::RawTemplate);
-        match c {
-            '\\' if escapes => at += 1 + rest[1..].chars().next().map_or(0, char::len_utf8),
-            '\n' if matches!(form, Form::Line | Form::Character) => return None,
-            // `'a'` and no more: else it is a lifetime, or a word in prose.
-            _ if form == Form::Character && at > start => return None,
-            '$' if form == Form::Template && rest.starts_with("${") => at = closing(text, at + 2),
-            _ => at += c.len_utf8(),
-        }
-    }
-}
-
-/// True when a `/` behind this token begins a regular expression.
-fn begins_pattern(before: Option<&Token<'_>>) -> bool {
-    match before {
-        None => true,
-        Some(Token::Mark(mark)) => !matches!(mark, ')' | ']' | '}'),
-        Some(Token::Word(word)) => matches!(*word, "return" | "typeof" | "case"),
-        Some(Token::String { .. }) => false,
-    }
-}
-
-/// Bytes of the regular expression at the start; one for a `/` that begins none.
-fn pattern(text: &str) -> usize {
-    let (mut class, mut escaped) = (false, false);
-    for (i, c) in text.char_indices().skip(1) {
-        match c {
-            '\n' => return 1,
-            _ if escaped => escaped = false,
-            '\\' => escaped = true,
-            '[' => class = true,
-            ']' => class = false,
-            '/' if !class => return i + 1,
-            _ => {}
-        }
-    }
-    1
 }

@@ -3,7 +3,7 @@ use crate::{Input, run};
 
 fn found(name: &str, text: &str) -> Vec<(String, Stage, bool)> {
     let file = SourceFile::new(name, text);
-    shaders(&file).into_iter().map(|f| (f.name, f.stage, f.partial)).collect()
+    Script::read(&file).shaders.into_iter().map(|f| (f.name, f.stage, f.partial)).collect()
 }
 
 fn reported(name: &str, text: &str) -> Vec<String> {
@@ -41,6 +41,36 @@ fn strings_of_each_language_are_read() {
         assert!(wrong.len() == 1 && wrong[0].starts_with(&format!("T006 {name}:")), "{text}: {wrong:?}");
         assert_eq!(reported(name, &text), [""; 0], "{text}");
     }
+}
+
+#[test]
+fn braces_of_formats_are_filled_in_or_stand_for_one() {
+    let format = |start: &str, body: &str, end: &str| {
+        format!(
+            "{start}QQQ\nvec4 effect(vec4 color, vec2 at)\n{{{{\n  float dt = {{size}};\n  return {body};\n}}}}\nQQQ{end}\n"
+        )
+        .replace("QQQ", "\"\"\"")
+    };
+    for (start, end) in [("s = ", ".format(size=2)"), ("s = f", ""), ("s = ", "")] {
+        assert_eq!(reported("a.py", &format(start, "vec4(color.xyz, dt)", end)), [""; 0]);
+        assert_eq!(reported("a.py", &format(start, "vec4(color.xys, dt)", end)), ["T009 a.py:5:21"]);
+    }
+}
+
+#[test]
+fn texts_for_the_web_are_of_opengl_es() {
+    let chunk = |body: &str| format!("export const fs = `\nvec4 tint(sampler2D map, vec2 at) {{\n  {body}\n}}\n`;\n");
+    assert_eq!(reported("a.ts", &chunk("return texture2D(map, at * 2);")), ["T006 a.ts:3:30"]);
+    assert_eq!(reported("a.ts", &chunk("vec4 value = texture(map, at);\n  return value;")), [""; 0]);
+    let fragment = |precision: &str, call: &str| {
+        format!(
+            "const fs = `\n{precision}\nvarying vec2 at;\nvoid main() {{ gl_FragColor = vec4(at, 0.0, 1.0); }}\n`;\n{call}\n"
+        )
+    };
+    assert_eq!(reported("a.js", &fragment("", "gl.shaderSource(shader, fs);")), ["V009 a.js:3:9"]);
+    assert_eq!(reported("a.js", &fragment("precision mediump float;", "gl.shaderSource(shader, fs);")), [""; 0]);
+    assert_eq!(reported("a.js", &fragment("", "engine.add(fs);")), [""; 0], "an engine may put it in front");
+    assert_eq!(reported("a.js", &fragment("", "gl.shaderSource(shader, 'precision mediump float;' + fs);")), [""; 0]);
 }
 
 #[test]
@@ -115,7 +145,9 @@ fn parts_are_held_to_what_is_sure() {
 #[test]
 fn a_text_that_breaks_off_anywhere_does_no_harm() {
     let text = "x = f'{a}' r'''頂 ''' `${a + `${b}`}` \"\"\"void main() { gl_Position = vec4(1, $a); }\"\"\" r#\"void main() { 頂 }\"# \
-                /[/'`]/ ['vec2 a;', 'void main() { gl_FragColor = 頂; }'].join('\\n') + 'vec3 \\x' // don't\n";
+                /[/'`]/ ['vec2 a;', 'void main() { gl_FragColor = 頂; }'].join('\\n') + 'vec3 \\x' // don't\n\
+                !.a?.b!: T = q({uniforms: {a, ...b, 'c': [1]}, vertexShader: `void main() {}`, frag }) ; p['x'].getUniformLocation(p!, `a[${i}]`)\n\
+                def f(a, b): u = vertex_array(p, [(b, '2f', 'x')]) ) ] } ('n', f4.float32, 2) {% {{ } '{}{x}'.format(1)\n";
     for name in ["a.py", "a.js", "A.java", "a.kt", "a.rs"] {
         for (end, _) in text.char_indices() {
             for d in run(&[Input::new(SourceFile::new(name, &text[..end]))]) {

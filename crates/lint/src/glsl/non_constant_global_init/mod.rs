@@ -4,6 +4,7 @@ use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
+use syntax::Profile;
 use syntax::interface::Storage;
 use syntax::symbols::{CallTarget, SymbolKind};
 use syntax::types::Type;
@@ -22,9 +23,10 @@ pub const RULE: Rule = Rule {
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
-    if !file.is_sound() {
-        return;
-    }
+    // OpenGL ES 3.00 refuses it; WebGL leaves it to texts of 1.00.
+    let version = shader.version();
+    let refused = version.profile == Profile::Es && version.number >= 300;
+    let level = if refused { Level::Default } else { RULE.level };
     for variable in &shader.interface().globals {
         let Some(value) = variable.initializer else { continue };
         let varies = expressions(shader, value).into_iter().any(|id| {
@@ -57,18 +59,21 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             .with_help(message!("assign it at the start of `main`", "`main` の先頭で代入してください"));
         let main = shader.function("main").and_then(|f| shader.function_syntax(f)).and_then(|f| f.body.as_ref());
         let plain = !expr.from_macro && !matches!(variable.ty, Type::Array(..)) && variable.siblings == 1;
-        findings.push(match main.filter(|_| plain) {
-            None => found,
-            Some(body) => {
-                let text = shader.text_of(value);
-                let end = variable.name_span.end;
-                let edits = vec![
-                    Edit::delete(Span::new(end, expr.span.end)),
-                    Edit::insert(body.span.start + 1, format!("\n  {name} = {text};")),
-                ];
-                found.with_fix(message!("assign it in `main`", "`main` の中で代入する"), Safety::Safe, edits)
-            }
-        });
+        findings.push_at(
+            level,
+            match main.filter(|_| plain) {
+                None => found,
+                Some(body) => {
+                    let text = shader.text_of(value);
+                    let end = variable.name_span.end;
+                    let edits = vec![
+                        Edit::delete(Span::new(end, expr.span.end)),
+                        Edit::insert(body.span.start + 1, format!("\n  {name} = {text};")),
+                    ];
+                    found.with_fix(message!("assign it in `main`", "`main` の中で代入する"), Safety::Safe, edits)
+                }
+            },
+        );
     }
 }
 

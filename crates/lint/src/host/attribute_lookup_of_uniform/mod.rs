@@ -8,6 +8,7 @@ use base::text::Edit;
 use super::HostFile;
 use super::lookup::LookupKind;
 use super::program::resolve;
+use super::spelling::spelled;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -21,7 +22,7 @@ pub const RULE: Rule = Rule {
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     for lookup in host.lookups() {
-        if lookup.kind == LookupKind::Uniform || lookup.is_reserved() || lookup.wrapped {
+        if matches!(lookup.kind, LookupKind::Uniform | LookupKind::Name) || lookup.is_reserved() || lookup.wrapped {
             continue;
         }
         let Some(program) = resolve(host, project, &lookup.source) else { continue };
@@ -44,7 +45,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                 variable.name_span,
                 message!("`{name}` is declared `uniform` here", "`{name}` はここで `uniform` と宣言されています"),
             );
-        let right = LookupKind::Uniform.function();
+        let right = spelled(host, lookup.function, LookupKind::Uniform.function());
         findings.push(if lookup.kind == LookupKind::BindAttribute {
             found
                 .with_label(message!("binds nothing", "何にも結び付きません"))
@@ -65,7 +66,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                      functions ignore the location -1",
                     "glGetAttribLocation は uniform を知りません。GL エラーなしに -1 を返し、glUniform 系の関数は位置 -1 を無視します"
                 ))
-                .with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), safety, vec![Edit::replace(lookup.function, right)])
+                .with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), safety, vec![Edit::replace(lookup.function, right.as_str())])
         });
     }
 }

@@ -29,6 +29,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                 program.shaders().iter().filter_map(|s| s.shader.interface().uniform(name).map(|v| (*s, v))).collect()
             }
             LookupKind::Attribute | LookupKind::BindAttribute => program.attribute(name).into_iter().collect(),
+            LookupKind::Name => program.uniform(name).or_else(|| program.attribute(name)).into_iter().collect(),
         };
         let used = declared.iter().any(|(s, v)| s.shader.uses_of(v.symbol).next().is_some());
         let Some((shader, variable)) = declared.first().filter(|_| !used) else { continue };
@@ -42,7 +43,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                         "`{name}` は宣言されていますが、どのステージでも使われません"
                     ),
                 )
-                .with_label(message!("gives -1", "-1 になります"))
+                .with_label(lookup.missing.label())
                 .with_related(&shader.file, variable.name_span, message!("declared here", "ここで宣言されています"))
                 .with_why(message!(
                     "a variable that is not used is not active and has no location; this raises no GL error",

@@ -2,6 +2,7 @@
 
 use super::HostFile;
 use super::settings::settings;
+use super::spelling::spelled;
 use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
@@ -42,7 +43,8 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             let right = set.setter.function_for(set.ty).filter(|_| set.user.is_some());
             let both = set.setter.matrix && matches!(set.element(), Type::Matrix(..));
             findings.push(match right {
-                Some(right) if both && function.starts_with("glUniform") => {
+                Some(right) if both && !function.starts_with("glProgram") => {
+                    let right = spelled(host, set.place, &right);
                     let edit = Edit::replace(set.place, right.as_str());
                     found.with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), Safety::Unsafe, vec![edit])
                 }

@@ -8,6 +8,7 @@ use base::text::Edit;
 use super::HostFile;
 use super::lookup::LookupKind;
 use super::program::resolve;
+use super::spelling::spelled;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -34,7 +35,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             continue;
         }
         let safety = if lookup.feeds.only_attribute() { Safety::Safe } else { Safety::Unsafe };
-        let right = LookupKind::Attribute.function();
+        let right = spelled(host, lookup.function, LookupKind::Attribute.function());
         findings.push(
             findings
                 .at(&host.file, lookup.function, message!(
@@ -48,7 +49,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                      attribute never gets its array",
                     "glGetUniformLocation は頂点属性を知りません。GL エラーなしに -1 を返し、頂点属性に配列が結び付きません"
                 ))
-                .with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), safety, vec![Edit::replace(lookup.function, right)]),
+                .with_fix(message!("call `{right}`", "`{right}` を呼ぶ"), safety, vec![Edit::replace(lookup.function, right.as_str())]),
         );
     }
 }

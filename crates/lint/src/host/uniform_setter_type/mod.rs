@@ -4,6 +4,7 @@ use super::HostFile;
 use super::setter::Setter;
 use super::settings::Setting;
 use super::settings::settings;
+use super::spelling::spelled;
 use crate::project::Project;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
@@ -54,6 +55,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                     right
                 };
                 let rows = Setter::of_function(&right).map(|r| (r.rows, r.vector));
+                let right = spelled(host, set.place, &right);
                 let same = rows == Some((set.setter.rows, set.setter.vector))
                     || (set.setter.vector && rows.is_some_and(|r| r.1));
                 let found = found.with_help(message!("`{ty}` is set by `{right}`", "`{ty}` は `{right}` で設定します"));

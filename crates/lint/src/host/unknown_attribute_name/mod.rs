@@ -23,7 +23,7 @@ pub const RULE: Rule = Rule {
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     let all = host.lookups();
     for lookup in all {
-        if lookup.kind == LookupKind::Uniform || lookup.is_reserved() {
+        if matches!(lookup.kind, LookupKind::Uniform | LookupKind::Name) || lookup.is_reserved() {
             continue;
         }
         let Some(program) = resolve(host, project, &lookup.source) else { continue };
@@ -43,23 +43,23 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let only = if names.len() == 1 { free.first().copied() } else { None };
         let place = vertex.file.name();
         let label = if lookup.kind == LookupKind::Attribute {
-            message!("gives -1", "-1 になります")
+            lookup.missing.label()
         } else {
             message!("binds nothing", "何にも結び付きません")
         };
         let mut found = findings
             .at(&host.file, lookup.literal_span(), message!("no attribute of {place} is called `{name}`", "{place} に `{name}` という頂点属性はありません"))
             .with_label(label)
-            .with_why(match lookup.kind {
+            .with_why(lookup.missing.why().unwrap_or_else(|| match lookup.kind {
                 LookupKind::BindAttribute => message!(
                     "glBindAttribLocation of a name that is no attribute has no effect",
                     "頂点属性でない名前の glBindAttribLocation は効果がありません"
                 ),
-                LookupKind::Attribute | LookupKind::Uniform => message!(
+                LookupKind::Attribute | LookupKind::Uniform | LookupKind::Name => message!(
                     "glGetAttribLocation gives -1 without a GL error, and glVertexAttribPointer refuses the location -1",
                     "glGetAttribLocation は GL エラーなしに -1 を返し、glVertexAttribPointer は位置 -1 を受け付けません"
                 ),
-            })
+            }))
             .with_help(match names.as_slice() {
                 [] => message!("{place} has no attribute", "{place} に頂点属性はありません"),
                 [one] => message!("the only attribute is `{one}`", "頂点属性は `{one}` だけです"),

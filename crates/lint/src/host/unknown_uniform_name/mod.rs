@@ -7,7 +7,7 @@ use base::text::{Edit, Span};
 
 use super::HostFile;
 use super::group::is_shader_name;
-use super::lookup::{Lookup, LookupKind};
+use super::lookup::{Lookup, LookupKind, Missing};
 use super::program::{ProgramSource, resolve};
 use super::suggest::{list, list_in_japanese, nearest};
 use super::syntax::{descendants, plain_string};
@@ -24,7 +24,7 @@ pub const RULE: Rule = Rule {
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     for lookup in host.lookups() {
-        if lookup.kind != LookupKind::Uniform || lookup.is_reserved() {
+        if !matches!(lookup.kind, LookupKind::Uniform | LookupKind::Name) || lookup.is_reserved() {
             continue;
         }
         let name = lookup.base_name();
@@ -35,7 +35,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         };
         // A block's member has no location either, but its name is known.
         let declared = program.uniform(name).is_some() || program.in_block(name);
-        let attribute = program.attribute(name).is_some() && !lookup.wrapped;
+        let attribute = program.attribute(name).is_some() && (!lookup.wrapped || lookup.kind == LookupKind::Name);
         if declared || attribute {
             continue;
         }
@@ -46,12 +46,17 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                 lookup.literal_span(),
                 message!("no uniform of {place} is called `{name}`", "{place} に `{name}` という uniform はありません"),
             )
-            .with_label(message!("gives -1", "-1 になります"))
-            .with_why(message!(
-                "glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1",
-                "glGetUniformLocation は GL エラーなしに -1 を返し、glUniform 系の関数は位置 -1 を無視します"
-            ));
-        if let Some(meant) = nearest(name, program.uniforms()) {
+            .with_label(lookup.missing.label())
+            .with_why(lookup.missing.why().unwrap_or_else(|| {
+                message!(
+                    "glGetUniformLocation gives -1 without a GL error, and glUniform functions ignore the location -1",
+                    "glGetUniformLocation は GL エラーなしに -1 を返し、glUniform 系の関数は位置 -1 を無視します"
+                )
+            }));
+        let meant = nearest(name, program.uniforms());
+        // Objects keep values of shaders that have changed: a slip is told, the rest on request.
+        let level = if lookup.missing == Missing::Ignored && meant.is_none() { Level::Strict } else { RULE.level };
+        if let Some(meant) = meant {
             if let Some((shader, variable)) = program.uniform(meant) {
                 found = found.with_related(
                     &shader.file,
@@ -69,24 +74,31 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         let mut all: Vec<&str> = program.uniforms().collect();
         all.sort_unstable();
         all.dedup();
-        findings.push(found.with_help(match all.as_slice() {
-            [] => {
-                message!(
-                    "the program has no uniform outside blocks",
-                    "プログラムにはブロックの外の uniform がありません"
-                )
-            }
-            all => {
-                let (en, ja) = (list(all), list_in_japanese(all));
-                message!("the uniforms are {en}", "uniform は {ja} です")
-            }
-        }));
+        findings.push_at(
+            level,
+            found.with_help(match all.as_slice() {
+                [] => {
+                    message!(
+                        "the program has no uniform outside blocks",
+                        "プログラムにはブロックの外の uniform がありません"
+                    )
+                }
+                all => {
+                    let (en, ja) = (list(all), list_in_japanese(all));
+                    message!("the uniforms are {en}", "uniform は {ja} です")
+                }
+            }),
+        );
     }
 }
 
 /// Which program is meant is not known, but no shader of the project has the name, and what else is looked up with
 /// the same object belongs to one of them.
 fn nowhere(host: &HostFile, project: &Project, lookup: &Lookup, findings: &mut Findings<'_>) {
+    // What other languages name may be an engine's.
+    if host.script.is_some() {
+        return;
+    }
     let name = lookup.base_name();
     let all_there = match &lookup.source {
         ProgramSource::Named(shaders) => shaders.iter().all(|s| project.shader_of(host, s).is_some()),
