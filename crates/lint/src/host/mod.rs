@@ -162,13 +162,6 @@ impl HostFile {
         self.is_script() && (crate::script::is_of_the_web(self.file.name()) || android())
     }
 
-    /// True for a file that gives its shaders to OpenGL itself, and writes no precision in front of them.
-    pub fn compiles_itself(&self) -> bool {
-        let text = self.file.text();
-        let outside = |at: usize| !self.embedded().iter().any(|e| e.place.contains(at));
-        text.contains("haderSource(") && !text.match_indices("precision ").any(|(at, _)| outside(at))
-    }
-
     /// True for a file of another language than C and C++.
     pub fn is_script(&self) -> bool {
         self.script.is_some()

@@ -217,7 +217,6 @@ impl ShaderFile {
         shader.partial = found.partial;
         let lacks =
             shader.shader.has_unknown_names() || shader.shader.version().span.is_none_or(|v| shader.is_in_front(v));
-        let compiled_as_is = es && !found.partial && host.compiles_itself() && !shader.shader.has_unknown_names();
         // No version for the web is newer than 3.00.
         let newest = es && shader.shader.version().number == 300;
         let sure_of_es = |code: Code| match code {
@@ -225,11 +224,7 @@ impl ShaderFile {
             errors::NEEDS_VERSION | errors::INITIALISER => newest,
             _ => false,
         };
-        shader.leave(|d| {
-            script::holds(d, found.partial, lacks)
-                || sure_of_es(d.code)
-                || (compiled_as_is && d.code == errors::PRECISION)
-        });
+        shader.leave(|d| script::holds(d, found.partial, lacks) || sure_of_es(d.code));
         // What is filled in may have any type.
         let literal = shader.origin.as_ref().map(|o| o.literal.clone()).unwrap_or_default();
         let items = &shader.shader.unit().items;

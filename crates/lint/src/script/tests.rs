@@ -62,15 +62,6 @@ fn texts_for_the_web_are_of_opengl_es() {
     let chunk = |body: &str| format!("export const fs = `\nvec4 tint(sampler2D map, vec2 at) {{\n  {body}\n}}\n`;\n");
     assert_eq!(reported("a.ts", &chunk("return texture2D(map, at * 2);")), ["T006 a.ts:3:30"]);
     assert_eq!(reported("a.ts", &chunk("vec4 value = texture(map, at);\n  return value;")), [""; 0]);
-    let fragment = |precision: &str, call: &str| {
-        format!(
-            "const fs = `\n{precision}\nvarying vec2 at;\nvoid main() {{ gl_FragColor = vec4(at, 0.0, 1.0); }}\n`;\n{call}\n"
-        )
-    };
-    assert_eq!(reported("a.js", &fragment("", "gl.shaderSource(shader, fs);")), ["V009 a.js:3:9"]);
-    assert_eq!(reported("a.js", &fragment("precision mediump float;", "gl.shaderSource(shader, fs);")), [""; 0]);
-    assert_eq!(reported("a.js", &fragment("", "engine.add(fs);")), [""; 0], "an engine may put it in front");
-    assert_eq!(reported("a.js", &fragment("", "gl.shaderSource(shader, 'precision mediump float;' + fs);")), [""; 0]);
 }
 
 #[test]
