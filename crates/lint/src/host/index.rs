@@ -46,10 +46,10 @@ impl<'t> Index<'t> {
                     declared.extend(node.children_by_field_name("declarator", &mut cursor).filter_map(declared_name));
                 }
                 "argument_list" | "parameter_list" => takers.extend(taker(host, node)),
-                kind if NAMES.contains(&kind) => {
-                    if texts.contains(&host.text(node)) || host.constants().path(host, node).is_some() {
-                        names.push(node);
-                    }
+                kind if NAMES.contains(&kind)
+                    && (texts.contains(&host.text(node)) || host.constants().path(host, node).is_some()) =>
+                {
+                    names.push(node);
                 }
                 "preproc_arg" => macros.push(host.text(node)),
                 "string_literal" | "raw_string_literal" | "concatenated_string" => strings.push(node),

@@ -56,7 +56,8 @@ impl Checker<'_> {
             entries.filter(|k| matches!(k.as_str(), "std140" | "std430" | "shared" | "packed")).last()
         };
         let defaults = self.out.interface.stage_layouts.iter().filter(|l| l.storage == Some(storage));
-        let packing = packing(&block.qualifiers).or_else(|| defaults.filter_map(|l| packing(&l.qualifiers)).last());
+        let packing =
+            packing(&block.qualifiers).or_else(|| defaults.filter_map(|l| packing(&l.qualifiers)).next_back());
         let std140 = match packing.as_deref() {
             Some("std140") => true,
             Some("std430") => false,

@@ -22,7 +22,7 @@ pub const RULE: Rule = Rule {
 };
 
 /// The name of the direction that an expression is, behind `normalize` and signs.
-fn named<'s>(shader: &'s Shader, id: ExprId) -> Option<&'s str> {
+fn named(shader: &Shader, id: ExprId) -> Option<&str> {
     let id = bare(shader, id);
     if let ExprKind::Unary { op: UnaryOp::Minus, op_span: _, operand } = shader.expr(id).kind {
         return named(shader, operand);

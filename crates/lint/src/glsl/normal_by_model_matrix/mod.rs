@@ -42,16 +42,16 @@ fn scales(shader: &Shader, matrix: ExprId) -> bool {
 }
 
 /// The normal in what a matrix is multiplied with.
-fn normal<'s>(shader: &'s Shader, forms: &Forms<'_>, vector: ExprId) -> Option<&'s str> {
+fn normal(shader: &Shader, vector: ExprId) -> Option<&str> {
     let vector = bare(shader, vector);
     if let Some(name) = names::of(shader, vector) {
         return Some(name).filter(|n| *shader.type_of(vector) == Type::VEC3 && names::is_normal(n));
     }
     if let Some((_, [inner])) = builtin(shader, vector, &["normalize"]) {
-        return normal(shader, forms, *inner);
+        return normal(shader, *inner);
     }
     match constructed(shader, vector, &Type::VEC4)? {
-        [three, w] if constant(shader, *w) == Some(0.0) => normal(shader, forms, *three),
+        [three, w] if constant(shader, *w) == Some(0.0) => normal(shader, *three),
         _ => None,
     }
 }
@@ -73,7 +73,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             None if matches!(shader.type_of(matrix), Type::Matrix(_, 4, 4)) => matrix,
             _ => continue,
         };
-        let Some(name) = normal(shader, &forms, vector).filter(|_| scales(shader, whole)) else { continue };
+        let Some(name) = normal(shader, vector).filter(|_| scales(shader, whole)) else { continue };
         let matrix = shader.text_of(whole);
         findings.push(
             findings
