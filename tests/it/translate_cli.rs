@@ -39,7 +39,7 @@ fn a_text_without_a_version_gets_the_one_that_fits() {
     // Errors that no version takes away stand at their places in the author's text.
     let (status, _, err) = translated("a.vert", b"in vec4 p;\nvoid main() { gl_Position = p * q; }\n");
     assert_eq!(status, Some(1));
-    assert!(err.contains("a.vert:2:29"), "{err}");
+    assert!(err.contains("a.vert:2:33"), "{err}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ fn folder() -> tempfile::TempDir {
     let path = |name: &str| folder.path().join(name);
     let sphere = fs::read_to_string(root().join("shaders/chapter9/sphere.suite.toml")).unwrap();
     fs::write(path("bytes.suite.toml"), b"suite = 'a'\n# \x8b\x85\n").unwrap();
-    fs::write(path("bytes.vert"), b"#version 150\n// \xff\xff\nvoid main() {}\n").unwrap();
+    fs::write(path("bytes.vert"), b"#version 150\n// \xff\xff\x01\nvoid main() {}\n").unwrap();
     fs::write(path("empty.suite.toml"), "").unwrap();
     fs::write(path("empty.vert"), "").unwrap();
     fs::write(path("alone.suite.toml"), sphere).unwrap();

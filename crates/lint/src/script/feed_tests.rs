@@ -140,6 +140,13 @@ fn a_program_that_is_not_known_is_answered_by_no_other() {
 }
 
 #[test]
+fn objects_that_are_given_to_each_other_are_followed_so_far() {
+    let code = "const gl = make(); const s = load(gl, kind); gl.shaderSource(s, text); gl.attachShader(p, s); \
+                const p = gl.createProgram(); gl.use(p); gl.getUniformLocation(p, 'gain');";
+    assert_eq!(in_javascript(code), ["H003 'gain'"]);
+}
+
+#[test]
 fn the_values_of_an_object_are_held_against_its_shaders() {
     let material = |uniforms: &str| {
         format!("return new Material({{ uniforms: {uniforms}, vertexShader: vs, fragmentShader: fs }});")

@@ -61,7 +61,7 @@ impl Programs<'_> {
         for write in &writes {
             let mut refs = self.refs(&write.value);
             if refs.is_empty() {
-                refs = self.given(variable, write.at);
+                refs = self.given(variable, write.at, DEPTH);
             }
             // Made from something with a name that is no file: load("phong").
             if refs.is_empty() && write.value.clone().any(|at| matches!(self.code.tokens[at], Token::String { .. })) {
@@ -141,7 +141,7 @@ impl Programs<'_> {
                 self.gather(value, depth, into);
             }
             if into.len() == before {
-                into.extend(self.given(name, value.start));
+                into.extend(self.given(name, value.start, depth));
             }
             return;
         }
@@ -176,8 +176,11 @@ impl Programs<'_> {
     }
 
     /// The shaders that are attached to a variable, or that its methods are given, in the function of a token.
-    fn given(&self, variable: &str, at: usize) -> BTreeSet<ShaderRef> {
+    fn given(&self, variable: &str, at: usize, depth: usize) -> BTreeSet<ShaderRef> {
         let mut found = BTreeSet::new();
+        if depth == 0 {
+            return found;
+        }
         let body = self.code.around(at).into_iter().next();
         for call in self.code.calls().filter(|c| body.as_ref().is_none_or(|b| b.contains(&c.name))) {
             let arguments = self.code.elements(call.open);
@@ -187,10 +190,10 @@ impl Programs<'_> {
             );
             match arguments.as_slice() {
                 [program, shader] if attaches && self.code.variable(program).as_deref() == Some(variable) => {
-                    self.gather(shader, DEPTH - 1, &mut found);
+                    self.gather(shader, depth - 1, &mut found);
                 }
                 _ if !attaches && self.code.receiver(call).as_deref() == Some(variable) => {
-                    arguments.iter().for_each(|a| self.gather(a, 1, &mut found));
+                    arguments.iter().for_each(|a| self.gather(a, depth.min(2) - 1, &mut found));
                 }
                 _ => {}
             }
