@@ -31,7 +31,7 @@ use files::Loaded;
 use groups::Groups;
 use known::Known;
 
-/// Find faults in shaders, also in documents and in strings of host code, and in C and C++ code that feeds them
+/// Find faults in shaders, also in documents and in strings of host code, and in the code that feeds them
 ///
 /// Folders are searched; what .gitignore names and hidden files are left out. The nearest
 /// shadercheck.toml above a file says how it is linted; options go before it.

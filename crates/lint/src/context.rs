@@ -124,6 +124,8 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             // An engine calls this `main` from its own.
             || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
             || (joined && error.code == errors::SYNTAX && (replaced || at_macro(file, error)))
+            // A tool may cut the text apart at its marks.
+            || (replaced && error.code == errors::REDEFINITION)
             || (unknown_stage && OF_THE_STAGE.contains(&error.code))
             // Who puts a version in front may put more there; a slip comes with what was meant.
             || (!versioned && NAMES.contains(&error.code) && error.help.is_none())

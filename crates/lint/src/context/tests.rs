@@ -48,6 +48,9 @@ fn what_another_preprocessor_reads_is_left_to_it() {
     let shader = |line: &str, body: &str| format!("#version 330\n{line}\nout vec4 c;\nvoid main() {{ c = {body}; }}\n");
     only_on_request(&[("a.frag", &shader("@import light;", "light()"))], "E002");
     only_on_request(&[("a.frag", &shader("#pragma glslify: light = require('light')", "light()"))], "E021");
+    let passes = "@pass(noise)\nuniform float time;\n@pass_end\nuniform float time;";
+    only_on_request(&[("a.frag", &shader(passes, "vec4(time)"))], "E024");
+    by_default(&[("a.frag", &shader("uniform float time;\nuniform float time;", "vec4(time)"))], "E024");
     only_on_request(&[("a.frag", &shader("[[INPUTS]]", "vec4(1.0)"))], "E001");
     only_on_request(&[("a.frag", &shader("##INPUTS##", "vec4(1.0)"))], "E001");
     only_on_request(&[("a.frag", &shader("in %Bones% b;", "vec4(1.0)"))], "E001");
