@@ -195,6 +195,7 @@ const KNOWN: &[&str] = &[
     "ARB_uniform_buffer_object",
     "ARB_vertex_attrib_64bit",
     "ARB_viewport_array",
+    "EXT_control_flow_attributes",
     "EXT_separate_shader_objects",
     "EXT_texture_array",
     "MESA_shader_integer_functions",

@@ -2,9 +2,10 @@
 
 use super::super::ast::{Condition, Declaration, Item, ItemKind, QualifiedNames, Qualifiers, Stmt, StmtKind};
 use super::super::errors;
-use super::super::language::Feature;
+use super::super::language::{Feature, NEVER, Since};
 use super::super::lexer::Lex;
 use super::{Message, Parser, Read};
+use base::diagnostic::message;
 use base::text::Span;
 
 impl Parser<'_> {
@@ -21,7 +22,46 @@ impl Parser<'_> {
         }
     }
 
+    /// Passes over `[[unroll]]` and the like: hints for a compiler, which change no result.
+    /// (GL_EXT_control_flow_attributes)
+    fn hints(&mut self) -> Read<()> {
+        const HINTS: [&str; 8] =
+            ["unroll", "dont_unroll", "loop", "dont_loop", "branch", "flatten", "dont_flatten", "dependency_infinite"];
+        const SINCE: Since = (NEVER, NEVER, &["EXT_control_flow_attributes"]);
+        while (self.peek(), self.peek_at(1)) == (Lex::LBracket, Lex::LBracket) {
+            if !self.words.language().since(SINCE) {
+                let name = self.word_at(2).to_owned();
+                if !HINTS.contains(&name.as_str()) {
+                    return Ok(());
+                }
+                let (span, what) = (self.span(), message!("`[[{name}]]`", "`[[{name}]]`"));
+                self.words.language().lacks(self.sink, &what, SINCE, span);
+            }
+            (self.advance(), self.advance());
+            loop {
+                if self.peek() != Lex::Word {
+                    return self.expected("the name of an attribute");
+                }
+                self.advance();
+                if let Some(open) = self.eat(Lex::LParen) {
+                    self.expression()?;
+                    self.close(Lex::RParen, ")", open)?;
+                }
+                if self.eat(Lex::Comma).is_none() {
+                    break;
+                }
+            }
+            self.expect(Lex::RBracket, "`]]` behind the attributes")?;
+            self.expect(Lex::RBracket, "`]]` behind the attributes")?;
+        }
+        Ok(())
+    }
+
     fn statement_kind(&mut self) -> Read<StmtKind> {
+        if self.hints().is_err() {
+            // What they stand before can be read.
+            while self.eat(Lex::RBracket).is_some() {}
+        }
         match self.peek() {
             Lex::LBrace => return Ok(StmtKind::Block(self.block()?)),
             Lex::Semicolon => {

@@ -302,3 +302,19 @@ fn offsets_of_texels_are_constant() {
         void main() { c = textureGatherOffset(t, vec2(0.5), u); }\n";
     assert_eq!(parse(gathered, Stage::Fragment).diagnostics, []);
 }
+
+#[test]
+fn hints_of_control_flow_are_passed_over() {
+    let shader = |extension: &str, hint: &str| {
+        format!(
+            "#version 450\n{extension}\nout vec4 c;\nvoid main() {{ c = vec4(0.0);\n{hint} for (int i = 0; i < 3; i++) c += 1.0;\n}}\n"
+        )
+    };
+    let on = "#extension GL_EXT_control_flow_attributes : require";
+    for hint in ["[[unroll]]", "[[dependency_length(1 + 3), loop]]", "[[flatten]] [[dont_unroll]]"] {
+        clean(&shader(on, hint), Stage::Fragment);
+    }
+    one(Stage::Fragment, &shader(on, "[[unroll]"), "E001 expected `]]` behind the attributes, found `for`");
+    one(Stage::Fragment, &shader(on, "[[]]"), "E001 expected the name of an attribute, found `]`");
+    one(Stage::Fragment, &shader("", "[[unroll]]"), "V010 `[[unroll]]` needs `GL_EXT_control_flow_attributes`");
+}
