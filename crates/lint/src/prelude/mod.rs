@@ -235,7 +235,9 @@ fn declares(code: &str, name: &str) -> bool {
         let statement = before.rsplit([';', '{', '}', '\n']).next().unwrap_or("").trim_start();
         let first = statement.split(|c: char| !part(c) && c != '#').next().unwrap_or("");
         let word = before.trim_end().rsplit(|c: char| !part(c)).next().unwrap_or("");
-        let typed = before.ends_with(' ') && !word.is_empty() && !["return", "else", "if", "define"].contains(&word);
+        let typed = before.ends_with(char::is_whitespace)
+            && !word.is_empty()
+            && !["return", "else", "if", "define"].contains(&word);
         let is_macro = before.trim_end().ends_with("#define");
         is_macro || STORAGE.contains(&first) || (typed && syntax::types::Type::from_name(word).is_some())
     })

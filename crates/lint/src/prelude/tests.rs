@@ -74,6 +74,9 @@ fn what_the_host_declares_is_known_and_a_slip_in_it_is_told() {
     assert_eq!(reported("a.js", &three("position + uv")), ["E031 a.js:3:68"]);
     let own = three("position").replace("void main", "attribute vec3 position;\nvoid main");
     assert_eq!(reported("a.js", &own), [""; 0], "what a text declares itself is left out");
+    let block =
+        "uniform Model {\n\tmat4\tmodelViewMatrix;\n\tmat3\tnormalMatrix;\n};\nattribute vec3 position;\nvoid main";
+    assert_eq!(reported("a.js", &three("position").replace("void main", block)), [""; 0], "in a block as well");
 }
 
 #[test]

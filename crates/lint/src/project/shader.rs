@@ -160,7 +160,9 @@ impl ShaderFile {
             let is_piece = !behind.is_empty();
             let holds =
                 |d: &Diagnostic| !is_piece || variants::CERTAIN.contains(&d.code) || context::is_about_a_name(d);
-            let sure = |d: &Diagnostic| d.code != errors::NO_OVERLOAD && !is_port(d) && !is_name(d) && holds(d);
+            // A name that is declared again shows another host.
+            let is_of_another = |d: &Diagnostic| [errors::NO_OVERLOAD, errors::REDEFINITION].contains(&d.code);
+            let sure = |d: &Diagnostic| !is_of_another(d) && !is_port(d) && !is_name(d) && holds(d);
             let (sure, asked) = shader.front_end.into_iter().partition(sure);
             (shader.front_end, shader.on_request) = (sure, asked);
         }
