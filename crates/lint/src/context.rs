@@ -296,6 +296,15 @@ fn under_versions(shader: &Shader, found: &[Diagnostic], kept: &mut [bool], vers
     }
 }
 
+/// For each error of a text without a version, whether it stays in every version of GLSL ES that suits the text.
+pub fn holds_in_es(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
+    let mut kept = vec![true; found.len()];
+    if shader.version().span.is_none() {
+        under_versions(shader, found, &mut kept, &ANY_VERSION[..2]);
+    }
+    kept
+}
+
 /// True for a text with words that later versions have no more.
 fn is_old(shader: &Shader) -> bool {
     const OLD: [&str; 6] = ["attribute", "varying", "gl_FragColor", "gl_Vertex", "gl_FragData", "ftransform"];

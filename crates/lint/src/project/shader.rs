@@ -221,12 +221,17 @@ impl ShaderFile {
             shader.shader.has_unknown_names() || shader.shader.version().span.is_none_or(|v| shader.is_in_front(v));
         // No version for the web is newer than 3.00.
         let newest = es && shader.shader.version().number == 300;
-        let sure_of_es = |code: Code| match code {
-            errors::IMPLICIT_FLOAT | errors::RESERVED => es,
+        // What stands in front may state 3.00, which has more functions.
+        let held = context::holds_in_es(&shader.shader, &shader.front_end);
+        let lost: Vec<Span> =
+            shader.front_end.iter().zip(held).filter(|(_, held)| !held).map(|(d, _)| d.span).collect();
+        let sure_of_es = |code: Code, span: Span| match code {
+            errors::IMPLICIT_FLOAT => es && !lost.contains(&span),
+            errors::RESERVED => es,
             errors::NEEDS_VERSION | errors::INITIALISER => newest,
             _ => false,
         };
-        shader.leave(|d| script::holds(d, found.partial, lacks) || sure_of_es(d.code));
+        shader.leave(|d| script::holds(d, found.partial, lacks) || sure_of_es(d.code, d.span));
         // What is filled in may have any type.
         let literal = shader.origin.as_ref().map(|o| o.literal.clone()).unwrap_or_default();
         let items = &shader.shader.unit().items;
@@ -239,7 +244,7 @@ impl ShaderFile {
         let mut filled_in = filled_in.into_iter();
         shader.front_end.retain(|_| !filled_in.next().unwrap_or(false));
         shader.doubtful = Self::doubtful_of(&shader.shader, &shader.front_end);
-        shader.doubtful.retain(|(code, _)| !sure_of_es(*code));
+        shader.doubtful.retain(|(code, span)| !sure_of_es(*code, *span));
         // What stands behind `$` is a name of the template.
         let is_hook = |d: &Diagnostic| host.file.text()[..literal.to_host(d.span).start].ends_with('$');
         shader.on_request.retain(|d| !literal.is_filled_in(d.span) && !is_hook(d));

@@ -101,6 +101,11 @@ fn what_a_host_adds_is_no_error() {
             "a.ts",
             "const chunk = (body) => `\nfloat density(vec3 at, float scale) {\n  ${body}\n}\nfloat twice(float x) { return x * 2.0; }\n`;",
         ),
+        // Version 3.00 in front of a chunk brings functions of integers.
+        (
+            "a.ts",
+            "const chunk = `\nfloat texel(ivec2 c) {\n  return texelFetch(u_dem, clamp(c + ivec2(1), ivec2(0), ivec2(8)), 0).r;\n}\n`;",
+        ),
         // What a test expects of a compiler.
         ("a.spec.ts", "expect(out).toContain(`vec3 d() {\n  vec3 a = vec3(1.0).xyz;\n  a.a = 1.0; return a;\n}`);"),
         // An argument beside another says nothing of its stage.
