@@ -37,7 +37,8 @@ impl Parser<'_> {
                 let (span, what) = (self.span(), message!("`[[{name}]]`", "`[[{name}]]`"));
                 self.words.language().lacks(self.sink, &what, SINCE, span);
             }
-            (self.advance(), self.advance());
+            self.advance();
+            self.advance();
             loop {
                 if self.peek() != Lex::Word {
                     return self.expected("the name of an attribute");
