@@ -64,7 +64,12 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
             ExprKind::Assign { op: _, op_span: _, target, value: _ } => shader.text_of(target).contains("gl_Position"),
             _ => false,
         });
-        if drawn {
+        // A point beside another, along a direction: its difference to the other is the direction.
+        let summed = matches!(
+            shader.expr(forms.value(*three)).kind,
+            ExprKind::Binary { op: BinaryOp::Add, op_span: _, left: _, right: _ }
+        );
+        if drawn || summed {
             continue;
         }
         findings.push(
@@ -108,6 +113,7 @@ mod tests {
             "n = vec3(model * vec4(turn * aNormal, 1.0));",
             "n = vec3(model * vec4(normalize(-lightDir), 1));",
             "n = vec3(model * vec4(2.0 * aNormal, 1.0));",
+            "vec3 dir = lightPos - place; n = vec3(model * vec4(dir, 1.0));",
         ] {
             assert_eq!(count(body), 1, "{body}");
         }
@@ -123,6 +129,7 @@ mod tests {
             "n = (transpose(inverse(model)) * vec4(aNormal, 1.0)).xyz;",
             "n = (model * vec4(place + aNormal, 1.0)).xyz;",
             "gl_Position = model * vec4(aNormal, 1.0);",
+            "vec3 normalEnd = place + aNormal; n = (model * vec4(normalEnd, 1.0)).xyz - (model * vec4(place, 1.0)).xyz;",
         ] {
             assert_eq!(count(body), 0, "{body}");
         }
