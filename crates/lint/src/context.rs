@@ -7,13 +7,14 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use base::diagnostic::{Code, Diagnostic};
-use base::text::{SourceFile, Span};
+use base::text::SourceFile;
 use syntax::ast::ItemKind;
 use syntax::{BuiltinFunction, Profile, Shader, Stage, Token, TokenKind, TokenPlace, Version, errors};
 
+use super::conditions::{self, Conditions};
 use super::dialect;
 use super::project::Project;
 
@@ -104,10 +105,11 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
         }
         return kept.into_iter().map(|kept| !kept).collect();
     }
-    let filled_in = is_filled_in(shader);
-    let joined = filled_in || found.iter().any(|d| is_foreign(file, d)) || imports(file.text());
-    let replaced = filled_in || found.iter().any(|d| d.code != errors::INCLUDE && is_foreign(file, d));
-    let mut kept = under_conditions(shader, found);
+    let filled_in = dialect::is_filled_in(shader);
+    let joined = filled_in || found.iter().any(|d| dialect::is_foreign(file, d)) || dialect::imports(file.text());
+    let replaced = filled_in || found.iter().any(|d| d.code != errors::INCLUDE && dialect::is_foreign(file, d));
+    let conditions = Conditions::of(shader);
+    let mut kept = under_conditions(shader, &conditions, found);
     if !versioned {
         // What is written for the first versions is compiled as such where nobody states another.
         under_versions(shader, found, &mut kept, if is_old(shader) { &ANY_VERSION[..1] } else { &ANY_VERSION });
@@ -120,7 +122,7 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
             || (joined && is_of_the_user(file, error))
             || (open && !HOLDS_ANYWAY.contains(&error.code))
             || (error.code == errors::MISSING_MAIN && error.span.is_empty())
-            || is_at_unknown_macro(shader, error)
+            || is_at_unknown_macro(shader, &conditions, error)
             // An engine calls this `main` from its own.
             || (!versioned && error.code == errors::FUNCTION && file.slice(error.span) == "main")
             || (joined && error.code == errors::SYNTAX && (replaced || at_macro(file, error)))
@@ -133,36 +135,9 @@ pub fn doubtful(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
     found.iter().zip(kept).map(of).collect()
 }
 
-/// True for a text into which directives of a tool bring others.
-fn imports(text: &str) -> bool {
-    ["#pragma glslify", "#pragma include", "#pragma import"].iter().any(|directive| text.contains(directive))
-}
-
 /// True for a call of a function of the text, of which another text may have further overloads.
 fn is_of_the_user(file: &SourceFile, error: &Diagnostic) -> bool {
     error.code == errors::NO_OVERLOAD && BuiltinFunction::from_name(file.slice(error.span)).is_none()
-}
-
-/// True for what another preprocessor than that of GLSL reads.
-fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
-    match error.code {
-        errors::INCLUDE => true,
-        errors::UNKNOWN_DIRECTIVE => error.help.is_none(),
-        errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
-        errors::SYNTAX => {
-            let before = file.text()[..error.span.start].trim_end();
-            is_template_name(&file.text()[error.span.start..])
-                || ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
-                || before.ends_with(['$', '@', '#'])
-        }
-        _ => false,
-    }
-}
-
-/// True for text that begins with a name between marks: `%BoneCount%`.
-fn is_template_name(text: &str) -> bool {
-    let name = text.strip_prefix('%').and_then(|rest| rest.split_once('%')).map(|(name, _)| name);
-    name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
 }
 
 /// True for an error at a word in capitals: a macro that another text defines.
@@ -173,7 +148,7 @@ fn at_macro(file: &SourceFile, error: &Diagnostic) -> bool {
 }
 
 /// True for an error at a word in capitals that no text in sight defines: a qualifier or a type, as an engine calls it.
-fn is_at_unknown_macro(shader: &Shader, error: &Diagnostic) -> bool {
+fn is_at_unknown_macro(shader: &Shader, conditions: &Conditions, error: &Diagnostic) -> bool {
     if ![errors::SYNTAX, errors::REDEFINITION].contains(&error.code) {
         return false;
     }
@@ -181,8 +156,7 @@ fn is_at_unknown_macro(shader: &Shader, error: &Diagnostic) -> bool {
     let tokens = shader.tokens();
     let last = tokens[..tokens.partition_point(|t| t.span.end <= error.span.start)].last();
     let last = last.map_or("", |token| file.slice(token.span));
-    let defined = conditions(shader).1;
-    let undefined = |word: &str| is_macro(word) && !defined.contains(word);
+    let undefined = |word: &str| is_macro(word) && !conditions.defined.contains(word);
     // Where the macro is defined, what it stands for may use one that is not.
     let body = file.expansion(error.span).and_then(|e| e.definition);
     let body = body.map_or("", |at| file.text()[at.end..].lines().next().unwrap_or(""));
@@ -210,8 +184,7 @@ pub fn is_macro(word: &str) -> bool {
 
 /// True for a macro that nothing defines where the text defines one with nearly its name.
 pub fn is_slip(shader: &Shader, name: &str) -> bool {
-    let (_, defined) = conditions(shader);
-    base::nearest(name, defined.iter().map(String::as_str)).is_some()
+    base::nearest(name, Conditions::of(shader).defined.iter().map(String::as_str)).is_some()
 }
 
 /// True for a sampler that is made of a handle, which an extension in front brings.
@@ -221,57 +194,27 @@ fn is_bindless(file: &SourceFile, error: &Diagnostic) -> bool {
     error.code == errors::CONSTRUCTOR && OPAQUE.iter().any(|word| at.starts_with(word))
 }
 
-/// True for the macro of an extension, which is defined where the extension is there.
-fn is_extension(name: &str) -> bool {
-    let vendors = ["ARB", "EXT", "NV", "AMD", "KHR", "OES", "ARM", "IMG", "QCOM", "INTEL", "MESA", "ATI", "APPLE"];
-    vendors.iter().any(|v| name.strip_prefix("GL_").and_then(|n| n.strip_prefix(v)).is_some_and(|n| n.starts_with('_')))
-}
-
-/// Names that one text may ask for: each is tried by itself. Of a text that asks for more, little is sure.
-const MOST_ASKED: usize = 12;
-
-/// What may be defined from outside of that which an `#if` asks: each name by itself, those behind a condition that is
-/// not met first, and all of them. Names that the code uses as values are left out.
-pub fn definitions(shader: &Shader) -> Vec<Vec<(String, String)>> {
-    let (mut asked, set) = conditions(shader);
-    let code = shader.file().text().lines().filter(|l| !l.trim_start().starts_with('#'));
-    let used: HashSet<&str> = code.flat_map(|l| l.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')).collect();
-    let free = |name: &String| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__");
-    asked.retain(|name| free(name) && !used.contains(name.as_str()));
-    let one = |name: &String| (name.clone(), "1".to_owned());
-    let all: Vec<(String, String)> = asked.iter().map(one).collect();
-    let mut sets = if asked.len() > 1 { vec![all] } else { Vec::new() };
-    sets.extend(asked.iter().take(MOST_ASKED).map(|name| vec![one(name)]));
-    sets
-}
-
 /// For each error, whether it stays whatever is defined from outside of that which an `#if` asks and the text does not
 /// define: each name by itself, and all of them. Where a definition leaves the place of an error out, it says nothing.
-fn under_conditions(shader: &Shader, found: &[Diagnostic]) -> Vec<bool> {
-    let (mut asked, set) = conditions(shader);
-    // What the language defines is known.
-    asked.retain(|name| {
-        !set.contains(name) && (!name.starts_with("GL_") || is_extension(name)) && !name.starts_with("__")
-    });
-    if asked.len() > MOST_ASKED {
+fn under_conditions(shader: &Shader, conditions: &Conditions, found: &[Diagnostic]) -> Vec<bool> {
+    let asked = conditions.undefined(true);
+    if asked.len() > conditions::MOST_ASKED {
         return found.iter().map(|d| HOLDS_ANYWAY.contains(&d.code)).collect();
     }
-    let each = asked.iter().map(|name| vec![(name.clone(), "1".to_owned())]);
-    let all = (asked.len() > 1).then(|| asked.iter().map(|name| (name.clone(), "1".to_owned())).collect());
     let mut kept = vec![true; found.len()];
-    for defines in each.chain(all) {
+    for defines in conditions::each_and_all(&asked) {
         let other = Shader::parse_with(shader.file(), shader.stage(), &defines);
-        let same = |a: &Diagnostic| other.diagnostics.iter().any(|b| a.code == b.code && a.span.start == b.span.start);
-        let left_out = |span: Span| {
-            let all = other.shader.tokens();
-            let at = all.partition_point(|t| t.span.end <= span.start);
-            all.get(at).is_some_and(|t| t.place == TokenPlace::Inactive)
-        };
         for (kept, error) in kept.iter_mut().zip(found).filter(|(kept, _)| **kept) {
-            *kept = same(error) || left_out(error.span);
+            let left_out = conditions::place_of(&other.shader, error.span) == Some(TokenPlace::Inactive);
+            *kept = left_out || stands_in(&other.diagnostics, error);
         }
     }
     kept
+}
+
+/// True where the same error stands at the same place.
+pub fn stands_in(found: &[Diagnostic], error: &Diagnostic) -> bool {
+    found.iter().any(|d| d.code == error.code && d.span.start == error.span.start)
 }
 
 /// What a host may state in front of a text without a version: the oldest and newest of each language.
@@ -286,12 +229,12 @@ fn under_versions(shader: &Shader, found: &[Diagnostic], kept: &mut [bool], vers
     }
     for &(number, profile) in versions {
         let other = Shader::parse_behind(shader.file(), shader.stage(), Version { number, profile, span: None });
-        let other: Vec<&Diagnostic> = other.diagnostics.iter().filter(|d| !of_names(d.code)).collect();
-        if other.len() > told {
+        let other = other.diagnostics;
+        if other.iter().filter(|d| !of_names(d.code)).count() > told {
             continue;
         }
         for (kept, error) in kept.iter_mut().zip(found).filter(|(_, d)| !of_names(d.code)) {
-            *kept &= other.iter().any(|b| error.code == b.code && error.span.start == b.span.start);
+            *kept &= stands_in(&other, error);
         }
     }
 }
@@ -312,29 +255,6 @@ fn is_old(shader: &Shader) -> bool {
         t.kind == TokenKind::Word && t.place == TokenPlace::Text && OLD.contains(&shader.file().slice(t.span))
     };
     shader.tokens().iter().any(is)
-}
-
-/// True for a text with marks of a template, in directives as well: `#define SIZE ${size}`.
-fn is_filled_in(shader: &Shader) -> bool {
-    shader.tokens().iter().any(|t| shader.file().slice(t.span).starts_with('$'))
-}
-
-/// Names that directives `#if`, `#ifdef`, `#ifndef` and `#elif` ask for, and those that a `#define` of the text sets.
-pub fn conditions(shader: &Shader) -> (BTreeSet<String>, BTreeSet<String>) {
-    let (mut asked, mut set) = (BTreeSet::new(), BTreeSet::new());
-    for line in shader.file().text().lines() {
-        let Some(directive) = line.trim_start().strip_prefix('#') else { continue };
-        let mut words = directive.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|w| !w.is_empty());
-        match words.next() {
-            Some("define") => set.extend(words.next().map(str::to_owned)),
-            Some("if" | "ifdef" | "ifndef" | "elif") => {
-                let name = |w: &&str| !w.starts_with(|c: char| c.is_ascii_digit()) && *w != "defined";
-                asked.extend(words.filter(name).map(str::to_owned));
-            }
-            _ => {}
-        }
-    }
-    (asked, set)
 }
 
 /// Names that hosts can put in front of the shaders of a project: words of pieces, and those of texts that host code

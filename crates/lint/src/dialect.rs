@@ -1,8 +1,8 @@
-//! Texts in languages that are like GLSL: a tool of their authors makes GLSL of them, or they are none.
+//! Marks of texts in languages that are like GLSL: another preprocessor makes GLSL of them, or they are none.
 
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
-use syntax::errors;
+use syntax::{Shader, errors};
 
 /// True for an error of the grammar at a place that shows another language: what the text says by other rules than
 /// those of GLSL cannot be judged by them.
@@ -50,4 +50,36 @@ fn is_semantic(before: &str, behind: &str) -> bool {
         || (word.len() > 3 && word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit()));
     let declared = before.trim_end().ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_' || c == ')');
     declared && (capitals || word == "register")
+}
+
+/// True for a text into which directives of a tool bring others.
+pub fn imports(text: &str) -> bool {
+    ["#pragma glslify", "#pragma include", "#pragma import"].iter().any(|directive| text.contains(directive))
+}
+
+/// True for what another preprocessor than that of GLSL reads.
+pub fn is_foreign(file: &SourceFile, error: &Diagnostic) -> bool {
+    match error.code {
+        errors::INCLUDE => true,
+        errors::UNKNOWN_DIRECTIVE => error.help.is_none(),
+        errors::TOKEN => file.slice(error.span).starts_with(['@', '$', '`', '\\']),
+        errors::SYNTAX => {
+            let before = file.text()[..error.span.start].trim_end();
+            is_template_name(&file.text()[error.span.start..])
+                || ["{{", "[[", "##"].iter().any(|mark| file.text()[error.span.start..].starts_with(mark))
+                || before.ends_with(['$', '@', '#'])
+        }
+        _ => false,
+    }
+}
+
+/// True for text that begins with a name between marks: `%BoneCount%`.
+fn is_template_name(text: &str) -> bool {
+    let name = text.strip_prefix('%').and_then(|rest| rest.split_once('%')).map(|(name, _)| name);
+    name.is_some_and(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
+}
+
+/// True for a text with marks of a template, in directives as well: `#define SIZE ${size}`.
+pub fn is_filled_in(shader: &Shader) -> bool {
+    shader.tokens().iter().any(|t| shader.file().slice(t.span).starts_with('$'))
 }

@@ -4,6 +4,7 @@
 //! drawing messages is the work of `cli` and `report`.
 
 pub mod baseline;
+mod conditions;
 mod config;
 mod context;
 mod dialect;

@@ -2,8 +2,9 @@
 
 use base::diagnostic::{Code, Diagnostic};
 use base::text::Span;
-use syntax::{Shader, TokenPlace, errors};
+use syntax::{Parsed, Shader, TokenPlace, errors};
 
+use crate::conditions::{self, Conditions};
 use crate::context;
 
 /// Names that are tried one by one at most.
@@ -27,8 +28,7 @@ pub const CERTAIN: [Code; 11] = [
 /// Errors in parts that macros from outside switch on, with true for what is certain: each holds under every definition
 /// that was tried and that switches its place on.
 pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
-    let (mut asked, set) = context::conditions(shader);
-    asked.retain(|name| !set.contains(name) && !name.starts_with("GL_") && !name.starts_with("__"));
+    let asked = Conditions::of(shader).undefined(false);
     if asked.is_empty() || !shader.defines().is_empty() {
         return Vec::new();
     }
@@ -40,15 +40,17 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
     };
     // All at once may contradict each other.
     let many = asked.len() > MOST;
-    let each = asked.iter().filter(|_| !many).map(|name| vec![(name.clone(), "1".to_owned())]);
-    let all = (asked.len() > 1).then(|| asked.iter().map(|name| (name.clone(), "1".to_owned())).collect::<Vec<_>>());
+    let mut sets = conditions::each_and_all(&asked);
+    if many {
+        sets.drain(..asked.len());
+    }
     let mut found: Vec<(bool, Diagnostic)> = Vec::new();
-    let mut tried: Vec<Shader> = Vec::new();
-    let mut told: Vec<Vec<(Code, Span)>> = Vec::new();
-    for defines in each.chain(all) {
+    let mut tried: Vec<Parsed> = Vec::new();
+    for defines in sets {
         let parsed = shader.with_defines(&defines);
         for error in &parsed.diagnostics {
-            if is_active(shader, error.span) || found.iter().any(|(_, d)| same(d, (error.code, error.span))) {
+            let told = |(_, d): &(bool, Diagnostic)| context::stands_in(std::slice::from_ref(d), error);
+            if is_active(shader, error.span) || found.iter().any(told) {
                 continue;
             }
             let name = error.file.slice(error.span);
@@ -61,27 +63,18 @@ pub fn errors(shader: &Shader) -> Vec<(bool, Diagnostic)> {
                 found.push((certain, error.clone()));
             }
         }
-        told.push(parsed.diagnostics.iter().map(|d| (d.code, d.span)).collect());
-        tried.push(parsed.shader);
+        tried.push(parsed);
     }
     found.retain(|(_, error)| {
-        let holds = |(shader, told): (&Shader, &Vec<(Code, Span)>)| {
-            !is_active(shader, error.span) || told.iter().any(|t| same(error, *t))
-        };
-        tried.iter().zip(&told).all(holds)
+        let holds = |p: &Parsed| !is_active(&p.shader, error.span) || context::stands_in(&p.diagnostics, error);
+        tried.iter().all(holds)
     });
     found
 }
 
-fn same(error: &Diagnostic, (code, span): (Code, Span)) -> bool {
-    error.code == code && error.span.start == span.start
-}
-
 /// True for a place that is compiled.
 fn is_active(shader: &Shader, span: Span) -> bool {
-    let all = shader.tokens();
-    let at = all.partition_point(|t| t.span.end <= span.start);
-    all.get(at).is_some_and(|t| t.place == TokenPlace::Text)
+    conditions::place_of(shader, span) == Some(TokenPlace::Text)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::flow::Flow;
 use crate::host::{Embedded, HostFile, Literal};
 use crate::prelude::{self, Between, Wanted};
 use crate::range::Observed;
-use crate::{context, script, variants, version};
+use crate::{conditions, context, script, variants, version};
 
 /// Readings of one text with names defined at most.
 const MOST_VARIANTS: usize = 3;
@@ -101,7 +101,7 @@ impl ShaderFile {
         let mut open = inactive(&self.shader);
         let mut found = Vec::new();
         let input = Input::new(self.shader.file().clone()).with_reported(self.reported);
-        let sets = if open.is_empty() { Vec::new() } else { context::definitions(&self.shader) };
+        let sets = if open.is_empty() { Vec::new() } else { conditions::definitions(&self.shader) };
         for defines in sets {
             if open.is_empty() || found.len() == MOST_VARIANTS {
                 break;
