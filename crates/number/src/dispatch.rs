@@ -175,6 +175,33 @@ pub fn wide<R>(work: impl FnOnce() -> R) -> R {
     Arch::new().dispatch(work)
 }
 
+/// What [`wide_work`] runs. Its method is `#[inline(always)]`, which a closure cannot be: a long one would be compiled once,
+/// without the vectors of the machine.
+pub trait Work {
+    /// What comes of it.
+    type Output;
+
+    /// The loops.
+    fn run(self) -> Self::Output;
+}
+
+/// [`wide`] for long loops.
+#[inline]
+pub fn wide_work<W: Work>(work: W) -> W::Output {
+    Arch::new().dispatch(Run(work))
+}
+
+struct Run<W>(W);
+
+impl<W: Work> NullaryFnOnce for Run<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn call(self) -> W::Output {
+        self.0.run()
+    }
+}
+
 /// How many numbers of a column are greater than each of some limits.
 pub fn count_above<const N: usize>(x: &[f64], limits: &[f64; N]) -> [u64; N] {
     Arch::new().dispatch(CountAbove { x, limits })

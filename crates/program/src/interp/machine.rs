@@ -143,20 +143,13 @@ impl<'e, D: Domain> Machine<'e, D> {
 
     fn fill(&mut self, batch: &Batch) {
         let (words, case_words) = (batch.invocation_record.words(), batch.case_record.words());
+        let own: [usize; SLOTS] = std::array::from_fn(|slot| self.invocations[slot] * words);
+        let of_case: [usize; SLOTS] = std::array::from_fn(|slot| self.invocations[slot] / batch.per_case * case_words);
         let mut column = [0; SLOTS];
         for fill in &self.executable.fills {
             match fill.source {
-                WordSource::Invocation(word) => {
-                    for (slot, value) in column.iter_mut().enumerate() {
-                        *value = batch.invocations[self.invocations[slot] * words + word as usize];
-                    }
-                }
-                WordSource::Case(word) => {
-                    for (slot, value) in column.iter_mut().enumerate() {
-                        let case = self.invocations[slot] / batch.per_case;
-                        *value = batch.cases[case * case_words + word as usize];
-                    }
-                }
+                WordSource::Invocation(word) => gather(&batch.invocations[word as usize..], &own, &mut column),
+                WordSource::Case(word) => gather(&batch.cases[word as usize..], &of_case, &mut column),
             }
             let reg = fill.to.reg as usize;
             match fill.to.scalar {
@@ -523,11 +516,20 @@ impl<'e, D: Domain> Machine<'e, D> {
     }
 }
 
+fn gather(words: &[u32], places: &[usize; SLOTS], column: &mut Words) {
+    column.iter_mut().zip(places).for_each(|(value, &at)| *value = words[at]);
+}
+
 /// What came out of the last chunk.
 impl<D: Domain> Machine<'_, D> {
     /// The domain, with what it remembers.
     pub fn domain(&mut self) -> &mut D {
         &mut self.domain
+    }
+
+    /// The domain, to look at.
+    pub fn as_domain(&self) -> &D {
+        &self.domain
     }
 
     /// An output word of a vertex (0 for a pointwise program), in all slots.

@@ -38,7 +38,7 @@ pub use compile::{Binding, Subject};
 pub use domain::{Binary, Class, Comparison, Domain, FromWords, Site, ToWords, Unary, WordSource};
 pub use machine::{Machine, OutputColumn};
 pub use meaning::{Finding, Flags, HazardKind, Meaning};
-pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, to_half, to_words};
+pub use plain::{Binary32, Binary64, Column, Number, Plain, from_words, outside, to_half, to_words};
 pub use rearrange::Laws;
 pub use slots::{Mask, SLOTS, Words};
 pub use undefined::{Dependence, Undefined};

@@ -215,17 +215,12 @@ impl<T> Column<T> {
 
 #[inline]
 fn map<T: Copy>(a: &Column<T>, out: &mut Column<T>, f: impl Fn(T) -> T) {
-    for (out, &a) in out.values_mut().iter_mut().zip(a.values()) {
-        *out = f(a);
-    }
+    number::map(a.values(), out.values_mut(), f);
 }
 
 #[inline]
 fn zip<T: Copy>(a: &Column<T>, b: &Column<T>, out: &mut Column<T>, f: impl Fn(T, T) -> T) {
-    let (a, b) = (a.values(), b.values());
-    for (slot, out) in out.values_mut().iter_mut().enumerate() {
-        *out = f(a[slot], b[slot]);
-    }
+    number::map_pairs(a.values(), b.values(), out.values_mut(), f);
 }
 
 /// A function with exact results, on all slots.
@@ -282,6 +277,14 @@ pub fn to_words(op: ToWords, a: &[f64; SLOTS], out: &mut Words) -> Mask {
     }
 }
 
+/// The `active` slots in which the result of a function is undefined.
+pub fn outside<T: Number>(what: Guarded, active: &Mask, x: &[T; SLOTS], y: &[T; SLOTS]) -> Mask {
+    let at = |slot: usize| what.is_outside(x[slot].widen(), y[slot].widen());
+    // Hardly ever any: one look at all slots without branches.
+    let some = (0..SLOTS).fold(false, |some, slot| some | at(slot));
+    if some { Mask::where_(at).and(*active) } else { Mask::NONE }
+}
+
 /// Converts words to numbers.
 pub fn from_words(op: FromWords, a: &Words, out: &mut [f64; SLOTS]) {
     for (out, &word) in out.iter_mut().zip(a) {
@@ -306,11 +309,7 @@ impl<T: Number> Domain for Plain<T> {
     type Word = T::Word;
 
     fn outside(&self, what: Guarded, active: &Mask, x: &Column<T>, y: &Column<T>) -> Mask {
-        let (x, y) = (x.values(), y.values());
-        let at = |slot: usize| what.is_outside(x[slot].widen(), y[slot].widen());
-        // Hardly ever any: one look at all slots without branches.
-        let some = (0..SLOTS).fold(false, |some, slot| some | at(slot));
-        if some { Mask::where_(at).and(*active) } else { Mask::NONE }
+        outside(what, active, x.values(), y.values())
     }
 
     fn shown(&self, column: &Column<T>, slot: usize) -> f64 {

@@ -137,6 +137,25 @@ impl Actual {
         if self.layout.max_vertices.is_some() { &words[1..] } else { words }
     }
 
+    /// One word of a vertex for several invocations, each with the place in `to` that it goes to.
+    ///
+    /// # Panics
+    /// Where an invocation has not stored that vertex: a defect of the caller.
+    pub fn gather(
+        &self,
+        vertex: usize,
+        word: usize,
+        invocations: impl Iterator<Item = (usize, usize)>,
+        to: &mut [u32],
+    ) {
+        let strip = usize::from(self.layout.max_vertices.is_some());
+        let at = self.layout.header_words() + vertex * self.layout.vertex_words() + strip + word;
+        let size = self.layout.words();
+        for (place, invocation) in invocations {
+            to[place] = self.words[invocation * size + at];
+        }
+    }
+
     /// Number of the strip of a stored vertex, from 0; 0 for a pointwise program.
     pub fn strip(&self, invocation: usize, vertex: usize) -> u32 {
         if self.layout.max_vertices.is_none() {
