@@ -6,6 +6,10 @@ use engine::suite::run::soundness::{Request, Soundness, check};
 use engine::suite::run::{Prepared, prepare};
 use engine::suite::{parse, shipped};
 use judge::profile::{Op, by_name};
+use judge::tape::{Model, Tape};
+use lanes::Stage;
+use program::interp::{self, Binary64, FUEL, Machine, OutputColumn, SLOTS};
+use property::Sampler;
 
 /// Samples in total: about 20 s on two cores in the profile of the tests. `cargo xtask soundness` runs more.
 const SAMPLES: u64 = 1_000_000;
@@ -192,4 +196,44 @@ fn what_reaches_zero_is_judged_and_no_conforming_device_is_accused() {
     assert!(found.judged() > found.undetermined(), "{} {}", found.judged(), found.undetermined());
     request.fault = Some(Fault { op: Op::Exp, factor: 4.0 });
     assert!(check(&suites, &request, &mut |_| {}).unwrap().violations() > 0);
+}
+
+/// What a device may surely be off by, one number a word, is at most what the tape derives, and both know the same values.
+#[test]
+fn the_first_look_allows_no_more_than_the_bound() {
+    let models = [("vulkan-1.4", false), ("vulkan-cts", true), ("llvmpipe-22.3.6", true)];
+    for suite in suites(&[]) {
+        let executable = interp::compile(&suite.program).unwrap();
+        let batch = Sampler::new(suite.plan.clone(), 11).batch(0, 32, 4);
+        let mut plain = Machine::new(&executable, Binary64::default(), FUEL);
+        let mut known = 0;
+        for (profile, rearranged) in models {
+            let profile = by_name(profile).unwrap();
+            let tape = || Tape::new(Model::Device { profile, stage: Stage::Compute, rearranged });
+            let mut moving = Machine::new(&executable, tape().with_tangents(), FUEL);
+            let mut whole = Machine::new(&executable, tape(), FUEL);
+            for first in (0..batch.invocation_count()).step_by(SLOTS) {
+                let slots = moving.run(&batch, first);
+                plain.run(&batch, first);
+                whole.run(&batch, first);
+                for (vertex, word) in (0..plain.room()).flat_map(|v| (0..plain.width()).map(move |w| (v, w))) {
+                    let at = (moving.output(vertex, word), whole.output(vertex, word), plain.output(vertex, word));
+                    let (OutputColumn::Real(&a), OutputColumn::Real(&b), OutputColumn::Real(values)) = at else {
+                        continue;
+                    };
+                    let allowed = moving.as_domain().allowance(a);
+                    let bounds = whole.domain().bounds(b, &mut |_| false);
+                    let meant = moving.as_domain().values(a);
+                    for slot in (0..slots).filter(|&slot| vertex < plain.emitted()[slot].max(1) as usize) {
+                        let (name, bound) = (&suite.suite.name, bounds.bound[slot]);
+                        assert_eq!(meant[slot].to_bits(), values.values()[slot].to_bits(), "{name} {word}");
+                        let sound = allowed[slot].is_nan() || (allowed[slot] <= bound && bound.is_finite());
+                        assert!(sound, "{name} {}: {:e} of {bound:e}", profile.name, allowed[slot]);
+                        known += usize::from(allowed[slot] > 0.25 * bound);
+                    }
+                }
+            }
+        }
+        assert!(known > 100, "{}: {known}", suite.suite.name);
+    }
 }

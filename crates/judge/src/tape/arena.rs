@@ -58,11 +58,13 @@ pub(super) struct Pool {
     #[expect(clippy::vec_box, reason = "one more column must not move the others, of 2 KiB each")]
     columns: Vec<Box<Slots>>,
     used: usize,
+    /// Columns before the last one that are still looked at, where that is known.
+    window: Option<usize>,
 }
 
-/// Columns of a chunk, of all pools together, at which the tape is full: a quarter of a GiB. Each round of a loop adds some for
+/// Columns of a chunk, of all pools together, at which the tape is full: an eighth of a GiB. Each round of a loop adds some for
 /// each of its operations; shaders without very long loops have a few thousand.
-const MOST: usize = 1 << 17;
+pub(super) const MOST: usize = 1 << 17;
 
 /// Columns of a pool that are kept between chunks.
 const KEPT: usize = 1 << 12;
@@ -73,9 +75,20 @@ impl Pool {
         self.columns.truncate(KEPT);
     }
 
+    /// The same room again and again for columns that nobody looks at once there are so many more: they stay in the
+    /// first cache.
+    pub(super) fn keep_last(&mut self, window: usize) {
+        self.window = Some(window);
+    }
+
+    /// Where a column lies.
+    fn place(&self, at: usize) -> usize {
+        self.window.map_or(at, |window| at % window)
+    }
+
     /// One more column; what it holds is left from before.
     pub(super) fn more(&mut self) -> usize {
-        if self.used == self.columns.len() {
+        if self.used == self.columns.len() && self.window.is_none_or(|window| self.columns.len() < window) {
             self.columns.push(Box::new([0.0; SLOTS]));
         }
         self.used += 1;
@@ -83,21 +96,24 @@ impl Pool {
     }
 
     pub(super) fn get(&self, at: usize) -> &Slots {
-        &self.columns[at]
+        &self.columns[self.place(at)]
     }
 
     pub(super) fn get_mut(&mut self, at: usize) -> &mut Slots {
+        let at = self.place(at);
         &mut self.columns[at]
     }
 
     /// The column at `at` and the one after it.
     pub(super) fn pair_mut(&mut self, at: usize) -> (&mut Slots, &mut Slots) {
+        let at = self.place(at);
         let (first, second) = self.columns[at..].split_at_mut(1);
         (&mut first[0], &mut second[0])
     }
 
     /// The columns of two partials with their distances; they stand one after the other.
     pub(super) fn quad_mut(&mut self, at: usize) -> [&mut Slots; 4] {
+        let at = self.place(at);
         let [a, b, c, d] = self.columns[at..].first_chunk_mut().expect("two partials are made together");
         [a, b, c, d]
     }
@@ -119,9 +135,13 @@ pub(super) struct Arena {
     pub radius: Pool,
     /// What the operation itself may add to that.
     pub local: Pool,
+    /// Whether radius and local error of a place are known to hold zeros, also from the chunk before.
+    pub exact: Vec<bool>,
     /// Partials and their distances, in turn.
     pub partials: Pool,
     pub masks: Vec<Mask>,
+    /// Displacements, where they are wanted; see [`super::tangent`].
+    pub tangent: Pool,
     /// For rearrangement: the value with all terms positive, and the number of roundings.
     pub size: Pool,
     pub roundings: Pool,
@@ -135,24 +155,33 @@ pub(super) struct Arena {
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, partials, masks, size, roundings, peak, least, part } = self;
+        let Self { nodes, value, radius, local, exact, partials, masks, tangent, size, roundings, peak, least, part } =
+            self;
         nodes.clear();
         masks.clear();
-        for pool in [value, radius, local, partials, size, roundings, peak, least, part] {
+        // Columns past these are given back.
+        exact.truncate(KEPT);
+        for pool in [value, radius, local, partials, tangent, size, roundings, peak, least, part] {
             pool.clear();
         }
     }
 
     /// True when a chunk has as many columns as it may have.
-    pub(super) fn is_full(&self) -> bool {
+    pub(super) fn is_full(&self, most: usize) -> bool {
         let Self { value, radius, local, partials, size, roundings, peak, least, .. } = self;
         let pools = [value, radius, local, partials, size, roundings, peak, least];
-        pools.iter().map(|pool| pool.used).sum::<usize>() >= MOST
+        pools.iter().map(|pool| pool.used).sum::<usize>() >= most
     }
 
     /// One more node. Its columns hold what is left from before.
     pub(super) fn push(&mut self, meta: Meta) -> Id {
         self.nodes.push(meta);
+        if self.exact.len() < self.nodes.len() {
+            self.exact.push(false);
+        }
+        if !matches!(meta.kind, NodeKind::Leaf) {
+            self.exact[self.nodes.len() - 1] = false;
+        }
         for pool in [&mut self.value, &mut self.radius, &mut self.local] {
             pool.more();
         }
@@ -164,6 +193,15 @@ impl Arena {
         let at = self.partials.more();
         self.partials.more();
         (at / 2) as u32
+    }
+
+    /// Two more partials with their distances, side by side.
+    pub(super) fn partials(&mut self) -> [u32; 2] {
+        // They do not go over the end of a window.
+        if self.partials.window.is_some() && !self.partials.used.is_multiple_of(4) {
+            self.partial();
+        }
+        [self.partial(), self.partial()]
     }
 
     /// A partial and its distance.

@@ -1,8 +1,9 @@
 //! Local errors of functions that stay one node, though their error is that of a definition in several
 //! steps.
 
+use std::f64::consts::LN_2;
+
 use super::arena::Slots;
-use super::functions::image1;
 use super::kernels::Out2;
 use super::model::{Arg, Model, gap};
 use crate::profile::Op;
@@ -107,34 +108,46 @@ fn power_by_exp2(model: &Model<'_>, args: [Arg<'_>; 2], value: &Slots, carried: 
     let mut exponent = [0.0; SLOTS];
     let (mut by_log, mut by_product, mut by_power) = ([0.0; SLOTS], [0.0; SLOTS], [0.0; SLOTS]);
     let mut log_moves = [0.0; SLOTS];
-    for slot in 0..SLOTS {
-        let image = image1(Op::Log2, x.value[slot], x.radius[slot], false);
-        (logarithm[slot], log_moves[slot]) = (image.value, image.moves);
-        exponent[slot] = y.value[slot] * image.value;
-    }
+    number::LOG2.column(x.value, &mut logarithm);
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            let (x, e) = (x.value[slot], x.radius[slot]);
+            let moves = e * (1.0 / ((x - e) * LN_2));
+            log_moves[slot] = if (x <= e) | (x <= 0.0) { f64::INFINITY } else { moves };
+            exponent[slot] = y.value[slot] * logarithm[slot];
+        }
+    });
     model.local(Op::Log2, &[x], &logarithm, &log_moves, &mut by_log);
     let mut product_moves = [0.0; SLOTS];
-    for slot in 0..SLOTS {
-        let log = log_moves[slot] + by_log[slot];
-        product_moves[slot] = (y.value[slot].abs() + y.radius[slot]) * log + y.radius[slot] * logarithm[slot].abs();
-    }
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            let log = log_moves[slot] + by_log[slot];
+            product_moves[slot] = (y.value[slot].abs() + y.radius[slot]) * log + y.radius[slot] * logarithm[slot].abs();
+        }
+    });
     let log = Arg { value: &logarithm, radius: &by_log };
     model.local(Op::Mul, &[log, y], &exponent, &product_moves, &mut by_product);
-    let mut exponent_moves = [0.0; SLOTS];
-    for slot in 0..SLOTS {
-        exponent_moves[slot] = product_moves[slot] + by_product[slot];
-    }
-    let argument = Arg { value: &exponent, radius: &exponent_moves };
+    let (mut exponent_moves, mut inside) = ([0.0; SLOTS], [0.0; SLOTS]);
     let mut power_moves = [0.0; SLOTS];
-    for slot in 0..SLOTS {
-        power_moves[slot] = value[slot] * number::exp_m1(std::f64::consts::LN_2 * exponent_moves[slot]);
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            exponent_moves[slot] = product_moves[slot] + by_product[slot];
+            power_moves[slot] = LN_2 * exponent_moves[slot];
+            // What the steps inside add to the exponent; what the arguments carry is the node's partials'.
+            inside[slot] = LN_2 * ((y.value[slot].abs() + y.radius[slot]) * by_log[slot] + by_product[slot]);
+        }
+    });
+    let argument = Arg { value: &exponent, radius: &exponent_moves };
+    for grown in [&mut power_moves, &mut inside] {
+        grown.iter_mut().for_each(|t| *t = number::exp_m1(*t));
     }
+    number::wide(|| (0..SLOTS).for_each(|slot| power_moves[slot] *= value[slot]));
     model.local(Op::Exp2, &[argument], value, &power_moves, &mut by_power);
-    for slot in 0..SLOTS {
-        // What the steps inside add to the exponent; what the arguments carry is the node's partials'.
-        let inside = (y.value[slot].abs() + y.radius[slot]) * by_log[slot] + by_product[slot];
-        let most = value[slot] + carried[slot];
-        let moved = most * number::exp_m1(std::f64::consts::LN_2 * inside) + by_power[slot];
-        local[slot] = if moved.is_nan() { f64::INFINITY } else { moved };
-    }
+    number::wide(|| {
+        for slot in 0..SLOTS {
+            let most = value[slot] + carried[slot];
+            let moved = most * inside[slot] + by_power[slot];
+            local[slot] = if moved.is_nan() { f64::INFINITY } else { moved };
+        }
+    });
 }

@@ -16,8 +16,8 @@ fn arguments(op: Op) -> Vec<Vec<u32>> {
     let inputs = Inputs::new(op);
     let arity = op.arity().unwrap();
     let plain = |k: u32| [0.999_9, -0.75, 1.000_1, 0.5][k as usize % 4] * (1.0 + (k as f32 * 0.37).sin() * 1e-3);
-    let near_one = (0..SLOTS as u32).map(|k| (0..arity as u32).map(|j| plain(k + 5 * j).to_bits()).collect());
-    (0..3 * SLOTS as u64).map(|k| inputs.at(k)[..arity].to_vec()).chain(near_one).collect()
+    let near_one = (0..256_u32).map(|k| (0..arity as u32).map(|j| plain(k + 5 * j).to_bits()).collect());
+    (0..768).map(|k| inputs.at(k)[..arity].to_vec()).chain(near_one).collect()
 }
 
 /// Calls `f` with the arguments, the exact value and the bound of each run of an operation.

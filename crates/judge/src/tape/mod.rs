@@ -24,6 +24,7 @@ mod model;
 mod operations;
 mod regroup;
 mod sweep;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod why;
@@ -31,12 +32,13 @@ mod why;
 use crate::profile::{Op, grid};
 use base::value::Scalar;
 use program::interp::{
-    Binary, Class, Comparison, Domain, FromWords, Mask, Number, SLOTS, Site, ToWords, Unary, WordSource, Words,
+    Binary, Class, Comparison, Domain, FromWords, Guarded, Mask, Number, SLOTS, Site, ToWords, Unary, WordSource, Words,
 };
 
-use arena::{Arena, Id, Meta, NodeKind, Slots};
+use arena::{Arena, Id, MOST, Meta, NodeKind, Slots};
 pub use decay::FADED;
 pub use model::Model;
+pub(crate) use model::gap;
 pub use sweep::Bounds;
 pub use why::{Cause, Share, Why};
 
@@ -65,6 +67,8 @@ pub struct Tape<'p> {
     /// Slots that were given up in a loop, for the tape was full, with the place of the loop.
     given_up: [Option<Site>; SLOTS],
     sweep: sweep::Scratch,
+    /// Displacements, where they are wanted.
+    tangents: Option<tangent::Tangents>,
 }
 
 impl<'p> Tape<'p> {
@@ -78,6 +82,7 @@ impl<'p> Tape<'p> {
             edges: [false; SLOTS],
             given_up: [None; SLOTS],
             sweep: sweep::Scratch::default(),
+            tangents: None,
         }
     }
 
@@ -116,6 +121,11 @@ impl<'p> Tape<'p> {
         self.given_up[slot]
     }
 
+    /// True when some slot was given up.
+    pub fn has_given_up(&self) -> bool {
+        self.given_up.iter().any(Option::is_some)
+    }
+
     /// Gives back the room that very long loops took.
     pub fn release(&mut self) {
         self.arena.clear();
@@ -127,14 +137,23 @@ impl<'p> Tape<'p> {
         let id = self.arena.push(meta);
         let at = id as usize;
         value(self.arena.value.get_mut(at));
-        self.arena.radius.get_mut(at).fill(0.0);
-        self.arena.local.get_mut(at).fill(0.0);
+        // Inputs and constants are the first nodes of each chunk: most columns hold zeros already.
+        if !std::mem::replace(&mut self.arena.exact[at], true) {
+            self.arena.radius.get_mut(at).fill(0.0);
+            self.arena.local.get_mut(at).fill(0.0);
+        }
         let values = self.arena.value.get(at);
-        let tiny = values.iter().any(|v| v.abs() < grid::MIN_NORMAL && *v != 0.0);
-        let not_negative = values.iter().all(|v| *v >= 0.0);
+        let (tiny, negative) = number::wide(|| {
+            let (mut tiny, mut negative) = (0_u64, 0_u64);
+            for v in values {
+                tiny |= u64::from((v.abs() < grid::MIN_NORMAL) & (*v != 0.0));
+                negative |= u64::from(!(*v >= 0.0));
+            }
+            (tiny, negative)
+        });
         let meta = &mut self.arena.nodes[at];
-        (meta.tiny, meta.not_negative) = (tiny, not_negative);
-        self.group(id);
+        (meta.tiny, meta.not_negative) = (tiny != 0, negative == 0);
+        self.settle(id);
         id
     }
 
@@ -142,6 +161,12 @@ impl<'p> Tape<'p> {
     /// written since, so any value will do.
     fn id(&self, column: &Column) -> Id {
         if (column.0 as usize) < self.arena.nodes.len() { column.0 } else { 0 }
+    }
+
+    /// What else is remembered of a node, once its value, radius and local error are known.
+    fn settle(&mut self, id: Id) {
+        self.group(id);
+        self.move_on(id);
     }
 
     /// True when some slot of a column may be subnormal, and a device may take it for zero.
@@ -162,6 +187,7 @@ impl Domain for Tape<'_> {
 
     fn begin(&mut self) {
         self.arena.clear();
+        self.tangents.iter_mut().for_each(tangent::Tangents::clear);
         self.forks = [None; SLOTS];
         self.edges = [false; SLOTS];
         self.given_up = [None; SLOTS];
@@ -181,6 +207,7 @@ impl Domain for Tape<'_> {
         self.arena.nodes[at].site = site;
         if literal.slack > 0.0 {
             self.arena.nodes[at].exact = false;
+            self.arena.exact[at] = false;
             self.arena.local.get_mut(at).fill(literal.slack);
             self.arena.radius.get_mut(at).fill(literal.slack);
         }
@@ -296,6 +323,7 @@ impl Domain for Tape<'_> {
                 *b = if f64::from(*v as f32) == *v { 0.0 } else { *b };
             }
             let exact = local.iter().all(|b| *b == 0.0);
+            self.arena.exact[at] = false;
             *self.arena.radius.get_mut(at) = local;
             *self.arena.local.get_mut(at) = local;
             let meta = &mut self.arena.nodes[at];
@@ -308,8 +336,17 @@ impl Domain for Tape<'_> {
         self.note_fork(site, slots.slots());
     }
 
+    fn outside(&self, what: Guarded, active: &Mask, x: &Column, y: &Column) -> Mask {
+        // Who wants no displacements looks at bounds alone.
+        if self.tangents.is_none() {
+            return Mask::NONE;
+        }
+        program::interp::outside(what, active, self.values(Column(self.id(x))), self.values(Column(self.id(y))))
+    }
+
     fn is_full(&self) -> bool {
-        self.arena.is_full()
+        // The first look is for shaders without very long loops.
+        self.arena.is_full(if self.tangents.is_some() { MOST / 8 } else { MOST })
     }
 
     fn give_up(&mut self, site: Site, slots: &Mask) {
@@ -329,7 +366,7 @@ impl Domain for Tape<'_> {
     fn poison(&mut self, mask: &Mask, to: &mut Column) {
         let mark = self.leaf(|value| value.fill(f64::poison()));
         let b = self.id(to);
-        to.0 = self.select(mask, mark, b);
+        to.0 = if mask.is_full() { mark } else { self.select(mask, mark, b) };
     }
 
     fn word(&self, column: &Column, slot: usize) -> Option<f64> {

@@ -39,7 +39,7 @@ pub(super) struct Arg<'a> {
 
 /// Distance between neighbouring binary32 numbers at x ≥ 0; infinite beyond the range.
 #[inline(always)]
-pub(super) fn gap(x: f64) -> f64 {
+pub(crate) fn gap(x: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     const ULP: f64 = 1.0 / (1 << 23) as f64;
     let power = f64::from_bits(x.to_bits() & EXPONENT);
@@ -58,6 +58,11 @@ impl<'p> Model<'p> {
             // The parts of the definition, as measured, bound what was seen.
             Entry::Measured(table) => table.definition.map(|definition| (definition, 0.0)),
         }
+    }
+
+    /// True when the ends of what is accepted are moved outward to binary32 numbers.
+    pub(super) fn is_outward(&self) -> bool {
+        matches!(self, Self::Device { profile, .. } if profile.acceptance == Acceptance::Outward)
     }
 
     /// How far the ends of what is accepted are moved outward to binary32 numbers, for results up to

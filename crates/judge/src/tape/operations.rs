@@ -5,8 +5,9 @@ use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
-use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
+use super::kernels::{self, Node, Out1, Out2, RoundedProduct, RoundedSum, or_infinite, reach};
 use super::model::Arg;
+use super::tangent;
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op};
 
@@ -163,6 +164,9 @@ impl Tape<'_> {
         let id = self.allow(id, or);
         let at = id as usize;
         let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
+        if !self.model.is_outward() {
+            return id;
+        }
         let step: Slots = std::array::from_fn(|slot| self.model.outward(value[slot].abs() + radius[slot]));
         let none = step.iter().all(|step| *step == 0.0);
         if none { id } else { self.identity(Some(site), Some(op), id, &step) }
@@ -213,7 +217,7 @@ impl Tape<'_> {
             *radius = before[a as usize][slot] + error[slot];
         }
         *self.arena.local.get_mut(at) = *error;
-        self.group(id);
+        self.settle(id);
         id
     }
 
@@ -274,10 +278,8 @@ impl Tape<'_> {
         let (x, y) = (&before[a as usize], &before[b as usize]);
         let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
         if single {
-            for slot in 0..SLOTS {
-                value[slot] = signs.0 * x[slot];
-                carried[slot] = ex[slot];
-            }
+            number::wide(|| (0..SLOTS).for_each(|slot| value[slot] = signs.0 * x[slot]));
+            *carried = **ex;
             self.arena.local.get_mut(at).fill(0.0);
             self.arena.nodes[at].tiny = left.tiny;
             if left.tiny && self.model.flushes() {
@@ -286,20 +288,30 @@ impl Tape<'_> {
                 let (radius, local) = (self.arena.radius.get_mut(at), self.arena.local.get(at));
                 radius.iter_mut().zip(local).for_each(|(e, b)| *e += b);
             }
-            self.group(id);
+            self.settle(id);
             return id;
         }
         if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny]) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
-            let tiny = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
-            self.arena.nodes[at].tiny = tiny;
-            self.group(id);
+            let moves =
+                closing.own.then(|| tangent::moves(&self.tangents, &mut self.arena.tangent, id, [a, b])).flatten();
+            let moving = moves.is_some();
+            let args = [(&**x, &**ex), (&**y, &**ey)];
+            let found = number::wide_work(RoundedSum { args, signs, closing, node, moves });
+            self.arena.nodes[at].tiny = found.tiny;
+            if moving {
+                self.moved_on(id, found.open)
+            } else {
+                self.settle(id)
+            }
             return id;
         }
-        for slot in 0..SLOTS {
-            value[slot] = signs.0 * x[slot] + signs.1 * y[slot];
-            carried[slot] = ex[slot] + ey[slot];
-        }
+        number::wide(|| {
+            for slot in 0..SLOTS {
+                value[slot] = signs.0 * x[slot] + signs.1 * y[slot];
+                carried[slot] = ex[slot] + ey[slot];
+            }
+        });
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         let op = if op == Op::Neg { Op::Sub } else { op };
         self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
@@ -323,15 +335,25 @@ impl Tape<'_> {
         let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
         if let Some(closing) = self.model.closing(op, tiny) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
-            let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
-            self.arena.nodes[at].tiny = tiny;
-            self.group(id);
+            let moves =
+                closing.own.then(|| tangent::moves(&self.tangents, &mut self.arena.tangent, id, [a, b])).flatten();
+            let moving = moves.is_some();
+            let args = [(&**x, &**ex), (&**y, &**ey)];
+            let found = number::wide_work(RoundedProduct { args, closing, node, moves });
+            self.arena.nodes[at].tiny = found.tiny;
+            if moving {
+                self.moved_on(id, found.open)
+            } else {
+                self.settle(id)
+            }
             return id;
         }
-        for slot in 0..SLOTS {
-            value[slot] = x[slot] * y[slot];
-            carried[slot] = or_infinite(kernels::carried_by_product(x[slot], ex[slot], y[slot], ey[slot]));
-        }
+        number::wide(|| {
+            for slot in 0..SLOTS {
+                value[slot] = x[slot] * y[slot];
+                carried[slot] = or_infinite(kernels::carried_by_product(x[slot], ex[slot], y[slot], ey[slot]));
+            }
+        });
         let args = [Arg { value: x, radius: ex }, Arg { value: y, radius: ey }];
         self.model.local(op, &args, value, carried, self.arena.local.get_mut(at));
         self.flush(id, &[(a, Some(b)), (b, Some(a))]);
@@ -362,7 +384,7 @@ impl Tape<'_> {
             mask.merge(&before[a as usize], to);
         }
         self.arena.local.get_mut(at).fill(0.0);
-        self.group(id);
+        self.settle(id);
         id
     }
 
@@ -407,7 +429,7 @@ impl Tape<'_> {
 
     /// A function of two numbers as a node of its own.
     fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
-        let partials = [self.arena.partial(), self.arena.partial()];
+        let partials = self.arena.partials();
         let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
         let not_negative = match op {
             Op::Pow => true,
@@ -471,31 +493,24 @@ impl Tape<'_> {
                 continue;
             }
             let (x, e) = (self.arena.value.get(a), self.arena.radius.get(a));
-            for slot in 0..SLOTS {
-                let reach = x[slot].abs() + e[slot];
-                if reach == 0.0 || x[slot].abs() - e[slot] >= MIN_NORMAL {
-                    continue;
+            let (slope, bend) = match (other, self.arena.nodes[at].kind) {
+                (Some(other), _) => (self.arena.value.get(other as usize), self.arena.radius.get(other as usize)),
+                (None, NodeKind::One { partial, .. }) => self.arena.partial_at(partial),
+                (None, NodeKind::Two { partials, .. }) => self.arena.partial_at(partials[k]),
+                (None, _) => (&[1.0; SLOTS], &[0.0; SLOTS]),
+            };
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    let (size, e) = (x[slot].abs(), e[slot]);
+                    let reach = size + e;
+                    let slope = slope[slot].abs() + bend[slot];
+                    // Written so that a number that is none counts. Without a finite slope the movement counts as a whole, the
+                    // flush included.
+                    let touched = !((reach == 0.0) | (size - e >= MIN_NORMAL)) & (slope < f64::INFINITY);
+                    let moved = slope * reach.min(MIN_NORMAL);
+                    more[slot] += if touched { moved } else { 0.0 };
                 }
-                let slope = match (other, self.arena.nodes[at].kind) {
-                    (Some(other), _) => {
-                        let other = other as usize;
-                        self.arena.value.get(other)[slot].abs() + self.arena.radius.get(other)[slot]
-                    }
-                    (None, NodeKind::One { partial, .. }) => {
-                        let (slope, bend) = self.arena.partial_at(partial);
-                        slope[slot].abs() + bend[slot]
-                    }
-                    (None, NodeKind::Two { partials, .. }) => {
-                        let (slope, bend) = self.arena.partial_at(partials[k]);
-                        slope[slot].abs() + bend[slot]
-                    }
-                    (None, _) => 1.0,
-                };
-                // Without a finite slope the movement counts as a whole, the flush included.
-                if slope.is_finite() {
-                    more[slot] += slope * reach.min(MIN_NORMAL);
-                }
-            }
+            });
         }
         self.arena.local.get_mut(at).iter_mut().zip(&more).for_each(|(b, more)| *b += more);
     }
@@ -542,9 +557,11 @@ impl Tape<'_> {
         let local = self.arena.local.get_mut(at);
         for arg in args {
             let radius = self.arena.radius.get(arg as usize);
-            for slot in 0..SLOTS {
-                local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
-            }
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
+                }
+            });
         }
     }
 
@@ -560,6 +577,6 @@ impl Tape<'_> {
         if !regrouped {
             number::wide(|| carried.iter_mut().zip(local.iter()).for_each(|(e, b)| *e += b));
         }
-        self.group(id);
+        self.settle(id);
     }
 }

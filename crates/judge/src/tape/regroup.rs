@@ -1,7 +1,7 @@
 //! Sums and products that a device may regroup: what any order of their terms may round to.
 
 use super::Tape;
-use super::arena::{Id, NodeKind};
+use super::arena::{Id, NodeKind, Slots};
 use crate::profile::grid::{MAX_FINITE, MIN_NORMAL};
 use program::interp::{Mask, SLOTS};
 
@@ -26,32 +26,34 @@ impl Tape<'_> {
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
                 let (v, e) = (self.arena.value.get(at), self.arena.radius.get(at));
-                for slot in 0..SLOTS {
-                    size[slot] = v[slot].abs() + e[slot];
-                }
+                number::wide(|| (0..SLOTS).for_each(|slot| size[slot] = v[slot].abs() + e[slot]));
                 height.fill(0.0);
             }
             NodeKind::Sum { a, b, signs } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
-                for slot in 0..SLOTS {
-                    if signs.1 == 0.0 {
-                        (size[slot], term[slot], height[slot]) = (sa[slot], ta[slot], ha[slot]);
-                    } else {
-                        size[slot] = sa[slot] + sb[slot];
-                        term[slot] = ta[slot] + tb[slot];
-                        height[slot] = ha[slot].max(hb[slot]);
-                    }
+                if signs.1 == 0.0 {
+                    (*size, term, *height) = (**sa, **ta, **ha);
+                } else {
+                    number::wide(|| {
+                        for slot in 0..SLOTS {
+                            size[slot] = sa[slot] + sb[slot];
+                            term[slot] = ta[slot] + tb[slot];
+                            height[slot] = ha[slot].max(hb[slot]);
+                        }
+                    });
                 }
             }
             NodeKind::Product { a, b } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
                 let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
-                for slot in 0..SLOTS {
-                    size[slot] = sa[slot] * sb[slot];
-                    // Each factor is a sum with its own roundings; one more for the product.
-                    height[slot] = ha[slot] + ta[slot] - 1.0 + hb[slot] + tb[slot] - 1.0 + 1.0;
-                }
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        size[slot] = sa[slot] * sb[slot];
+                        // Each factor is a sum with its own roundings; one more for the product.
+                        height[slot] = ha[slot] + ta[slot] - 1.0 + hb[slot] + tb[slot] - 1.0 + 1.0;
+                    }
+                });
             }
             NodeKind::Select { mask, a, b } => {
                 let mask = self.arena.masks[mask as usize];
@@ -74,21 +76,23 @@ impl Tape<'_> {
             let radius = self.arena.radius.get_mut(at);
             let flush = if self.model.flushes() { MIN_NORMAL } else { 0.0 };
             let mut own = [0.0; SLOTS];
-            for slot in 0..SLOTS {
-                let count = height[slot] + term[slot] - 1.0;
-                let relative = count * unit;
-                // Each result may be flushed, and each term as an argument before that; where factors are distributed
-                // over sums, also a part of a term, and its other factors come after.
-                let after = if part[slot] < MIN_NORMAL { size[slot].max(peak[slot]) } else { size[slot] };
-                let flushed = (count + term[slot]) * flush * (1.0 + after);
-                // γ_n = n·u/(1 − n·u); flushed terms keep their size.
-                own[slot] = relative / (1.0 - relative).max(0.5) * size[slot] + flushed;
-                // The terms themselves may be too large, whatever their sum is.
-                if lost[slot] || peak[slot] + own[slot] > MAX_FINITE {
-                    own[slot] = f64::INFINITY;
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    let (size, term, peak) = (size[slot], term[slot], peak[slot]);
+                    let count = height[slot] + term - 1.0;
+                    let relative = count * unit;
+                    // Each result may be flushed, and each term as an argument before that; where factors are distributed
+                    // over sums, also a part of a term, and its other factors come after.
+                    let after = if part[slot] < MIN_NORMAL { size.max(peak) } else { size };
+                    let flushed = (count + term) * flush * (1.0 + after);
+                    // γ_n = n·u/(1 − n·u); flushed terms keep their size.
+                    let error = relative / (1.0 - relative).max(0.5) * size + flushed;
+                    // The terms themselves may be too large, whatever their sum is.
+                    let lost = (lost[slot] != 0.0) | (peak + error > MAX_FINITE);
+                    own[slot] = if lost { f64::INFINITY } else { error };
+                    radius[slot] += own[slot];
                 }
-                radius[slot] += own[slot];
-            }
+            });
             *self.arena.local.get_mut(at) = own;
             self.arena.nodes[at].exact = false;
         }
@@ -97,37 +101,45 @@ impl Tape<'_> {
     /// In which slots a sum or product inside of this one leaves the range of binary32: it is too large,
     /// or some factors of a product give one that a device may flush to zero. What a regrouped whole errs
     /// by does not say that.
-    fn lost_inside(&self, kind: NodeKind) -> [bool; SLOTS] {
+    /// 1 there, and 0 elsewhere.
+    fn lost_inside(&self, kind: NodeKind) -> Slots {
         let parts = match kind {
             NodeKind::Sum { a, b, signs } => [a, if signs.1 == 0.0 { a } else { b }],
             NodeKind::Product { a, b } => [a, b],
             NodeKind::Select { mask, a, b } => return self.lost_of_chosen(&self.arena.masks[mask as usize], a, b),
-            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => return [false; SLOTS],
+            NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => return [0.0; SLOTS],
         };
-        let mut lost = [false; SLOTS];
+        let mut lost = [0.0; SLOTS];
         for part in parts.into_iter().filter(|&p| self.arena.nodes[p as usize].kind.is_polynomial()) {
             let local = self.arena.local.get(part as usize);
-            for slot in 0..SLOTS {
-                lost[slot] |= local[slot] == f64::INFINITY;
-            }
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    lost[slot] = if local[slot] == f64::INFINITY { 1.0 } else { lost[slot] };
+                }
+            });
         }
         if let NodeKind::Product { a, b } = kind {
             let [a, b] = [a, b].map(|x| (self.arena.value.get(x as usize), self.arena.least.get(x as usize)));
-            for slot in 0..SLOTS {
-                let ((x, lx), (y, ly)) = ((a.0[slot].abs(), a.1[slot]), (b.0[slot].abs(), b.1[slot]));
-                // All factors together are the product itself, which may be flushed as any result.
-                let some = if lx < x || ly < y { lx * ly } else { f64::INFINITY };
-                lost[slot] |= x != 0.0 && y != 0.0 && lx.min(ly).min(some) < MIN_NORMAL;
-            }
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    let ((x, lx), (y, ly)) = ((a.0[slot].abs(), a.1[slot]), (b.0[slot].abs(), b.1[slot]));
+                    // All factors together are the product itself, which may be flushed as any result.
+                    let some = if (lx < x) | (ly < y) { lx * ly } else { f64::INFINITY };
+                    let small = (x != 0.0) & (y != 0.0) & (lx.min(ly).min(some) < MIN_NORMAL);
+                    lost[slot] = if small { 1.0 } else { lost[slot] };
+                }
+            });
         }
         lost
     }
 
     /// The same for what a mask chooses between.
-    fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> [bool; SLOTS] {
+    fn lost_of_chosen(&self, mask: &Mask, a: Id, b: Id) -> Slots {
         std::array::from_fn(|slot| {
             let chosen = if mask.has(slot) { a } else { b } as usize;
-            self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[slot] == f64::INFINITY
+            let lost =
+                self.arena.nodes[chosen].kind.is_polynomial() && self.arena.local.get(chosen)[slot] == f64::INFINITY;
+            f64::from(u8::from(lost))
         })
     }
 
@@ -140,9 +152,11 @@ impl Tape<'_> {
         let value = self.arena.value.get(at);
         let (before, peak) = self.arena.peak.split(at);
         let (earlier, least) = self.arena.least.split(at);
-        for slot in 0..SLOTS {
-            least[slot] = if value[slot] == 0.0 { f64::INFINITY } else { value[slot].abs() };
-        }
+        number::wide(|| {
+            for slot in 0..SLOTS {
+                least[slot] = if value[slot] == 0.0 { f64::INFINITY } else { value[slot].abs() };
+            }
+        });
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => *peak = size,
             NodeKind::Select { mask, a, b } => {
@@ -153,22 +167,22 @@ impl Tape<'_> {
             }
             NodeKind::Sum { a, b, signs } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
-                for slot in 0..SLOTS {
-                    peak[slot] = if signs.1 == 0.0 { pa[slot] } else { pa[slot] + pb[slot] };
-                }
                 if signs.1 == 0.0 {
-                    *least = *earlier[a as usize];
+                    (*peak, *least) = (**pa, *earlier[a as usize]);
+                } else {
+                    number::wide(|| (0..SLOTS).for_each(|slot| peak[slot] = pa[slot] + pb[slot]));
                 }
             }
             NodeKind::Product { a, b } => {
                 let (pa, pb) = (&before[a as usize], &before[b as usize]);
                 let (la, lb) = (&earlier[a as usize], &earlier[b as usize]);
-                for slot in 0..SLOTS {
-                    peak[slot] = pa[slot].max(pb[slot]).max(pa[slot] * pb[slot]);
-                    if value[slot] != 0.0 {
-                        least[slot] = la[slot].min(lb[slot]).min(la[slot] * lb[slot]);
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        peak[slot] = pa[slot].max(pb[slot]).max(pa[slot] * pb[slot]);
+                        let factors = la[slot].min(lb[slot]).min(la[slot] * lb[slot]);
+                        least[slot] = if value[slot] != 0.0 { factors } else { least[slot] };
                     }
-                }
+                });
             }
         }
     }
@@ -181,9 +195,11 @@ impl Tape<'_> {
         let (before, part) = self.arena.part.split(at);
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
-                for slot in 0..SLOTS {
-                    part[slot] = if value[slot] == 0.0 { f64::INFINITY } else { value[slot].abs() };
-                }
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        part[slot] = if value[slot] == 0.0 { f64::INFINITY } else { value[slot].abs() };
+                    }
+                });
             }
             NodeKind::Select { mask, a, b } => {
                 *part = *before[b as usize];
@@ -192,11 +208,15 @@ impl Tape<'_> {
             NodeKind::Sum { a, b, signs } => {
                 let other = if signs.1 == 0.0 { a } else { b };
                 let (a, b) = (&before[a as usize], &before[other as usize]);
-                (0..SLOTS).for_each(|slot| part[slot] = a[slot].min(b[slot]));
+                number::wide(|| (0..SLOTS).for_each(|slot| part[slot] = a[slot].min(b[slot])));
             }
             NodeKind::Product { a, b } => {
                 let (a, b) = (&before[a as usize], &before[b as usize]);
-                (0..SLOTS).for_each(|slot| part[slot] = a[slot].min(b[slot]).min(a[slot] * b[slot]));
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        part[slot] = a[slot].min(b[slot]).min(a[slot] * b[slot]);
+                    }
+                });
             }
         }
     }

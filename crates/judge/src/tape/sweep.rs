@@ -21,6 +21,7 @@ impl Default for Adjoint {
 pub(super) struct Scratch {
     /// For each node, the number of its adjoint.
     places: Vec<u32>,
+    #[expect(clippy::vec_box, reason = "one adjoint goes out of its place while others are written")]
     adjoints: Vec<Box<Adjoint>>,
     free: Vec<u32>,
     spare: Option<Box<Adjoint>>,
@@ -87,6 +88,7 @@ impl Tape<'_> {
         enough: &mut dyn FnMut(&[f64; SLOTS]) -> bool,
         see: &mut dyn FnMut(Id, &Slots),
     ) -> Bounds {
+        debug_assert!(self.tangents.is_none(), "what a sweep needs is not kept");
         let root = self.id(&output);
         let rearranged = self.model.is_rearranged();
         let Self { arena, sweep, .. } = self;

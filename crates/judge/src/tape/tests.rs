@@ -12,7 +12,7 @@ use program::lane::Stage;
 use program::lower::Target;
 
 /// `float f(…) { … }` as an executable, with a batch of one call.
-fn call(function: &str, arguments: &[f32]) -> (Executable, Batch) {
+pub(super) fn call(function: &str, arguments: &[f32]) -> (Executable, Batch) {
     let file = SourceFile::new("f.glsl", format!("#version 150 core\n{function}\n"));
     let program = Program::from_source(&file, syntax::Stage::Library, |_| Ok(Target::Function("f".into()))).unwrap();
     let batch = Batch {
@@ -41,7 +41,7 @@ fn with<T>(
     look(tape, column, bounds)
 }
 
-fn device(profile: &str, rearranged: bool) -> Model<'static> {
+pub(super) fn device(profile: &str, rearranged: bool) -> Model<'static> {
     Model::Device { profile: by_name(profile).unwrap(), stage: Stage::Compute, rearranged }
 }
 
@@ -56,7 +56,7 @@ fn assert_is(found: f64, derived: f64) {
     assert!(found >= derived && found <= derived * 1.001, "{found:e}, derived {derived:e}");
 }
 
-const THIRD: f32 = 1.0 / 3.0;
+pub(super) const THIRD: f32 = 1.0 / 3.0;
 
 #[test]
 fn one_rounding_is_one_gap_or_half_of_one() {

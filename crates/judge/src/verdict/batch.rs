@@ -1,21 +1,23 @@
 //! Verdicts on whole batches, on all cores.
 //!
-//! Most samples are settled by a first look: the lane's words are the nearest to what the shader means,
-//! and what it means is what the formula says to within the rounding of binary64. The others are
-//! gathered and go through the tape.
+//! Most samples are settled by a first look: the lane's words are nearer to what the shader means than the operations may
+//! move them, and what it means is what the formula says to within the rounding of binary64. The others are gathered, and
+//! bounds are derived for them.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::first_look::{self, Values, look};
+use super::fit::{far_apart, unfit};
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Verdict};
 use super::oracle::JudgeContext;
-use super::reference::{Evaluator, Expected, Reference};
+use super::parallel::parts;
+use super::reference::{Evaluator, Expected};
 use super::second_pass::SecondPass;
 use super::undefined::{self, Looker};
 use crate::profile::Op;
-use crate::profile::grid::MIN_NORMAL;
-use base::value::{Batch, Scalar, ulp_at};
-use program::interp::{Binary64, HazardKind, Machine, Mask, Number, OutputColumn, SLOTS, Site};
+use crate::tape::Tape;
+use base::value::Batch;
+use program::interp::{Binary64, Domain, Machine, Mask, SLOTS, Site};
 use program::lane::Actual;
 
 /// An invocation that deviates.
@@ -189,13 +191,11 @@ const FEW: usize = 512;
 pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> BatchVerdict {
     let count = batch.invocation_count();
     assert_eq!(actual.count(), count, "outputs of another batch");
-    let chunks: Vec<BatchVerdict> = (0..count.div_ceil(CHUNK))
-        .into_par_iter()
-        .map_init(
-            || Judge::new(context),
-            |judge, chunk| judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
-        )
-        .collect();
+    let chunks = parts(
+        count.div_ceil(CHUNK),
+        || Judge::new(context),
+        |judge, chunk| judge.judge(batch, actual, chunk * CHUNK..((chunk + 1) * CHUNK).min(count)),
+    );
     let mut all = BatchVerdict::default();
     for chunk in chunks {
         all.merge(chunk);
@@ -210,21 +210,20 @@ pub fn judge_batch(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -
 pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Verdict> {
     let count = batch.invocation_count();
     assert_eq!(actual.count(), count, "outputs of another batch");
-    let chunks: Vec<Vec<Verdict>> = (0..count.div_ceil(FEW))
-        .into_par_iter()
-        .map_init(
-            || Judge::new(context),
-            |judge, chunk| {
-                let range = chunk * FEW..((chunk + 1) * FEW).min(count);
-                let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
-                let (open, _) = judge.scan(batch, actual, range);
-                for (invocation, verdict) in judge.settle(batch, actual, open) {
-                    verdicts[invocation - first] = verdict;
-                }
-                verdicts
-            },
-        )
-        .collect();
+    let chunks = parts(
+        count.div_ceil(FEW),
+        || Judge::new(context),
+        |judge, chunk| {
+            let range = chunk * FEW..((chunk + 1) * FEW).min(count);
+            let (first, mut verdicts) = (range.start, vec![Verdict::Agree(Promise::Text); range.len()]);
+            let Scanned { open, measured, .. } = judge.scan(batch, actual, range);
+            measured.into_iter().for_each(|k| verdicts[k - first] = Verdict::Agree(Promise::Measured));
+            for (invocation, verdict) in judge.settle(batch, actual, open) {
+                verdicts[invocation - first] = verdict;
+            }
+            verdicts
+        },
+    );
     chunks.concat()
 }
 
@@ -235,9 +234,10 @@ pub fn judge_each(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) ->
 pub fn judge_at(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, invocation: usize) -> Verdict {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
     let mut judge = Judge::new(context);
-    let (open, _) = judge.scan(batch, actual, invocation..invocation + 1);
+    let Scanned { open, measured, .. } = judge.scan(batch, actual, invocation..invocation + 1);
+    let promise = if measured.is_empty() { Promise::Text } else { Promise::Measured };
     let judged = judge.settle(batch, actual, open).into_iter().next();
-    judged.map_or(Verdict::Agree(Promise::Text), |(_, verdict)| verdict)
+    judged.map_or(Verdict::Agree(promise), |(_, verdict)| verdict)
 }
 
 /// An invocation that the first look leaves open.
@@ -252,14 +252,15 @@ pub(super) struct OpenSample {
     pub undefined: bool,
 }
 
-/// How near two evaluations in binary64 must be to count as equal at once, relative to the largest
-/// component of the variable. Farther ones are judged by what binary64 may have done to them.
-pub(super) const NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
-
 /// What one thread judges with.
 struct Judge<'a> {
     context: JudgeContext<'a>,
-    meaning: Machine<'a, Binary64>,
+    /// What the module means, and how far a device may surely be off by the first promise.
+    moving: Option<Machine<'a, Tape<'a>>>,
+    /// The same as measured.
+    measured: Option<Machine<'a, Tape<'a>>>,
+    /// What the module means, where loops are too long for a tape.
+    meaning: Option<Machine<'a, Binary64>>,
     /// Where literals are not binary32 numbers: what the author wrote.
     ideal: Option<Machine<'a, Binary64>>,
     evaluator: Evaluator<'a>,
@@ -268,11 +269,24 @@ struct Judge<'a> {
     looker: Looker<'a>,
 }
 
+/// What the first look finds.
+#[derive(Default)]
+struct Scanned {
+    /// What it leaves open.
+    open: Vec<OpenSample>,
+    /// Invocations for which nothing is promised, and which are as the device was measured.
+    measured: Vec<usize>,
+    /// The largest error of those that are right, in ULP.
+    max_ulp: f64,
+}
+
 impl<'a> Judge<'a> {
     fn new(context: &JudgeContext<'a>) -> Self {
         Self {
             context: *context,
-            meaning: context.oracle.meaning(),
+            moving: first_look::machine(context),
+            measured: context.measured().map(|model| context.oracle.moving_tape(model)),
+            meaning: None,
             ideal: context.oracle.ideal(),
             evaluator: Evaluator::new(context.reference),
             expected: Expected::default(),
@@ -315,12 +329,12 @@ impl<'a> Judge<'a> {
     }
 
     fn judge(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> BatchVerdict {
-        let mut verdict = BatchVerdict::default();
         let count = range.len();
-        let (open, max_ulp) = self.scan(batch, actual, range);
-        verdict.max_ulp = max_ulp;
-        verdict.agreed = (count - open.len()) as u64;
-        verdict.agreed_by[Promise::Text as usize] = verdict.agreed;
+        let Scanned { open, measured, max_ulp } = self.scan(batch, actual, range);
+        let agreed = (count - open.len()) as u64;
+        let mut verdict = BatchVerdict { agreed, max_ulp, ..BatchVerdict::default() };
+        verdict.agreed_by[Promise::Text as usize] = agreed - measured.len() as u64;
+        verdict.agreed_by[Promise::Measured as usize] = measured.len() as u64;
         let mut judged = self.settle(batch, actual, open);
         // What comes first must not depend on how samples are shared out among batches and threads.
         judged.sort_by_key(|(invocation, _)| *invocation);
@@ -333,244 +347,107 @@ impl<'a> Judge<'a> {
         verdict
     }
 
-    /// The first look: the invocations that it leaves open, and the largest error of the others in ULP.
-    fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> (Vec<OpenSample>, f64) {
-        let mut open = Vec::new();
-        let mut max_ulp = 0.0_f64;
+    /// The first look at some invocations.
+    fn scan(&mut self, batch: &Batch, actual: &Actual, range: std::ops::Range<usize>) -> Scanned {
+        let mut scanned = Scanned::default();
+        let mut unpromised = Vec::new();
         for first in range.clone().step_by(SLOTS) {
-            let slots = self.meaning.run(batch, first).min(range.end - first);
-            let (near, ulp) = near_slots(&self.meaning, actual, first, slots);
-            let mut apart = [false; SLOTS];
-            let mut undefined = undefined_slots(&self.meaning);
-            let ideal = match &mut self.ideal {
-                Some(ideal) => {
-                    ideal.run(batch, first);
-                    apart = far_apart(&self.meaning, ideal);
-                    undefined = undefined.or(undefined_slots(ideal));
-                    &*ideal
-                }
-                None => &self.meaning,
+            let invocations: Vec<usize> = (first..range.end.min(first + SLOTS)).collect();
+            let Self { context, moving, measured, meaning, ideal, evaluator, expected, .. } = self;
+            if let Some(ideal) = ideal {
+                ideal.run(batch, first);
+            }
+            let mut chunk = Chunk {
+                context,
+                ideal: ideal.as_ref(),
+                evaluator,
+                expected,
+                unpromised: measured.is_some().then_some(&mut unpromised),
+                scanned: &mut scanned,
             };
-            let columns = columns(ideal, self.context.reference);
-            let invocations: Vec<usize> = (first..first + slots).collect();
-            self.evaluator.turn_to(batch, &invocations);
-            for slot in 0..slots {
-                let invocation = first + slot;
-                self.evaluator.expected(batch, invocation, slot, &mut self.expected);
-                let shader = apart[slot] || !fits(ideal, &columns, self.context.reference, &self.expected, slot);
-                let undefined = undefined.has(slot);
-                if shader || !near[slot] || undefined {
-                    open.push(OpenSample { invocation, shader, lane: !near[slot], undefined });
+            if let Some(machine) = moving {
+                machine.run(batch, first);
+                if machine.as_domain().has_given_up() {
+                    // It would again and again; the second look says of each sample what the first would.
+                    *moving = None;
                 }
-                if !shader && near[slot] {
-                    max_ulp = max_ulp.max(ulp[slot]);
+            }
+            match moving {
+                Some(machine) => chunk.judge(machine, batch, actual, &invocations),
+                None => {
+                    let machine = meaning.get_or_insert_with(|| context.oracle.meaning());
+                    machine.run(batch, first);
+                    chunk.judge(machine, batch, actual, &invocations);
                 }
             }
         }
-        (open, max_ulp)
+        if let Some(machine) = &mut self.measured {
+            for group in unpromised.chunks(SLOTS) {
+                machine.run_some(batch, group);
+                let seen = look(machine, actual, group, false);
+                seen.raise(&mut scanned.max_ulp, seen.right, machine, self.context.reference, (batch, actual, group));
+                for (slot, &invocation) in group.iter().enumerate() {
+                    if seen.right.has(slot) {
+                        scanned.measured.push(invocation);
+                    } else {
+                        scanned.open.push(OpenSample { invocation, shader: false, lane: true, undefined: false });
+                    }
+                }
+            }
+        }
+        scanned
+    }
+}
+
+/// What the first look at a chunk needs beside the machine that ran it.
+struct Chunk<'c, 'a> {
+    context: &'c JudgeContext<'a>,
+    ideal: Option<&'c Machine<'a, Binary64>>,
+    evaluator: &'c mut Evaluator<'a>,
+    expected: &'c mut Expected,
+    /// Invocations for which nothing is promised, where measurements decide.
+    unpromised: Option<&'c mut Vec<usize>>,
+    scanned: &'c mut Scanned,
+}
+
+impl Chunk<'_, '_> {
+    fn judge<D: Values>(&mut self, machine: &Machine<'_, D>, batch: &Batch, actual: &Actual, invocations: &[usize]) {
+        let reference = self.context.reference;
+        let seen = look(machine, actual, invocations, true);
+        let mut undefined = undefined_slots(machine);
+        let expectation = (&mut *self.evaluator, &mut *self.expected);
+        let shader = match self.ideal {
+            Some(ideal) => {
+                undefined = undefined.or(undefined_slots(ideal));
+                far_apart(machine, ideal).or(unfit(ideal, reference, expectation, batch, invocations))
+            }
+            None => unfit(machine, reference, expectation, batch, invocations),
+        };
+        // Of a shader that may be wrong or undefined, only what is nearest is settled here.
+        let clear = Mask::first(invocations.len()).minus(shader).minus(undefined);
+        let settled = seen.right.and(clear).or(seen.nearest.minus(shader));
+        seen.raise(&mut self.scanned.max_ulp, settled, machine, reference, (batch, actual, invocations));
+        let agreed = seen.right.and(clear);
+        let mut rest = Mask::first(invocations.len()).minus(agreed);
+        if let Some(unpromised) = &mut self.unpromised {
+            let some = seen.unpromised.minus(seen.right).and(clear);
+            unpromised.extend(some.slots().map(|slot| invocations[slot]));
+            rest = rest.minus(some);
+        }
+        self.scanned.open.extend(rest.slots().map(|slot| OpenSample {
+            invocation: invocations[slot],
+            shader: shader.has(slot),
+            lane: !settled.or(seen.nearest).has(slot),
+            undefined: undefined.has(slot),
+        }));
     }
 }
 
 /// The slots that came upon an undefined value.
-fn undefined_slots(machine: &Machine<'_, Binary64>) -> Mask {
+fn undefined_slots<D: Domain>(machine: &Machine<'_, D>) -> Mask {
     let flags = machine.flags();
     if flags.iter().all(|flags| flags.is_empty()) {
         return Mask::NONE;
     }
     Mask::where_(|slot| flags[slot].is_undefined())
-}
-
-/// Literals that binary32 rounds move outputs by little. Farther than this they have decided something.
-const APART: f64 = 1.0 / (1 << 16) as f64;
-
-/// For each slot, whether the module means something else than what the author wrote.
-fn far_apart(meaning: &Machine<'_, Binary64>, ideal: &Machine<'_, Binary64>) -> [bool; SLOTS] {
-    let mut apart: [bool; SLOTS] = std::array::from_fn(|slot| meaning.emitted()[slot] != ideal.emitted()[slot]);
-    for vertex in 0..meaning.room() {
-        for word in 0..meaning.width() {
-            match (meaning.output(vertex, word), ideal.output(vertex, word)) {
-                (OutputColumn::Real(a), OutputColumn::Real(b)) => {
-                    for ((apart, a), b) in apart.iter_mut().zip(a.values()).zip(b.values()) {
-                        // Small outputs may be what is left of large terms: 1 stands for these.
-                        *apart |= (a - b).abs() > APART * a.abs().max(1.0);
-                    }
-                }
-                (OutputColumn::Word(a), OutputColumn::Word(b)) => {
-                    apart.iter_mut().zip(a.iter().zip(b)).for_each(|(apart, (a, b))| *apart |= a != b);
-                }
-                _ => {}
-            }
-        }
-    }
-    apart
-}
-
-/// For each slot, whether every word of the lane is the one nearest to the shader's meaning, and the
-/// largest error in ULP.
-fn near_slots(
-    meaning: &Machine<'_, Binary64>,
-    actual: &Actual,
-    first: usize,
-    slots: usize,
-) -> ([bool; SLOTS], [f64; SLOTS]) {
-    let mut near = [true; SLOTS];
-    let mut most = [0.0_f64; SLOTS];
-    let geometry = actual.layout().max_vertices.is_some();
-    let mut room = 1;
-    if geometry {
-        room = 0;
-        for slot in 0..slots {
-            let invocation = first + slot;
-            let stored = actual.stored(invocation);
-            room = room.max(stored);
-            near[slot] = meaning.emitted()[slot] == actual.emitted(invocation)
-                && (1..stored).all(|v| meaning.strip(v)[slot] == actual.strip(invocation, v));
-        }
-    }
-    let record = &actual.layout().vertex;
-    let mut scale = [0.0_f64; SLOTS];
-    for vertex in 0..room {
-        for field in 0..record.fields().len() {
-            scale.fill(0.0);
-            for word in record.range(field) {
-                if let OutputColumn::Real(column) = meaning.output(vertex, word) {
-                    for (scale, v) in scale.iter_mut().zip(column.values()) {
-                        *scale = scale.max(v.abs());
-                    }
-                }
-            }
-            for word in record.range(field) {
-                let column = meaning.output(vertex, word);
-                for slot in 0..slots {
-                    let invocation = first + slot;
-                    if geometry && vertex >= actual.stored(invocation) {
-                        continue;
-                    }
-                    let found = actual.vertex(invocation, vertex)[word];
-                    match column {
-                        OutputColumn::Real(column) => {
-                            let value = column.values()[slot];
-                            let error = (f64::from(f32::from_bits(found)) - value).abs();
-                            // Half a gap, less what binary64 leaves open; NaN does not pass. Below the
-                            // normal range a device may do what it likes, which says nothing.
-                            let small = scale[slot] < MIN_NORMAL && scale[slot] != 0.0;
-                            near[slot] &= error <= 0.499_999 * ulp_at(value) && !small;
-                            most[slot] = most[slot].max(error / ulp_at(scale[slot]));
-                        }
-                        OutputColumn::Word(words) => near[slot] &= words[slot] == found,
-                    }
-                }
-            }
-        }
-    }
-    (near, most)
-}
-
-/// The columns of the outputs that the formula gives: by vertex, then by word of the formula.
-fn columns<'m>(machine: &'m Machine<'_, Binary64>, reference: &Reference) -> Vec<Words<'m>> {
-    let room = machine.room();
-    let mut columns = Vec::with_capacity(room * reference.vertex_words);
-    for vertex in 0..room {
-        for output in &reference.outputs {
-            for word in output.actual.clone() {
-                columns.push(match machine.output(vertex, word) {
-                    OutputColumn::Real(column) => Words::Real(column.values()),
-                    OutputColumn::Word(words) => Words::Exact(words, output.scalar),
-                });
-            }
-        }
-    }
-    columns
-}
-
-enum Words<'m> {
-    Real(&'m [f64; SLOTS]),
-    Exact(&'m [u32; SLOTS], Scalar),
-}
-
-impl Words<'_> {
-    #[inline]
-    fn at(&self, slot: usize) -> f64 {
-        match self {
-            Self::Real(values) => values[slot],
-            Self::Exact(words, scalar) => <f64 as Number>::exact(words[slot], *scalar),
-        }
-    }
-}
-
-/// Invocations of a chunk in which the shader may not mean what the formula says, by the first look.
-pub(super) fn open_samples(
-    context: &JudgeContext<'_>,
-    ideal: &mut Machine<'_, Binary64>,
-    batch: &Batch,
-    first: usize,
-) -> Vec<usize> {
-    let reference = context.reference;
-    let slots = ideal.run(batch, first);
-    let columns = columns(ideal, reference);
-    let (mut evaluator, mut expected) = (Evaluator::new(reference), Expected::default());
-    let invocations: Vec<usize> = (first..first + slots).collect();
-    evaluator.turn_to(batch, &invocations);
-    let mut open = Vec::new();
-    for slot in 0..slots {
-        let invocation = first + slot;
-        evaluator.expected(batch, invocation, slot, &mut expected);
-        if !fits(ideal, &columns, reference, &expected, slot) {
-            open.push(invocation);
-        }
-    }
-    open
-}
-
-/// True when the shader ends, emits what the formula emits, and means what it says, by the first look.
-fn fits(
-    machine: &Machine<'_, Binary64>,
-    columns: &[Words<'_>],
-    reference: &Reference,
-    expected: &Expected,
-    slot: usize,
-) -> bool {
-    !machine.flags()[slot].has(HazardKind::Fuel)
-        && same_shape(machine, reference, expected, slot)
-        && means(columns, reference, expected, slot)
-}
-
-/// True when the shader emits what the formula emits.
-pub(super) fn same_shape<D: program::interp::Domain>(
-    machine: &Machine<'_, D>,
-    reference: &Reference,
-    expected: &Expected,
-    slot: usize,
-) -> bool {
-    if expected.strips.is_empty() && !reference.emits() {
-        return true;
-    }
-    let count = expected.strips.len();
-    machine.emitted()[slot] as usize == count
-        && count <= machine.room()
-        && (1..count).all(|v| {
-            let begins = expected.strips[v] != expected.strips[v - 1];
-            begins == (machine.strip(v)[slot] != machine.strip(v - 1)[slot])
-        })
-}
-
-/// True when the shader means what the formula says, by the first look.
-fn means(columns: &[Words<'_>], reference: &Reference, expected: &Expected, slot: usize) -> bool {
-    let vertices = expected.words.len() / reference.vertex_words.max(1);
-    for vertex in 0..vertices {
-        let base = vertex * reference.vertex_words;
-        for output in &reference.outputs {
-            let at = base + output.expected.start..base + output.expected.end;
-            let values = &expected.words[at.clone()];
-            let scale = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let allowed = if output.scalar == Scalar::F32 { NEAR * scale } else { 0.0 };
-            for ((k, value), column) in at.clone().zip(values).zip(&columns[at]) {
-                // Written so that NaN does not pass.
-                if !((column.at(slot) - value).abs() <= allowed + expected.slack(k)) {
-                    return false;
-                }
-            }
-        }
-    }
-    true
 }

@@ -2,12 +2,11 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::batch::judge_each;
 use super::judge::{Verdict, real};
 use super::observe::{Slack, slack_of};
 use super::oracle::JudgeContext;
+use super::parallel::parts;
 use super::reference::{Evaluator, Expected};
 use crate::tape::Tape;
 use base::value::Batch;
@@ -71,13 +70,11 @@ impl Seen {
 pub fn closeups(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual) -> Vec<Closeup> {
     let count = batch.invocation_count();
     let verdicts = judge_each(context, batch, actual);
-    let chunks: Vec<Vec<Vec<Vec<Seen>>>> = (0..count.div_ceil(SLOTS))
-        .into_par_iter()
-        .map_init(
-            || Viewer::new(context),
-            |viewer, chunk| viewer.look(batch, actual, chunk * SLOTS..((chunk + 1) * SLOTS).min(count)),
-        )
-        .collect();
+    let chunks = parts(
+        count.div_ceil(SLOTS),
+        || Viewer::new(context),
+        |viewer, chunk| viewer.look(batch, actual, chunk * SLOTS..((chunk + 1) * SLOTS).min(count)),
+    );
     let vertices = chunks.into_iter().flatten();
     verdicts.into_iter().zip(vertices).map(|(verdict, vertices)| Closeup { verdict, vertices }).collect()
 }

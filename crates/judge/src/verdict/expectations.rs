@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::batch::{Failure, open_samples};
+use super::batch::Failure;
+use super::fit::open_samples;
 use super::judge::Verdict;
 use super::oracle::JudgeContext;
 use super::second_pass::SecondPass;

@@ -1,9 +1,8 @@
 //! What relations get to see: a lane's values with how far each may be off.
 
-use rayon::prelude::*;
-
 use super::judge::real;
 use super::oracle::JudgeContext;
+use super::parallel::parts;
 use crate::profile::Promises;
 use crate::tape::{Model, Tape};
 use base::value::Batch;
@@ -26,13 +25,11 @@ pub(super) type Slack = Vec<Vec<f64>>;
 /// The slack of the outputs of a batch; it depends on the program and its inputs alone.
 fn slack(context: &JudgeContext<'_>, batch: &Batch) -> Slack {
     let count = batch.invocation_count();
-    let chunks: Vec<Slack> = (0..count.div_ceil(SLOTS))
-        .into_par_iter()
-        .map_init(
-            || context.oracle.authored_tape(context.lenient()),
-            |machine, chunk| slack_of(machine, batch, chunk * SLOTS),
-        )
-        .collect();
+    let chunks = parts(
+        count.div_ceil(SLOTS),
+        || context.oracle.authored_tape(context.lenient()),
+        |machine, chunk| slack_of(machine, batch, chunk * SLOTS),
+    );
     chunks.into_iter().flatten().collect()
 }
 
@@ -64,17 +61,15 @@ pub(super) fn slack_of(machine: &mut Machine<'_, Tape<'_>>, batch: &Batch, first
 /// in it.
 pub fn meaning(context: &JudgeContext<'_>, batch: &Batch) -> Vec<Observed> {
     let count = batch.invocation_count();
-    let chunks: Vec<Vec<Observed>> = (0..count.div_ceil(SLOTS))
-        .into_par_iter()
-        .map_init(
-            || context.oracle.ideal_device_tape(strict()),
-            |machine, chunk| {
-                let slack = slack_of(machine, batch, chunk * SLOTS);
-                let see = |(slot, slack): (usize, &Vec<f64>)| meant(context, machine, slot, slack);
-                slack.iter().enumerate().map(see).collect()
-            },
-        )
-        .collect();
+    let chunks = parts(
+        count.div_ceil(SLOTS),
+        || context.oracle.ideal_device_tape(strict()),
+        |machine, chunk| {
+            let slack = slack_of(machine, batch, chunk * SLOTS);
+            let see = |(slot, slack): (usize, &Vec<f64>)| meant(context, machine, slot, slack);
+            slack.iter().enumerate().map(see).collect::<Vec<_>>()
+        },
+    );
     chunks.into_iter().flatten().collect()
 }
 

@@ -144,6 +144,11 @@ impl Oracle {
         Machine::new(&self.executable, Tape::new(model).with_literals(&self.rounded), self.fuel)
     }
 
+    /// A machine with bounds for devices that knows at once how far outputs may surely be off.
+    pub(super) fn moving_tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
+        Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded).with_tangents(), self.fuel)
+    }
+
     /// A machine with bounds for devices.
     pub(super) fn tape<'p>(&'p self, model: Model<'p>) -> Machine<'p, Tape<'p>> {
         Machine::new(&self.executable, Tape::new(model).with_literals(&self.folded), self.fuel)

@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use super::batch::{NEAR, OpenSample};
+use super::batch::OpenSample;
+use super::fit::NEAR;
 use super::judge::{Blame, Deviation, Doubt, Promise, Reason, Value, Verdict, What, agrees, real};
 use super::open::{cut, fades, fork, underflow};
 use super::oracle::JudgeContext;
@@ -17,7 +18,7 @@ use program::interp::{Binary64, HazardKind, Machine, Number, OutputColumn, POISO
 use program::lane::Actual;
 
 /// An error of this part of the values' size is no test any more, even if it is allowed.
-const USELESS: f64 = 1.0 / 1024.0;
+pub(super) const USELESS: f64 = 1.0 / 1024.0;
 
 /// The same for two evaluations in binary64.
 pub(super) const USELESS_64: f64 = 1.0 / (1_u64 << 30) as f64;

@@ -1,6 +1,6 @@
 //! What is no number: how many vertices are emitted, and in which strips.
 
-use super::batch::same_shape;
+use super::fit::same_shape;
 use super::judge::{Blame, Deviation, What};
 use super::oracle::JudgeContext;
 use super::reference::Expected;

@@ -1,12 +1,12 @@
 //! How tight bounds are: for part of a batch every output word gets its full bound, by the promise and
 //! by the measured profile of the device, beside the error that the lane made.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::judge::agrees;
 use super::observe::{Slack, slack_of};
 use super::oracle::JudgeContext;
+use super::parallel::parts;
 use super::tightness::{Gauge, Tightness, Word, Worst, keep_worse};
 use crate::profile::grid::MIN_NORMAL;
 use crate::tape::Tape;
@@ -47,13 +47,11 @@ impl Survey {
 pub fn survey(context: &JudgeContext<'_>, batch: &Batch, actual: &Actual, most: usize) -> Survey {
     assert_eq!(actual.count(), batch.invocation_count(), "outputs of another batch");
     let count = actual.count().min(most);
-    let chunks: Vec<Tally> = (0..count.div_ceil(SLOTS))
-        .into_par_iter()
-        .map_init(
-            || Surveyor::new(context),
-            |surveyor, chunk| surveyor.look(batch, actual, chunk * SLOTS..((chunk + 1) * SLOTS).min(count)),
-        )
-        .collect();
+    let chunks = parts(
+        count.div_ceil(SLOTS),
+        || Surveyor::new(context),
+        |surveyor, chunk| surveyor.look(batch, actual, chunk * SLOTS..((chunk + 1) * SLOTS).min(count)),
+    );
     let mut all = Tally::default();
     chunks.into_iter().for_each(|chunk| all.merge(chunk));
     let record = &actual.layout().vertex;

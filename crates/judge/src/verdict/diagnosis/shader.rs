@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Diagnosis, NoValue, Place, ShortLiteral};
-use crate::verdict::batch::open_samples;
+use crate::verdict::fit::open_samples;
 use crate::verdict::judge::{Deviation, Value};
 use crate::verdict::oracle::JudgeContext;
 use crate::verdict::rounded::CONSTANTS;

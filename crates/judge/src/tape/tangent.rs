@@ -1,0 +1,381 @@
+//! Forward derivatives: how far outputs move when every operation errs by as much as it may, each in one direction.
+//!
+//! A bound is Σ |∂y/∂v_k|·b_k over the nodes. For any signs the displacement |Σ ±∂y/∂v_k·b_k| is at most that, so an error
+//! that is no larger is within the bound, provided that the bound is finite, which the radius of the output says. One pass
+//! over the operations gives it for all outputs at once; the sign of each error is the one that adds to the displacement that
+//! its operation has from those before it.
+
+use super::arena::{Arena, Id, NodeKind, Pool, Slots};
+use super::kernels::Moves;
+use super::{Column, Model, Tape};
+use crate::profile::Allowed;
+use program::interp::{Mask, SLOTS};
+
+/// Rounding of the displacement itself, in binary64: some thousand operations are off by less than this part.
+const ROUNDING: f64 = 1.0 / (1_u64 << 36) as f64;
+
+/// A displacement of 0.
+static STILL: Slots = [0.0; SLOTS];
+
+/// What a tape has on the way to outputs, beside what it remembers in any case.
+#[derive(Default)]
+pub(super) struct Tangents {
+    /// For each node, whether it moves in any slot.
+    moves: Vec<bool>,
+    /// For each node, what is known of slots in which nothing bounds it.
+    open: Vec<Open>,
+}
+
+/// Slots in which nothing bounds a node.
+#[derive(Clone, Copy, Default)]
+struct Open {
+    /// The radius is not finite.
+    loose: Mask,
+    /// The value is not finite.
+    lost: Mask,
+    /// The radius is not finite because nothing is promised for an operation.
+    unpromised: Mask,
+}
+
+impl Tangents {
+    pub(super) fn clear(&mut self) {
+        self.moves.clear();
+        self.open.clear();
+    }
+}
+
+impl<'p> Tape<'p> {
+    /// The same tape with displacements, for [`Tape::allowance`]; it has no bounds.
+    #[must_use]
+    pub fn with_tangents(mut self) -> Self {
+        self.tangents = Some(Tangents::default());
+        // Nobody goes back.
+        self.arena.partials.keep_last(2 * 4);
+        if !self.model.is_rearranged() {
+            self.arena.local.keep_last(1);
+        }
+        self
+    }
+
+    /// At most the bound of an output in each slot. NaN in slots where its bound may be infinite, and where it is not known.
+    ///
+    /// # Panics
+    /// When the tape was made without displacements: a defect of the caller.
+    pub fn allowance(&self, output: Column) -> Slots {
+        let id = self.id(&output) as usize;
+        let meta = self.arena.nodes[id];
+        let (moved, radius, local) = (self.moved(id as Id), self.arena.radius.get(id), self.arena.local.get(id));
+        let whole = self.model.is_rearranged() && meta.kind.is_polynomial();
+        let mut out = [0.0; SLOTS];
+        number::wide(|| {
+            for slot in 0..SLOTS {
+                let own = if whole { local[slot] } else { 0.0 };
+                let moved = (moved[slot].abs() + own) * (1.0 - ROUNDING);
+                out[slot] = if radius[slot] < f64::INFINITY { moved } else { f64::NAN };
+            }
+        });
+        for (slot, out) in out.iter_mut().enumerate().filter(|(slot, _)| self.given_up[*slot].is_some()) {
+            debug_assert!(slot < SLOTS);
+            *out = f64::NAN;
+        }
+        out
+    }
+
+    /// Slots in which nothing bounds an output because nothing is promised for an operation on the way to it.
+    pub fn unpromised(&self, output: Column) -> Mask {
+        self.tangents.as_ref().map_or(Mask::NONE, |tangents| tangents.open[self.id(&output) as usize].unpromised)
+    }
+
+    fn moved(&self, id: Id) -> &Slots {
+        let moves = self.tangents.as_ref().is_some_and(|tangents| tangents.moves[id as usize]);
+        if moves { self.arena.tangent.get(id as usize) } else { &STILL }
+    }
+
+    /// Notes a new sum or product whose displacement is known, and whether some of its radii are not finite.
+    pub(super) fn moved_on(&mut self, id: Id, open: bool) {
+        let Some(mut tangents) = self.tangents.take() else { return };
+        tangents.moves.push(true);
+        tangents.open.push(if open { self.open_at(&tangents, id) } else { Open::default() });
+        self.tangents = Some(tangents);
+    }
+
+    /// The displacement of a new node, whose other columns are complete.
+    pub(super) fn move_on(&mut self, id: Id) {
+        let Some(mut tangents) = self.tangents.take() else { return };
+        if matches!(self.arena.nodes[id as usize].kind, NodeKind::Leaf) {
+            self.arena.tangent.more();
+            tangents.moves.push(false);
+            tangents.open.push(Open::default());
+            self.tangents = Some(tangents);
+            return;
+        }
+        let open = self.open_at(&tangents, id);
+        let moves = follow(&mut self.arena, &tangents.moves, self.model.is_rearranged(), id);
+        tangents.moves.push(moves);
+        tangents.open.push(open);
+        self.tangents = Some(tangents);
+    }
+
+    /// What is open of a new node: the causes are those that [`Tape::cause`] finds.
+    fn open_at(&self, tangents: &Tangents, id: Id) -> Open {
+        let (value, radius) = (self.arena.value.get(id as usize), self.arena.radius.get(id as usize));
+        let some = number::wide(|| {
+            let mut some = 0_u64;
+            for slot in 0..SLOTS {
+                some |= u64::from(!(radius[slot] < f64::INFINITY));
+            }
+            some
+        });
+        if some == 0 {
+            return Open::default();
+        }
+        let loose = Mask::where_(|slot| !radius[slot].is_finite());
+        let lost = Mask::where_(|slot| !value[slot].is_finite());
+        let args: [Option<(Id, Mask)>; 2] = match self.arena.nodes[id as usize].kind {
+            NodeKind::Leaf => [None, None],
+            NodeKind::Sum { a, signs: (_, 0.0), .. } | NodeKind::One { a, .. } => [Some((a, Mask::ALL)), None],
+            NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Two { a, b, .. } => {
+                [Some((a, Mask::ALL)), Some((b, Mask::ALL))]
+            }
+            NodeKind::Select { mask, a, b } => {
+                let mask = self.arena.masks[mask as usize];
+                [Some((a, mask)), Some((b, Mask::ALL.minus(mask)))]
+            }
+        };
+        let args = || args.into_iter().flatten().map(|(a, taken)| (tangents.open[a as usize], taken));
+        // A value that is not finite is another cause, and comes first.
+        let mut rest = args().fold(loose.minus(lost), |rest, (a, taken)| rest.minus(a.lost.and(taken)));
+        let mut unpromised = Mask::NONE;
+        for (a, taken) in args() {
+            let through = a.loose.and(taken).and(rest);
+            unpromised = unpromised.or(a.unpromised.and(through));
+            rest = rest.minus(through);
+        }
+        rest.each(|slot| {
+            if self.is_unpromised(id, slot) {
+                unpromised.insert(slot);
+            }
+        });
+        Open { loose, lost, unpromised }
+    }
+
+    /// True when nothing is promised for the operation of a node at its exact arguments.
+    fn is_unpromised(&self, id: Id, slot: usize) -> bool {
+        let meta = self.arena.nodes[id as usize];
+        let (Model::Device { profile, stage, .. }, Some(op)) = (self.model, meta.op) else { return false };
+        let value = |id: Id| self.arena.value.get(id as usize)[slot];
+        let allowed = match meta.kind {
+            NodeKind::One { a, .. } => profile.allowed(op, &[value(a)], value(id), stage),
+            NodeKind::Two { a, b, .. } | NodeKind::Product { a, b } => {
+                profile.allowed(op, &[value(a), value(b)], value(id), stage)
+            }
+            NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Select { .. } => return false,
+        };
+        matches!(allowed, Allowed::NoPromise | Allowed::OutsideDomain)
+    }
+}
+
+/// Room for the displacement of a new sum or product, with the displacements of its arguments; `None` where it is not wanted.
+pub(super) fn moves<'a>(
+    tangents: &'a Option<Tangents>,
+    pool: &'a mut Pool,
+    id: Id,
+    args: [Id; 2],
+) -> Option<Moves<'a>> {
+    let tangents = tangents.as_ref()?;
+    pool.more();
+    let (before, to) = pool.split(id as usize);
+    let of = args.map(|a| if tangents.moves[a as usize] { &*before[a as usize] } else { &STILL });
+    Some(Moves { of, to })
+}
+
+/// Writes the displacement of a node. True when it moves at all.
+fn follow(arena: &mut Arena, moves: &[bool], rearranged: bool, id: Id) -> bool {
+    let at = id as usize;
+    let Arena { nodes, value, local, partials, tangent, masks, .. } = arena;
+    tangent.more();
+    let (before, out) = tangent.split(at);
+    let of = |id: Id| if moves[id as usize] { &before[id as usize] } else { &STILL };
+    let meta = nodes[at];
+    let mut moving = true;
+    match meta.kind {
+        NodeKind::Leaf => moving = false,
+        NodeKind::Sum { a, b, signs } => {
+            let second = signs.1 != 0.0 && moves[b as usize];
+            let (x, y) = (of(a), of(b));
+            match (moves[a as usize], second) {
+                (false, false) => moving = false,
+                (_, false) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = signs.0 * x[slot])),
+                (false, true) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = signs.1 * y[slot])),
+                (true, true) => number::wide(|| {
+                    for slot in 0..SLOTS {
+                        out[slot] = signs.0 * x[slot] + signs.1 * y[slot];
+                    }
+                }),
+            }
+        }
+        NodeKind::Product { a, b } => {
+            let (x, y) = (value.get(a as usize), value.get(b as usize));
+            let (dx, dy) = (of(a), of(b));
+            match (moves[a as usize], moves[b as usize]) {
+                (false, false) => moving = false,
+                (true, false) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = y[slot] * dx[slot])),
+                (false, true) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = x[slot] * dy[slot])),
+                (true, true) => number::wide(|| {
+                    for slot in 0..SLOTS {
+                        out[slot] = y[slot] * dx[slot] + x[slot] * dy[slot];
+                    }
+                }),
+            }
+        }
+        NodeKind::One { .. } | NodeKind::Two { .. } => {
+            let args = match meta.kind {
+                NodeKind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
+                NodeKind::One { a, partial } => [Some((a, partial)), None],
+                NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Product { .. } | NodeKind::Select { .. } => {
+                    [None, None]
+                }
+            };
+            moving = false;
+            for (a, partial) in args.into_iter().flatten() {
+                // A regrouped sum or product errs as a whole, where a function takes its value.
+                let whole = rearranged && nodes[a as usize].kind.is_polynomial();
+                if !whole && !moves[a as usize] {
+                    continue;
+                }
+                let (dx, slope, own) = (of(a), partials.get(2 * partial as usize), local.get(a as usize));
+                let first = !std::mem::replace(&mut moving, true);
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        let own = if whole { own[slot].copysign(dx[slot]) } else { 0.0 };
+                        let moved = slope[slot] * (dx[slot] + own);
+                        out[slot] = if first { moved } else { out[slot] + moved };
+                    }
+                });
+            }
+        }
+        NodeKind::Select { mask, a, b } => {
+            moving = moves[a as usize] || moves[b as usize];
+            if moving {
+                *out = *of(b);
+                masks[mask as usize].merge(of(a), out);
+            }
+        }
+    }
+    if meta.exact || (rearranged && meta.kind.is_polynomial()) {
+        return moving;
+    }
+    let own = local.get(at);
+    number::wide(|| {
+        if moving {
+            for slot in 0..SLOTS {
+                out[slot] += own[slot].copysign(out[slot]);
+            }
+        } else {
+            *out = *own;
+        }
+    });
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{THIRD, call, device};
+    use super::super::{Tape, Why};
+    use super::*;
+    use program::interp::{Binary64, FUEL, Machine, OutputColumn};
+
+    /// Allowance and bound of a function, its value, and whether it is open for want of a promise; by both tapes.
+    fn both(model: Model<'_>, function: &str, arguments: &[f32]) -> (f64, f64, bool) {
+        let (executable, batch) = call(function, arguments);
+        let mut moving = Machine::new(&executable, Tape::new(model).with_tangents(), FUEL);
+        let mut whole = Machine::new(&executable, Tape::new(model), FUEL);
+        let mut plain = Machine::new(&executable, Binary64::default(), FUEL);
+        moving.run(&batch, 0);
+        whole.run(&batch, 0);
+        plain.run(&batch, 0);
+        let columns = (moving.output(0, 0), whole.output(0, 0), plain.output(0, 0));
+        let (OutputColumn::Real(&moved), OutputColumn::Real(&column), OutputColumn::Real(values)) = columns else {
+            panic!("a real number")
+        };
+        let value = moving.as_domain().values(moved)[0];
+        assert_eq!(value.to_bits(), values.values()[0].to_bits(), "{function} {arguments:?}");
+        let allowance = moving.as_domain().allowance(moved)[0];
+        let unpromised = moving.as_domain().unpromised(moved).has(0);
+        let bound = whole.domain().bounds(column, &mut |_| false).bound[0];
+        let why = whole.domain().cause(column, 0).map(|cause| cause.why);
+        let known = value.is_finite() && bound == f64::INFINITY;
+        // What is only reached within the radius is left to the cause.
+        assert!(!unpromised || (known && why == Some(Why::NoPromise)), "{function} {arguments:?} {why:?}");
+        (allowance, bound, unpromised)
+    }
+
+    const FUNCTIONS: [&str; 12] = [
+        "return x * y + z;",
+        "return (x + y) * (x - z);",
+        "return sin(x) * y - cos(x * z);",
+        "return pow(abs(x) + 0.5, y) / (1.0 + z * z);",
+        "return sqrt(abs(x * y)) + inversesqrt(z * z + 0.25) * x;",
+        "float s = x * y; return s * s - s * z;",
+        "return x > y ? exp(x * z) : log2(abs(y) + 1.0);",
+        "return mix(x, y, clamp(z, 0.0, 1.0)) - min(x * y, z);",
+        "float s = 0.0; for (int i = 0; i < 5; ++i) s = s * x + y; return s / z;",
+        "return fract(x * 7.0) + floor(y * z) - mod(x, abs(y) + 0.1);",
+        "vec3 v = normalize(vec3(x, y, z)); return dot(v, vec3(z, x, y));",
+        "return atan(x, y) + tan(x * 0.5) + smoothstep(0.0, 1.0, z);",
+    ];
+
+    #[test]
+    fn an_allowance_is_never_more_than_the_bound() {
+        let numbers = [0.0_f32, 1e-40, -1e-19, THIRD, -0.75, 1.0, 2.5, -7.25, 1e19, 3e38];
+        let mut known = 0;
+        for (profile, rearranged) in [
+            ("vulkan-1.4", false),
+            ("vulkan-cts", true),
+            ("wgsl", false),
+            ("binary32", false),
+            ("llvmpipe-22.3.6", true),
+        ] {
+            for body in FUNCTIONS {
+                let function = format!("float f(float x, float y, float z) {{ {body} }}");
+                for k in 0..60_usize {
+                    let at = |n: usize| numbers[(k * (2 * n + 3) + k / 7 * n + n) % numbers.len()];
+                    let arguments = [at(0), at(1), at(2)];
+                    let (allowance, bound, _) = both(device(profile, rearranged), &function, &arguments);
+                    assert!(
+                        allowance.is_nan() || (allowance <= bound && bound.is_finite()),
+                        "{profile} {body} {arguments:?}: {allowance:e} {bound:e}"
+                    );
+                    known += usize::from(allowance.is_finite());
+                }
+            }
+        }
+        assert!(known > 1000, "{known}");
+    }
+
+    #[test]
+    fn where_every_value_is_used_once_the_allowance_is_the_bound() {
+        for body in ["return x * y + z * x;", "return sin(x) * y + z;", "return -pow(x, y) * z;", "return x - y - z;"] {
+            let function = format!("float f(float x, float y, float z) {{ {body} }}");
+            for profile in ["vulkan-1.4", "binary32"] {
+                let (allowance, bound, _) = both(device(profile, false), &function, &[0.3, 0.7, 1.1]);
+                assert!(allowance >= 0.998 * bound, "{profile} {body}: {allowance:e} {bound:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_nothing_bounds_does_not_move_and_says_why() {
+        let of = |body: &str, x: f32| {
+            both(device("vulkan-1.4", false), &format!("float f(float x) {{ return {body}; }}"), &[x])
+        };
+        let (allowance, _, unpromised) = of("1.0 + 0.5 * cos(2.0 * x)", 3.0);
+        assert!(allowance.is_nan() && unpromised);
+        let (allowance, _, unpromised) = of("1.0 + 0.5 * cos(2.0 * x)", 1.0);
+        assert!(allowance > 0.0 && !unpromised);
+        for (body, x) in [("log2(x - 1.5) * 2.0", 1.0), ("x * x - x", 1e20), ("1.0 / (x * x - 0.25)", 0.5)] {
+            let (allowance, _, unpromised) = of(body, x);
+            assert!(allowance.is_nan() && !unpromised, "{body}");
+        }
+    }
+}
