@@ -36,6 +36,10 @@ fn main() {
         compare(name, lane.as_ref());
     }
     println!();
+    println!("suite              judged samples a second of one core, in thousands");
+    let mut rates: Vec<f64> = SUITES.iter().map(|suite| of_one_core(suite.name, lane.as_ref())).collect();
+    rates.sort_by(f64::total_cmp);
+    println!("median             {:>8.0}\n", rates[rates.len() / 2] / 1e3);
     quick(lane.as_ref());
     memory(lane.as_ref());
 }
@@ -143,6 +147,26 @@ fn compare(name: &str, lane: &dyn Lane) {
         ms(single),
         single.as_secs_f64() / checked.as_secs_f64()
     );
+}
+
+/// Prints how many samples of a suite the judge judges in a second of one core.
+fn of_one_core(name: &str, lane: &dyn Lane) -> f64 {
+    let prepared = prepared(name);
+    let promises = Promises::of_lane(lane.description());
+    let Prepared { oracle, reference, .. } = &prepared;
+    let context = JudgeContext { oracle, reference, promises: &promises, stage: Stage::Compute };
+    let per_case = prepared.suite.strands.map_or(prepared.suite.per_case, |strands| strands.primitives()).max(1);
+    let sampler = Sampler::new(prepared.plan.clone(), DEFAULT_SEED);
+    let mut runner = lane.prepare(&prepared.compute, 1 << 15).unwrap_or_else(|e| panic!("{e}"));
+    let batch = sampler.batch(0, runner.capacity() / per_case, per_case);
+    let actual = runner.run(&batch).unwrap_or_else(|e| panic!("{e}"));
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap_or_else(|e| panic!("{e}"));
+    let time = fastest(|| {
+        one.install(|| std::hint::black_box(judge_batch(&context, &batch, &actual)));
+    });
+    let rate = batch.invocation_count() as f64 / time.as_secs_f64();
+    println!("{name:<16}   {:>8.0}", rate / 1e3);
+    rate
 }
 
 fn ms(time: Duration) -> f64 {
