@@ -169,37 +169,11 @@ pub fn map_pairs<A: Copy, B: Copy, Y>(a: &[A], b: &[B], out: &mut [Y], f: impl F
 }
 
 /// Runs `work` compiled for the widest vectors of the machine: loops over several columns at once. Only
-/// what is inlined into `work` gains; as with [`map`] the result does not depend on the machine.
+/// what is inlined into `work` gains, and a long `work` does not at all, since it is not inlined itself; as with
+/// [`map`] the result does not depend on the machine.
 #[inline]
 pub fn wide<R>(work: impl FnOnce() -> R) -> R {
     Arch::new().dispatch(work)
-}
-
-/// What [`wide_work`] runs. Its method is `#[inline(always)]`, which a closure cannot be: a long one would be compiled once,
-/// without the vectors of the machine.
-pub trait Work {
-    /// What comes of it.
-    type Output;
-
-    /// The loops.
-    fn run(self) -> Self::Output;
-}
-
-/// [`wide`] for long loops.
-#[inline]
-pub fn wide_work<W: Work>(work: W) -> W::Output {
-    Arch::new().dispatch(Run(work))
-}
-
-struct Run<W>(W);
-
-impl<W: Work> NullaryFnOnce for Run<W> {
-    type Output = W::Output;
-
-    #[inline(always)]
-    fn call(self) -> W::Output {
-        self.0.run()
-    }
 }
 
 /// How many numbers of a column are greater than each of some limits.

@@ -35,7 +35,7 @@ mod series;
 mod trigonometric;
 pub mod twofold;
 
-pub use dispatch::{Binary, Unary, Work, count_above, map, map_pairs, wide, wide_work};
+pub use dispatch::{Binary, Unary, count_above, map, map_pairs, wide};
 
 /// sin x, x in radians; NaN for infinities.
 pub const SIN: Unary = Unary::of::<trigonometric::Sine>();

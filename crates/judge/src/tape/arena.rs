@@ -55,11 +55,9 @@ pub(super) struct Meta {
 /// A pool of columns that are used again for each chunk.
 #[derive(Default)]
 pub(super) struct Pool {
-    #[expect(clippy::vec_box, reason = "one more column must not move the others, of 2 KiB each")]
+    #[expect(clippy::vec_box, reason = "one more column must not move the others")]
     columns: Vec<Box<Slots>>,
     used: usize,
-    /// Columns before the last one that are still looked at, where that is known.
-    window: Option<usize>,
 }
 
 /// Columns of a chunk, of all pools together, at which the tape is full: an eighth of a GiB. Each round of a loop adds some for
@@ -75,20 +73,9 @@ impl Pool {
         self.columns.truncate(KEPT);
     }
 
-    /// The same room again and again for columns that nobody looks at once there are so many more: they stay in the
-    /// first cache.
-    pub(super) fn keep_last(&mut self, window: usize) {
-        self.window = Some(window);
-    }
-
-    /// Where a column lies.
-    fn place(&self, at: usize) -> usize {
-        self.window.map_or(at, |window| at % window)
-    }
-
     /// One more column; what it holds is left from before.
     pub(super) fn more(&mut self) -> usize {
-        if self.used == self.columns.len() && self.window.is_none_or(|window| self.columns.len() < window) {
+        if self.used == self.columns.len() {
             self.columns.push(Box::new([0.0; SLOTS]));
         }
         self.used += 1;
@@ -96,24 +83,21 @@ impl Pool {
     }
 
     pub(super) fn get(&self, at: usize) -> &Slots {
-        &self.columns[self.place(at)]
+        &self.columns[at]
     }
 
     pub(super) fn get_mut(&mut self, at: usize) -> &mut Slots {
-        let at = self.place(at);
         &mut self.columns[at]
     }
 
     /// The column at `at` and the one after it.
     pub(super) fn pair_mut(&mut self, at: usize) -> (&mut Slots, &mut Slots) {
-        let at = self.place(at);
         let (first, second) = self.columns[at..].split_at_mut(1);
         (&mut first[0], &mut second[0])
     }
 
     /// The columns of two partials with their distances; they stand one after the other.
     pub(super) fn quad_mut(&mut self, at: usize) -> [&mut Slots; 4] {
-        let at = self.place(at);
         let [a, b, c, d] = self.columns[at..].first_chunk_mut().expect("two partials are made together");
         [a, b, c, d]
     }
@@ -140,8 +124,6 @@ pub(super) struct Arena {
     /// Partials and their distances, in turn.
     pub partials: Pool,
     pub masks: Vec<Mask>,
-    /// Displacements, where they are wanted; see [`super::tangent`].
-    pub tangent: Pool,
     /// For rearrangement: the value with all terms positive, and the number of roundings.
     pub size: Pool,
     pub roundings: Pool,
@@ -155,13 +137,12 @@ pub(super) struct Arena {
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, exact, partials, masks, tangent, size, roundings, peak, least, part } =
-            self;
+        let Self { nodes, value, radius, local, exact, partials, masks, size, roundings, peak, least, part } = self;
         nodes.clear();
         masks.clear();
         // Columns past these are given back.
         exact.truncate(KEPT);
-        for pool in [value, radius, local, partials, tangent, size, roundings, peak, least, part] {
+        for pool in [value, radius, local, partials, size, roundings, peak, least, part] {
             pool.clear();
         }
     }
@@ -193,15 +174,6 @@ impl Arena {
         let at = self.partials.more();
         self.partials.more();
         (at / 2) as u32
-    }
-
-    /// Two more partials with their distances, side by side.
-    pub(super) fn partials(&mut self) -> [u32; 2] {
-        // They do not go over the end of a window.
-        if self.partials.window.is_some() && !self.partials.used.is_multiple_of(4) {
-            self.partial();
-        }
-        [self.partial(), self.partial()]
     }
 
     /// A partial and its distance.

@@ -54,79 +54,30 @@ pub(super) fn finished(v: f64, e: f64, b: f64, flushes: bool) -> (f64, bool) {
     (if e == f64::INFINITY { 0.0 } else { b }, small)
 }
 
-/// What is found of a new node in all slots together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Found {
-    /// Some result may be subnormal.
-    pub tiny: bool,
-    /// Some radius is not finite.
-    pub open: bool,
-}
-
-/// Displacements of two arguments, and that of the node.
-pub(super) struct Moves<'a> {
-    pub of: [&'a Slots; 2],
-    pub to: &'a mut Slots,
-}
-
-/// A sum, rounded once, from its arguments to its radius, and to its displacement where that is wanted.
-pub(super) struct RoundedSum<'a> {
-    pub args: [Pair<'a>; 2],
-    pub signs: (f64, f64),
-    pub closing: Closing,
-    pub node: Node<'a>,
-    pub moves: Option<Moves<'a>>,
-}
-
-impl number::Work for RoundedSum<'_> {
-    type Output = Found;
-
-    #[inline(always)]
-    fn run(self) -> Found {
-        let Self { args: [(x, ex), (y, ey)], signs, closing, node: Node { value, radius, local }, moves } = self;
-        let node = Node { value, radius, local };
-        let found = rounded(closing, node, |slot| (signs.0 * x[slot] + signs.1 * y[slot], ex[slot] + ey[slot]));
-        if let Some(Moves { of: [dx, dy], to }) = moves {
-            for slot in 0..SLOTS {
-                let moved = signs.0 * dx[slot] + signs.1 * dy[slot];
-                to[slot] = moved + local[slot].copysign(moved);
-            }
-        }
-        found
-    }
+/// A sum, rounded once, from its arguments to its radius. True when some result may be subnormal.
+#[inline(always)]
+pub(super) fn rounded_sum(
+    (x, ex): Pair<'_>,
+    (y, ey): Pair<'_>,
+    signs: (f64, f64),
+    closing: Closing,
+    node: Node<'_>,
+) -> bool {
+    rounded(closing, node, |slot| (signs.0 * x[slot] + signs.1 * y[slot], ex[slot] + ey[slot]))
 }
 
 /// The same for a product.
-pub(super) struct RoundedProduct<'a> {
-    pub args: [Pair<'a>; 2],
-    pub closing: Closing,
-    pub node: Node<'a>,
-    pub moves: Option<Moves<'a>>,
-}
-
-impl number::Work for RoundedProduct<'_> {
-    type Output = Found;
-
-    #[inline(always)]
-    fn run(self) -> Found {
-        let Self { args: [(x, ex), (y, ey)], closing, node: Node { value, radius, local }, moves } = self;
-        let node = Node { value, radius, local };
-        let carried = |slot: usize| carried_by_product(x[slot], ex[slot], y[slot], ey[slot]);
-        let found = rounded(closing, node, |slot| (x[slot] * y[slot], carried(slot)));
-        // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
-        if found.open {
-            for slot in 0..SLOTS {
-                local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
-            }
-        }
-        if let Some(Moves { of: [dx, dy], to }) = moves {
-            for slot in 0..SLOTS {
-                let moved = y[slot] * dx[slot] + x[slot] * dy[slot];
-                to[slot] = moved + local[slot].copysign(moved);
-            }
-        }
-        found
+#[inline(always)]
+pub(super) fn rounded_product((x, ex): Pair<'_>, (y, ey): Pair<'_>, closing: Closing, node: Node<'_>) -> bool {
+    let Node { value, radius, local } = node;
+    let again = Node { value, radius, local };
+    let tiny =
+        rounded(closing, again, |slot| (x[slot] * y[slot], carried_by_product(x[slot], ex[slot], y[slot], ey[slot])));
+    // 0 times what may be infinite is not 0: the derivative by that factor does not say so.
+    for slot in 0..SLOTS {
+        local[slot] = if radius[slot] < f64::INFINITY { local[slot] } else { f64::INFINITY };
     }
+    tiny
 }
 
 /// A radius that is no number says nothing: 0 times an infinite one is one that may be anything.
@@ -142,20 +93,18 @@ pub(super) fn carried_by_product(x: f64, ex: f64, y: f64, ey: f64) -> f64 {
 }
 
 #[inline(always)]
-fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64)) -> Found {
-    let (mut tiny, mut open) = (0_u64, 0_u64);
+fn rounded(closing: Closing, Node { value, radius, local }: Node<'_>, of: impl Fn(usize) -> (f64, f64)) -> bool {
+    let mut tiny = 0_u64;
     for slot in 0..SLOTS {
         let (v, e) = of(slot);
         let e = or_infinite(e);
         let (b, small) = finished(v, e, rounding(closing.part, v, e), closing.flushes);
         value[slot] = v;
         local[slot] = b;
-        let e = if closing.own { e + b } else { e };
-        radius[slot] = e;
+        radius[slot] = if closing.own { e + b } else { e };
         tiny |= u64::from(small);
-        open |= u64::from(!(e < f64::INFINITY));
     }
-    Found { tiny: tiny != 0, open: open != 0 }
+    tiny != 0
 }
 
 /// [`finished`] on a column.

@@ -365,8 +365,7 @@ impl Domain for Tape<'_> {
 
     fn poison(&mut self, mask: &Mask, to: &mut Column) {
         let mark = self.leaf(|value| value.fill(f64::poison()));
-        let b = self.id(to);
-        to.0 = if mask.is_full() { mark } else { self.select(mask, mark, b) };
+        to.0 = if mask.is_full() { mark } else { self.select(mask, mark, self.id(to)) };
     }
 
     fn word(&self, column: &Column, slot: usize) -> Option<f64> {

@@ -68,10 +68,7 @@ impl<'p> Model<'p> {
     /// How far the ends of what is accepted are moved outward to binary32 numbers, for results up to
     /// this size; 0 for a size that is not finite, where other nodes say why.
     pub(super) fn outward(&self, size: f64) -> f64 {
-        match self {
-            Self::Device { profile, .. } if profile.acceptance == Acceptance::Outward && size.is_finite() => gap(size),
-            Self::Device { .. } | Self::Binary64 => 0.0,
-        }
+        if self.is_outward() && size.is_finite() { gap(size) } else { 0.0 }
     }
 
     pub(super) fn is_rearranged(&self) -> bool {

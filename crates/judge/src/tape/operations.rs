@@ -5,9 +5,8 @@ use super::arena::{Id, Meta, NodeKind, Slots};
 use super::columns::{WORTH_A_COLUMN, column1, column2};
 use super::functions::{Image1, Image2, image1, image2};
 use super::inherited::{at_zero, power, power_at_zero, root_by_inverse};
-use super::kernels::{self, Node, Out1, Out2, RoundedProduct, RoundedSum, or_infinite, reach};
+use super::kernels::{self, Node, Out1, Out2, or_infinite, reach};
 use super::model::Arg;
-use super::tangent;
 use crate::profile::grid::MIN_NORMAL;
 use crate::profile::{Definition, Op};
 
@@ -162,11 +161,11 @@ impl Tape<'_> {
     /// that a profile may take around the operation as a whole, after those of the definition.
     fn inherited(&mut self, site: Site, op: Op, id: Id, or: f64) -> Id {
         let id = self.allow(id, or);
-        let at = id as usize;
-        let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
         if !self.model.is_outward() {
             return id;
         }
+        let at = id as usize;
+        let (value, radius) = (self.arena.value.get(at), self.arena.radius.get(at));
         let step: Slots = std::array::from_fn(|slot| self.model.outward(value[slot].abs() + radius[slot]));
         let none = step.iter().all(|step| *step == 0.0);
         if none { id } else { self.identity(Some(site), Some(op), id, &step) }
@@ -293,17 +292,9 @@ impl Tape<'_> {
         }
         if let Some(closing) = self.model.closing(op, [left.tiny, right.tiny]) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
-            let moves =
-                closing.own.then(|| tangent::moves(&self.tangents, &mut self.arena.tangent, id, [a, b])).flatten();
-            let moving = moves.is_some();
-            let args = [(&**x, &**ex), (&**y, &**ey)];
-            let found = number::wide_work(RoundedSum { args, signs, closing, node, moves });
-            self.arena.nodes[at].tiny = found.tiny;
-            if moving {
-                self.moved_on(id, found.open)
-            } else {
-                self.settle(id)
-            }
+            let tiny = number::wide(|| kernels::rounded_sum((x, ex), (y, ey), signs, closing, node));
+            self.arena.nodes[at].tiny = tiny;
+            self.settle(id);
             return id;
         }
         number::wide(|| {
@@ -335,17 +326,9 @@ impl Tape<'_> {
         let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
         if let Some(closing) = self.model.closing(op, tiny) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
-            let moves =
-                closing.own.then(|| tangent::moves(&self.tangents, &mut self.arena.tangent, id, [a, b])).flatten();
-            let moving = moves.is_some();
-            let args = [(&**x, &**ex), (&**y, &**ey)];
-            let found = number::wide_work(RoundedProduct { args, closing, node, moves });
-            self.arena.nodes[at].tiny = found.tiny;
-            if moving {
-                self.moved_on(id, found.open)
-            } else {
-                self.settle(id)
-            }
+            let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
+            self.arena.nodes[at].tiny = tiny;
+            self.settle(id);
             return id;
         }
         number::wide(|| {
@@ -429,7 +412,7 @@ impl Tape<'_> {
 
     /// A function of two numbers as a node of its own.
     fn two(&mut self, site: Site, op: Op, active: &Mask, a: Id, b: Id) -> Id {
-        let partials = self.arena.partials();
+        let partials = [self.arena.partial(), self.arena.partial()];
         let (left, right) = (self.arena.nodes[a as usize], self.arena.nodes[b as usize]);
         let not_negative = match op {
             Op::Pow => true,

@@ -88,7 +88,6 @@ impl Tape<'_> {
         enough: &mut dyn FnMut(&[f64; SLOTS]) -> bool,
         see: &mut dyn FnMut(Id, &Slots),
     ) -> Bounds {
-        debug_assert!(self.tangents.is_none(), "what a sweep needs is not kept");
         let root = self.id(&output);
         let rearranged = self.model.is_rearranged();
         let Self { arena, sweep, .. } = self;
@@ -187,7 +186,7 @@ fn pass((Adjoint(am, ar), new): (&mut Adjoint, bool), Adjoint(m, r): &Adjoint, s
 }
 
 /// The arguments of a function with their partials.
-fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Slots, &Slots))> {
+pub(super) fn partials(arena: &Arena, id: Id) -> impl Iterator<Item = (Id, (&Slots, &Slots))> {
     let both = match arena.nodes[id as usize].kind {
         NodeKind::One { a, partial } => [Some((a, partial)), None],
         NodeKind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],

@@ -6,7 +6,7 @@
 //! its operation has from those before it.
 
 use super::arena::{Arena, Id, NodeKind, Pool, Slots};
-use super::kernels::Moves;
+use super::sweep::partials;
 use super::{Column, Model, Tape};
 use crate::profile::Allowed;
 use program::interp::{Mask, SLOTS};
@@ -20,41 +20,108 @@ static STILL: Slots = [0.0; SLOTS];
 /// What a tape has on the way to outputs, beside what it remembers in any case.
 #[derive(Default)]
 pub(super) struct Tangents {
+    displacements: Pool,
     /// For each node, whether it moves in any slot.
     moves: Vec<bool>,
-    /// For each node, what is known of slots in which nothing bounds it.
+    /// For each node, the slots in which nothing bounds it.
     open: Vec<Open>,
 }
 
 /// Slots in which nothing bounds a node.
 #[derive(Clone, Copy, Default)]
 struct Open {
-    /// The radius is not finite.
-    loose: Mask,
-    /// The value is not finite.
-    lost: Mask,
-    /// The radius is not finite because nothing is promised for an operation.
+    all: Mask,
+    /// Those in which nothing is promised for an operation.
     unpromised: Mask,
 }
 
 impl Tangents {
     pub(super) fn clear(&mut self) {
+        self.displacements.clear();
         self.moves.clear();
         self.open.clear();
     }
+
+    fn of(&self, id: Id) -> &Slots {
+        if self.moves[id as usize] { self.displacements.get(id as usize) } else { &STILL }
+    }
+
+    /// Writes the displacement of a new node. True when it moves at all.
+    fn follow(&mut self, arena: &Arena, rearranged: bool, id: Id) -> bool {
+        let meta = arena.nodes[id as usize];
+        self.displacements.more();
+        let Self { displacements, moves, open: _ } = self;
+        let (before, out) = displacements.split(id as usize);
+        let of = |id: Id| if moves[id as usize] { &before[id as usize] } else { &STILL };
+        let mut moving = match meta.kind {
+            NodeKind::Leaf => return false,
+            NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Select { a, b, .. } => {
+                moves[a as usize] || moves[b as usize]
+            }
+            NodeKind::One { .. } | NodeKind::Two { .. } => false,
+        };
+        match meta.kind {
+            NodeKind::Sum { a, b, signs } if moving => {
+                let (dx, dy) = (of(a), of(b));
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        out[slot] = signs.0 * dx[slot] + signs.1 * dy[slot];
+                    }
+                });
+            }
+            NodeKind::Product { a, b } if moving => {
+                let (x, y) = (arena.value.get(a as usize), arena.value.get(b as usize));
+                let (dx, dy) = (of(a), of(b));
+                number::wide(|| {
+                    for slot in 0..SLOTS {
+                        out[slot] = y[slot] * dx[slot] + x[slot] * dy[slot];
+                    }
+                });
+            }
+            NodeKind::Select { mask, a, b } if moving => {
+                *out = *of(b);
+                arena.masks[mask as usize].merge(of(a), out);
+            }
+            _ => {}
+        }
+        for (a, (slope, _)) in partials(arena, id) {
+            // A regrouped sum or product errs as a whole, where a function takes its value.
+            let whole = rearranged && arena.nodes[a as usize].kind.is_polynomial();
+            if !whole && !moves[a as usize] {
+                continue;
+            }
+            let (dx, own) = (of(a), if whole { arena.local.get(a as usize) } else { &STILL });
+            let first = !std::mem::replace(&mut moving, true);
+            number::wide(|| {
+                for slot in 0..SLOTS {
+                    let moved = slope[slot] * (dx[slot] + own[slot].copysign(dx[slot]));
+                    out[slot] = if first { moved } else { out[slot] + moved };
+                }
+            });
+        }
+        if meta.exact || (rearranged && meta.kind.is_polynomial()) {
+            return moving;
+        }
+        let own = arena.local.get(id as usize);
+        number::wide(|| {
+            for slot in 0..SLOTS {
+                let before = if moving { out[slot] } else { 0.0 };
+                out[slot] = before + own[slot].copysign(before);
+            }
+        });
+        true
+    }
 }
 
-impl<'p> Tape<'p> {
-    /// The same tape with displacements, for [`Tape::allowance`]; it has no bounds.
+impl Tape<'_> {
+    /// The same tape with displacements, for [`Tape::allowance`].
     #[must_use]
-    pub fn with_tangents(mut self) -> Self {
-        self.tangents = Some(Tangents::default());
-        // Nobody goes back.
-        self.arena.partials.keep_last(2 * 4);
-        if !self.model.is_rearranged() {
-            self.arena.local.keep_last(1);
-        }
-        self
+    pub fn with_tangents(self) -> Self {
+        Self { tangents: Some(Tangents::default()), ..self }
+    }
+
+    fn tangents(&self) -> &Tangents {
+        self.tangents.as_ref().expect("the tape was made without displacements")
     }
 
     /// At most the bound of an output in each slot. NaN in slots where its bound may be infinite, and where it is not known.
@@ -62,77 +129,50 @@ impl<'p> Tape<'p> {
     /// # Panics
     /// When the tape was made without displacements: a defect of the caller.
     pub fn allowance(&self, output: Column) -> Slots {
-        let id = self.id(&output) as usize;
-        let meta = self.arena.nodes[id];
-        let (moved, radius, local) = (self.moved(id as Id), self.arena.radius.get(id), self.arena.local.get(id));
-        let whole = self.model.is_rearranged() && meta.kind.is_polynomial();
+        let id = self.id(&output);
+        let (at, kind) = (id as usize, self.arena.nodes[id as usize].kind);
+        let (moved, radius) = (self.tangents().of(id), self.arena.radius.get(at));
+        let whole = self.model.is_rearranged() && kind.is_polynomial();
+        let own = if whole { self.arena.local.get(at) } else { &STILL };
         let mut out = [0.0; SLOTS];
         number::wide(|| {
             for slot in 0..SLOTS {
-                let own = if whole { local[slot] } else { 0.0 };
-                let moved = (moved[slot].abs() + own) * (1.0 - ROUNDING);
+                let moved = (moved[slot].abs() + own[slot]) * (1.0 - ROUNDING);
                 out[slot] = if radius[slot] < f64::INFINITY { moved } else { f64::NAN };
             }
         });
-        for (slot, out) in out.iter_mut().enumerate().filter(|(slot, _)| self.given_up[*slot].is_some()) {
-            debug_assert!(slot < SLOTS);
-            *out = f64::NAN;
+        for (out, given_up) in out.iter_mut().zip(&self.given_up) {
+            if given_up.is_some() {
+                *out = f64::NAN;
+            }
         }
         out
     }
 
-    /// Slots in which nothing bounds an output because nothing is promised for an operation on the way to it.
+    /// Slots in which nothing bounds an output because nothing is promised for an operation on the way to it, at its exact
+    /// arguments. There, [`Tape::cause`] says the same; it knows others, of arguments that are only reached within a radius.
+    ///
+    /// # Panics
+    /// When the tape was made without displacements: a defect of the caller.
     pub fn unpromised(&self, output: Column) -> Mask {
-        self.tangents.as_ref().map_or(Mask::NONE, |tangents| tangents.open[self.id(&output) as usize].unpromised)
-    }
-
-    fn moved(&self, id: Id) -> &Slots {
-        let moves = self.tangents.as_ref().is_some_and(|tangents| tangents.moves[id as usize]);
-        if moves { self.arena.tangent.get(id as usize) } else { &STILL }
-    }
-
-    /// Notes a new sum or product whose displacement is known, and whether some of its radii are not finite.
-    pub(super) fn moved_on(&mut self, id: Id, open: bool) {
-        let Some(mut tangents) = self.tangents.take() else { return };
-        tangents.moves.push(true);
-        tangents.open.push(if open { self.open_at(&tangents, id) } else { Open::default() });
-        self.tangents = Some(tangents);
+        self.tangents().open[self.id(&output) as usize].unpromised
     }
 
     /// The displacement of a new node, whose other columns are complete.
     pub(super) fn move_on(&mut self, id: Id) {
         let Some(mut tangents) = self.tangents.take() else { return };
-        if matches!(self.arena.nodes[id as usize].kind, NodeKind::Leaf) {
-            self.arena.tangent.more();
-            tangents.moves.push(false);
-            tangents.open.push(Open::default());
-            self.tangents = Some(tangents);
-            return;
-        }
-        let open = self.open_at(&tangents, id);
-        let moves = follow(&mut self.arena, &tangents.moves, self.model.is_rearranged(), id);
+        let moves = tangents.follow(&self.arena, self.model.is_rearranged(), id);
         tangents.moves.push(moves);
+        let open = self.open_at(&tangents, id);
         tangents.open.push(open);
         self.tangents = Some(tangents);
     }
 
-    /// What is open of a new node: the causes are those that [`Tape::cause`] finds.
+    /// What is open of a new node.
     fn open_at(&self, tangents: &Tangents, id: Id) -> Open {
-        let (value, radius) = (self.arena.value.get(id as usize), self.arena.radius.get(id as usize));
-        let some = number::wide(|| {
-            let mut some = 0_u64;
-            for slot in 0..SLOTS {
-                some |= u64::from(!(radius[slot] < f64::INFINITY));
-            }
-            some
-        });
-        if some == 0 {
-            return Open::default();
-        }
-        let loose = Mask::where_(|slot| !radius[slot].is_finite());
-        let lost = Mask::where_(|slot| !value[slot].is_finite());
         let args: [Option<(Id, Mask)>; 2] = match self.arena.nodes[id as usize].kind {
-            NodeKind::Leaf => [None, None],
+            // Inputs and constants are known.
+            NodeKind::Leaf => return Open::default(),
             NodeKind::Sum { a, signs: (_, 0.0), .. } | NodeKind::One { a, .. } => [Some((a, Mask::ALL)), None],
             NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Two { a, b, .. } => {
                 [Some((a, Mask::ALL)), Some((b, Mask::ALL))]
@@ -142,13 +182,19 @@ impl<'p> Tape<'p> {
                 [Some((a, mask)), Some((b, Mask::ALL.minus(mask)))]
             }
         };
-        let args = || args.into_iter().flatten().map(|(a, taken)| (tangents.open[a as usize], taken));
+        let all = not_finite(self.arena.radius.get(id as usize));
+        if all.is_empty() {
+            return Open::default();
+        }
+        let args = || args.into_iter().flatten();
+        let lost = |id: Id| not_finite(self.arena.value.get(id as usize));
         // A value that is not finite is another cause, and comes first.
-        let mut rest = args().fold(loose.minus(lost), |rest, (a, taken)| rest.minus(a.lost.and(taken)));
+        let mut rest = args().fold(all.minus(lost(id)), |rest, (a, taken)| rest.minus(lost(a).and(taken)));
         let mut unpromised = Mask::NONE;
         for (a, taken) in args() {
-            let through = a.loose.and(taken).and(rest);
-            unpromised = unpromised.or(a.unpromised.and(through));
+            let before = tangents.open[a as usize];
+            let through = before.all.and(taken).and(rest);
+            unpromised = unpromised.or(before.unpromised.and(through));
             rest = rest.minus(through);
         }
         rest.each(|slot| {
@@ -156,7 +202,7 @@ impl<'p> Tape<'p> {
                 unpromised.insert(slot);
             }
         });
-        Open { loose, lost, unpromised }
+        Open { all, unpromised }
     }
 
     /// True when nothing is promised for the operation of a node at its exact arguments.
@@ -175,107 +221,17 @@ impl<'p> Tape<'p> {
     }
 }
 
-/// Room for the displacement of a new sum or product, with the displacements of its arguments; `None` where it is not wanted.
-pub(super) fn moves<'a>(
-    tangents: &'a Option<Tangents>,
-    pool: &'a mut Pool,
-    id: Id,
-    args: [Id; 2],
-) -> Option<Moves<'a>> {
-    let tangents = tangents.as_ref()?;
-    pool.more();
-    let (before, to) = pool.split(id as usize);
-    let of = args.map(|a| if tangents.moves[a as usize] { &*before[a as usize] } else { &STILL });
-    Some(Moves { of, to })
-}
-
-/// Writes the displacement of a node. True when it moves at all.
-fn follow(arena: &mut Arena, moves: &[bool], rearranged: bool, id: Id) -> bool {
-    let at = id as usize;
-    let Arena { nodes, value, local, partials, tangent, masks, .. } = arena;
-    tangent.more();
-    let (before, out) = tangent.split(at);
-    let of = |id: Id| if moves[id as usize] { &before[id as usize] } else { &STILL };
-    let meta = nodes[at];
-    let mut moving = true;
-    match meta.kind {
-        NodeKind::Leaf => moving = false,
-        NodeKind::Sum { a, b, signs } => {
-            let second = signs.1 != 0.0 && moves[b as usize];
-            let (x, y) = (of(a), of(b));
-            match (moves[a as usize], second) {
-                (false, false) => moving = false,
-                (_, false) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = signs.0 * x[slot])),
-                (false, true) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = signs.1 * y[slot])),
-                (true, true) => number::wide(|| {
-                    for slot in 0..SLOTS {
-                        out[slot] = signs.0 * x[slot] + signs.1 * y[slot];
-                    }
-                }),
-            }
+/// The slots of a column that hold no finite number.
+fn not_finite(column: &Slots) -> Mask {
+    // Hardly ever any: one look at all slots without branches.
+    let some = number::wide(|| {
+        let mut some = 0_u64;
+        for number in column {
+            some |= u64::from(!(number.abs() < f64::INFINITY));
         }
-        NodeKind::Product { a, b } => {
-            let (x, y) = (value.get(a as usize), value.get(b as usize));
-            let (dx, dy) = (of(a), of(b));
-            match (moves[a as usize], moves[b as usize]) {
-                (false, false) => moving = false,
-                (true, false) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = y[slot] * dx[slot])),
-                (false, true) => number::wide(|| (0..SLOTS).for_each(|slot| out[slot] = x[slot] * dy[slot])),
-                (true, true) => number::wide(|| {
-                    for slot in 0..SLOTS {
-                        out[slot] = y[slot] * dx[slot] + x[slot] * dy[slot];
-                    }
-                }),
-            }
-        }
-        NodeKind::One { .. } | NodeKind::Two { .. } => {
-            let args = match meta.kind {
-                NodeKind::Two { a, b, partials } => [Some((a, partials[0])), Some((b, partials[1]))],
-                NodeKind::One { a, partial } => [Some((a, partial)), None],
-                NodeKind::Leaf | NodeKind::Sum { .. } | NodeKind::Product { .. } | NodeKind::Select { .. } => {
-                    [None, None]
-                }
-            };
-            moving = false;
-            for (a, partial) in args.into_iter().flatten() {
-                // A regrouped sum or product errs as a whole, where a function takes its value.
-                let whole = rearranged && nodes[a as usize].kind.is_polynomial();
-                if !whole && !moves[a as usize] {
-                    continue;
-                }
-                let (dx, slope, own) = (of(a), partials.get(2 * partial as usize), local.get(a as usize));
-                let first = !std::mem::replace(&mut moving, true);
-                number::wide(|| {
-                    for slot in 0..SLOTS {
-                        let own = if whole { own[slot].copysign(dx[slot]) } else { 0.0 };
-                        let moved = slope[slot] * (dx[slot] + own);
-                        out[slot] = if first { moved } else { out[slot] + moved };
-                    }
-                });
-            }
-        }
-        NodeKind::Select { mask, a, b } => {
-            moving = moves[a as usize] || moves[b as usize];
-            if moving {
-                *out = *of(b);
-                masks[mask as usize].merge(of(a), out);
-            }
-        }
-    }
-    if meta.exact || (rearranged && meta.kind.is_polynomial()) {
-        return moving;
-    }
-    let own = local.get(at);
-    number::wide(|| {
-        if moving {
-            for slot in 0..SLOTS {
-                out[slot] += own[slot].copysign(out[slot]);
-            }
-        } else {
-            *out = *own;
-        }
+        some != 0
     });
-    true
+    if some { Mask::where_(|slot| !column[slot].is_finite()) } else { Mask::NONE }
 }
 
 #[cfg(test)]

@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
-
 use super::batch::Failure;
 use super::fit::open_samples;
 use super::judge::Verdict;
 use super::oracle::JudgeContext;
+use super::parallel::parts;
 use super::second_pass::SecondPass;
 use base::value::Batch;
 use program::OutputLayout;
@@ -43,100 +42,87 @@ impl Movement {
 pub fn shader_deviation(context: &JudgeContext<'_>, layout: &OutputLayout, batch: &Batch) -> Option<Failure> {
     let count = batch.invocation_count();
     let found = AtomicUsize::new(usize::MAX);
-    (0..count.div_ceil(SLOTS))
-        .into_par_iter()
-        .map_init(
-            || (context.oracle.ideal_or_meaning(), SecondPass::new(context)),
-            |(machine, second), chunk| {
-                let first = chunk * SLOTS;
-                if first > found.load(Ordering::Relaxed) {
-                    return None;
+    let failures = parts(
+        count.div_ceil(SLOTS),
+        || (context.oracle.ideal_or_meaning(), SecondPass::new(context)),
+        |(machine, second), chunk| {
+            let first = chunk * SLOTS;
+            if first > found.load(Ordering::Relaxed) {
+                return None;
+            }
+            let open = open_samples(context, machine, batch, first);
+            for (invocation, verdict) in open.iter().zip(second.shader(batch, layout, None, &open)) {
+                if let Some(Verdict::Deviate(deviation)) = verdict {
+                    found.fetch_min(*invocation, Ordering::Relaxed);
+                    return Some(Failure { invocation: *invocation, deviation });
                 }
-                let open = open_samples(context, machine, batch, first);
-                for (invocation, verdict) in open.iter().zip(second.shader(batch, layout, None, &open)) {
-                    if let Some(Verdict::Deviate(deviation)) = verdict {
-                        found.fetch_min(*invocation, Ordering::Relaxed);
-                        return Some(Failure { invocation: *invocation, deviation });
-                    }
-                }
-                None
-            },
-        )
-        .filter_map(|failure| failure)
-        .min_by_key(|failure| failure.invocation)
+            }
+            None
+        },
+    );
+    failures.into_iter().flatten().min_by_key(|failure| failure.invocation)
 }
 
 /// How far the meaning of `after` is from that of `before`, which is the scale.
 pub fn movement(before: &JudgeContext<'_>, after: &JudgeContext<'_>, layout: &OutputLayout, batch: &Batch) -> Movement {
     let count = batch.invocation_count();
-    let chunks: Vec<Movement> = (0..count.div_ceil(SLOTS))
-        .into_par_iter()
-        .map_init(
-            || {
-                (
-                    before.oracle.ideal_or_meaning(),
-                    after.oracle.ideal_or_meaning(),
-                    before.oracle.tape(before.lenient()),
-                )
-            },
-            |(old, new, tape), chunk| {
-                let first = chunk * SLOTS;
-                let slots = old.run(batch, first);
-                new.run(batch, first);
-                let mut movement = Movement::default();
-                let mut moved = [false; SLOTS];
-                for slot in 0..slots {
-                    let shape = old.emitted()[slot] != new.emitted()[slot]
-                        || (0..old.room()).any(|v| old.is_emitting() && old.strip(v)[slot] != new.strip(v)[slot]);
-                    if shape || old.flags()[slot].has(HazardKind::Fuel) != new.flags()[slot].has(HazardKind::Fuel) {
-                        moved[slot] = true;
-                        movement.bounds = f64::INFINITY;
-                        movement.component = Some("the number of vertices".to_owned());
-                    }
+    let chunks = parts(
+        count.div_ceil(SLOTS),
+        || (before.oracle.ideal_or_meaning(), after.oracle.ideal_or_meaning(), before.oracle.tape(before.lenient())),
+        |(old, new, tape), chunk| {
+            let first = chunk * SLOTS;
+            let slots = old.run(batch, first);
+            new.run(batch, first);
+            let mut movement = Movement::default();
+            let mut moved = [false; SLOTS];
+            for slot in 0..slots {
+                let shape = old.emitted()[slot] != new.emitted()[slot]
+                    || (0..old.room()).any(|v| old.is_emitting() && old.strip(v)[slot] != new.strip(v)[slot]);
+                if shape || old.flags()[slot].has(HazardKind::Fuel) != new.flags()[slot].has(HazardKind::Fuel) {
+                    moved[slot] = true;
+                    movement.bounds = f64::INFINITY;
+                    movement.component = Some("the number of vertices".to_owned());
                 }
-                let mut ran = false;
-                for vertex in 0..old.room() {
-                    for word in 0..layout.vertex.words() {
-                        let (a, b) = match (old.output(vertex, word), new.output(vertex, word)) {
-                            (OutputColumn::Real(a), OutputColumn::Real(b)) => (a.values(), b.values()),
-                            (OutputColumn::Word(a), OutputColumn::Word(b)) => {
-                                (0..slots).filter(|&slot| a[slot] != b[slot]).for_each(|slot| moved[slot] = true);
-                                continue;
-                            }
-                            _ => continue,
-                        };
-                        let stored = |slot: usize| !old.is_emitting() || (vertex as u32) < old.emitted()[slot];
-                        let far: Vec<usize> =
-                            (0..slots).filter(|&slot| stored(slot) && a[slot].to_bits() != b[slot].to_bits()).collect();
-                        if far.is_empty() {
+            }
+            let mut ran = false;
+            for vertex in 0..old.room() {
+                for word in 0..layout.vertex.words() {
+                    let (a, b) = match (old.output(vertex, word), new.output(vertex, word)) {
+                        (OutputColumn::Real(a), OutputColumn::Real(b)) => (a.values(), b.values()),
+                        (OutputColumn::Word(a), OutputColumn::Word(b)) => {
+                            (0..slots).filter(|&slot| a[slot] != b[slot]).for_each(|slot| moved[slot] = true);
                             continue;
                         }
-                        if !ran {
-                            tape.run(batch, first);
-                            ran = true;
-                        }
-                        let OutputColumn::Real(&column) = tape.output(vertex, word) else { continue };
-                        let bounds = tape.domain().bounds(column, &mut |_| false);
-                        for slot in far {
-                            moved[slot] = true;
-                            let part = (a[slot] - b[slot]).abs() / bounds.bound[slot];
-                            let part = if part.is_nan() && a[slot].is_nan() != b[slot].is_nan() {
-                                f64::INFINITY
-                            } else {
-                                part
-                            };
-                            if part > movement.bounds || movement.component.is_none() && part >= 0.0 {
-                                movement.bounds = part;
-                                movement.component = Some(layout.vertex.word_name(word));
-                            }
+                        _ => continue,
+                    };
+                    let stored = |slot: usize| !old.is_emitting() || (vertex as u32) < old.emitted()[slot];
+                    let far: Vec<usize> =
+                        (0..slots).filter(|&slot| stored(slot) && a[slot].to_bits() != b[slot].to_bits()).collect();
+                    if far.is_empty() {
+                        continue;
+                    }
+                    if !ran {
+                        tape.run(batch, first);
+                        ran = true;
+                    }
+                    let OutputColumn::Real(&column) = tape.output(vertex, word) else { continue };
+                    let bounds = tape.domain().bounds(column, &mut |_| false);
+                    for slot in far {
+                        moved[slot] = true;
+                        let part = (a[slot] - b[slot]).abs() / bounds.bound[slot];
+                        let part =
+                            if part.is_nan() && a[slot].is_nan() != b[slot].is_nan() { f64::INFINITY } else { part };
+                        if part > movement.bounds || movement.component.is_none() && part >= 0.0 {
+                            movement.bounds = part;
+                            movement.component = Some(layout.vertex.word_name(word));
                         }
                     }
                 }
-                movement.samples = moved[..slots].iter().filter(|moved| **moved).count() as u64;
-                movement
-            },
-        )
-        .collect();
+            }
+            movement.samples = moved[..slots].iter().filter(|moved| **moved).count() as u64;
+            movement
+        },
+    );
     let mut all = Movement::default();
     chunks.into_iter().for_each(|chunk| all.merge(chunk));
     all

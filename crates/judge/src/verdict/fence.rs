@@ -3,12 +3,11 @@
 
 use std::collections::HashSet;
 
-use rayon::prelude::*;
-
 use super::oracle::Oracle;
+use super::parallel::parts;
 use base::value::Batch;
 use program::OutputLayout;
-use program::interp::{Dependence, SLOTS, Site, Undefined};
+use program::interp::{Binary64, Dependence, Machine, SLOTS, Site, Undefined};
 use program::lane::{Actual, LaneError, Runner};
 use property::Sample;
 
@@ -120,9 +119,7 @@ impl Runner for Fence<'_> {
 /// For each invocation, what is undefined on its way, of all that counts.
 fn undefined(oracle: &Oracle, batch: &Batch, counts: &(dyn Fn(&Undefined) -> bool + Sync)) -> Vec<Option<Dependence>> {
     let all: Vec<usize> = (0..batch.invocation_count()).collect();
-    let chunks: Vec<Vec<Option<Dependence>>> = all
-        .par_chunks(SLOTS)
-        .map_init(|| oracle.ideal_or_meaning(), |machine, some| machine.undefined_on_the_way(batch, some, counts))
-        .collect();
-    chunks.concat()
+    let chunks: Vec<&[usize]> = all.chunks(SLOTS).collect();
+    let of = |machine: &mut Machine<'_, Binary64>, k: usize| machine.undefined_on_the_way(batch, chunks[k], counts);
+    parts(chunks.len(), || oracle.ideal_or_meaning(), of).concat()
 }

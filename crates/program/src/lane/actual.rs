@@ -2,6 +2,7 @@
 
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
@@ -130,11 +131,16 @@ impl Actual {
         if self.layout.max_vertices.is_some() { self.record(invocation)[2] } else { 0 }
     }
 
+    /// Where the output words of a vertex lie in a record.
+    fn words_of(&self, vertex: usize) -> Range<usize> {
+        let (size, start) = (self.layout.vertex_words(), self.layout.header_words());
+        let strip = usize::from(self.layout.max_vertices.is_some());
+        start + vertex * size + strip..start + (vertex + 1) * size
+    }
+
     /// Output words of a stored vertex.
     pub fn vertex(&self, invocation: usize, vertex: usize) -> &[u32] {
-        let size = self.layout.vertex_words();
-        let words = &self.record(invocation)[self.layout.header_words() + vertex * size..][..size];
-        if self.layout.max_vertices.is_some() { &words[1..] } else { words }
+        &self.record(invocation)[self.words_of(vertex)]
     }
 
     /// One word of a vertex for several invocations, each with the place in `to` that it goes to.
@@ -148,9 +154,7 @@ impl Actual {
         invocations: impl Iterator<Item = (usize, usize)>,
         to: &mut [u32],
     ) {
-        let strip = usize::from(self.layout.max_vertices.is_some());
-        let at = self.layout.header_words() + vertex * self.layout.vertex_words() + strip + word;
-        let size = self.layout.words();
+        let (at, size) = (self.words_of(vertex).start + word, self.layout.words());
         for (place, invocation) in invocations {
             to[place] = self.words[invocation * size + at];
         }
