@@ -73,13 +73,12 @@ impl Pool {
         self.columns.truncate(KEPT);
     }
 
-    /// One more column; what it holds is left from before.
-    pub(super) fn more(&mut self) -> usize {
-        if self.used == self.columns.len() {
+    /// Makes room up to a column; what it holds is left from before.
+    pub(super) fn reach(&mut self, at: usize) {
+        self.used = self.used.max(at + 1);
+        while self.columns.len() <= at {
             self.columns.push(Box::new([0.0; SLOTS]));
         }
-        self.used += 1;
-        self.used - 1
     }
 
     pub(super) fn get(&self, at: usize) -> &Slots {
@@ -102,10 +101,25 @@ impl Pool {
         [a, b, c, d]
     }
 
-    /// Columns before `at`, and the one at it.
-    pub(super) fn split(&mut self, at: usize) -> (&[Box<Slots>], &mut Slots) {
+    /// The column at `at`, and the others to read.
+    pub(super) fn split(&mut self, at: usize) -> (Others<'_>, &mut Slots) {
         let (before, rest) = self.columns.split_at_mut(at);
-        (before, &mut rest[0])
+        let (one, after) = rest.split_first_mut().expect("a column that was made");
+        (Others { before, after }, one)
+    }
+}
+
+/// All columns of a pool but one.
+#[derive(Clone, Copy)]
+pub(super) struct Others<'a> {
+    before: &'a [Box<Slots>],
+    after: &'a [Box<Slots>],
+}
+
+impl<'a> Others<'a> {
+    /// A column other than the one that was split off.
+    pub(super) fn get(&self, at: usize) -> &'a Slots {
+        if at < self.before.len() { &self.before[at] } else { &self.after[at - self.before.len() - 1] }
     }
 }
 
@@ -123,6 +137,8 @@ pub(super) struct Arena {
     pub exact: Vec<bool>,
     /// Partials and their distances, in turn.
     pub partials: Pool,
+    /// Number of partials.
+    slopes: usize,
     pub masks: Vec<Mask>,
     /// For rearrangement: the value with all terms positive, and the number of roundings.
     pub size: Pool,
@@ -137,8 +153,10 @@ pub(super) struct Arena {
 
 impl Arena {
     pub(super) fn clear(&mut self) {
-        let Self { nodes, value, radius, local, exact, partials, masks, size, roundings, peak, least, part } = self;
+        let Self { nodes, value, radius, local, exact, partials, slopes, masks, size, roundings, peak, least, part } =
+            self;
         nodes.clear();
+        *slopes = 0;
         masks.clear();
         // Columns past these are given back.
         exact.truncate(KEPT);
@@ -154,26 +172,40 @@ impl Arena {
         pools.iter().map(|pool| pool.used).sum::<usize>() >= most
     }
 
-    /// One more node. Its columns hold what is left from before.
+    /// A node in a new place. Its columns hold what is left from before.
     pub(super) fn push(&mut self, meta: Meta) -> Id {
+        let at = self.nodes.len();
         self.nodes.push(meta);
         if self.exact.len() < self.nodes.len() {
             self.exact.push(false);
         }
-        if !matches!(meta.kind, NodeKind::Leaf) {
-            self.exact[self.nodes.len() - 1] = false;
-        }
         for pool in [&mut self.value, &mut self.radius, &mut self.local] {
-            pool.more();
+            pool.reach(at);
         }
-        (self.nodes.len() - 1) as Id
+        self.put(at as Id, meta);
+        at as Id
+    }
+
+    /// A node in the place of one that nobody needs any more.
+    pub(super) fn put(&mut self, id: Id, meta: Meta) {
+        self.nodes[id as usize] = meta;
+        if !matches!(meta.kind, NodeKind::Leaf) {
+            self.exact[id as usize] = false;
+        }
     }
 
     /// One more partial with its distance.
     pub(super) fn partial(&mut self) -> u32 {
-        let at = self.partials.more();
-        self.partials.more();
-        (at / 2) as u32
+        let at = self.slopes;
+        self.partials.reach(2 * at + 1);
+        self.slopes += 1;
+        at as u32
+    }
+
+    /// Forgets how nodes came about: their values stay.
+    pub(super) fn forget_ways(&mut self) {
+        self.slopes = 0;
+        self.masks.clear();
     }
 
     /// A partial and its distance.

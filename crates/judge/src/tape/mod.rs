@@ -16,6 +16,7 @@ mod columns;
 mod decay;
 mod decision;
 mod functions;
+mod held;
 mod inherited;
 #[cfg(test)]
 mod inside;
@@ -134,7 +135,7 @@ impl<'p> Tape<'p> {
 
     fn leaf(&mut self, value: impl FnOnce(&mut Slots)) -> Id {
         let meta = Meta { kind: NodeKind::Leaf, op: None, site: None, exact: true, tiny: false, not_negative: false };
-        let id = self.arena.push(meta);
+        let id = self.node(meta);
         let at = id as usize;
         value(self.arena.value.get_mut(at));
         // Inputs and constants are the first nodes of each chunk: most columns hold zeros already.
@@ -186,13 +187,17 @@ impl Domain for Tape<'_> {
     type Word = f64;
 
     fn begin(&mut self) {
-        self.arena.clear();
-        self.tangents.iter_mut().for_each(tangent::Tangents::clear);
+        match &mut self.tangents {
+            None => self.arena.clear(),
+            Some(tangents) => tangents.begin(),
+        }
         self.forks = [None; SLOTS];
         self.edges = [false; SLOTS];
         self.given_up = [None; SLOTS];
         // Node 0 holds zeros: what a column holds that nobody wrote.
-        self.leaf(|value| value.fill(0.0));
+        if self.arena.nodes.is_empty() {
+            self.leaf(|value| value.fill(0.0));
+        }
     }
 
     fn column(&mut self) -> Column {
@@ -211,20 +216,22 @@ impl Domain for Tape<'_> {
             self.arena.local.get_mut(at).fill(literal.slack);
             self.arena.radius.get_mut(at).fill(literal.slack);
         }
-        out.0 = id;
+        self.hold(out, id);
     }
 
     fn input(&mut self, _: WordSource, words: &Words, out: &mut Column) {
-        out.0 = self.leaf(|value| {
+        let id = self.leaf(|value| {
             for (v, &word) in value.iter_mut().zip(words) {
                 *v = f64::from(f32::from_bits(word));
             }
         });
+        self.hold(out, id);
     }
 
     fn unary(&mut self, site: Site, op: Unary, active: &Mask, a: &Column, out: &mut Column) {
         let a = self.id(a);
-        out.0 = self.apply1(site, op, active, a);
+        let id = self.apply1(site, op, active, a);
+        self.hold(out, id);
     }
 
     fn binary(&mut self, site: Site, op: Binary, active: &Mask, a: &Column, b: &Column, out: &mut Column) {
@@ -241,7 +248,8 @@ impl Domain for Tape<'_> {
             Binary::Atan2 => Op::Atan2,
             Binary::Step => Op::Step,
         };
-        out.0 = self.apply2(site, op, active, a, b);
+        let id = self.apply2(site, op, active, a, b);
+        self.hold(out, id);
     }
 
     fn scale(&mut self, site: Site, a: &Column, exponent: &Words, out: &mut Column) {
@@ -252,7 +260,8 @@ impl Domain for Tape<'_> {
                 *v = 2f64.powi(word.cast_signed().clamp(-1000, 1000));
             }
         });
-        out.0 = self.product(site, Op::Ldexp, a, factor);
+        let id = self.product(site, Op::Ldexp, a, factor);
+        self.hold(out, id);
     }
 
     fn compare(&mut self, site: Site, op: Comparison, active: &Mask, a: &Column, b: &Column, out: &mut Words) {
@@ -329,7 +338,7 @@ impl Domain for Tape<'_> {
             let meta = &mut self.arena.nodes[at];
             (meta.exact, meta.op, meta.site) = (exact, Some(Op::Convert), Some(site));
         }
-        out.0 = id;
+        self.hold(out, id);
     }
 
     fn doubt(&mut self, site: Site, slots: &Mask) {
@@ -345,8 +354,7 @@ impl Domain for Tape<'_> {
     }
 
     fn is_full(&self) -> bool {
-        // The first look is for shaders without very long loops.
-        self.arena.is_full(if self.tangents.is_some() { MOST / 8 } else { MOST })
+        self.tangents.as_ref().map_or_else(|| self.arena.is_full(MOST), tangent::Tangents::is_full)
     }
 
     fn give_up(&mut self, site: Site, slots: &Mask) {
@@ -355,17 +363,20 @@ impl Domain for Tape<'_> {
     }
 
     fn copy(&mut self, from: &Column, to: &mut Column) {
-        to.0 = self.id(from);
+        let id = self.id(from);
+        self.hold(to, id);
     }
 
     fn merge(&mut self, mask: &Mask, from: &Column, to: &mut Column) {
         let (a, b) = (self.id(from), self.id(to));
-        to.0 = self.select(mask, a, b);
+        let id = self.select(mask, a, b);
+        self.hold(to, id);
     }
 
     fn poison(&mut self, mask: &Mask, to: &mut Column) {
         let mark = self.leaf(|value| value.fill(f64::poison()));
-        to.0 = if mask.is_full() { mark } else { self.select(mask, mark, self.id(to)) };
+        let id = if mask.is_full() { mark } else { self.select(mask, mark, self.id(to)) };
+        self.hold(to, id);
     }
 
     fn word(&self, column: &Column, slot: usize) -> Option<f64> {

@@ -207,13 +207,13 @@ impl Tape<'_> {
         self.arena.partials.get_mut(2 * partial as usize + 1).fill(0.0);
         let Meta { tiny, not_negative, .. } = self.arena.nodes[a as usize];
         let kind = NodeKind::One { a, partial };
-        let id = self.arena.push(Meta { kind, op, site, exact: false, tiny, not_negative });
+        let id = self.node(Meta { kind, op, site, exact: false, tiny, not_negative });
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
-        *value = *before[a as usize];
+        *value = *before.get(a as usize);
         let (before, radius) = self.arena.radius.split(at);
         for (slot, radius) in radius.iter_mut().enumerate() {
-            *radius = before[a as usize][slot] + error[slot];
+            *radius = before.get(a as usize)[slot] + error[slot];
         }
         *self.arena.local.get_mut(at) = *error;
         self.settle(id);
@@ -270,15 +270,15 @@ impl Tape<'_> {
         let single = signs.1 == 0.0;
         let not_negative = signs == (1.0, 1.0) && left.not_negative && right.not_negative;
         let kind = NodeKind::Sum { a, b, signs };
-        let id = self.arena.push(Meta { kind, op: Some(op), site, exact: single, tiny: false, not_negative });
+        let id = self.node(Meta { kind, op: Some(op), site, exact: single, tiny: false, not_negative });
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
-        let (x, y) = (&before[a as usize], &before[b as usize]);
-        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        let (x, y) = (before.get(a as usize), before.get(b as usize));
+        let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
         if single {
             number::wide(|| (0..SLOTS).for_each(|slot| value[slot] = signs.0 * x[slot]));
-            *carried = **ex;
+            *carried = *ex;
             self.arena.local.get_mut(at).fill(0.0);
             self.arena.nodes[at].tiny = left.tiny;
             if left.tiny && self.model.flushes() {
@@ -318,12 +318,12 @@ impl Tape<'_> {
         let not_negative = a == b || (nodes[a as usize].not_negative && nodes[b as usize].not_negative);
         let kind = NodeKind::Product { a, b };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
-        let id = self.arena.push(meta);
+        let id = self.node(meta);
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
-        let (x, y) = (&before[a as usize], &before[b as usize]);
-        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        let (x, y) = (before.get(a as usize), before.get(b as usize));
+        let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
         if let Some(closing) = self.model.closing(op, tiny) {
             let node = Node { value, radius: carried, local: self.arena.local.get_mut(at) };
             let tiny = number::wide(|| kernels::rounded_product((x, ex), (y, ey), closing, node));
@@ -352,7 +352,7 @@ impl Tape<'_> {
         let nodes = &self.arena.nodes;
         let (left, right) = (nodes[a as usize], nodes[b as usize]);
         let number = self.arena.mask(*mask);
-        let id = self.arena.push(Meta {
+        let id = self.node(Meta {
             kind: NodeKind::Select { mask: number, a, b },
             op: None,
             site: None,
@@ -363,8 +363,8 @@ impl Tape<'_> {
         let at = id as usize;
         for pool in [&mut self.arena.value, &mut self.arena.radius] {
             let (before, to) = pool.split(at);
-            *to = *before[b as usize];
-            mask.merge(&before[a as usize], to);
+            *to = *before.get(b as usize);
+            mask.merge(before.get(a as usize), to);
         }
         self.arena.local.get_mut(at).fill(0.0);
         self.settle(id);
@@ -378,11 +378,11 @@ impl Tape<'_> {
         let keeps = matches!(op, Op::Abs | Op::Sqrt | Op::InverseSqrt | Op::Exp | Op::Exp2 | Op::Cosh | Op::Fract);
         let kind = NodeKind::One { a, partial };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative: keeps };
-        let id = self.arena.push(meta);
+        let id = self.node(meta);
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
-        let (x, ex) = (&before[a as usize], &radii[a as usize]);
+        let (x, ex) = (before.get(a as usize), radii.get(a as usize));
         let flushes = self.model.flushes() && self.arena.nodes[a as usize].tiny;
         let (slope, bend) = self.arena.partials.pair_mut(2 * partial as usize);
         let mut out = Out1 { value, moves: carried, slope, bend };
@@ -423,12 +423,12 @@ impl Tape<'_> {
         };
         let kind = NodeKind::Two { a, b, partials };
         let meta = Meta { kind, op: Some(op), site: Some(site), exact: false, tiny: false, not_negative };
-        let id = self.arena.push(meta);
+        let id = self.node(meta);
         let at = id as usize;
         let (before, value) = self.arena.value.split(at);
         let (radii, carried) = self.arena.radius.split(at);
-        let (x, y) = (&before[a as usize], &before[b as usize]);
-        let (ex, ey) = (&radii[a as usize], &radii[b as usize]);
+        let (x, y) = (before.get(a as usize), before.get(b as usize));
+        let (ex, ey) = (radii.get(a as usize), radii.get(b as usize));
         let flushes = [left.tiny, right.tiny].map(|tiny| tiny && self.model.flushes());
         let [sx, bx, sy, by] = self.arena.partials.quad_mut(2 * partials[0] as usize);
         let mut out = Out2 { value, moves: carried, slopes: [sx, sy], bends: [bx, by] };

@@ -12,16 +12,17 @@ impl Tape<'_> {
             return;
         }
         let at = id as usize;
-        self.arena.size.more();
+        for pool in [&mut self.arena.size, &mut self.arena.peak, &mut self.arena.least, &mut self.arena.part] {
+            pool.reach(at);
+        }
         // Number of terms of a sum, and roundings of the worst of them.
-        let (terms, heights) = (self.arena.roundings.more(), self.arena.roundings.more());
-        debug_assert_eq!((terms, heights), (2 * at, 2 * at + 1));
+        let (terms, heights) = (2 * at, 2 * at + 1);
+        self.arena.roundings.reach(heights);
         let unit = self.model.unit();
         let (earlier, size) = self.arena.size.split(at);
         let (counts, height) = self.arena.roundings.split(heights);
-        // The column of heights is the last one; that of terms stands just before it.
         let mut term = [1.0; SLOTS];
-        let of = |x: Id| (&counts[2 * x as usize], &counts[2 * x as usize + 1]);
+        let of = |x: Id| (counts.get(2 * x as usize), counts.get(2 * x as usize + 1));
         let kind = self.arena.nodes[at].kind;
         match kind {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => {
@@ -31,9 +32,9 @@ impl Tape<'_> {
             }
             NodeKind::Sum { a, b, signs } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
-                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                let (sa, sb) = (earlier.get(a as usize), earlier.get(b as usize));
                 if signs.1 == 0.0 {
-                    (*size, term, *height) = (**sa, **ta, **ha);
+                    (*size, term, *height) = (*sa, *ta, *ha);
                 } else {
                     number::wide(|| {
                         for slot in 0..SLOTS {
@@ -46,7 +47,7 @@ impl Tape<'_> {
             }
             NodeKind::Product { a, b } => {
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
-                let (sa, sb) = (&earlier[a as usize], &earlier[b as usize]);
+                let (sa, sb) = (earlier.get(a as usize), earlier.get(b as usize));
                 number::wide(|| {
                     for slot in 0..SLOTS {
                         size[slot] = sa[slot] * sb[slot];
@@ -58,11 +59,11 @@ impl Tape<'_> {
             NodeKind::Select { mask, a, b } => {
                 let mask = self.arena.masks[mask as usize];
                 let ((ta, ha), (tb, hb)) = (of(a), of(b));
-                *size = *earlier[b as usize];
-                mask.merge(&earlier[a as usize], size);
-                term = **tb;
+                *size = *earlier.get(b as usize);
+                mask.merge(earlier.get(a as usize), size);
+                term = *tb;
                 mask.merge(ta, &mut term);
-                *height = **hb;
+                *height = *hb;
                 mask.merge(ha, height);
             }
         }
@@ -146,8 +147,6 @@ impl Tape<'_> {
     /// The largest value on any way to a sum or product, where small factors may be taken out and come
     /// last; and the smallest product of some factors of a product, infinite where it is 0.
     fn extremes(&mut self, at: usize, kind: NodeKind) {
-        self.arena.peak.more();
-        self.arena.least.more();
         let size = *self.arena.size.get(at);
         let value = self.arena.value.get(at);
         let (before, peak) = self.arena.peak.split(at);
@@ -161,21 +160,21 @@ impl Tape<'_> {
             NodeKind::Leaf | NodeKind::One { .. } | NodeKind::Two { .. } => *peak = size,
             NodeKind::Select { mask, a, b } => {
                 let mask = self.arena.masks[mask as usize];
-                (*peak, *least) = (*before[b as usize], *earlier[b as usize]);
-                mask.merge(&before[a as usize], peak);
-                mask.merge(&earlier[a as usize], least);
+                (*peak, *least) = (*before.get(b as usize), *earlier.get(b as usize));
+                mask.merge(before.get(a as usize), peak);
+                mask.merge(earlier.get(a as usize), least);
             }
             NodeKind::Sum { a, b, signs } => {
-                let (pa, pb) = (&before[a as usize], &before[b as usize]);
+                let (pa, pb) = (before.get(a as usize), before.get(b as usize));
                 if signs.1 == 0.0 {
-                    (*peak, *least) = (**pa, *earlier[a as usize]);
+                    (*peak, *least) = (*pa, *earlier.get(a as usize));
                 } else {
                     number::wide(|| (0..SLOTS).for_each(|slot| peak[slot] = pa[slot] + pb[slot]));
                 }
             }
             NodeKind::Product { a, b } => {
-                let (pa, pb) = (&before[a as usize], &before[b as usize]);
-                let (la, lb) = (&earlier[a as usize], &earlier[b as usize]);
+                let (pa, pb) = (before.get(a as usize), before.get(b as usize));
+                let (la, lb) = (earlier.get(a as usize), earlier.get(b as usize));
                 number::wide(|| {
                     for slot in 0..SLOTS {
                         peak[slot] = pa[slot].max(pb[slot]).max(pa[slot] * pb[slot]);
@@ -190,7 +189,6 @@ impl Tape<'_> {
     /// The smallest product of some factors of some term, infinite where there is none but 0: distributed over a sum, a
     /// factor meets each of its terms.
     fn smallest_part(&mut self, at: usize, kind: NodeKind) {
-        self.arena.part.more();
         let value = self.arena.value.get(at);
         let (before, part) = self.arena.part.split(at);
         match kind {
@@ -202,16 +200,16 @@ impl Tape<'_> {
                 });
             }
             NodeKind::Select { mask, a, b } => {
-                *part = *before[b as usize];
-                self.arena.masks[mask as usize].merge(&before[a as usize], part);
+                *part = *before.get(b as usize);
+                self.arena.masks[mask as usize].merge(before.get(a as usize), part);
             }
             NodeKind::Sum { a, b, signs } => {
                 let other = if signs.1 == 0.0 { a } else { b };
-                let (a, b) = (&before[a as usize], &before[other as usize]);
+                let (a, b) = (before.get(a as usize), before.get(other as usize));
                 number::wide(|| (0..SLOTS).for_each(|slot| part[slot] = a[slot].min(b[slot])));
             }
             NodeKind::Product { a, b } => {
-                let (a, b) = (&before[a as usize], &before[b as usize]);
+                let (a, b) = (before.get(a as usize), before.get(b as usize));
                 number::wide(|| {
                     for slot in 0..SLOTS {
                         part[slot] = a[slot].min(b[slot]).min(a[slot] * b[slot]);

@@ -6,6 +6,7 @@
 //! its operation has from those before it.
 
 use super::arena::{Arena, Id, NodeKind, Pool, Slots};
+use super::held::Held;
 use super::sweep::partials;
 use super::{Column, Model, Tape};
 use crate::profile::Allowed;
@@ -25,6 +26,7 @@ pub(super) struct Tangents {
     moves: Vec<bool>,
     /// For each node, the slots in which nothing bounds it.
     open: Vec<Open>,
+    pub(super) held: Held,
 }
 
 /// Slots in which nothing bounds a node.
@@ -36,10 +38,12 @@ struct Open {
 }
 
 impl Tangents {
-    pub(super) fn clear(&mut self) {
-        self.displacements.clear();
-        self.moves.clear();
-        self.open.clear();
+    pub(super) fn begin(&mut self) {
+        self.held.begin();
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.held.is_full()
     }
 
     fn of(&self, id: Id) -> &Slots {
@@ -49,10 +53,10 @@ impl Tangents {
     /// Writes the displacement of a new node. True when it moves at all.
     fn follow(&mut self, arena: &Arena, rearranged: bool, id: Id) -> bool {
         let meta = arena.nodes[id as usize];
-        self.displacements.more();
-        let Self { displacements, moves, open: _ } = self;
+        self.displacements.reach(id as usize);
+        let Self { displacements, moves, .. } = self;
         let (before, out) = displacements.split(id as usize);
-        let of = |id: Id| if moves[id as usize] { &before[id as usize] } else { &STILL };
+        let of = |id: Id| if moves[id as usize] { before.get(id as usize) } else { &STILL };
         let mut moving = match meta.kind {
             NodeKind::Leaf => return false,
             NodeKind::Sum { a, b, .. } | NodeKind::Product { a, b } | NodeKind::Select { a, b, .. } => {
@@ -161,10 +165,11 @@ impl Tape<'_> {
     /// The displacement of a new node, whose other columns are complete.
     pub(super) fn move_on(&mut self, id: Id) {
         let Some(mut tangents) = self.tangents.take() else { return };
-        let moves = tangents.follow(&self.arena, self.model.is_rearranged(), id);
-        tangents.moves.push(moves);
-        let open = self.open_at(&tangents, id);
-        tangents.open.push(open);
+        let (moves, open) = (tangents.follow(&self.arena, self.model.is_rearranged(), id), self.open_at(&tangents, id));
+        let nodes = self.arena.nodes.len();
+        tangents.moves.resize(nodes, false);
+        tangents.open.resize(nodes, Open::default());
+        (tangents.moves[id as usize], tangents.open[id as usize]) = (moves, open);
         self.tangents = Some(tangents);
     }
 

@@ -385,9 +385,11 @@ impl<'a> Judge<'a> {
             for group in unpromised.chunks(SLOTS) {
                 machine.run_some(batch, group);
                 let seen = look(machine, actual, group, false);
-                seen.raise(&mut scanned.max_ulp, seen.right, machine, self.context.reference, (batch, actual, group));
+                let (most, reference) = (&mut scanned.max_ulp, self.context.reference);
+                let faint = seen.raise(most, seen.right, machine, reference, (batch, actual, group));
+                let right = seen.right.minus(faint);
                 for (slot, &invocation) in group.iter().enumerate() {
-                    if seen.right.has(slot) {
+                    if right.has(slot) {
                         scanned.measured.push(invocation);
                     } else {
                         scanned.open.push(OpenSample { invocation, shader: false, lane: true, undefined: false });
@@ -426,8 +428,10 @@ impl Chunk<'_, '_> {
         // Of a shader that may be wrong or undefined, only what is nearest is settled here.
         let clear = Mask::first(invocations.len()).minus(shader).minus(undefined);
         let settled = seen.right.and(clear).or(seen.nearest.minus(shader));
-        seen.raise(&mut self.scanned.max_ulp, settled, machine, reference, (batch, actual, invocations));
-        let agreed = seen.right.and(clear);
+        let most = &mut self.scanned.max_ulp;
+        let faint = seen.raise(most, settled, machine, reference, (batch, actual, invocations));
+        let (right, settled) = (seen.right.minus(faint), settled.minus(faint));
+        let agreed = right.and(clear);
         let mut rest = Mask::first(invocations.len()).minus(agreed);
         if let Some(unpromised) = &mut self.unpromised {
             let some = seen.unpromised.minus(seen.right).and(clear);

@@ -31,12 +31,6 @@ pub(super) trait Values: Domain {
         let _ = column;
         Mask::NONE
     }
-
-    /// Whether a column has faded out in a slot.
-    fn has_faded(&self, column: &Self::Column, slot: usize) -> bool {
-        let _ = (column, slot);
-        false
-    }
 }
 
 impl Values for Binary64 {
@@ -56,10 +50,6 @@ impl Values for Tape<'_> {
 
     fn unpromised(&self, column: &Column) -> Mask {
         Tape::unpromised(self, *column)
-    }
-
-    fn has_faded(&self, column: &Column, slot: usize) -> bool {
-        Tape::has_faded(self, *column, slot)
     }
 }
 
@@ -178,7 +168,8 @@ impl Look {
     }
 
     /// Raises `most` to the largest error of some slots in ULP: of the largest component of the variable, and where a word
-    /// is not the nearest, of the vectors among the inputs as well.
+    /// is not the nearest, of the vectors among the inputs as well. Gives the slots whose error counts unless their value
+    /// has faded out, which this look does not know.
     pub(super) fn raise<D: Values>(
         &self,
         most: &mut f64,
@@ -186,27 +177,33 @@ impl Look {
         machine: &Machine<'_, D>,
         reference: &Reference,
         (batch, actual, invocations): (&Batch, &Actual, &[usize]),
-    ) {
+    ) -> Mask {
+        let mut faint = Mask::NONE;
         // What is no larger by its own variable is no larger by any.
         which.each(|slot| {
             if self.ulp[slot] > *most {
-                *most = match self.nearest.has(slot) {
-                    true => self.ulp[slot],
+                let found = match self.nearest.has(slot) {
+                    true => Some(self.ulp[slot]),
                     false => largest(machine, reference, (batch, actual, invocations[slot]), (slot, *most)),
                 };
+                match found {
+                    Some(ulp) => *most = ulp,
+                    None => faint.insert(slot),
+                }
             }
         });
+        faint
     }
 }
 
 /// The largest error of a slot, in ULP of the largest component of each variable and of the vectors among the inputs, if it
-/// is more than `most`. What has faded out has none.
+/// is more than `most`. `None` where that depends on whether a value has faded out.
 fn largest<D: Values>(
     machine: &Machine<'_, D>,
     reference: &Reference,
     (batch, actual, invocation): (&Batch, &Actual, usize),
     (slot, mut most): (usize, f64),
-) -> f64 {
+) -> Option<f64> {
     let (record, domain) = (&actual.layout().vertex, machine.as_domain());
     let vectors = reference.vector_size(batch, invocation);
     for vertex in 0..actual.stored(invocation) {
@@ -222,15 +219,16 @@ fn largest<D: Values>(
                 let found = f64::from(f32::from_bits(actual.vertex(invocation, vertex)[word]));
                 let error = (found - domain.values(column)[slot]).abs();
                 let ulp = error / ulp_at(scale.max(vectors));
-                // Whether it has faded is asked last: that is a walk over the operations.
-                let faded = || error <= FADED && scale <= FADED && domain.has_faded(column, slot);
-                if ulp > most && !faded() {
+                if ulp > most {
+                    if error <= FADED && scale <= FADED {
+                        return None;
+                    }
                     most = ulp;
                 }
             }
         }
     }
-    most
+    Some(most)
 }
 
 /// A machine for the first look: what the module means, and how far a device may surely be off by the first promise.
