@@ -1,4 +1,4 @@
-//! Front end for GLSL 1.10 to 4.60 and GLSL ES 1.00 to 3.20: text to tokens, syntax tree, symbols, types
+//! Front end for GLSL 1.10 to 4.60, GLSL ES 1.00 to 3.20 and WGSL: text to tokens, syntax tree, symbols, types
 //! and the exact stage interface, with byte spans for everything. Broken input gives diagnostics and as
 //! much of the rest as can be read.
 
@@ -29,6 +29,7 @@ pub mod symbols;
 #[cfg(test)]
 mod tests;
 pub mod types;
+pub mod wgsl;
 
 use ast::{Arena, Expr, ExprId, Unit};
 use base::diagnostic::Diagnostic;
@@ -156,6 +157,7 @@ pub struct Shader {
     unknown: bool,
     interface: Interface,
     defines: Vec<(String, String)>,
+    wgsl: Option<Box<wgsl::Module>>,
 }
 
 impl Shader {
@@ -178,6 +180,9 @@ impl Shader {
 
     /// Reads the text once more, with macros that are given from outside.
     pub fn with_defines(&self, defines: &[(String, String)]) -> Parsed {
+        if self.wgsl.is_some() {
+            return Self::parse_wgsl(&self.file);
+        }
         // GLSL 1.10 is what a text is that states nothing.
         let assumed = self.version.span.is_none() && self.version.number != 110;
         let before = assumed.then(|| self.version.clone());
@@ -217,8 +222,19 @@ impl Shader {
             unknown,
             interface,
             defines: defines.to_vec(),
+            wgsl: None,
         };
         Parsed { shader, diagnostics: sink.finish() }
+    }
+
+    /// Reads a module of WGSL. It has no stage of its own: it counts as a library, and its entry points say theirs.
+    pub fn parse_wgsl(file: &SourceFile) -> Parsed {
+        wgsl::read(file)
+    }
+
+    /// What a module of WGSL has beside its tree; none for GLSL.
+    pub fn wgsl(&self) -> Option<&wgsl::Module> {
+        self.wgsl.as_deref()
     }
 
     /// The file.

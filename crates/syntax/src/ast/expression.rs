@@ -46,6 +46,11 @@ impl Arena {
         ExprId(u32::try_from(self.exprs.len() - 1).unwrap_or(u32::MAX))
     }
 
+    /// Puts another kind in the place of an expression; its operands must have been added before it.
+    pub(crate) fn replace(&mut self, id: ExprId, kind: ExprKind) {
+        self.exprs[id.index()].kind = kind;
+    }
+
     /// Levels of operands below an expression.
     pub fn depth(&self, id: ExprId) -> u32 {
         self.depths[id.index()]

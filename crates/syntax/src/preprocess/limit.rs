@@ -7,7 +7,7 @@ use super::{errors, macros};
 use base::text::Span;
 
 /// Tokens of a text, at most.
-const MOST_PIECES: usize = 1 << 20;
+pub(crate) const MOST_PIECES: usize = 1 << 20;
 
 /// The tokens of a text, as far as they are read.
 pub(super) fn within<'p>(pieces: &'p [Piece], sink: &mut Sink) -> &'p [Piece] {

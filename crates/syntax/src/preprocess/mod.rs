@@ -3,7 +3,7 @@
 mod condition;
 mod extension;
 mod foreign;
-mod limit;
+pub(crate) mod limit;
 mod macros;
 
 use std::sync::Arc;

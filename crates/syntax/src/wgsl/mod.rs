@@ -1,0 +1,206 @@
+//! Front end for WGSL: the tree is that of GLSL with what GLSL has no place for beside it, so that whatever looks at
+//! values looks at both languages. `select` is a conditional expression, `loop` a loop of GLSL, a pointer what it points
+//! to, and functions that GLSL has by another name go by that one; places are those of the author's text.
+
+mod body;
+mod builtin;
+mod check;
+mod expression;
+mod layout;
+mod lexer;
+mod parser;
+mod statement;
+mod syntax;
+mod types;
+mod types_of;
+
+pub use builtin::{OWN as OWN_FUNCTIONS, is_builtin};
+pub use layout::{Extent, Layout, Placed};
+pub use syntax::{Attribute, DeclarationKind, MemberSyntax, ModuleItem, TypeArg, TypeSyntax, VariableSyntax};
+pub use types::{is_sampler, spelling};
+
+use std::collections::HashMap;
+
+use super::ast::{ExprId, Ident};
+use super::fold::Const;
+use super::interface::Interface;
+use super::preprocess::limit::MOST_PIECES;
+use super::sink::Sink;
+use super::symbols::{FunctionId, SymbolId};
+use super::{Profile, Shader, Stage, Version, errors};
+use base::diagnostic::message;
+use base::text::{SourceFile, Span};
+
+/// What a module has beside its tree.
+#[derive(Clone, Debug, Default)]
+pub struct Module {
+    /// Declarations at module scope, in the order of the text.
+    pub items: Vec<ModuleItem>,
+    /// Variables of functions, by the place of their names.
+    pub locals: HashMap<usize, VariableSyntax>,
+    /// Functions that a pipeline can start.
+    pub entry_points: Vec<EntryPoint>,
+    /// Structures that host and shader can share, by name.
+    pub layouts: HashMap<String, Layout>,
+    /// True when an engine or a script puts more into the text, or takes parts away.
+    pub composed: bool,
+    /// True when parts are left out or filled in, and not only names are declared elsewhere.
+    pub varies: bool,
+    /// True when parts are filled in that are not seen here.
+    pub filled: bool,
+    symbols: HashMap<usize, SymbolId>,
+    functions: HashMap<usize, FunctionId>,
+}
+
+/// A function that a pipeline can start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EntryPoint {
+    /// Its name.
+    pub name: Ident,
+    /// The stage.
+    pub stage: Stage,
+    /// Index of its item.
+    pub item: usize,
+    /// The function.
+    pub function: FunctionId,
+    /// Size of a work group, where it is stated and does not depend on the pipeline.
+    pub workgroup: Option<[u32; 3]>,
+}
+
+impl Module {
+    /// Variables at module scope with their symbols.
+    pub fn globals(&self) -> impl Iterator<Item = (&VariableSyntax, SymbolId)> {
+        self.items.iter().enumerate().filter_map(|(index, item)| match item {
+            ModuleItem::Variable(variable) => Some((variable, *self.symbols.get(&index)?)),
+            _ => None,
+        })
+    }
+
+    /// The function of an item.
+    pub fn function(&self, item: usize) -> Option<FunctionId> {
+        self.functions.get(&item).copied()
+    }
+
+    /// The members of a structure.
+    pub fn members(&self, name: &str) -> Option<&[MemberSyntax]> {
+        self.items.iter().find_map(|i| match i {
+            ModuleItem::Struct { name: n, members } if n.name == name => Some(members.as_slice()),
+            _ => None,
+        })
+    }
+
+    /// The attribute of that name.
+    pub fn attribute<'m>(all: &'m [Attribute], name: &str) -> Option<&'m Attribute> {
+        all.iter().find(|a| a.name.name == name)
+    }
+}
+
+/// Reads a module.
+pub(super) fn read(file: &SourceFile) -> super::Parsed {
+    let mut sink = Sink::new(file);
+    let pieces = lexer::read(file.text());
+    let mut tokens = pieces.active.as_slice();
+    if let Some(beyond) = tokens.get(MOST_PIECES) {
+        let text = message!(
+            "the text has more than {MOST_PIECES} tokens",
+            "テキストのトークンが {MOST_PIECES} 個を超えています"
+        );
+        sink.error(errors::TOO_DEEP, beyond.span, text, message!("read up to here", "ここまで読みました"));
+        tokens = &tokens[..MOST_PIECES];
+    }
+    let parsed = parser::Parser::new(file.text(), tokens, (pieces.composed, pieces.filled), &mut sink).run();
+    let parser::Parsed { unit, mut arena, items, locals, constructed, addresses, suffixed } = parsed;
+    let mut checker = check::Checker::new(&items, &locals, &constructed, &addresses, &mut arena);
+    checker.suffixed = suffixed;
+    let found = check::check(&unit, checker);
+    let check::Found { types, values, names, calls, symbols, functions, uses, unknown, beyond, globals, signatures } =
+        found;
+    for (index, value, count) in beyond {
+        let last = count.saturating_sub(1);
+        let d = sink
+            .start(
+                errors::INDEX_RANGE,
+                arena.get(index).span,
+                message!("there is no element {value}", "{value} 番の要素はありません"),
+            )
+            .with_label(message!("this index", "この添字"))
+            .with_why(message!("the elements are 0 to {last}", "要素は 0 から {last} です"))
+            .with_help(message!("use an index inside the range", "範囲内の添字にしてください"));
+        sink.push(d);
+    }
+    let structures = items.iter().filter_map(|i| match i {
+        ModuleItem::Struct { name, .. } => Some(name.name.clone()),
+        _ => None,
+    });
+    let mut layouts =
+        layout::Layouts { items: &items, values: &values, text: file.text(), done: HashMap::new(), depth: 0 };
+    let placed = structures.filter_map(|name| layouts.structure(&name).map(|l| (name, l))).collect();
+    let entry_points = items
+        .iter()
+        .enumerate()
+        .filter_map(|(index, item)| entry_point(item, *signatures.get(&index)?, index, &values))
+        .collect();
+    let module = Module {
+        layouts: placed,
+        entry_points,
+        composed: pieces.composed,
+        varies: pieces.varies,
+        filled: pieces.filled,
+        symbols: globals,
+        functions: signatures,
+        items,
+        locals,
+    };
+    let shader = Shader {
+        file: sink.file.clone(),
+        stage: Stage::Library,
+        version: Version { number: 460, profile: Profile::Core, span: None },
+        extensions: Vec::new(),
+        comments: pieces.comments,
+        tokens: pieces.all,
+        unit,
+        arena,
+        types,
+        values,
+        names,
+        calls,
+        symbols,
+        functions,
+        uses,
+        unknown,
+        interface: Interface::default(),
+        defines: Vec::new(),
+        wgsl: Some(Box::new(module)),
+    };
+    super::Parsed { shader, diagnostics: sink.finish() }
+}
+
+fn entry_point(item: &ModuleItem, function: FunctionId, index: usize, values: &[Option<Const>]) -> Option<EntryPoint> {
+    let ModuleItem::Function { attributes, name, .. } = item else { return None };
+    let stage = attributes.iter().find_map(|a| match a.name.name.as_str() {
+        "vertex" => Some(Stage::Vertex),
+        "fragment" => Some(Stage::Fragment),
+        "compute" => Some(Stage::Compute),
+        _ => None,
+    })?;
+    let size = |id: &ExprId| {
+        let value = values.get(id.index()).copied().flatten()?.as_integer()?;
+        u32::try_from(value).ok()
+    };
+    let workgroup = Module::attribute(attributes, "workgroup_size").and_then(|a| {
+        let mut sizes = [1; 3];
+        for (slot, arg) in sizes.iter_mut().zip(&a.args) {
+            *slot = size(arg)?;
+        }
+        Some(sizes)
+    });
+    Some(EntryPoint { name: name.clone(), stage, item: index, function, workgroup })
+}
+
+/// Place of nothing, for what the text does not write.
+pub(super) fn nowhere(at: Span) -> Span {
+    Span::at(at.end)
+}
+
+#[cfg(test)]
+mod tests;

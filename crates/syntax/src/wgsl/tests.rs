@@ -1,0 +1,142 @@
+//! What the front end reads from modules.
+
+use super::super::ast::{ExprKind, ItemKind, StmtKind};
+use super::super::symbols::CallTarget;
+use super::*;
+
+fn parsed(text: &str) -> super::super::Parsed {
+    Shader::parse_wgsl(&SourceFile::new("a.wgsl", text))
+}
+
+fn errors(text: &str) -> Vec<String> {
+    let parsed = parsed(text);
+    parsed.diagnostics.iter().map(|d| format!("{} {}", parsed.shader.file().locate(d.span.start), d.message)).collect()
+}
+
+/// The types of the expressions with this text.
+fn type_of(text: &str, part: &str) -> String {
+    let parsed = parsed(text);
+    assert!(parsed.diagnostics.is_empty(), "{:?}", errors(text));
+    let shader = parsed.shader;
+    let found = shader.arena().iter().filter(|(id, _)| shader.text_of(*id) == part).last();
+    let (id, _) = found.unwrap_or_else(|| panic!("no `{part}`"));
+    spelling(shader.type_of(id))
+}
+
+const MODULE: &str = "
+struct Light { @location(0) position: vec3<f32>, intensity: f32, flags: array<atomic<u32>, N * 2>, }
+@group(0) @binding(1) var<storage, read_write> lights: array<Light>;
+@group(0) @binding(2) var image: texture_2d<f32>;
+@group(0) @binding(3) var filtering: sampler;
+override scale: f32 = 1.0;
+const N = 2;
+alias Row = vec4f;
+fn helper(p: ptr<function, vec3f>, a: i32) -> Row { (*p).x = 1; return vec4(*p, 1); }
+@compute @workgroup_size(8, N)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+  var v = lights[id.x].position;
+  let r = helper(&v, 3);
+  let s = 2 * v.x / f32(id.y);
+  let c = textureSampleLevel(image, filtering, v.xy, 0);
+  let n = select(0.0, s, s > 1 && r.w < 2.0);
+  let m = mat3x3<f32>(v, v, v) * v;
+  let b = v < vec3(1);
+  loop { if (n > 1) { break; } continuing { v.x += 1; break if v.x >= f32(arrayLength(&lights)); } }
+  switch id.x { case 0, 1u: { v.y = 1; } default { return; } }
+  for (var i = 0u; i < 4; i++) { v[i] -= saturate(n); }
+}
+";
+
+#[test]
+fn types_of_expressions_are_known() {
+    for (part, ty) in [
+        ("lights[id.x].position", "vec3f"),
+        ("helper(&v, 3)", "vec4f"),
+        ("2 * v.x / f32(id.y)", "f32"),
+        ("textureSampleLevel(image, filtering, v.xy, 0)", "vec4f"),
+        ("select(0.0, s, s > 1 && r.w < 2.0)", "f32"),
+        ("mat3x3<f32>(v, v, v) * v", "vec3f"),
+        ("v < vec3(1)", "vec3<bool>"),
+        ("vec3(1)", "vec3f"),
+        ("arrayLength(&lights)", "u32"),
+        ("vec4(*p, 1)", "vec4f"),
+        ("i < 4", "bool"),
+        ("saturate(n)", "f32"),
+    ] {
+        assert_eq!(type_of(MODULE, part), ty, "{part}");
+    }
+}
+
+#[test]
+fn a_module_says_its_interface() {
+    let parsed = parsed(MODULE);
+    let module = parsed.shader.wgsl().unwrap();
+    assert_eq!(module.entry_points[0].workgroup, Some([8, 2, 1]));
+    assert!(!module.composed && !parsed.shader.has_unknown_names());
+    let names: Vec<&str> = module.globals().map(|(v, _)| v.name.name.as_str()).collect();
+    assert_eq!(names, ["lights", "image", "filtering", "scale", "N"]);
+    let light = &module.layouts["Light"];
+    let offsets: Vec<u64> = light.members.iter().map(|m| m.offset).collect();
+    assert_eq!((offsets, light.extent), (vec![0, 12, 16], Extent { align: 16, size: 32 }));
+}
+
+#[test]
+fn what_glsl_has_is_in_the_tree_as_in_glsl() {
+    let shader = parsed(MODULE).shader;
+    let kinds: Vec<&ExprKind> = shader.arena().iter().map(|(_, e)| &e.kind).collect();
+    assert!(kinds.iter().any(|k| matches!(k, ExprKind::Ternary { .. })));
+    let clamps = shader.arena().iter().filter(
+        |(id, _)| matches!(shader.callee(*id), Some(CallTarget::Builtin(call)) if call.function.name() == "clamp"),
+    );
+    assert_eq!(clamps.count(), 1);
+    let ItemKind::Function(main) = &shader.unit().items.last().unwrap().kind else { panic!() };
+    let statements = &main.body.as_ref().unwrap().statements;
+    assert!(statements.iter().any(|s| matches!(s.kind, StmtKind::DoWhile { .. })));
+    let v = shader.symbols().find(|(_, s)| s.name == "v").unwrap().0;
+    assert!(shader.is_written(v), "by the pointer, too");
+}
+
+#[test]
+fn errors_have_places_and_reading_goes_on() {
+    let text =
+        "fn a() { let x = ; }\nfn b() -> f32 { return 1.0 }\nfn c() { let y = 1 & 2 * 3; }\nvar<private z: f32;\n";
+    let found = errors(text);
+    assert_eq!(found.len(), 4, "{found:#?}");
+    assert!(found[0].starts_with("a.wgsl:1:18"), "{found:?}");
+    assert!(found[2].contains("`*` and `&`"), "{found:?}");
+    assert_eq!(parsed(text).shader.functions().count(), 3);
+    assert!(errors("#import a\nfn a() { let x = {{ b }}; }").is_empty(), "an engine completes it");
+}
+
+#[test]
+fn operators_need_the_parentheses_that_the_grammar_asks_for() {
+    for right in
+        ["a + b * c - d", "a < b && c < d", "a && b && c", "a | b | c", "a << b < c", "(a & b) == c", "-a + !b"]
+    {
+        assert!(errors(&format!("fn f() {{ x = {right}; }}")).is_empty(), "{right}");
+    }
+    for wrong in ["a & b == c", "a && b || c", "a | b & c", "a << b + c", "a < b < c", "a << b << c", "a & b && c"] {
+        assert_eq!(errors(&format!("fn f() {{ x = {wrong}; }}")).len(), 1, "{wrong}");
+    }
+}
+
+#[test]
+fn constant_indices_and_old_attributes_are_reported_once() {
+    let text = "const n = 3;\nfn f() -> f32 { let a = array<f32, 3>(); return a[n] + a[2]; }\n";
+    assert_eq!(errors(text), ["a.wgsl:2:51 there is no element 3"]);
+    let old = "[[stage(fragment)]] fn f([[location(0)]] a: f32) -> [[location(0)]] f32 { return a; }\n";
+    assert_eq!(errors(old).len(), 1);
+}
+
+#[test]
+fn any_text_is_read_without_a_panic() {
+    let cut = (0..MODULE.len()).step_by(3).map(|n| MODULE[..n].to_owned());
+    let holes = (0..MODULE.len() - 5).step_by(7).map(|n| format!("{}{}", &MODULE[..n], &MODULE[n + 5..]));
+    let deep = ["(", "-", "a[", "vec3<", "{", "f(", "&", "if x {"].map(|t| format!("fn f() {{ x = {}", t.repeat(5000)));
+    let long = format!("fn f() {{ x = 1{}; }}", " + 1".repeat(5000));
+    let chain = (0..20_000).map(|n| format!("const c{n} = c{} + 1;\nalias A{n} = A{};\n", n + 1, n + 1)).collect();
+    let own = "struct S { s: S, a: A, b: array<S, 2> } alias A = B; alias B = A;".to_owned();
+    for text in cut.chain(holes).chain(deep).chain([long, own, chain]) {
+        parsed(&text);
+    }
+}
