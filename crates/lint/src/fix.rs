@@ -188,6 +188,7 @@ fn faults(name: &str, text: &str) -> usize {
             };
             parts.into_iter().map(faults).sum()
         }
+        Some(Language::Wgsl) => syntax::Shader::parse_wgsl(&file).diagnostics.len(),
         Some(Language::Host) => {
             let host = HostFile::new(&file, true);
             let shaders = host.embedded().iter().map(|e| {

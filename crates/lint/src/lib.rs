@@ -29,6 +29,7 @@ mod suppress;
 mod tests;
 mod variants;
 mod version;
+mod wgsl;
 
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
 pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};

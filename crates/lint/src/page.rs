@@ -186,7 +186,7 @@ pub(crate) mod tests {
 
     fn written(file: &Example) -> String {
         let language = match file.name.rsplit_once('.') {
-            Some((_, ending @ ("cpp" | "js"))) => ending,
+            Some((_, ending @ ("cpp" | "js" | "rs" | "wgsl"))) => ending,
             _ => "glsl",
         };
         format!("`{}`\n\n```{language}\n{}```", file.name, file.text)

@@ -54,6 +54,7 @@ pub const SHADER_EXTENSIONS: &[&str] = &[
     "cont",
     "eval",
     "shader",
+    "wgsl",
 ];
 
 /// Endings of host files that a folder is searched for.
@@ -64,6 +65,8 @@ pub const HOST_EXTENSIONS: &[&str] = &["cpp", "cc", "cxx", "c", "h", "hpp", "hxx
 pub enum Language {
     /// GLSL, of this stage.
     Shader(Stage),
+    /// WGSL.
+    Wgsl,
     /// C or C++.
     Host,
     /// A language whose strings may be shaders.
@@ -88,6 +91,9 @@ pub fn language_of(name: &str) -> Option<Language> {
     }
     if SCRIPT_EXTENSIONS.contains(&ending.as_str()) {
         return Some(Language::Script);
+    }
+    if ending == "wgsl" {
+        return Some(Language::Wgsl);
     }
     // Several shaders in one file; the ending says no stage.
     let stage = if ending == "shader" { Some(Stage::Library) } else { Stage::from_path(name) };
@@ -230,7 +236,7 @@ enum Read {
 impl Read {
     fn new(input: &Input, wanted: Wanted) -> (String, Option<Self>) {
         let path = normalise(input.file.name());
-        if let Some(stage) = input.stage {
+        if let Some(stage) = input.stage.filter(|_| language_of(&path) != Some(Language::Wgsl)) {
             return (path, Some(Self::Shader(Box::new(ShaderFile::of_file(input, stage, wanted)))));
         }
         let read = match language_of(&path) {
@@ -250,6 +256,7 @@ impl Read {
                     Some(Self::Shader(Box::new(ShaderFile::of_file(input, stage, wanted))))
                 }
             }
+            Some(Language::Wgsl) => Some(Self::Shader(Box::new(ShaderFile::wgsl(input)))),
             Some(Language::Host) => Some(Self::Host(Box::new(input.host()))),
             Some(Language::Script) => Some(Self::Host(Box::new(input.script()))),
             None => Document::read(&input.file).map(|document| Self::document(input, document)),
@@ -458,7 +465,7 @@ fn beside(from: &str, name: &str) -> String {
 }
 
 /// A path without `.`, empty parts and those `..` that can be resolved.
-fn normalise(path: &str) -> String {
+pub fn normalise(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {
@@ -479,7 +486,7 @@ fn normalise(path: &str) -> String {
 pub fn companions(input: &Input) -> Vec<String> {
     let name = input.file.name();
     match language_of(name) {
-        Some(Language::Shader(_) | Language::Script) => Vec::new(),
+        Some(Language::Shader(_) | Language::Wgsl | Language::Script) => Vec::new(),
         Some(Language::Host) => companions_of(&input.host(), name),
         None => {
             let hosts = Document::read(&input.file).map(|d| d.hosts).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! All rules. A rule is one folder, with its code and its pages, and one line here.
 
 use super::rule::Rule;
-use super::{glsl, host, program, suppress};
+use super::{glsl, host, program, suppress, wgsl};
 
 /// All rules, sorted by code.
 pub const RULES: &[&Rule] = &[
@@ -125,6 +125,8 @@ pub const RULES: &[&Rule] = &[
     &glsl::ambiguous_overload_int_args::RULE,
     &glsl::write_to_read_only::RULE,
     &glsl::image_format::RULE,
+    &glsl::identical_operands::RULE,
+    &glsl::condition_never_varies::RULE,
     // V. Versions, profiles and extensions of the language.
     &glsl::missing_or_late_version::RULE,
     &glsl::feature_needs_version::RULE,
@@ -137,6 +139,15 @@ pub const RULES: &[&Rule] = &[
     &glsl::missing_precision_es::RULE,
     &glsl::extension_not_enabled::RULE,
     &glsl::per_vertex_redeclared::RULE,
+    // WGSL.
+    &wgsl::non_uniform_control_flow::RULE,
+    &wgsl::atomic_in_read_only_storage::RULE,
+    &wgsl::private_variable_never_set::RULE,
+    &wgsl::pixel_centre_rounded::RULE,
+    &wgsl::unused_binding::RULE,
+    &wgsl::override_without_value::RULE,
+    &wgsl::unknown_entry_point::RULE,
+    &wgsl::structure_laid_out_differently::RULE,
     // X. Comments that silence rules.
     &suppress::unused_suppression::RULE,
     &suppress::bad_suppression::RULE,
@@ -247,7 +258,7 @@ mod tests {
     fn the_folder_of_a_rule_has_its_name() {
         for rule in RULES {
             let folder = rule.name.replace('-', "_");
-            let wings = ["glsl", "host", "program", "suppress"];
+            let wings = ["glsl", "host", "program", "suppress", "wgsl"];
             let code = wings.map(|wing| std::fs::read_to_string(format!("src/{wing}/{folder}/mod.rs")).ok());
             let code = code.into_iter().flatten().next().unwrap_or_else(|| panic!("no folder {folder}"));
             assert!(code.contains(&format!("code: Code(\"{}\")", rule.code)), "{folder} is another rule");

@@ -12,6 +12,7 @@ pub use super::page::Pages;
 use super::program::Program;
 use super::project::{Project, ShaderFile};
 use super::suppress::Suppressions;
+use syntax::wgsl::Module;
 
 /// One rule of the lint tool.
 pub struct Rule {
@@ -44,10 +45,16 @@ pub enum Level {
 /// What a rule looks at.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
-    /// One shader at a time, as far as the front end could read it.
+    /// One shader in GLSL at a time, as far as the front end could read it.
     Shader(fn(&ShaderFile, &mut Findings<'_>)),
-    /// One shader at a time, with what the project says about itself.
+    /// One shader in GLSL at a time, with what the project says about itself.
     ShaderWith(fn(&ShaderFile, &Project, &mut Findings<'_>)),
+    /// One shader in any language at a time.
+    Any(fn(&ShaderFile, &mut Findings<'_>)),
+    /// One shader in any language at a time, with what the project says about itself.
+    AnyWith(fn(&ShaderFile, &Project, &mut Findings<'_>)),
+    /// One module in WGSL at a time.
+    Wgsl(fn(&ShaderFile, &Module, &mut Findings<'_>)),
     /// Errors that the front end finds and tells with the code of this rule: each is handed over to be
     /// completed with a fix, or dropped when nothing comes back.
     FrontEnd(fn(&ShaderFile, Diagnostic) -> Option<Diagnostic>),
@@ -60,6 +67,18 @@ pub(super) enum Check {
     /// One text at a time, whatever its language: planted rules in tests.
     #[cfg(test)]
     Text(fn(&SourceFile, &mut Findings<'_>)),
+}
+
+impl Check {
+    /// Looks at one shader, if the check is one of shaders in its language.
+    fn on_shader(&self, shader: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
+        match (self, shader.shader.wgsl()) {
+            (Self::Shader(check), None) | (Self::Any(check), _) => check(shader, findings),
+            (Self::ShaderWith(check), None) | (Self::AnyWith(check), _) => check(shader, project, findings),
+            (Self::Wgsl(check), Some(module)) => check(shader, module, findings),
+            _ => {}
+        }
+    }
 }
 
 impl Rule {
@@ -81,11 +100,7 @@ impl Rule {
             let mut found = Vec::new();
             for rule in rules {
                 let mut findings = Findings { rule, into: &mut found };
-                match rule.check {
-                    Check::Shader(check) => check(shader, &mut findings),
-                    Check::ShaderWith(check) => check(shader, project, &mut findings),
-                    _ => {}
-                }
+                rule.check.on_shader(shader, project, &mut findings);
             }
             shader.forget();
             numbers_of_variants(rules, shader, project, &mut found);
@@ -99,7 +114,12 @@ impl Rule {
     /// Runs a rule on anything but single shaders.
     fn check(&'static self, project: &Project, programs: &[Program<'_>], into: &mut Vec<(Level, Diagnostic)>) {
         match self.check {
-            Check::Shader(_) | Check::ShaderWith(_) | Check::After(_) => {}
+            Check::Shader(_)
+            | Check::ShaderWith(_)
+            | Check::Any(_)
+            | Check::AnyWith(_)
+            | Check::Wgsl(_)
+            | Check::After(_) => {}
             Check::Host(check) => {
                 let hosts: Vec<&HostFile> = project.hosts().filter(|h| h.reported && h.concerns_shaders()).collect();
                 self.gather(&hosts, into, |host, findings| check(host, project, findings));
@@ -144,11 +164,7 @@ fn numbers_of_variants(
         let mut found = Vec::new();
         for rule in &rules {
             let mut findings = Findings { rule, into: &mut found };
-            match rule.check {
-                Check::Shader(check) => check(&variant, &mut findings),
-                Check::ShaderWith(check) => check(&variant, project, &mut findings),
-                _ => {}
-            }
+            rule.check.on_shader(&variant, project, &mut findings);
         }
         let starts: BTreeSet<usize> = fresh.iter().map(|s| s.start).collect();
         into.extend(found.into_iter().filter(|(_, d)| starts.contains(&d.span.start)));
@@ -156,6 +172,12 @@ fn numbers_of_variants(
 }
 
 impl Rule {
+    /// True for a rule of GLSL that runs on WGSL as well.
+    #[cfg(test)]
+    pub(super) fn holds_for_wgsl(&self) -> bool {
+        matches!(self.check, Check::Any(_) | Check::AnyWith(_))
+    }
+
     /// True when it takes its findings from the front end.
     pub(super) fn completes_the_front_end(&self) -> bool {
         matches!(self.check, Check::FrontEnd(_))

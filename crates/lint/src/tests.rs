@@ -353,3 +353,26 @@ fn an_error_in_a_body_does_not_hide_what_is_wrong_with_the_interface() {
     // A text that cannot be read may declare anything.
     assert_eq!(codes(&vertex.replace("vec4(p)", "vec4(p")), ["E001"]);
 }
+
+/// Every rule that holds for WGSL has two modules in `fixtures/wgsl`: in one it reports, in its twin it does not.
+#[test]
+fn every_rule_of_both_languages_reports_in_wgsl_and_leaves_the_twin_alone() {
+    let mut wrong = Vec::new();
+    for rule in RULES.iter().filter(|r| r.holds_for_wgsl()) {
+        let mut counts = ["bad", "good"].map(|twin| {
+            let path = format!("{}/../../fixtures/wgsl/{}.{twin}.wgsl", env!("CARGO_MANIFEST_DIR"), rule.code);
+            let text = std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{path} is missing"));
+            let settings = Settings { selection: Selection::default().at(Level::Heuristic), ..Settings::default() };
+            let found = run_with(&[Input::new(SourceFile::new("a.wgsl", text))], &settings);
+            assert!(found.iter().all(|d| !d.code.0.starts_with('E')), "{path}: {found:#?}");
+            found.iter().filter(|d| d.code == rule.code).count()
+        });
+        if counts[0] > 0 {
+            counts[0] = 1;
+        }
+        if counts != [1, 0] {
+            wrong.push(format!("{}: {counts:?}", rule.code));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

@@ -208,7 +208,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
         let is_document = |file: &SourceFile| language.is_none() && is_document(file);
         let is_shader = |file: &SourceFile| match language {
             Some(Language::Shader(_)) => true,
-            Some(Language::Host | Language::Script) => false,
+            Some(Language::Wgsl | Language::Host | Language::Script) => false,
             None => !is_document(file),
         };
         let stage = loaded.stage.filter(|_| named);

@@ -140,6 +140,7 @@ pub fn printed_shaders(file: &SourceFile) -> Vec<Printed> {
             let named = |stage: Stage| format!("{} ({})", file.name(), stage.name());
             sections(file).into_iter().map(|(stage, literal)| (named(stage), stage, literal)).collect()
         }
+        Some(Language::Wgsl) => Vec::new(),
         Some(language) => {
             let host =
                 if language == Language::Script { HostFile::script(file, true) } else { HostFile::new(file, true) };

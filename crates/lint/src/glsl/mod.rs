@@ -11,6 +11,8 @@ mod testing;
 mod variable;
 mod walk;
 
+pub(super) use walk::has_errors;
+
 // Rules: each in a folder with its name, with its pages.
 pub(super) mod acos_asin_domain;
 pub(super) mod ambiguous_overload_int_args;
@@ -20,6 +22,7 @@ pub(super) mod assignment_in_condition;
 pub(super) mod bad_output_primitive;
 pub(super) mod catastrophic_cancellation;
 pub(super) mod clamp_min_gt_max;
+pub(super) mod condition_never_varies;
 pub(super) mod constant_index_out_of_range;
 pub(super) mod constructor_too_few_args;
 pub(super) mod constructor_too_many_args;
@@ -38,6 +41,7 @@ pub(super) mod float_modulo;
 pub(super) mod function_without_body;
 pub(super) mod geom_input_not_array;
 pub(crate) mod hlsl_name;
+pub(super) mod identical_operands;
 pub(super) mod image_format;
 pub(super) mod implicit_int_to_float;
 pub(super) mod integer_division_literal;

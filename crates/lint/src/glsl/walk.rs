@@ -20,6 +20,13 @@ pub fn declarators<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Declarator)
     declared.iter().flat_map(|d| &d.declarators).for_each(&mut visit);
 }
 
+/// True when a statement of a function could not be read.
+pub fn has_errors(shader: &Shader) -> bool {
+    let mut found = false;
+    statements(shader, |stmt| found |= stmt.kind == StmtKind::Error);
+    found
+}
+
 /// Calls `visit` for every statement of every function, those inside other statements included.
 pub fn statements<'s>(shader: &'s Shader, mut visit: impl FnMut(&'s Stmt)) {
     let mut pending: Vec<&'s Stmt> = Vec::new();

@@ -65,7 +65,7 @@ use crate::document::Place;
 use crate::embedded::Origin;
 use base::text::{SourceFile, Span};
 
-use crate::script::{Field, Script, Table};
+use crate::script::{Field, Script, Table, WebGpu};
 use constants::Constants;
 
 pub(super) use embedded::Embedded;
@@ -141,7 +141,10 @@ impl HostFile {
     /// A file of another language.
     pub(super) fn script(file: &SourceFile, reported: bool) -> Self {
         let script = Script::read(file);
-        let concerned = !script.lookups.is_empty() || !script.shaders.is_empty() || !script.tables.is_empty();
+        let concerned = !script.lookups.is_empty()
+            || !script.shaders.is_empty()
+            || !script.tables.is_empty()
+            || !script.webgpu.is_empty();
         Self { script: Some(script), concerned, ..Self::with_tree(file, reported, HostTree::default()) }
     }
 
@@ -199,6 +202,11 @@ impl HostFile {
     /// Text of a node.
     pub fn text(&self, node: Node<'_>) -> &str {
         self.file.slice(syntax::span(node))
+    }
+
+    /// What it says of modules in WGSL; none for C and C++.
+    pub fn webgpu(&self) -> Option<&WebGpu> {
+        self.script.as_ref().map(|s| &s.webgpu)
     }
 
     /// All look-ups with a literal name, in the order of the text.

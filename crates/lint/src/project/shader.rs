@@ -66,6 +66,18 @@ impl ShaderFile {
         Self::read(input, version::read_as(&input.file, stage, es))
     }
 
+    /// A module in WGSL.
+    pub(super) fn wgsl(input: &Input) -> Self {
+        let mut shader = Self::read(input, Shader::parse_wgsl(&input.file));
+        shader.conditional = false;
+        shader
+    }
+
+    /// True for a module in WGSL.
+    pub fn is_wgsl(&self) -> bool {
+        self.shader.wgsl().is_some()
+    }
+
     fn read(input: &Input, parsed: Parsed) -> Self {
         let claimed = |d| crate::glsl::hlsl_name::claim(&parsed.shader, d);
         let front_end: Vec<Diagnostic> = parsed.diagnostics.into_iter().map(claimed).collect();
@@ -92,7 +104,7 @@ impl ShaderFile {
     /// before has, each with the places of these lines. What is defined is `1`; a name that the code uses as a value is
     /// left alone.
     pub fn variants(&self) -> Vec<(Self, Vec<Span>)> {
-        if !self.conditional || self.partial || self.file.text().len() > LONGEST_VARIED {
+        if !self.conditional || self.is_wgsl() || self.partial || self.file.text().len() > LONGEST_VARIED {
             return Vec::new();
         }
         let inactive = |shader: &Shader| -> Vec<Span> {
@@ -297,7 +309,22 @@ impl ShaderFile {
 
     /// True when the front end read the whole text without error, and it is all there.
     pub fn is_sound(&self) -> bool {
+        // Names that WGSL imports do not hide which variables a function uses; what could not be read may.
+        if let Some(module) = self.shader.wgsl() {
+            let unread = |i: &syntax::ast::Item| i.kind == ItemKind::Error;
+            let broken = self.shader.unit().items.iter().any(unread) || crate::glsl::has_errors(&self.shader);
+            return !self.partial && !module.varies && !broken;
+        }
         !self.partial && self.front_end.is_empty() && !self.shader.has_unknown_names()
+    }
+
+    /// True when the uses of every variable are seen, be it in text that a condition leaves out.
+    pub fn shows_all_uses(&self) -> bool {
+        self.is_sound()
+            || self.shader.wgsl().is_some_and(|module| {
+                let unread = self.shader.unit().items.iter().any(|i| i.kind == ItemKind::Error);
+                !self.partial && !module.filled && !unread && !crate::glsl::has_errors(&self.shader)
+            })
     }
 
     /// What happens to variables along the paths; nothing when the front end found errors.

@@ -15,6 +15,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod token;
+pub mod webgpu;
 
 use base::diagnostic::{Code as ErrorCode, Diagnostic};
 use base::text::SourceFile;
@@ -29,6 +30,7 @@ use language::Language;
 pub use language::SCRIPT_EXTENSIONS;
 pub use lookup::Field;
 pub use table::Table;
+pub use webgpu::WebGpu;
 
 /// What a file has to do with shaders.
 #[derive(Default)]
@@ -43,19 +45,24 @@ pub struct Script {
     pub tables: Vec<Table>,
     /// Fields of records of numbers.
     pub fields: Vec<Field>,
+    /// What it says of modules in WGSL.
+    pub webgpu: WebGpu,
 }
 
 impl Script {
     /// Reads a file.
     pub fn read(file: &SourceFile) -> Self {
         let text = file.text();
-        let Some(language) = Language::of(file.name()).filter(|_| may_hold(text) || may_feed(text)) else {
+        let Some(language) =
+            Language::of(file.name()).filter(|_| may_hold(text) || may_feed(text) || webgpu::may_say(text))
+        else {
             return Self::default();
         };
         let code = Code::new(file, language);
+        let webgpu = if webgpu::may_say(text) { webgpu::read(&code) } else { WebGpu::default() };
         let shaders = if may_hold(text) { shaders(&code) } else { Vec::new() };
         if !may_feed(text) {
-            return Self { shaders, ..Self::default() };
+            return Self { shaders, webgpu, ..Self::default() };
         }
         let programs = Programs { code: &code, shaders: &shaders };
         let (tables, named) = table::find(&programs);
@@ -74,7 +81,14 @@ impl Script {
         let mut named: Vec<ShaderRef> = linked.iter().flatten().cloned().collect();
         named.sort_unstable();
         named.dedup();
-        Self { programs: HostPrograms { linked, named }, lookups, tables, shaders, fields: lookup::fields(&code) }
+        Self {
+            programs: HostPrograms { linked, named },
+            lookups,
+            tables,
+            shaders,
+            fields: lookup::fields(&code),
+            webgpu,
+        }
     }
 }
 

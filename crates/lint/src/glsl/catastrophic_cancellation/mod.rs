@@ -17,7 +17,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 /// Below this, what is taken from 1 leaves enough digits.

@@ -1,13 +1,16 @@
 //! D010: an assignment without effect, or a statement that nothing reaches.
 
 use crate::project::ShaderFile;
+use crate::range::key;
 use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
-use syntax::ast::{ItemKind, Stmt, StmtKind};
-use syntax::symbols::SymbolKind;
+use syntax::Shader;
+use syntax::ast::{ExprId, ExprKind, ItemKind, Stmt, StmtKind};
+use syntax::symbols::{CallTarget, SymbolKind};
+use syntax::types::Type;
 
 use super::variable::part;
-use super::walk::statements;
+use super::walk::{expressions, statements};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 
 /// The rule.
@@ -17,7 +20,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
@@ -48,15 +51,31 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     if !file.is_sound() {
         return;
     }
+    for (first, second) in overwritten(shader) {
+        let text = shader.text_of(first);
+        findings.push(
+            findings
+                .at(
+                    &file.file,
+                    shader.expr(first).span,
+                    message!("`{text}` is overwritten by the next statement", "`{text}` は次の文で上書きされます"),
+                )
+                .with_label(message!("no effect", "効果がない"))
+                .with_related(&file.file, shader.expr(second).span, message!("written again", "再び書き込まれる"))
+                .with_why(message!("nothing reads the value in between", "間に値を読むものがありません"))
+                .with_help(message!("remove one of the two", "どちらかを削除してください")),
+        );
+    }
+    let wgsl = file.is_wgsl();
     let mut unreached: Vec<Span> = Vec::new();
     for item in &shader.unit().items {
         if let ItemKind::Function(function) = &item.kind {
-            unreached.extend(function.body.as_ref().and_then(|b| behind_jump(&b.statements)));
+            unreached.extend(function.body.as_ref().and_then(|b| behind_jump(&b.statements, wgsl)));
         }
     }
     statements(shader, |statement| match &statement.kind {
         StmtKind::Block(block) | StmtKind::Switch { selector: _, body: block } => {
-            unreached.extend(behind_jump(&block.statements));
+            unreached.extend(behind_jump(&block.statements, wgsl));
         }
         _ => {}
     });
@@ -77,17 +96,59 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     }
 }
 
+/// Members of structures that two statements write one after the other, and the second does not read; variables are
+/// followed by their flow.
+fn overwritten(shader: &Shader) -> Vec<(ExprId, ExprId)> {
+    let stored = |s: &Stmt| match s.kind {
+        StmtKind::Expr(id) => match shader.expr(id).kind {
+            ExprKind::Assign { op: None, op_span: _, target, value } => Some((target, value)),
+            _ => None,
+        },
+        _ => None,
+    };
+    let member = |id: ExprId| matches!(shader.expr(id).kind, ExprKind::Field { base, .. } if matches!(shader.type_of(base), Type::Struct(_)));
+    let mut lists: Vec<&[Stmt]> = Vec::new();
+    for item in &shader.unit().items {
+        if let ItemKind::Function(function) = &item.kind {
+            lists.extend(function.body.as_ref().map(|b| b.statements.as_slice()));
+        }
+    }
+    statements(shader, |statement| {
+        if let StmtKind::Block(block) = &statement.kind {
+            lists.push(&block.statements);
+        }
+    });
+    let mut found = Vec::new();
+    for pair in lists.iter().flat_map(|l| l.windows(2)) {
+        let (Some((first, _)), Some((second, value))) = (stored(&pair[0]), stored(&pair[1])) else { continue };
+        let same = key(shader, first).is_some_and(|k| Some(k) == key(shader, second));
+        // A call may read what was written.
+        let reads = expressions(shader, value).into_iter().any(|e| {
+            matches!(shader.expr(e).kind, ExprKind::Call { .. } if matches!(shader.callee(e), Some(CallTarget::User(_)) | None))
+                || shader.text_of(second).starts_with(shader.text_of(e))
+        });
+        if same && member(first) && !reads {
+            found.push((first, second));
+        }
+    }
+    found
+}
+
 /// The first statement behind a jump of the same block. A `break` there only closes a `case`.
-fn behind_jump(list: &[Stmt]) -> Option<Span> {
-    let jump =
-        |s: &Stmt| matches!(s.kind, StmtKind::Return(_) | StmtKind::Break | StmtKind::Continue | StmtKind::Discard);
+fn behind_jump(list: &[Stmt], wgsl: bool) -> Option<Span> {
+    // In WGSL an invocation goes on behind `discard`, as a helper.
+    let jump = |s: &Stmt| match s.kind {
+        StmtKind::Return(_) | StmtKind::Break | StmtKind::Continue => true,
+        StmtKind::Discard => !wgsl,
+        _ => false,
+    };
     let at = list.iter().position(jump)?;
     let idle = |s: &&Stmt| {
         matches!(s.kind, StmtKind::Break | StmtKind::Return(None) | StmtKind::Empty | StmtKind::Declaration(_))
     };
     let next = list[at + 1..].iter().find(|s| !idle(s))?;
     match next.kind {
-        StmtKind::Case(_) | StmtKind::Default => behind_jump(&list[at + 2..]),
+        StmtKind::Case(_) | StmtKind::Default => behind_jump(&list[at + 2..], wgsl),
         _ => Some(next.span),
     }
 }
@@ -95,6 +156,19 @@ fn behind_jump(list: &[Stmt]) -> Option<Span> {
 #[cfg(test)]
 mod tests {
     use super::super::testing::messages;
+
+    #[test]
+    fn members_that_the_next_statement_overwrites_are_reported() {
+        let count = |body: &str| {
+            crate::wgsl::testing::count(
+                "D010",
+                &format!("struct S {{ a: f32, b: f32, }}\nfn f(x: f32) -> S {{ var s: S; {body} return s; }}\n"),
+            )
+        };
+        assert_eq!(count("s.a = x; s.a = 1.0; s.b = x;"), 1);
+        assert_eq!(count("s.a = x; s.a = s.a + 1.0; s.b = x;"), 0);
+        assert_eq!(count("s.a = x; s.b = 1.0;"), 0);
+    }
 
     fn reported(body: &str) -> usize {
         let text = format!(

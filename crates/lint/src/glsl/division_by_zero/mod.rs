@@ -17,7 +17,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 fn level(divisor: &Range) -> Option<Level> {
@@ -66,7 +66,12 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         }
         let Some(level) = found else { continue };
         let integer = shader.type_of(divisor).scalar().is_some_and(|s| s.is_integer());
-        let why = if integer {
+        let why = if integer && file.is_wgsl() {
+            message!(
+                "an integer divided by 0 gives the dividend, and its remainder is 0",
+                "整数を 0 で割ると被除数がそのまま返り、剰余は 0 になります"
+            )
+        } else if integer {
             message!("an integer divided by 0 is undefined", "整数を 0 で割った結果は未定義です")
         } else {
             message!("the quotient is infinite or NaN, or anything else", "商は無限大か NaN、あるいは別の値になります")

@@ -1,13 +1,17 @@
 //! I005: a fragment input of integers that is not flat.
 
+use std::collections::BTreeSet;
+
 use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
+use crate::wgsl::{inputs, is_flat};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::{Edit, Span};
 use syntax::Stage;
 use syntax::ast::{Interpolation, Qualifiers};
 use syntax::interface::Storage;
 use syntax::types::{ScalarType, Type};
+use syntax::wgsl::Module;
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,11 +20,14 @@ pub const RULE: Rule = Rule {
     severity: Severity::Error,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
+    if let Some(module) = shader.wgsl() {
+        return in_wgsl(file, module, findings);
+    }
     if shader.stage() != Stage::Fragment || shader.version().number < 130 {
         return;
     }
@@ -36,6 +43,50 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                 let (name, start) = (&member.name, member.type_span.start);
                 report(file, &name.name, name.span, &member.ty, &member.qualifiers, start, findings);
             }
+        }
+    }
+}
+
+/// Inputs of the fragment stages of a module, as parameters or as members of their structures.
+fn in_wgsl(file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    let mut told = BTreeSet::new();
+    for entry in module.entry_points.iter().filter(|e| e.stage == Stage::Fragment && !module.varies) {
+        for input in inputs(shader, module, entry.item) {
+            let ty = match (input.member, &shader.symbol(input.param).ty) {
+                (None, ty) => Some(ty),
+                (Some(name), Type::Struct(s)) => s.fields.iter().find(|f| f.name == name).map(|f| &f.ty),
+                (Some(_), _) => None,
+            };
+            let Some(ty) = ty.filter(|ty| is_whole(ty)) else { continue };
+            let Some(location) = Module::attribute(input.attributes, "location") else { continue };
+            if is_flat(shader, input.attributes) || !told.insert(input.name.span) {
+                continue;
+            }
+            let stated = Module::attribute(input.attributes, "interpolate");
+            let edit = match stated {
+                Some(interpolate) => Edit::replace(interpolate.span, "@interpolate(flat)"),
+                None => Edit::insert(location.span.end, " @interpolate(flat)"),
+            };
+            let (name, ty) = (&input.name.name, syntax::wgsl::spelling(ty));
+            findings.push(
+                findings
+                    .at(
+                        &file.file,
+                        input.name.span,
+                        message!("`{name}` is `{ty}` and not flat", "`{name}` は `{ty}` ですが flat ではありません"),
+                    )
+                    .with_label(message!("cannot be interpolated", "補間できません"))
+                    .with_why(message!(
+                        "integers are not interpolated: browsers refuse a module that does not say so, though naga takes it",
+                        "整数は補間されません。flat の指定がないモジュールは、naga は受け取りますが、ブラウザは拒否します"
+                    ))
+                    .with_fix(
+                        message!("write `@interpolate(flat)`", "`@interpolate(flat)` を付ける"),
+                        Safety::Safe,
+                        vec![edit],
+                    ),
+            );
         }
     }
 }

@@ -16,7 +16,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 /// Bits of an integer.
@@ -62,6 +62,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
                     ))
                     .with_help(message!("write a number of that range", "その範囲の数を書いてください")),
             );
+        }
+        // WGSL takes the number of bits modulo 32.
+        if file.is_wgsl() {
+            continue;
         }
         if let Some((by, range)) = amount(shader, file, project, id) {
             let bits = number(range.lo);

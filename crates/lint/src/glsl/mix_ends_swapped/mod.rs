@@ -16,7 +16,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 /// Pairs of words for the beginning and the end of a path.

@@ -21,13 +21,13 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
     let mut wrong: Vec<(ExprId, Message)> = Vec::new();
-    if shader.stage() == Stage::Fragment {
+    if shader.stage() == Stage::Fragment || file.is_wgsl() {
         wrong.extend(interpolated(shader));
     }
     wrong.extend(from_derivatives(shader));
@@ -88,6 +88,9 @@ fn unsigned(shader: &Shader, forms: &Forms<'_>, id: ExprId) -> ExprId {
 
 /// True for an input of a fragment shader that is not flat, and for a member of such a block.
 fn is_interpolated(shader: &Shader, id: ExprId) -> bool {
+    if shader.wgsl().is_some() {
+        return crate::wgsl::is_interpolated(shader, id);
+    }
     let interface = shader.interface();
     let flat = |q: &syntax::ast::Qualifiers| q.interpolation().is_some_and(|(i, _)| i == Interpolation::Flat);
     let member = |block: usize, name: &str| {

@@ -18,7 +18,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 /// True when all components can be 0, and the text shows it.
@@ -86,10 +86,12 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
         let vector = bare(shader, *arg);
         if is_simple(shader, vector) && is_plain(shader, &[call.id, *arg]) {
             let v = shader.text_of(vector);
-            let edit = Edit::replace(
-                shader.expr(call.id).span,
-                in_place(shader, call.id, format!("length({v}) > 0.0 ? normalize({v}) : {v}")),
-            );
+            let text = if file.is_wgsl() {
+                format!("select({v}, normalize({v}), length({v}) > 0.0)")
+            } else {
+                in_place(shader, call.id, format!("length({v}) > 0.0 ? normalize({v}) : {v}"))
+            };
+            let edit = Edit::replace(shader.expr(call.id).span, text);
             found = found.with_fix(
                 message!("keep the zero vector", "零ベクトルはそのまま残す"),
                 Safety::Unsafe,

@@ -15,7 +15,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
@@ -43,11 +43,17 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
                 "opposite directions have the same quotient, and it does not exist where the divisor is 0",
                 "反対の向きでも商は同じで、除数が 0 のところでは商がありません"
             ))
-            .with_help(message!("use `atan` with two arguments", "引数が二つの `atan` を使ってください"));
+            .with_help(if file.is_wgsl() {
+                message!("use `atan2`", "`atan2` を使ってください")
+            } else {
+                message!("use `atan` with two arguments", "引数が二つの `atan` を使ってください")
+            });
         if is_plain(shader, &[call.id, *arg, quotient]) && shader.type_of(left) == shader.type_of(right) {
             let text = format!("{}, {}", shader.text_of(left), shader.text_of(right));
-            let edit = Edit::replace(shader.expr(*arg).span, text);
-            found = found.with_fix(message!("give both sides", "両辺を渡す"), Safety::Unsafe, vec![edit]);
+            let mut edits = vec![Edit::replace(shader.expr(*arg).span, text)];
+            let name = base::text::Span::at(shader.expr(call.id).span.start + "atan".len());
+            edits.extend(file.is_wgsl().then(|| Edit::replace(name, "2")));
+            found = found.with_fix(message!("give both sides", "両辺を渡す"), Safety::Unsafe, edits);
         }
         findings.push(found);
     }

@@ -14,7 +14,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Heuristic,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 /// Exponents from here on are looked at.

@@ -17,7 +17,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::ShaderWith(check),
+    check: Check::AnyWith(check),
 };
 
 /// True for `x - 1`, which is meant to go round.
@@ -39,7 +39,10 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             ExprKind::Assign { op: Some(BinaryOp::Rem), op_span: _, target, value } => (target, value),
             _ => continue,
         };
-        if shader.type_of(left).scalar() != Some(ScalarType::Int) || shader.fold(id).is_some() {
+        let scalar = shader.type_of(left).scalar();
+        // WGSL has `%` for floats, too.
+        let floats = scalar == Some(ScalarType::Float) && file.is_wgsl();
+        if !(scalar == Some(ScalarType::Int) || floats) || shader.fold(id).is_some() {
             continue;
         }
         let negative = |r: &Range| r.goes_below(0.0, Evidence::Nature);
@@ -48,21 +51,29 @@ fn check(file: &ShaderFile, project: &Project, findings: &mut Findings<'_>) {
             observed.visits(id).iter().filter_map(|v| v.operands.first()).flat_map(|v| v.parts.clone()).collect();
         let level = if ranges.iter().any(negative) {
             Level::Default
-        } else if goes_back(shader, left) && ranges.iter().any(possible) {
+        } else if (goes_back(shader, left) || floats) && ranges.iter().any(possible) {
             Level::Strict
         } else {
             continue;
         };
         let (a, b) = (shader.text_of(left), shader.text_of(right));
+        let why = if file.is_wgsl() {
+            message!(
+                "`%` takes the sign of its left operand: `-1 % 4` is -1 and not 3",
+                "`%` の結果は左辺の符号になります。`-1 % 4` は 3 ではなく -1 です"
+            )
+        } else {
+            message!(
+                "`%` of a negative number is undefined; devices give negative and positive results",
+                "負の数の `%` は未定義で、装置によって負にも正にもなります"
+            )
+        };
         findings.push_at(
             level,
             findings
                 .at(&file.file, shader.expr(left).span, message!("`{a}` can be negative", "`{a}` が負になりえます"))
                 .with_label(message!("left of `%`", "`%` の左辺"))
-                .with_why(message!(
-                    "`%` of a negative number is undefined; devices give negative and positive results",
-                    "負の数の `%` は未定義で、装置によって負にも正にもなります"
-                ))
+                .with_why(why)
                 .with_help(message!(
                     "add the divisor first: `({a} + {b}) % {b}`",
                     "先に除数を足してください: `({a} + {b}) % {b}`"

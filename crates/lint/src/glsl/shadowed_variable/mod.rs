@@ -13,7 +13,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {

@@ -4,7 +4,7 @@ use crate::project::ShaderFile;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
 use base::diagnostic::{Code, Safety, Severity, message};
 use base::text::Edit;
-use syntax::is_builtin_function;
+use syntax::{Shader, is_builtin_function};
 
 use super::compile::{fresh, is_private};
 
@@ -15,8 +15,15 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
+
+fn is_builtin(shader: &Shader, name: &str) -> bool {
+    match shader.wgsl() {
+        Some(_) => syntax::wgsl::is_builtin(name),
+        None => is_builtin_function(shader, name),
+    }
+}
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
@@ -29,7 +36,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         )
     };
     for (id, symbol) in shader.symbols() {
-        let Some(span) = symbol.span.filter(|_| is_builtin_function(shader, &symbol.name)) else { continue };
+        let Some(span) = symbol.span.filter(|_| is_builtin(shader, &symbol.name)) else { continue };
         let found = findings
             .at(&file.file, span, title(&symbol.name))
             .with_label(message!("hides the function", "関数を隠します"))
@@ -47,7 +54,7 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
         });
     }
     for (_, function) in shader.functions() {
-        if is_builtin_function(shader, &function.name.name) {
+        if is_builtin(shader, &function.name.name) {
             findings.push(
                 findings
                     .at(&file.file, function.name.span, title(&function.name.name))

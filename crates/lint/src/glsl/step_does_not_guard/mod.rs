@@ -21,7 +21,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Warning,
     level: Level::Strict,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 /// Functions without a finite value, or without any, for some arguments.
@@ -130,10 +130,17 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
                     "the other factor is computed where this one is 0, and may have no value there",
                     "この係数が 0 のところでも相手の係数は計算され、そこでは値がないかもしれません"
                 ))
-                .with_help(message!(
-                    "use `if` or `?:`, which leave the value away",
-                    "値を使わずに済む `if` か `?:` を使ってください"
-                )),
+                .with_help(if file.is_wgsl() {
+                    message!(
+                        "use `if` or `select`, which leave the value away",
+                        "値を使わずに済む `if` か `select` を使ってください"
+                    )
+                } else {
+                    message!(
+                        "use `if` or `?:`, which leave the value away",
+                        "値を使わずに済む `if` か `?:` を使ってください"
+                    )
+                }),
         );
     }
 }

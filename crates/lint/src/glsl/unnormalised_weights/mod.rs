@@ -17,7 +17,7 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Heuristic,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 /// Sums so near to 1 are 1, up to the digits that people write.

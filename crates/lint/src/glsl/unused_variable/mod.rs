@@ -19,12 +19,12 @@ pub const RULE: Rule = Rule {
     severity: Severity::Info,
     level: Level::Default,
     pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
-    check: Check::Shader(check),
+    check: Check::Any(check),
 };
 
 fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
     let shader = &file.shader;
-    if !file.is_sound() {
+    if !file.shows_all_uses() {
         return;
     }
     let hidden = hidden_words(file);

@@ -1,0 +1,194 @@
+//! T031: comparisons of one value that decide each other.
+
+use std::cmp::Ordering;
+
+use crate::project::ShaderFile;
+use crate::range::key;
+use crate::rule::{Check, Findings, Level, Pages, Rule};
+use base::diagnostic::{Code, Severity, message};
+use syntax::Shader;
+use syntax::ast::{BinaryOp, ExprId, ExprKind};
+use syntax::symbols::CallTarget;
+use syntax::types::ScalarType;
+
+use super::forms::builtin;
+use super::numeric::{bare, constant};
+
+/// The rule.
+pub const RULE: Rule = Rule {
+    code: Code("T031"),
+    name: "condition-never-varies",
+    severity: Severity::Warning,
+    level: Level::Default,
+    pages: Pages { en: include_str!("en.md"), ja: include_str!("ja.md") },
+    check: Check::Any(check),
+};
+
+/// A comparison `value op bound`, with the value first.
+struct Compared {
+    value: String,
+    op: BinaryOp,
+    bound: Bound,
+    /// True inside of `any`.
+    any: bool,
+}
+
+/// What a value is compared with: a number, or a multiple of an unsigned expression.
+enum Bound {
+    Number(f64),
+    Multiple(f64, String),
+}
+
+fn number(shader: &Shader, id: ExprId) -> Option<f64> {
+    let id = bare(shader, id);
+    if let Some(value) = constant(shader, id) {
+        return Some(value);
+    }
+    // A vector of equal components.
+    let (ExprKind::Call { callee: _, args }, Some(CallTarget::Constructor(_))) =
+        (&shader.expr(id).kind, shader.callee(id))
+    else {
+        return None;
+    };
+    let first = number(shader, *args.first()?)?;
+    args.iter().all(|a| number(shader, *a) == Some(first)).then_some(first)
+}
+
+fn bound(shader: &Shader, id: ExprId) -> Option<Bound> {
+    if let Some(value) = number(shader, id) {
+        return Some(Bound::Number(value));
+    }
+    let id = bare(shader, id);
+    if shader.type_of(id).scalar() != Some(ScalarType::Uint) {
+        return None;
+    }
+    if let ExprKind::Binary { op: BinaryOp::Mul, op_span: _, left, right } = shader.expr(id).kind {
+        for (factor, other) in [(left, right), (right, left)] {
+            if let Some(factor) = constant(shader, factor) {
+                return Some(Bound::Multiple(factor, key(shader, other)?));
+            }
+        }
+    }
+    Some(Bound::Multiple(1.0, key(shader, id)?))
+}
+
+fn compared(shader: &Shader, id: ExprId) -> Option<Compared> {
+    let mut id = bare(shader, id);
+    let any = builtin(shader, id, &["any"]).and_then(|(_, args)| args.first().copied());
+    id = any.map_or(id, |inner| bare(shader, inner));
+    let ExprKind::Binary { op, op_span: _, left, right } = shader.expr(id).kind else { return None };
+    let turned = match op {
+        BinaryOp::Less => BinaryOp::Greater,
+        BinaryOp::Greater => BinaryOp::Less,
+        BinaryOp::LessEqual => BinaryOp::GreaterEqual,
+        BinaryOp::GreaterEqual => BinaryOp::LessEqual,
+        _ => return None,
+    };
+    let (value, op, limit) = match (number(shader, left), number(shader, right)) {
+        (Some(_), None) => (right, turned, left),
+        _ => (left, op, right),
+    };
+    let (value, bound) = (key(shader, bare(shader, value))?, bound(shader, limit)?);
+    Some(Compared { value, op, bound, any: any.is_some() })
+}
+
+/// What a condition always is.
+fn decided(shader: &Shader, id: ExprId) -> Option<bool> {
+    let ExprKind::Binary { op, op_span: _, left, right } = shader.expr(id).kind else { return None };
+    let (a, b) = (compared(shader, left)?, compared(shader, right)?);
+    if a.value != b.value || a.any != b.any {
+        return None;
+    }
+    let above = |c: &Compared| matches!(c.op, BinaryOp::Greater | BinaryOp::GreaterEqual);
+    let closed = |c: &Compared| matches!(c.op, BinaryOp::LessEqual | BinaryOp::GreaterEqual);
+    let (low, high) = match (above(&a), above(&b)) {
+        (true, false) => (a, b),
+        (false, true) => (b, a),
+        _ => return None,
+    };
+    // How the lower bound stands to the upper one.
+    let order = match (&low.bound, &high.bound) {
+        (Bound::Number(l), Bound::Number(h)) => l.partial_cmp(h)?,
+        (Bound::Multiple(l, of), Bound::Multiple(h, other)) if of == other => match l.partial_cmp(h)? {
+            // Both are 0 where the number is.
+            Ordering::Greater if !closed(&low) || !closed(&high) => Ordering::Greater,
+            Ordering::Equal => Ordering::Equal,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let touch = order == Ordering::Equal;
+    match op {
+        BinaryOp::Or if order == Ordering::Less || (touch && (closed(&low) || closed(&high))) => Some(true),
+        BinaryOp::And if !low.any && (order == Ordering::Greater || (touch && !(closed(&low) && closed(&high)))) => {
+            Some(false)
+        }
+        _ => None,
+    }
+}
+
+fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
+    let shader = &file.shader;
+    for (id, expr) in shader.arena().iter() {
+        let Some(always) = decided(shader, id).filter(|_| !expr.from_macro) else { continue };
+        let message = if always {
+            message!("this condition is always true", "この条件は常に真です")
+        } else {
+            message!("this condition is never true", "この条件は決して真になりません")
+        };
+        findings.push(
+            findings
+                .at(&file.file, expr.span, message)
+                .with_label(message!("decided by the bounds", "境界だけで決まる"))
+                .with_why(message!(
+                    "the ranges that the two comparisons leave cover everything, or have nothing in common",
+                    "二つの比較の範囲を合わせると全体になるか、共通部分がありません"
+                ))
+                .with_help(message!(
+                    "look at `&&` and `||`, `any` and `all`, and the order of the bounds",
+                    "`&&` と `||`、`any` と `all`、境界の順序を確かめてください"
+                )),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numeric::testing::{rings, silent};
+    use crate::Level;
+
+    #[test]
+    fn bounds_that_decide_are_reported() {
+        rings(
+            "T031",
+            Level::Default,
+            &[
+                "if (s >= 0.0 || s <= 1.0) r = 1.0;",
+                "if (s > 1.0 && s < 0.0) r = 1.0;",
+                "if (0.0 < s || 1.0 > s) r = 1.0;",
+            ],
+        );
+        let wgsl = |line: &str| {
+            crate::wgsl::testing::count("T031", &format!("fn f(v: vec2f, i: u32, n: u32) -> bool {{ return {line}; }}"))
+        };
+        assert_eq!(wgsl("any(v >= vec2f(0.0)) || any(v <= vec2f(1.0))"), 1);
+        assert_eq!(wgsl("i >= 4 * n && i < n"), 1);
+        assert_eq!(wgsl("i >= n && i < 4 * n"), 0);
+        assert_eq!(wgsl("all(v >= vec2f(0.0)) && all(v <= vec2f(1.0))"), 0);
+        assert_eq!(wgsl("any(v < vec2f(0.0)) || any(v > vec2f(1.0))"), 0);
+    }
+
+    #[test]
+    fn ranges_are_not() {
+        silent(
+            "T031",
+            Level::Heuristic,
+            &[
+                "if (s >= 0.0 && s <= 1.0) r = 1.0;",
+                "if (s < 0.0 || s > 1.0) r = 1.0;",
+                "if (s >= 1.0 && s <= 1.0) r = 1.0;",
+                "if (s > 0.0 || t < 1.0) r = 1.0;",
+            ],
+        );
+    }
+}
