@@ -7,12 +7,13 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::StageName;
+use crate::cli::includes::IncludedText;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
 use base::text::{Shown, SourceFile, decode_western};
 use disk::{fresh, read_source};
 use program::lower::Target;
-use program::{Language, Program, ProgramError, TranslateError, Translation, read_back};
+use program::{Language, ModuleText, Program, ProgramError, TranslateError, Translation, Written, read_back};
 use report::diagnostics;
 use syntax::{Shader, Stage};
 
@@ -32,6 +33,9 @@ pub struct TranslateArgs {
     /// Function to translate, for a function library; the first one when there is only one
     #[arg(long, value_name = "NAME")]
     pub entry: Option<String>,
+    /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = definition)]
+    pub define: Vec<(String, String)>,
     /// Folder in which included files are looked for, after that of the file that includes them
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
@@ -52,6 +56,61 @@ pub struct TranslateArgs {
 /// When a file cannot be read or written.
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
     let source = super::includes::read(&args.file, &args.include)?;
+    let written = Written::of(&source.file);
+    let program = match written {
+        Written::Glsl => of_glsl(args, source, err)?,
+        Written::Wgsl => of_module(args, &source, written, err)?,
+    };
+    let Some(program) = program else { return Ok(ExitStatus::Findings) };
+    let name = program.file.name().to_owned();
+    let translation = match program.translate(args.to) {
+        Ok(translation) => translation,
+        Err(error @ TranslateError::Inexpressible { .. }) => {
+            writeln!(err, "error: {name}: {error}")?;
+            return Ok(ExitStatus::Findings);
+        }
+        Err(error) => return Err(error).with_context(|| name),
+    };
+    // What naga writes and does not read back is not handed out as if it were right.
+    read_back(&translation, args.to, &program.role).with_context(|| name)?;
+    match &args.output {
+        Some(path) => write_file(path, translation)?,
+        None if args.to == Language::SpirV && std::io::IsTerminal::is_terminal(&std::io::stdout()) => {
+            anyhow::bail!("SPIR-V is binary; name a file with `-o FILE.spv`");
+        }
+        None => out.write_all(&translation.into_bytes())?,
+    }
+    Ok(ExitStatus::Clean)
+}
+
+/// The program of a text that is read as a module; none where diagnostics say what is wrong with it.
+fn of_module(
+    args: &TranslateArgs,
+    source: &IncludedText,
+    written: Written,
+    err: &mut dyn Write,
+) -> anyhow::Result<Option<Program>> {
+    let stage = args.stage.map(Stage::from);
+    let program = ModuleText::read(&source.file, written)
+        .and_then(|text| text.program(text.meant(stage, args.entry.as_deref()), &args.define));
+    match program {
+        Ok(program) => Ok(Some(program)),
+        Err(ProgramError::Source(found)) => {
+            report(source, found, err)?;
+            Ok(None)
+        }
+        Err(error) => Err(error).with_context(|| source.name.clone()),
+    }
+}
+
+fn report(source: &IncludedText, found: Vec<Diagnostic>, err: &mut dyn Write) -> std::io::Result<()> {
+    found.into_iter().try_for_each(|diagnostic| {
+        write!(err, "{}", diagnostics::text(&source.explained(diagnostic.at_origin()), Lang::En, false))
+    })
+}
+
+/// The program of a text in GLSL; none where diagnostics say what is wrong with it.
+fn of_glsl(args: &TranslateArgs, source: IncludedText, err: &mut dyn Write) -> anyhow::Result<Option<Program>> {
     if args.stage.is_none() && lint::stage_of(&source.file).is_none() {
         anyhow::bail!(
             "{}: the extension does not tell the stage; name it with --stage, or use .vert, .frag, .geom, .comp, or .glsl \
@@ -68,44 +127,27 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     };
     let file = &fitted;
     let target = |shader: &Shader| target(shader, stage, args.entry.as_deref());
-    let mut reported = |found: Vec<Diagnostic>| -> std::io::Result<()> {
-        found.into_iter().try_for_each(|diagnostic| {
-            write!(err, "{}", diagnostics::text(&source.explained(diagnostic), Lang::En, false))
-        })
-    };
-    let program = match Program::from_source(file, stage, target) {
-        Ok(program) => program,
+    match Program::from_source_with(file, stage, &args.define, target) {
+        Ok(program) => Ok(Some(program)),
         Err(ProgramError::Source(found)) => {
-            reported(found)?;
-            match Program::from_faulty(file, stage, target) {
-                Ok(program) if args.lenient => program,
+            report(&source, found, err)?;
+            match Program::from_faulty(file, stage, &args.define, target) {
+                Ok(program) if args.lenient => Ok(Some(program)),
                 Ok(_) => {
                     writeln!(err, "help: `--lenient` translates the rest, which does not use this")?;
-                    return Ok(ExitStatus::Findings);
+                    Ok(None)
                 }
-                Err(_) => return Ok(ExitStatus::Findings),
+                Err(_) => Ok(None),
             }
         }
-        Err(error) => return Err(error).with_context(|| file.name().to_owned()),
-    };
-    let translation = match program.translate(args.to) {
-        Ok(translation) => translation,
-        Err(error @ TranslateError::Inexpressible { .. }) => {
-            writeln!(err, "error: {}: {error}", file.name())?;
-            return Ok(ExitStatus::Findings);
-        }
-        Err(error) => return Err(error).with_context(|| file.name().to_owned()),
-    };
-    // What naga writes and does not read back is not handed out as if it were right.
-    read_back(&translation, args.to, &program.role).with_context(|| file.name().to_owned())?;
-    match &args.output {
-        Some(path) => write_file(path, translation)?,
-        None if args.to == Language::SpirV && std::io::IsTerminal::is_terminal(&std::io::stdout()) => {
-            anyhow::bail!("SPIR-V is binary; name a file with `-o FILE.spv`");
-        }
-        None => out.write_all(&translation.into_bytes())?,
+        Err(error) => Err(error).with_context(|| file.name().to_owned()),
     }
-    Ok(ExitStatus::Clean)
+}
+/// A name and a value of the command line.
+pub(super) fn definition(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text.split_once('=').unwrap_or((text, "1"));
+    let named = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    if named { Ok((name.to_owned(), value.to_owned())) } else { Err("give NAME=VALUE".to_owned()) }
 }
 
 /// What is translated of a shader.

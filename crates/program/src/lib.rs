@@ -16,13 +16,13 @@ mod layout;
 pub mod lower;
 mod memory;
 pub mod probe;
+mod read;
 mod readback;
 mod source;
 mod strides;
 mod supply;
 pub mod texture;
 mod translate;
-mod wgsl;
 
 use std::sync::Arc;
 
@@ -48,6 +48,7 @@ pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
 pub use probe::Probed;
+pub use read::{Chosen, ModuleText, Runnable, Written};
 pub use readback::{Place, ReadBack};
 pub use texture::Texture;
 pub use translate::{Language, TranslateError, Translation, read_back};
@@ -151,7 +152,7 @@ pub struct Port {
 /// A shader that can be run: a validated module and its interface.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The module, built from the syntax tree.
+    /// The module: built from the syntax tree of a text in GLSL, read by naga from others.
     pub module: Module,
     /// What the validator found out about it.
     pub info: ModuleInfo,
@@ -183,6 +184,8 @@ pub struct Program {
     pub file: SourceFile,
     /// Stage of the text.
     pub stage: Stage,
+    /// What the text is written in.
+    pub written: Written,
     /// Macros that are given from outside: names and values.
     pub defines: Vec<(String, String)>,
     /// True for a program that gives more than its text says: a trace of its operations, or what its memory holds.

@@ -72,9 +72,10 @@ impl Program {
     pub fn from_faulty(
         file: &SourceFile,
         stage: Stage,
+        defines: &[(String, String)],
         target: impl FnOnce(&Shader) -> Result<Target, ProgramError>,
     ) -> Result<Self, ProgramError> {
-        let Parsed { shader, diagnostics } = Shader::parse(file, stage);
+        let Parsed { shader, diagnostics } = Shader::parse_with(file, stage, defines);
         // An error of the grammar may have taken more of the text along than it stands at.
         let errors = diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
         let fatal: Vec<Diagnostic> =

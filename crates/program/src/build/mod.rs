@@ -213,6 +213,7 @@ fn one(shader: &Shader, target: &Target, run: bool) -> std::result::Result<(Prog
         memory,
         file: shader.file().clone(),
         stage: shader.stage(),
+        written: crate::Written::Glsl,
         defines: shader.defines().to_vec(),
         instrumented: false,
         texts: Vec::new(),

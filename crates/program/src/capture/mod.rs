@@ -22,7 +22,7 @@ use naga::valid::ModuleInfo;
 use super::{Drawn, Program, ProgramError};
 use base::value::{Batch, Field, Record};
 
-pub(super) use builder::add_global;
+pub(super) use builder::{Builder, add_global};
 pub use vertex::{Attribute, UniformBlock, UniformPlace};
 pub use words::shape_of;
 

@@ -21,7 +21,7 @@ use naga::{BuiltIn, Handle, Module, Type};
 use feed::Feed;
 
 use super::translate::{Language, TranslateError, Translation, read_back};
-use super::{Entry, PortAt, Program, ProgramError, Texture, contain, validate};
+use super::{Entry, PortAt, Program, ProgramError, Texture, Written, contain, validate};
 use crate::lower::Role;
 use base::text::{Edited, PositionMap};
 use base::value::{Batch, Field, Record, Scalar, Shape};
@@ -150,10 +150,13 @@ impl ReadBack {
 /// The program's textures in a module that was read back: those whose image has the same binding.
 fn textures(program: &Program, module: &Module, grouped: bool) -> Vec<Texture> {
     let binding = |module: &Module, handle: naga::Handle<naga::GlobalVariable>| module.global_variables[handle].binding;
+    // The module of a text that naga reads keeps the author's bindings beside those of kernels.
+    let host = program.stage_module.as_deref().filter(|_| program.written != Written::Glsl);
+    let host = host.map_or(&program.module, |(module, _)| module);
     let mut all = Vec::new();
     for texture in &program.textures {
         let find = |own: naga::Handle<naga::GlobalVariable>| {
-            let wanted = binding(&program.module, own)?;
+            let wanted = binding(host, own)?;
             let mut found = module.global_variables.iter();
             let here = |b: naga::ResourceBinding| b.binding == wanted.binding && (!grouped || b.group == wanted.group);
             let same = |v: &naga::GlobalVariable| v.space == naga::AddressSpace::Handle && v.binding.is_some_and(here);

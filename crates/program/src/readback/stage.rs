@@ -17,6 +17,7 @@ use super::{Place, ReadBack};
 use crate::capture::shape_of;
 use crate::layout::{byte_offsets, words};
 use crate::lower::Role;
+use crate::read::flat_if_needed;
 use crate::{DISCARD, Entry, Language, PortAt, Program, TranslateError};
 use base::value::{Field, Record, Scalar, Shape};
 
@@ -67,6 +68,7 @@ pub(super) fn own(program: &Program, language: Language) -> Result<ReadBack, Tra
 /// A translation of the stage.
 pub(super) fn resolve(program: &Program, language: Language, mut module: Module) -> Result<ReadBack, TranslateError> {
     let own = Own::new(program, language)?;
+    flat_if_needed(&mut module);
     let (alone, info) = alone(&mut module)?;
     own.bind(language, module, alone, info)
 }
@@ -75,6 +77,7 @@ impl<'p> Own<'p> {
     fn new(program: &'p Program, language: Language) -> Result<Self, TranslateError> {
         let host = program.stage_module.as_deref().map_or(&program.module, |(module, _)| module);
         let mut module = host.clone();
+        flat_if_needed(&mut module);
         let (alone, info) = alone(&mut module)?;
         let grouped = !language.is_glsl();
         let (inputs, outputs, buffers) = (HashMap::new(), Vec::new(), HashMap::new());

@@ -12,7 +12,7 @@ use disk::Problem;
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
 use lanes::Stage as LaneStage;
 use program::lower::Target;
-use program::{Kernel, Program, ProgramError};
+use program::{Chosen, Kernel, ModuleText, Program, ProgramError, Written};
 use property::law::LawError;
 use property::{Own, Plan, PlanError, Relation, Sample};
 
@@ -208,11 +208,10 @@ pub fn prepare_with(
     })
 }
 
-/// What a suite runs of a text: its stage, or a function. A name that ends in `.wgsl` means WGSL.
+/// What a suite runs of a text: its stage, or a function.
 fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
-    if is_wgsl(shader) {
-        let unnamed = || ProgramError::Unsupported { what: "a stage in WGSL; name one of its functions".to_owned() };
-        return Program::from_wgsl(shader, function.ok_or_else(unnamed)?);
+    if Written::of(shader) != Written::Glsl {
+        return of_module(suite, shader, function);
     }
     let stage = stage_of(suite, shader, function);
     let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
@@ -220,8 +219,23 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
     Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
 }
 
-fn is_wgsl(shader: &SourceFile) -> bool {
-    shader.name().ends_with(".wgsl")
+/// The same of a text that is read as a module: what a function is among its functions, or an entry point.
+fn of_module(suite: &Suite, shader: &SourceFile, name: Option<&str>) -> Result<Program, ProgramError> {
+    let text = ModuleText::read(shader, Written::of(shader))?;
+    let stage = match suite.stage {
+        Stage::Vertex => Some(syntax::Stage::Vertex),
+        Stage::Fragment => Some(syntax::Stage::Fragment),
+        Stage::Geometry => {
+            let what = format!("a geometry stage in {}, which has none", text.written().name());
+            return Err(ProgramError::Unsupported { what });
+        }
+        Stage::Function => None,
+    };
+    let chosen = match name {
+        Some(name) if suite.stage == Stage::Function => Chosen::Function(name),
+        _ => text.meant(stage, name),
+    };
+    text.program(chosen, &suite.chosen)
 }
 
 /// The stage that a text is read for.
@@ -260,7 +274,10 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             // Hosts put a version in front of a text, and a suite has no place for one.
             let stage = stage_of(suite, text, entry);
             let first = || Some(syntax::Shader::parse(shader, stage_of(suite, shader, None)).shader.version().clone());
-            let text = &if is_wgsl(text) { text.clone() } else { syntax::fitting(text, stage, &suite.chosen, first) };
+            let text = &match Written::of(text) {
+                Written::Glsl => syntax::fitting(text, stage, &suite.chosen, first),
+                Written::Wgsl => text.clone(),
+            };
             let mut model = self::program(suite, text, entry).map_err(|source| {
                 let source = match source {
                     ProgramError::Source(found) => {

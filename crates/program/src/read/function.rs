@@ -1,0 +1,165 @@
+//! A function by itself: structures are taken apart, so that only numbers, vectors, matrices and arrays of them go in
+//! and come out.
+
+use naga::{
+    AddressSpace, Expression, Function, FunctionArgument, GlobalVariable, Handle, Module, Span, Statement, Type,
+    TypeInner,
+};
+
+use super::ports::{Part, Ports, at, parts};
+use crate::capture::{Builder, add_global, shape_of};
+use crate::{Port, PortAt};
+use base::value::Field;
+
+/// What goes in and comes out, and what is run.
+pub(super) struct Alone {
+    pub function: Handle<Function>,
+    pub inputs: Vec<Port>,
+    pub outputs: Vec<Port>,
+}
+
+/// Name of what a function gives.
+const RETURN: &str = "return";
+
+/// Makes the function of this name ready to be called.
+pub(super) fn alone(module: &mut Module, name: &str, ports: &mut Ports<'_>, at: base::text::Span) -> Option<Alone> {
+    let named = |(_, function): &(Handle<Function>, &Function)| function.name.as_deref() == Some(name);
+    let (handle, function) = module.functions.iter().find(named)?;
+    let function = function.clone();
+    let is_plain = |ty: Handle<Type>| match module.types[ty].inner {
+        TypeInner::Pointer { base, space: AddressSpace::Function } => shape_of(module, base).is_some(),
+        _ => shape_of(module, ty).is_some(),
+    };
+    let arguments = function.arguments.iter().all(|argument| is_plain(argument.ty));
+    if arguments && function.result.as_ref().is_none_or(|result| is_plain(result.ty)) {
+        return Some(plain(module, handle, &function));
+    }
+    Some(around(module, handle, &function, name, ports, at))
+}
+
+fn own_name(argument: &FunctionArgument, k: usize) -> String {
+    argument.name.clone().unwrap_or_else(|| format!("argument {}", k + 1))
+}
+
+/// Ports of a function as it stands.
+fn plain(module: &Module, handle: Handle<Function>, function: &Function) -> Alone {
+    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+    let port = |name: String, ty, at| {
+        let shape = shape_of(module, ty)?;
+        Some(Port { field: Field { name, shape }, ty, at, backing: None })
+    };
+    outputs.extend(function.result.as_ref().and_then(|result| port(RETURN.to_owned(), result.ty, PortAt::Result)));
+    for (k, argument) in function.arguments.iter().enumerate() {
+        let name = own_name(argument, k);
+        let index = k as u32;
+        match module.types[argument.ty].inner {
+            TypeInner::Pointer { base, .. } => {
+                inputs.extend(port(name.clone(), base, PortAt::Reference(index)));
+                outputs.extend(port(name, base, PortAt::Reference(index)));
+            }
+            _ => inputs.extend(port(name, argument.ty, PortAt::Argument(index))),
+        }
+    }
+    Alone { function: handle, inputs, outputs }
+}
+
+/// A function around it whose arguments are the parts of its arguments, and which keeps what comes out in variables.
+fn around(
+    module: &mut Module,
+    handle: Handle<Function>,
+    function: &Function,
+    name: &str,
+    ports: &mut Ports<'_>,
+    place: base::text::Span,
+) -> Alone {
+    let mut b = Builder::new();
+    let (mut inputs, mut arguments, mut passed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut kept, mut outputs) = (Vec::new(), Vec::new());
+    for (k, argument) in function.arguments.iter().enumerate() {
+        let own = own_name(argument, k);
+        let (ty, space) = match module.types[argument.ty].inner {
+            TypeInner::Pointer { base, space } => (base, Some(space)),
+            _ => (argument.ty, None),
+        };
+        let (mut found, mut unfed) = (Vec::new(), Vec::new());
+        parts(module, ty, (&own, &[]), &mut found, &mut unfed);
+        unfed.iter().for_each(|what| ports.not_fed(what, place));
+        let mut given = Vec::new();
+        for Part { name, path, ty, shape } in found {
+            given.push((path, arguments.len() as u32));
+            let at = PortAt::Argument(arguments.len() as u32);
+            arguments.push(FunctionArgument { name: Some(format!("sc_{}", arguments.len())), ty, binding: None });
+            inputs.push(Port { field: Field { name, shape }, ty, at, backing: None });
+        }
+        let value = put_together(&mut b, module, ty, &[], &given);
+        passed.push(match space {
+            None => value,
+            Some(AddressSpace::Private) => {
+                let global = add_global(module, &own, AddressSpace::Private, None, ty);
+                let pointer = b.global(global);
+                b.store(pointer, value);
+                kept.push((own, global, None));
+                pointer
+            }
+            Some(_) => {
+                let local = b.local(&own, ty);
+                b.store(local, value);
+                let global = add_global(module, &format!("{own}_after"), AddressSpace::Private, None, ty);
+                kept.push((own, global, Some(local)));
+                local
+            }
+        });
+    }
+    let result = function.result.as_ref().map(|result| result.ty);
+    let value = result.map(|_| b.name(Expression::CallResult(handle)));
+    b.statement(Statement::Call { function: handle, arguments: passed, result: value });
+    let mut leave = |module: &Module, ports: &mut Ports<'_>, name: &str, global: Handle<GlobalVariable>| {
+        let (mut found, mut unfed) = (Vec::new(), Vec::new());
+        parts(module, module.global_variables[global].ty, (name, &[]), &mut found, &mut unfed);
+        unfed.iter().for_each(|what| ports.not_fed(what, place));
+        for Part { name, path, ty, shape } in found {
+            outputs.push(Port { field: Field { name, shape }, ty, at: at(module, global, &path), backing: None });
+        }
+    };
+    if let (Some(ty), Some(value)) = (result, value) {
+        let global = add_global(module, "sc_result", AddressSpace::Private, None, ty);
+        let pointer = b.global(global);
+        b.store(pointer, value);
+        leave(module, ports, RETURN, global);
+    }
+    for (name, global, local) in kept {
+        if let Some(local) = local {
+            let value = b.load(local);
+            let pointer = b.global(global);
+            b.store(pointer, value);
+        }
+        leave(module, ports, &name, global);
+    }
+    b.statement(Statement::Return { value: None });
+    let outer = b.finish(name, arguments, None);
+    module.functions[handle].name = Some(format!("{name}_body"));
+    Alone { function: module.functions.append(outer, Span::UNDEFINED), inputs, outputs }
+}
+
+/// A value made of the arguments that hold its parts; zero where nothing is given.
+fn put_together(
+    b: &mut Builder,
+    module: &Module,
+    ty: Handle<Type>,
+    path: &[u32],
+    given: &[(Vec<u32>, u32)],
+) -> Handle<Expression> {
+    if let Some((_, argument)) = given.iter().find(|(own, _)| own == path) {
+        return b.argument(*argument);
+    }
+    let members: Vec<Handle<Type>> = match &module.types[ty].inner {
+        TypeInner::Struct { members, .. } => members.iter().map(|member| member.ty).collect(),
+        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } => vec![*base; n.get() as usize],
+        _ => return b.name(Expression::ZeroValue(ty)),
+    };
+    let mut components = Vec::new();
+    for (k, member) in (0_u32..).zip(members) {
+        components.push(put_together(b, module, member, &[path, &[k]].concat(), given));
+    }
+    b.compute(Expression::Compose { ty, components })
+}

@@ -1,0 +1,69 @@
+//! Languages in which shaders are written.
+
+use base::text::SourceFile;
+
+use super::tokens::tokens;
+
+/// The language of a text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Written {
+    /// GLSL or GLSL ES, one stage or a library in a text.
+    #[default]
+    Glsl,
+    /// WGSL.
+    Wgsl,
+}
+
+impl Written {
+    /// By the ending of a name. What is not known by its ending is GLSL, whose files have any.
+    pub fn of_path(name: &str) -> Self {
+        let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
+        if ending.eq_ignore_ascii_case("wgsl") { Self::Wgsl } else { Self::Glsl }
+    }
+
+    /// By the name of a file.
+    pub fn of(file: &SourceFile) -> Self {
+        Self::of_path(file.name())
+    }
+
+    /// Its name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Glsl => "GLSL",
+            Self::Wgsl => "WGSL",
+        }
+    }
+
+    /// Its ending, with the dot.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Glsl => ".glsl",
+            Self::Wgsl => ".wgsl",
+        }
+    }
+
+    /// The language that a text looks like whose own language refuses it, by declarations that no other has.
+    pub fn guessed(text: &str) -> Option<Self> {
+        let all = tokens(text);
+        let word = |k: usize| all.get(k).map_or("", |token| &text[token.span.range()]);
+        (0..all.len()).find_map(|k| match (word(k), word(k + 1), word(k + 2)) {
+            ("#", "version", _) | ("void", "main", "(") => Some(Self::Glsl),
+            ("@", "vertex" | "fragment" | "compute" | "group" | "builtin", _) => Some(Self::Wgsl),
+            ("fn", name, "(") if name.starts_with(|c: char| c.is_alphabetic() || c == '_') => Some(Self::Wgsl),
+            _ => None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_tells_its_language() {
+        assert_eq!(Written::guessed("// fn f(\n#version 330\n"), Some(Written::Glsl));
+        assert_eq!(Written::guessed("void main() {}"), Some(Written::Glsl));
+        assert_eq!(Written::guessed("fn f(x: f32) -> f32 { return x; }"), Some(Written::Wgsl));
+        assert_eq!(Written::guessed("float f(float x) { return x; }"), None);
+    }
+}

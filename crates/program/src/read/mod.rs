@@ -1,0 +1,133 @@
+//! Texts whose front end is a reader of naga: WGSL, and SPIR-V in its two forms.
+//!
+//! A text in GLSL is built from our own syntax tree, because naga's reader of GLSL takes text that is not GLSL. Its
+//! reader of WGSL refuses what the language refuses, so that it is the front end here: from its module come the
+//! entry points, the interface and the places in the author's text. A module has several entry points and functions;
+//! what is run is chosen from it, and everything that this does not use is left out.
+
+mod choose;
+mod flat;
+mod function;
+mod language;
+mod ports;
+mod program;
+mod ranges;
+mod tokens;
+mod values;
+mod wgsl;
+
+use naga::{Module, ShaderStage};
+
+use crate::ProgramError;
+use base::text::{SourceFile, Span};
+use syntax::Stage;
+
+pub use choose::Chosen;
+use flat::flat;
+pub(crate) use flat::flat_if_needed;
+pub use language::Written;
+
+/// A text in WGSL or SPIR-V as naga reads it.
+#[derive(Clone, Debug)]
+pub struct ModuleText {
+    module: Module,
+    file: SourceFile,
+    written: Written,
+}
+
+/// Something of a module that can be run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Runnable {
+    /// Its name.
+    pub name: String,
+    /// The stage of an entry point; [`Stage::Library`] for a function.
+    pub stage: Stage,
+    /// The place of its name.
+    pub span: Span,
+}
+
+impl ModuleText {
+    /// Reads a text. All places are those of `file`: where it was put together from others
+    /// ([`base::text::Assembly`]), errors are told at the author's places by [`base::diagnostic::Diagnostic::at_origin`].
+    ///
+    /// # Errors
+    /// [`ProgramError::Source`] with the place of what the language does not allow.
+    pub fn read(file: &SourceFile, written: Written) -> Result<Self, ProgramError> {
+        let module = match written {
+            Written::Wgsl => wgsl::read(file)?,
+            Written::Glsl => {
+                return Err(ProgramError::internal("GLSL is not read as a module".to_owned()));
+            }
+        };
+        Ok(Self { module, file: file.clone(), written })
+    }
+
+    /// The text.
+    pub fn file(&self) -> &SourceFile {
+        &self.file
+    }
+
+    /// What it is written in.
+    pub fn written(&self) -> Written {
+        self.written
+    }
+
+    /// What a name means: a function, or else an entry point. Without a name, the only function of a text that has no
+    /// entry point.
+    pub fn meant<'a>(&'a self, stage: Option<Stage>, name: Option<&'a str>) -> Chosen<'a> {
+        let mut names = self.module.functions.iter().filter_map(|(_, function)| function.name.as_deref());
+        match name {
+            Some(name) if names.any(|own| own == name) => Chosen::Function(name),
+            None if self.module.entry_points.is_empty() && self.module.functions.len() == 1 => {
+                names.next().map_or(Chosen::Point { stage, name }, Chosen::Function)
+            }
+            _ => Chosen::Point { stage, name },
+        }
+    }
+
+    /// Its entry points, in the order of the text.
+    pub fn points(&self) -> Vec<Runnable> {
+        let one = |point: &naga::EntryPoint| Runnable {
+            name: point.name.clone(),
+            stage: stage_of(point.stage).unwrap_or(Stage::Library),
+            span: self.place_of("fn", &point.name),
+        };
+        self.module.entry_points.iter().map(one).collect()
+    }
+
+    /// Its functions that are no entry points, in the order of the text.
+    pub fn functions(&self) -> Vec<Runnable> {
+        let names = self.module.functions.iter().filter_map(|(_, function)| function.name.clone());
+        let one = |name: String| Runnable { stage: Stage::Library, span: self.place_of("fn", &name), name };
+        let mut all: Vec<Runnable> = names.map(one).collect();
+        // naga has them in the order in which they call each other.
+        all.sort_by_key(|function| function.span.start);
+        all
+    }
+
+    /// Names of its `override` constants, with their places.
+    pub fn overrides(&self) -> Vec<(String, Span)> {
+        let names = self.module.overrides.iter().filter_map(|(_, constant)| constant.name.clone());
+        names.map(|name| (name.clone(), self.place_of("override", &name))).collect()
+    }
+
+    /// The place of a name that is declared behind a keyword.
+    fn place_of(&self, keyword: &str, name: &str) -> Span {
+        tokens::declared(self.file.text(), keyword, name).unwrap_or_default()
+    }
+}
+
+/// The stage of an entry point; `None` for those of meshes and rays.
+fn stage_of(stage: ShaderStage) -> Option<Stage> {
+    match stage {
+        ShaderStage::Vertex => Some(Stage::Vertex),
+        ShaderStage::Fragment => Some(Stage::Fragment),
+        ShaderStage::Compute => Some(Stage::Compute),
+        ShaderStage::Task
+        | ShaderStage::Mesh
+        | ShaderStage::RayGeneration
+        | ShaderStage::Miss
+        | ShaderStage::AnyHit
+        | ShaderStage::ClosestHit => None,
+    }
+}

@@ -1,0 +1,110 @@
+//! Values of `override` constants (WGSL, 7.2.2).
+
+use naga::{Module, ScalarKind, ShaderStage};
+
+use super::ModuleText;
+use crate::front::{INCOMPLETE, VALIDATOR};
+use crate::{ProgramError, contain, validate};
+use base::did_you_mean;
+use base::text::Span;
+
+impl ModuleText {
+    /// Puts values in the place of the constants that are used: those of `values` by name or by the number of `@id`,
+    /// else those of the text.
+    ///
+    /// # Errors
+    /// A constant without a value, a value that is no number, and a name that the text does not declare.
+    pub(super) fn with_values(&self, module: Module, values: &[(String, String)]) -> Result<Module, ProgramError> {
+        let known = self.overrides();
+        for (name, _) in values {
+            let number = name.parse::<u16>().ok();
+            let declared = self.module.overrides.iter().any(|(_, constant)| {
+                constant.name.as_deref() == Some(name) || (constant.id.is_some() && constant.id == number)
+            });
+            if !declared {
+                let hint = match known.is_empty() {
+                    true => "the file declares none".to_owned(),
+                    false => did_you_mean(name, known.iter().map(|(name, _)| name.as_str()), "there are:"),
+                };
+                let message = format!("there is no `override` constant `{name}`");
+                return Err(self.error(INCOMPLETE, Span::at(0), message, &hint));
+            }
+        }
+        if module.overrides.is_empty() {
+            return Ok(module);
+        }
+        let place = |name: &str| known.iter().find(|(known, _)| known == name).map_or(Span::at(0), |(_, span)| *span);
+        let mut given = naga::back::PipelineConstants::default();
+        for (_, constant) in module.overrides.iter() {
+            let name = constant.name.as_deref().unwrap_or("a constant");
+            let number = constant.id.map(|id| id.to_string());
+            let value = values.iter().find(|(key, _)| key == name || Some(key) == number.as_ref());
+            let Some((_, text)) = value else {
+                if constant.init.is_none() {
+                    let message = format!("`{name}` is an `override` constant without a value");
+                    let help = format!(
+                        "state one: `defines = {{ {name} = [\"1\"] }}` in a suite, `--define {name}=1` on the command line"
+                    );
+                    return Err(self.error(INCOMPLETE, place(name), message, &help));
+                }
+                continue;
+            };
+            let kind = module.types[constant.ty].inner.scalar_kind().unwrap_or(ScalarKind::Float);
+            let Some(value) = number_of(text, kind) else {
+                let wanted = if kind == ScalarKind::Bool { "`true` or `false`" } else { "a number" };
+                let message = format!("`{name}` cannot be `{text}`");
+                return Err(self.error(INCOMPLETE, place(name), message, &format!("give {wanted}")));
+            };
+            given.insert(number.unwrap_or_else(|| name.to_owned()), value);
+        }
+        let point = module.entry_points.first().map(|point| (point.stage, point.name.clone()));
+        let (stage, name) = point.unwrap_or((ShaderStage::Compute, String::new()));
+        let info = validate(&module)?;
+        let made = contain(|| {
+            let made = naga::back::pipeline_constants::process_overrides(&module, &info, Some((stage, &name)), &given);
+            made.map(|(module, _)| module.into_owned()).map_err(|error| error.to_string())
+        });
+        made.map_err(|panic| ProgramError::internal(format!("naga panicked: {panic}")))?.map_err(|error| {
+            let first = module.overrides.iter().next().and_then(|(_, constant)| constant.name.clone());
+            let span = first.map_or(Span::at(0), |name| place(&name));
+            self.error(
+                VALIDATOR,
+                span,
+                format!("the values of `override` constants do not fit: {error}"),
+                "choose others",
+            )
+        })
+    }
+}
+
+/// A value as a host gives it: all numbers are binary64 there.
+fn number_of(text: &str, kind: ScalarKind) -> Option<f64> {
+    let text = text.trim();
+    match (text, kind) {
+        ("true", _) => Some(1.0),
+        ("false", _) => Some(0.0),
+        (_, ScalarKind::Float) => text.trim_end_matches(['f', 'h']).parse().ok(),
+        _ => {
+            let digits = text.trim_end_matches(['u', 'i']);
+            let hex = digits.strip_prefix("0x").or(digits.strip_prefix("0X"));
+            let whole = hex.map_or_else(|| digits.parse::<i64>().ok(), |hex| i64::from_str_radix(hex, 16).ok());
+            whole.map(|value| value as f64)
+        }
+    }
+    .filter(|value: &f64| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_numbers_of_their_kind() {
+        assert_eq!(number_of("2.5f", ScalarKind::Float), Some(2.5));
+        assert_eq!(number_of("0x10u", ScalarKind::Uint), Some(16.0));
+        assert_eq!(number_of("true", ScalarKind::Bool), Some(1.0));
+        assert_eq!(number_of("2.5", ScalarKind::Sint), None);
+        assert_eq!(number_of("inf", ScalarKind::Float), None);
+        assert_eq!(number_of("wide", ScalarKind::Float), None);
+    }
+}

@@ -1,0 +1,100 @@
+//! WGSL, read by naga.
+
+use naga::Module;
+use naga::front::wgsl::{Frontend, ParseError};
+
+use super::Written;
+use super::tokens::{Token, tokens};
+use crate::front::{NAGA, validate_text};
+use crate::{ProgramError, contain};
+use base::diagnostic::{Diagnostic, Severity};
+use base::text::{SourceFile, Span};
+
+/// How deep brackets may stand in each other. The language asks for no more than 127 (WGSL, 2.4), and the reader takes
+/// a part of the stack for each.
+const DEPTH: usize = 127;
+
+/// Reads and validates a text.
+pub(super) fn read(file: &SourceFile) -> Result<Module, ProgramError> {
+    let text = file.text();
+    let all = tokens(text);
+    if let Some(span) = too_deep(text, &all) {
+        let message = format!("brackets stand more than {DEPTH} deep in each other");
+        return Err(wrong(file, span, message, "take the expression apart with `let`"));
+    }
+    if all.is_empty() {
+        return Err(wrong(file, Span::at(0), "the text has no declaration".to_owned(), "write a function"));
+    }
+    let module = contain(|| Frontend::new().parse(text)).map_err(|panic| {
+        let message = format!("naga's reader fails on this text: {panic}");
+        wrong(file, Span::at(0), message, "the fault is the reader's; a smaller text may tell where")
+    })?;
+    let mut module = module.map_err(|error| ProgramError::Source(vec![refused(file, &error)]))?;
+    zeroed(&mut module);
+    validate_text(file, &module)?;
+    Ok(module)
+}
+
+fn wrong(file: &SourceFile, span: Span, message: String, help: &str) -> ProgramError {
+    ProgramError::Source(vec![Diagnostic::new(NAGA, Severity::Error, file, span, message).with_help(help)])
+}
+
+/// The first bracket that stands too deep.
+fn too_deep(text: &str, tokens: &[Token]) -> Option<Span> {
+    let mut depth = 0_usize;
+    tokens.iter().find_map(|token| {
+        match &text[token.span.range()] {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        (depth > DEPTH).then_some(token.span)
+    })
+}
+
+/// A span of naga in the text.
+pub(super) fn span_in(file: &SourceFile, span: naga::Span) -> Option<Span> {
+    let range = span.to_range()?;
+    (range.end <= file.text().len()).then(|| Span::new(range.start, range.end))
+}
+
+/// An error of naga's reader.
+fn refused(file: &SourceFile, error: &ParseError) -> Diagnostic {
+    let mut labels = error.labels().filter_map(|(span, label)| Some((span_in(file, span)?, label)));
+    let (span, label) = labels.next().unwrap_or((Span::at(0), ""));
+    let mut found = Diagnostic::new(NAGA, Severity::Error, file, span, error.message().to_owned());
+    if !label.is_empty() {
+        found = found.with_label(label.to_owned());
+    }
+    for (span, label) in labels {
+        found = found.with_related(file, span, label.to_owned());
+    }
+    for note in error.notes() {
+        found = found.with_why(note.to_owned());
+    }
+    match Written::guessed(file.text()) {
+        Some(other) if other != Written::Wgsl => {
+            let help = format!("the text looks like {}: give its file another ending", other.name());
+            found.with_help(help)
+        }
+        _ => found,
+    }
+}
+
+/// Variables without a value begin as zero (WGSL, 7.2).
+fn zeroed(module: &mut Module) {
+    let Module { global_variables, global_expressions, functions, entry_points, .. } = module;
+    for (_, variable) in global_variables.iter_mut() {
+        if variable.space == naga::AddressSpace::Private && variable.init.is_none() {
+            let zero = naga::Expression::ZeroValue(variable.ty);
+            variable.init = Some(global_expressions.append(zero, naga::Span::UNDEFINED));
+        }
+    }
+    let points = entry_points.iter_mut().map(|point| &mut point.function);
+    for function in functions.iter_mut().map(|(_, function)| function).chain(points) {
+        for (_, variable) in function.local_variables.iter_mut() {
+            let zero = || function.expressions.append(naga::Expression::ZeroValue(variable.ty), naga::Span::UNDEFINED);
+            variable.init = Some(variable.init.unwrap_or_else(zero));
+        }
+    }
+}
