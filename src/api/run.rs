@@ -7,14 +7,15 @@ use base::text::SourceFile;
 use engine::guess::{self, Role};
 use engine::session::{Job, Observer, Session};
 use engine::suite::run::{
-    Entry, Outcome as Run, Part, Peer, Prepared, Request, RunError, Status, Summary, prepare, prepare_with, settle,
+    Entry, Outcome as Run, Part, Peer, Prepared, Request, RunError, Status, Summary, of_module, prepare, prepare_with,
+    settle,
 };
 use engine::suite::{Expect, Floors, ReferenceFile, Stage, Suite};
 use judge::profile::Promises;
 use judge::verdict::{Literals, Reference};
 use lanes::{Lane, LaneError, Wanted};
-use program::Program;
 use program::lower::Target;
+use program::{Program, Written};
 use property::regressions;
 use property::{InputGroup, Own, Sample, generators};
 
@@ -220,9 +221,14 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
         Stage::Fragment => syntax::Stage::Fragment,
         Stage::Function => syntax::Stage::from_path(shader.file.name()).unwrap_or(syntax::Stage::Library),
     };
-    let target = shader.entry.clone().map_or(Target::Stage, Target::Function);
-    let program = Program::from_source_with(&shader.file, stage, &shader.defines, |_| Ok(target))
-        .map_err(|error| Error::new(error.to_string()))?;
+    let program = match Written::of(&shader.file) {
+        Written::Glsl => {
+            let target = shader.entry.clone().map_or(Target::Stage, Target::Function);
+            Program::from_source_with(&shader.file, stage, &shader.defines, |_| Ok(target))
+        }
+        Written::Wgsl => of_module(&shader.file, shader.stage, shader.entry.as_deref(), &shader.defines),
+    };
+    let program = program.map_err(|error| Error::new(error.to_string()))?;
     let (invocation, case) = (program.invocation_record(), program.case_record());
     let fields = case.fields().iter().chain(invocation.fields());
     let open = fields.filter(|field| shader.inputs.iter().all(|(name, _)| *name != field.name));

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use base::text::SourceFile;
 use engine::suite::{self, Includes, Stage};
 use judge::verdict::Given;
+use program::{ModuleText, Written};
 use property::Sample;
 
 use super::{Domain, Error, Inputs, Law, Outcome, run};
@@ -169,7 +170,24 @@ impl Shader {
         self
     }
 
-    /// Defines a macro, as an option of a compiler does.
+    /// Runs the entry point of this name, of a text that has several: WGSL. Its stage is that of the text.
+    pub fn entry_point(mut self, name: impl Into<String>) -> Self {
+        let name = name.into();
+        let written = Written::of(&self.file);
+        let points = match written {
+            Written::Glsl => Vec::new(),
+            Written::Wgsl => ModuleText::read(&self.file, written).map_or_else(|_| Vec::new(), |text| text.points()),
+        };
+        // What cannot be read, or is not there, is told when it is run.
+        self.stage = match points.iter().find(|point| point.name == name).map(|point| point.stage) {
+            Some(syntax::Stage::Fragment) => Stage::Fragment,
+            _ => Stage::Vertex,
+        };
+        self.entry = Some(name);
+        self
+    }
+
+    /// Defines a macro, as an option of a compiler does, or the value of an `override` constant of WGSL.
     pub fn define(mut self, name: impl Into<String>, value: impl ToString) -> Self {
         self.defines.push((name.into(), value.to_string()));
         self

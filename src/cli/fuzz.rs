@@ -6,6 +6,7 @@ mod stub;
 use std::io::Write;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Args;
 
 use super::bar::Bar;
@@ -22,6 +23,7 @@ use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Promises;
 use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
 
+use program::{ModuleText, ProgramError, Written};
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
 pub use shared::ShardResult;
@@ -71,6 +73,9 @@ pub struct FuzzArgs {
     /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
     #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
     pub domain: Vec<String>,
+    /// Value of a macro, or of an `override` constant of WGSL: `--define WIDTH=8`; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = super::translate::definition)]
+    pub define: Vec<(String, String)>,
     /// Folders that are searched for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
@@ -143,7 +148,7 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
     if let Some(shard) = shard {
         let mut files = Vec::new();
         for source in &sources {
-            let (errors, subjects) = subjects(&args.function, source, &mut known)?;
+            let (errors, subjects) = subjects((&args.function, &args.define), source, &mut known)?;
             for error in &errors {
                 err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
             }
@@ -247,7 +252,7 @@ fn one_file(
         progress.suspend(|| writeln!(printed.out, "{}", source.name))?;
     }
     let subjects;
-    (report.errors, subjects) = self::subjects(&args.function, source, known)?;
+    (report.errors, subjects) = self::subjects((&args.function, &args.define), source, known)?;
     for subject in &subjects {
         let domain = inputs.domain(subject)?;
         let function = one_function(args, source, subject, &domain, lanes, progress)?;
@@ -273,17 +278,30 @@ pub(super) fn stated(options: &[String]) -> anyhow::Result<Vec<Stated>> {
 
 /// What is wrong with a file, or else the functions of it that are to be run.
 pub(super) fn subjects(
-    functions: &[String],
+    (functions, define): (&[String], &[(String, String)]),
     source: &IncludedText,
     known: &mut Vec<String>,
 ) -> anyhow::Result<(Vec<Diagnostic>, Vec<Subject>)> {
-    let parsed = source.parsed();
+    let wanted = |name: &str| functions.is_empty() || functions.iter().any(|f| f == name);
+    let written = Written::of(&source.file);
+    if written != Written::Glsl {
+        let text = match ModuleText::read(&source.file, written) {
+            Ok(text) => text,
+            Err(ProgramError::Source(errors)) => {
+                let errors = errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
+                return Ok((errors, Vec::new()));
+            }
+            Err(error) => return Err(error).with_context(|| source.name.clone()),
+        };
+        known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
+        return Ok((Vec::new(), fuzz::subjects_of_module(&text, define, &wanted)));
+    }
+    let parsed = source.parsed(define);
     let errors = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
     let errors: Vec<Diagnostic> = errors.map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
     if !errors.is_empty() {
         return Ok((errors, Vec::new()));
     }
-    let wanted = |name: &str| functions.is_empty() || functions.iter().any(|f| f == name);
     let subjects = fuzz::subjects(&parsed.shader, &wanted)
         .map_err(|bad| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why))?;
     for (_, info) in parsed.shader.functions().filter(|(_, f)| f.definition.is_some()) {
@@ -318,6 +336,9 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     let mut words = format!("shadercheck fuzz {}", shell_word(&source.given));
     for folder in &args.include {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
+    }
+    for (name, value) in &args.define {
+        words = format!("{words} --define {}", shell_word(&format!("{name}={value}")));
     }
     if let Some(stage) = args.stage {
         words = format!("{words} --stage {}", stage.word());

@@ -69,15 +69,15 @@ pub fn read_all(path: &Path, folders: &[PathBuf], stage: Option<Stage>) -> anyho
 impl IncludedText {
     /// The shader. A library that names no version is written for whatever the shaders that it is put
     /// into say: the newest version is taken, unless only the oldest has what it uses.
-    pub fn parsed(&self) -> Parsed {
-        let parsed = Shader::parse(&self.file, self.stage);
+    pub fn parsed(&self, defines: &[(String, String)]) -> Parsed {
+        let parsed = Shader::parse_with(&self.file, self.stage, defines);
         if self.stage != Stage::Library || parsed.shader.version().span.is_some() {
             return parsed;
         }
         let mut newest = Assembly::new();
         newest.insert("#version 460\n", &self.file, 0);
         newest.copy(&self.file, Span::new(0, self.file.text().len()));
-        let newest = Shader::parse(&newest.finish(self.file.name()), self.stage);
+        let newest = Shader::parse_with(&newest.finish(self.file.name()), self.stage, defines);
         let errors = |p: &Parsed| p.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
         if errors(&newest) > 0 && errors(&parsed) == 0 { parsed } else { newest }
     }

@@ -14,6 +14,7 @@ use disk::fresh;
 use engine::suite::draft::{self, Subject};
 use engine::suite::{self, Suite};
 use lanes::{Lane, StandIn, Wanted};
+use program::Written;
 use syntax::Stage;
 
 /// Write a first suite for every shader of a folder that can run
@@ -63,7 +64,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     let (shaders, suites) = search(&root)?;
     anyhow::ensure!(
         !shaders.is_empty(),
-        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .glsl for a library",
+        "`{}` holds no shader; the extension tells the stage: .vert, .geom, .frag, .glsl for a library, .wgsl",
         root.shown()
     );
     let known: Vec<(PathBuf, Suite)> = suites.iter().filter_map(|path| about(path)).collect();
@@ -212,6 +213,8 @@ fn search(root: &Path) -> anyhow::Result<(Shaders, Vec<PathBuf>)> {
             suites.push(path);
         } else if let Some(stage) = Stage::from_path(&name) {
             shaders.push((path, stage));
+        } else if Written::of_path(&name) != Written::Glsl {
+            shaders.push((path, Stage::Library));
         }
     }
     shaders.sort_by(|a, b| a.0.cmp(&b.0));

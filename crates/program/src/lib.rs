@@ -53,6 +53,9 @@ pub use readback::{Place, ReadBack};
 pub use texture::Texture;
 pub use translate::{Language, TranslateError, Translation, read_back};
 
+/// What GLSL calls the position of a vertex.
+pub const POSITION: &str = "gl_Position";
+
 /// Name of the variable without a value that a function gives at its end where its author returns nothing.
 pub const NO_RETURN: &str = "sc_no_return";
 
@@ -204,6 +207,42 @@ impl Program {
     /// [`ProgramError::Source`] for what naga cannot express, at its place in the author's text.
     pub fn build(shader: &Shader, target: &Target) -> Result<Self, ProgramError> {
         build::program(shader, target)
+    }
+
+    /// For an argument of a fragment stage that is interpolated or the place of the fragment: true for the place.
+    pub fn binding_of(&self, argument: u32) -> Option<bool> {
+        let Entry::Point(index) = self.entry else { return None };
+        let arguments = &self.module.entry_points.get(index)?.function.arguments;
+        match arguments.get(argument as usize)?.binding.as_ref()? {
+            naga::Binding::BuiltIn(BuiltIn::Position { .. }) => Some(true),
+            naga::Binding::Location { .. } => Some(false),
+            naga::Binding::BuiltIn(_) => None,
+        }
+    }
+
+    /// The output that is the position of a vertex, by its binding: GLSL names it `gl_Position`, and other languages as
+    /// the author does.
+    pub fn position(&self) -> Option<&Field> {
+        let Entry::Point(index) = self.entry else { return None };
+        let result = self.module.entry_points.get(index)?.function.result.as_ref()?;
+        let is_position =
+            |binding: &Option<naga::Binding>| matches!(binding, Some(naga::Binding::BuiltIn(BuiltIn::Position { .. })));
+        let at = match &self.module.types[result.ty].inner {
+            naga::TypeInner::Struct { members, .. } if result.binding.is_none() => {
+                let member = members.iter().position(|member| is_position(&member.binding))?;
+                PortAt::ResultMember(u32::try_from(member).ok()?)
+            }
+            _ if is_position(&result.binding) => PortAt::Result,
+            _ => return None,
+        };
+        self.outputs.iter().find(|port| port.at == at).map(|port| &port.field)
+    }
+
+    /// The place in the record of outputs of the one that a formula or another shader calls `name`.
+    pub fn output_called(&self, name: &str) -> Option<usize> {
+        let find = |name: &str| self.outputs.iter().position(|port| port.field.name == name);
+        let position = || if name == POSITION { find(&self.position()?.name) } else { None };
+        find(name).or_else(position)
     }
 
     /// Refuses a program that takes or gives what the harness cannot pass.

@@ -87,14 +87,9 @@ fn functions(
     err: &mut dyn Write,
 ) -> anyhow::Result<Vec<Item>> {
     let name = path.shown();
-    anyhow::ensure!(
-        !name.ends_with(".wgsl"),
-        "`{name}`: functions in WGSL are not run without a suite; write one with `shader` and `entry`, and generate from \
-         that (`shadercheck explain suite`)"
-    );
     let source = includes::read(path, &args.include)?;
     let before = known.len();
-    let (errors, subjects) = fuzz::subjects(&args.function, &source, known)?;
+    let (errors, subjects) = fuzz::subjects((&args.function, &[]), &source, known)?;
     for error in &errors {
         err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
     }
@@ -115,7 +110,13 @@ fn functions(
             continue;
         }
         let own = if whole { file.clone() } else { format!("{file}.{label}") };
-        let stage = if whole { source.stage.name() } else { "function" };
+        let point = subject.ready.as_ref().map_or(Stage::Library, |ready| ready.program.stage);
+        let stage = match point {
+            _ if whole => source.stage.name(),
+            Stage::Library => "function",
+            stage if source.stage == Stage::Library => stage.name(),
+            _ => "function",
+        };
         let origin = Origin { name: &own, shader: &file, text: source.file.text(), stage };
         let domain = inputs.domain(&subject)?;
         match Bare::new(&origin, subject, domain) {

@@ -1,4 +1,4 @@
-//! Fuzzing without a suite: every function of a GLSL file is run on inputs from its domain, on all lanes,
+//! Fuzzing without a suite: every function of a file is run on inputs from its domain, on all lanes,
 //! and judged by what it means itself.
 //!
 //! ```text
@@ -13,6 +13,7 @@ mod finding;
 mod generate;
 mod hint;
 mod lanes;
+mod modules;
 mod name;
 mod realistic;
 mod run;
@@ -26,6 +27,7 @@ pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Stated};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneReport, Part, Severity};
 pub use generate::batch;
 pub use hint::{FORMS, option};
+pub use modules::subjects_of_module;
 pub use run::{Request, run, stream_key};
 pub use scan::{LIMIT, Trouble};
 pub use subject::{BadHint, Ready, Subject, subjects};

@@ -81,7 +81,7 @@ pub fn subjects(shader: &Shader, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Su
 }
 
 /// The ranges of inputs that are numbers of the draw, where nothing else is stated of them.
-fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]) -> Vec<Stated> {
+pub(super) fn numbers(ready: &Ready, ranges: &[(String, u32)], stated: &[Stated]) -> Vec<Stated> {
     let reads = |name: &str| ready.kernel.invocation.index_of(name).or(ready.kernel.case.index_of(name)).is_some();
     let open = |name: &str| !stated.iter().any(|stated| stated.input == name);
     let within = |(name, most): &(String, u32)| {
@@ -137,13 +137,14 @@ fn signature(info: &FunctionInfo) -> String {
 }
 
 /// A program, with outputs captured, and as the interpreter runs it.
-type Made = (Program, Kernel, Executable);
+pub(super) type Made = (Program, Kernel, Executable);
 
 fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, String> {
     let main = info.name.name == "main";
     if main && matches!(shader.stage(), Stage::Vertex | Stage::Geometry | Stage::Fragment | Stage::Compute) {
         // The stage as it is; where that cannot be run, the same as an ordinary function.
-        let stage = Program::from_source(shader.file(), shader.stage(), |_| Ok(Target::Stage)).map_err(|e| reason(&e));
+        let stage = Program::from_source_with(shader.file(), shader.stage(), shader.defines(), |_| Ok(Target::Stage));
+        let stage = stage.map_err(|e| reason(&e));
         let with_memory = stage.and_then(|program| program.with_memory_inside().map_err(|e| reason(&e)));
         match with_memory.and_then(made) {
             Ok(ready) => return Ok(ready),
@@ -159,7 +160,8 @@ fn ready(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, S
 fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, String> {
     let Wrapped { file, inputs, outputs } = wrapper::wrap(shader, info, &slice(shader, id))?;
     let target = Target::Function(wrapper::NAME.to_owned());
-    let mut program = Program::from_source(&file, Stage::Library, |_| Ok(target)).map_err(|e| reason(&e))?;
+    let mut program =
+        Program::from_source_with(&file, Stage::Library, shader.defines(), |_| Ok(target)).map_err(|e| reason(&e))?;
     // Whether it discards is an output that nobody declares.
     let own = program.outputs.iter().filter(|port| port.field.name != DISCARD).count();
     if (program.inputs.len(), own) != (inputs.len(), outputs.len()) {
@@ -170,7 +172,7 @@ fn alone(shader: &Shader, id: FunctionId, info: &FunctionInfo) -> Result<Made, S
     made(program)
 }
 
-fn made(program: Program) -> Result<Made, String> {
+pub(super) fn made(program: Program) -> Result<Made, String> {
     let kernel = program.compute_kernel().map_err(|e| reason(&e))?;
     if kernel.output.is_empty() {
         return Err("it writes no output".to_owned());
@@ -180,7 +182,7 @@ fn made(program: Program) -> Result<Made, String> {
 }
 
 /// Why a program cannot be made, in one line with the place in the author's file.
-fn reason(error: &ProgramError) -> String {
+pub(super) fn reason(error: &ProgramError) -> String {
     let first = |found: &[Diagnostic]| {
         let d = found.first()?.clone().at_origin();
         Some(format!("{}: {}", d.file.locate(d.span.start), d.message))

@@ -29,6 +29,8 @@ pub enum Role {
     Uniform,
     /// Interpolated between what the stage before wrote.
     Varying,
+    /// The place of a fragment on the screen.
+    Screen,
 }
 
 const fn guess(generator: &'static str, range: Option<[f64; 2]>, taken_for: &'static str) -> Guess {
@@ -70,7 +72,7 @@ pub fn of(field: &Field, role: Role) -> Guess {
 /// The values that an input takes.
 pub fn with_uses(field: &Field, role: Role, uses: &Uses) -> Guess {
     let shape = field.shape;
-    if field.name == "gl_FragCoord" {
+    if field.name == "gl_FragCoord" || role == Role::Screen {
         // Inside of the textures of a run, with room for neighbours, where texels are read by the place on the screen.
         let range = if uses.has(Usage::Texels) { TEXELS } else { [0.5, 511.5] };
         return guess("interval", Some(range), SCREEN);

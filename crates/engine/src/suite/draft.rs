@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use super::run::of_module as of_module_text;
 use super::run::{DEFAULT_SEED, FindingKind, Prepared, Report, Request, RunError, prepare, run};
 use super::{Stage, parse};
 use crate::guess::{self, Role};
@@ -12,7 +13,7 @@ use base::value::{Field, Scalar, Shape};
 use judge::profile::Promises;
 use lanes::{self, Lane};
 use program::lower::Target;
-use program::{Program, ProgramError};
+use program::{ModuleText, Program, ProgramError, Written};
 use syntax::{self, Shader};
 
 /// Samples on which a new suite is tried.
@@ -45,6 +46,9 @@ pub struct Draft {
 /// What can be run of a shader: its stage, or its functions. With the number of functions that are left
 /// out because there are so many.
 pub fn subjects(file: &SourceFile, stage: syntax::Stage) -> (Vec<Subject>, usize) {
+    if Written::of(file) != Written::Glsl {
+        return of_module(file);
+    }
     let whole = |stage| vec![Subject { stage, entry: None }];
     match stage {
         syntax::Stage::Vertex => return (whole(Stage::Vertex), 0),
@@ -71,6 +75,30 @@ pub fn subjects(file: &SourceFile, stage: syntax::Stage) -> (Vec<Subject>, usize
     (whole.into_iter().chain(all).collect(), rest)
 }
 
+/// The same of a text that is read as a module: its entry points and functions. One that is wrong has a subject all the
+/// same, whose draft tells what is wrong.
+fn of_module(file: &SourceFile) -> (Vec<Subject>, usize) {
+    let Ok(text) = ModuleText::read(file, Written::of(file)) else {
+        return (vec![Subject { stage: Stage::Vertex, entry: None }], 0);
+    };
+    let points = text.points();
+    let of_stage = |stage| points.iter().filter(|point| point.stage == stage).count();
+    let point = |point: &program::Runnable| {
+        let stage = match point.stage {
+            syntax::Stage::Vertex => Stage::Vertex,
+            syntax::Stage::Fragment => Stage::Fragment,
+            _ => return None,
+        };
+        Some(Subject { stage, entry: (of_stage(point.stage) > 1).then(|| point.name.clone()) })
+    };
+    let whole: Vec<Subject> = points.iter().filter_map(point).collect();
+    let function = |name: String| Subject { stage: Stage::Function, entry: Some(name) };
+    let mut all: Vec<Subject> = text.functions().into_iter().map(|found| function(found.name)).collect();
+    let rest = all.len().saturating_sub(MOST_FUNCTIONS);
+    all.truncate(MOST_FUNCTIONS);
+    (whole.into_iter().chain(all).collect(), rest)
+}
+
 /// Writes a suite called `name` about a subject of a shader, and tries it on the embedded lane and on
 /// `devices`. `shader` is the path that the suite names.
 ///
@@ -84,8 +112,14 @@ pub fn draft(
     shader: &str,
     devices: &[Box<dyn Lane>],
 ) -> Result<Draft, String> {
-    let target = subject.entry.clone().map_or(Target::Stage, Target::Function);
-    let program = Program::from_source(file, stage, |_| Ok(target)).map_err(|error| in_a_line(&error))?;
+    let program = match Written::of(file) {
+        Written::Glsl => {
+            let target = subject.entry.clone().map_or(Target::Stage, Target::Function);
+            Program::from_source(file, stage, |_| Ok(target))
+        }
+        Written::Wgsl => of_module_text(file, subject.stage, subject.entry.as_deref(), &[]),
+    }
+    .map_err(|error| in_a_line(&error))?;
     let (invocation, case) = (program.invocation_record(), program.case_record());
     let outputs = program.output_layout().vertex;
     if outputs.fields().is_empty() {

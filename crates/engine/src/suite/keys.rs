@@ -115,7 +115,7 @@ pub(super) const SECTIONS: &[Section] = &[
                 "entry",
                 Form::TextOrTexts,
                 "The function that is called; for `stage = \"function\"`. A list runs several: each takes the inputs that \
-                 are its parameters.",
+                 are its parameters. For another stage, the entry point of a .wgsl that has several of the stage.",
             ),
             key("formula", Form::OneOf(formulas), "Expected outputs: a formula that comes with shadercheck."),
             key(
@@ -369,13 +369,19 @@ fn object(section: &Section) -> Map<String, Value> {
         // One expectation at most, and an entry for functions alone.
         let both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
         let function = json!({ "properties": { "stage": { "const": "function" } } });
+        // A text in GLSL has one entry point, `main`.
+        let endings = "\\.(wgsl|spv|spvasm)$";
+        let main = json!({ "properties": {
+            "stage": { "not": { "const": "function" } }, "shader": { "not": { "pattern": endings } },
+        } });
         object.insert(
             "allOf".into(),
             json!([
                 both("formula", "reference"),
                 both("formula", "recorded"),
                 both("reference", "recorded"),
-                { "if": function, "then": { "required": ["entry"] }, "else": { "not": { "required": ["entry"] } } }
+                { "if": function, "then": { "required": ["entry"] } },
+                { "if": main, "then": { "not": { "required": ["entry"] } } }
             ]),
         );
     }

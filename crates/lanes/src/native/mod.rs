@@ -24,7 +24,7 @@ use super::remote::{self, Engine, Front, Here, Work};
 use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan, worker};
 use base::text::printable;
 use base::value::Record;
-use program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role};
+use program::{Attribute, Drawn, Form, Kernel, OutputLayout, Primitives, Program, Role, Written};
 
 use glslang::{TextStage, Translator};
 use gpu::Gpu;
@@ -190,6 +190,9 @@ impl Glslang {
 
     /// The program as glslang translates it.
     fn module(&self, program: &Program, kind: TextStage) -> Result<Vec<u32>, LaneError> {
+        if program.written != Written::Glsl {
+            return Err(LaneError::Unsupported("a program that is not written in GLSL".to_owned()));
+        }
         let translate = |text: &str| self.translator.translate(kind, text, &program.defines);
         let written = translate(program.file.text());
         // A geometry stage is lowered to something that is none.

@@ -23,7 +23,7 @@ mod math;
 mod operator;
 mod patch;
 mod place;
-mod quad;
+pub(crate) mod quad;
 mod shared;
 mod single;
 mod statement;

@@ -21,7 +21,7 @@ use syntax::Stage;
 use syntax::types::{ScalarType, Type};
 
 /// Derivatives that one invocation may come to.
-const MOST: u32 = 16;
+pub(crate) const MOST: u32 = 16;
 /// Bits of a NaN.
 const NAN: u32 = 0x7fc0_0000;
 
@@ -71,7 +71,7 @@ impl Build<'_> {
 
 /// How far the inputs of a neighbour are away, for the n-th number that is interpolated: in x and in y.
 /// All differ from each other, so that a wrong one shows, and are powers of two and small multiples of them.
-fn steps(n: u32) -> [f64; 2] {
+pub(crate) fn steps(n: u32) -> [f64; 2] {
     let n = f64::from(n % 8);
     [(n + 1.0) / 256.0, (2.0 * n + 3.0) / 512.0 * if n % 2.0 == 0.0 { -1.0 } else { 1.0 }]
 }

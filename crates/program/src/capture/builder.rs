@@ -113,6 +113,17 @@ impl Builder {
         self.compute(Expression::As { expr, kind, convert: None })
     }
 
+    /// Runs `body` again and again until what `last` gives is true.
+    pub fn repeat(&mut self, body: impl FnOnce(&mut Self), last: impl FnOnce(&mut Self) -> Expr) {
+        self.body.push(Block::new());
+        body(self);
+        let body = self.body.pop().unwrap_or_default();
+        self.body.push(Block::new());
+        let stop = last(self);
+        let continuing = self.body.pop().unwrap_or_default();
+        self.statement(Statement::Loop { body, continuing, break_if: Some(stop) });
+    }
+
     /// Runs `inside` when `condition` holds.
     pub fn when(&mut self, condition: Expr, inside: impl FnOnce(&mut Self)) {
         self.body.push(Block::new());

@@ -535,6 +535,8 @@ pub struct Executable {
     pub(super) max_vertices: Option<u32>,
     /// Contents of textures: four words a texel.
     pub(super) tables: Vec<Arc<[u32]>>,
+    /// The language says what operations on whole numbers give for all operands.
+    pub(super) words_defined: bool,
     /// The body before its temporaries share registers.
     pub(super) draft: Arc<Draft>,
 }

@@ -54,6 +54,27 @@ impl HazardKind {
         Self::Killed,
     ];
 
+    /// True for operations on whole numbers that WGSL defines for all operands (8.7, 16.1), and GLSL does not. The
+    /// interpreter takes what WGSL says.
+    pub const fn is_defined_by_wgsl(self) -> bool {
+        match self {
+            Self::DivisionByZero
+            | Self::Quotient
+            | Self::Remainder
+            | Self::Shift
+            | Self::Conversion
+            | Self::BitField => true,
+            Self::Index
+            | Self::Overflow
+            | Self::Argument
+            | Self::Unset
+            | Self::NoReturn
+            | Self::Overlap
+            | Self::Fuel
+            | Self::Killed => false,
+        }
+    }
+
     /// True where GLSL leaves the value undefined: the interpreter took one of many.
     pub const fn is_undefined(self) -> bool {
         match self {

@@ -30,7 +30,7 @@ mod undefined;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::{Place as Found, Port, Program, ReadBack};
+use crate::{Place as Found, Port, Program, ReadBack, Written};
 use base::value::{Batch, Scalar};
 
 pub use code::{Executable, Guarded, Place};
@@ -119,7 +119,7 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         return Err(InterpError::Unsupported { what: found.message.to_string(), span });
     }
     let bindings = |ports: &[Port]| ports.iter().map(Binding::from).collect::<Vec<_>>();
-    Executable::compile(&Subject {
+    let executable = Executable::compile(&Subject {
         module: &program.module,
         info: &program.info,
         entry: program.entry,
@@ -129,7 +129,8 @@ pub fn compile(program: &Program) -> Result<Executable, InterpError> {
         built_ins: &program.built_ins,
         textures: &program.textures,
         max_vertices: program.output_layout().max_vertices,
-    })
+    })?;
+    Ok(Executable { words_defined: program.written != Written::Glsl, ..executable })
 }
 
 /// Compiles a translation that was read back.

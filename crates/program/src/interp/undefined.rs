@@ -74,7 +74,8 @@ impl<D: Domain> Machine<'_, D> {
     /// values are tried.
     pub(super) fn undefined(&mut self, of: Undefined, slots: Mask, to: Option<Register>, args: [Operand; 2]) {
         let slots = slots.and(self.active);
-        if slots.is_empty() {
+        let defined = self.executable.words_defined && of.kind.is_defined_by_wgsl();
+        if slots.is_empty() || defined {
             return;
         }
         if of.kind.is_undefined() && self.probe.is_some() {

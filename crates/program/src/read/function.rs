@@ -7,8 +7,9 @@ use naga::{
 };
 
 use super::ports::{Part, Ports, at, parts};
+use super::stops::{self, Step, Stops};
 use crate::capture::{Builder, add_global, shape_of};
-use crate::{Port, PortAt};
+use crate::{Port, PortAt, ProgramError};
 use base::value::Field;
 
 /// What goes in and comes out, and what is run.
@@ -22,19 +23,32 @@ pub(super) struct Alone {
 const RETURN: &str = "return";
 
 /// Makes the function of this name ready to be called.
-pub(super) fn alone(module: &mut Module, name: &str, ports: &mut Ports<'_>, at: base::text::Span) -> Option<Alone> {
+///
+/// # Errors
+/// [`ProgramError::Internal`] for a module that does not come out valid.
+pub(super) fn alone(
+    module: &mut Module,
+    name: &str,
+    ports: &mut Ports<'_>,
+    at: base::text::Span,
+) -> Result<Alone, ProgramError> {
     let named = |(_, function): &(Handle<Function>, &Function)| function.name.as_deref() == Some(name);
-    let (handle, function) = module.functions.iter().find(named)?;
-    let function = function.clone();
+    let found = module.functions.iter().find(named).map(|(handle, _)| handle);
+    let handle = found.ok_or_else(|| ProgramError::internal(format!("`{name}` got lost")))?;
+    let mut unfed = Vec::new();
+    let (handle, stops) = stops::stops(module, handle, &mut unfed)?;
+    unfed.iter().for_each(|what| ports.not_fed(what, at));
+    let function = module.functions[handle].clone();
     let is_plain = |ty: Handle<Type>| match module.types[ty].inner {
         TypeInner::Pointer { base, space: AddressSpace::Function } => shape_of(module, base).is_some(),
         _ => shape_of(module, ty).is_some(),
     };
-    let arguments = function.arguments.iter().all(|argument| is_plain(argument.ty));
-    if arguments && function.result.as_ref().is_none_or(|result| is_plain(result.ty)) {
-        return Some(plain(module, handle, &function));
+    let mut given = function.arguments.iter().map(|argument| argument.ty);
+    let plainly = given.all(is_plain) && function.result.as_ref().is_none_or(|result| is_plain(result.ty));
+    if stops.is_none() && plainly {
+        return Ok(plain(module, handle, &function));
     }
-    Some(around(module, handle, &function, name, ports, at))
+    Ok(around(module, (handle, name), stops.as_ref(), ports, at))
 }
 
 fn own_name(argument: &FunctionArgument, k: usize) -> String {
@@ -63,17 +77,28 @@ fn plain(module: &Module, handle: Handle<Function>, function: &Function) -> Alon
     Alone { function: handle, inputs, outputs }
 }
 
+/// How an argument is passed.
+enum Passed {
+    /// By its value.
+    Value,
+    /// As a pointer to this variable.
+    Pointer(Handle<Expression>),
+}
+
+/// An argument of the function: its type, where its parts lie among those of the function around it, how it is passed.
+type Whole = (Handle<Type>, Vec<(Vec<u32>, usize)>, Passed);
+
 /// A function around it whose arguments are the parts of its arguments, and which keeps what comes out in variables.
 fn around(
     module: &mut Module,
-    handle: Handle<Function>,
-    function: &Function,
-    name: &str,
+    (handle, name): (Handle<Function>, &str),
+    stops: Option<&Stops>,
     ports: &mut Ports<'_>,
     place: base::text::Span,
 ) -> Alone {
+    let function = module.functions[handle].clone();
     let mut b = Builder::new();
-    let (mut inputs, mut arguments, mut passed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut inputs, mut arguments, mut wholes) = (Vec::new(), Vec::new(), Vec::new());
     let (mut kept, mut outputs) = (Vec::new(), Vec::new());
     for (k, argument) in function.arguments.iter().enumerate() {
         let own = own_name(argument, k);
@@ -86,33 +111,40 @@ fn around(
         unfed.iter().for_each(|what| ports.not_fed(what, place));
         let mut given = Vec::new();
         for Part { name, path, ty, shape } in found {
-            given.push((path, arguments.len() as u32));
+            given.push((path, arguments.len()));
             let at = PortAt::Argument(arguments.len() as u32);
             arguments.push(FunctionArgument { name: Some(format!("sc_{}", arguments.len())), ty, binding: None });
             inputs.push(Port { field: Field { name, shape }, ty, at, backing: None });
         }
-        let value = put_together(&mut b, module, ty, &[], &given);
-        passed.push(match space {
-            None => value,
+        let passed = match space {
+            None => Passed::Value,
             Some(AddressSpace::Private) => {
                 let global = add_global(module, &own, AddressSpace::Private, None, ty);
-                let pointer = b.global(global);
-                b.store(pointer, value);
                 kept.push((own, global, None));
-                pointer
+                Passed::Pointer(b.global(global))
             }
             Some(_) => {
                 let local = b.local(&own, ty);
-                b.store(local, value);
                 let global = add_global(module, &format!("{own}_after"), AddressSpace::Private, None, ty);
                 kept.push((own, global, Some(local)));
-                local
+                Passed::Pointer(local)
             }
-        });
+        };
+        wholes.push((ty, given, passed));
     }
     let result = function.result.as_ref().map(|result| result.ty);
-    let value = result.map(|_| b.name(Expression::CallResult(handle)));
-    b.statement(Statement::Call { function: handle, arguments: passed, result: value });
+    let given: Vec<Handle<Expression>> = (0..arguments.len() as u32).map(|k| b.argument(k)).collect();
+    let value = {
+        let module = &*module;
+        let call = |b: &mut Builder, given: &[Handle<Expression>]| called(b, module, handle, &wholes, given);
+        match stops {
+            None => call(&mut b, &given),
+            Some(stops) => {
+                let steps: Vec<Step> = arguments.iter().map(|a| Step::of_parameter(module, a.ty)).collect();
+                stops.run(&mut b, module, (&given, &steps), result, &call)
+            }
+        }
+    };
     let mut leave = |module: &Module, ports: &mut Ports<'_>, name: &str, global: Handle<GlobalVariable>| {
         let (mut found, mut unfed) = (Vec::new(), Vec::new());
         parts(module, module.global_variables[global].ty, (name, &[]), &mut found, &mut unfed);
@@ -135,22 +167,48 @@ fn around(
         }
         leave(module, ports, &name, global);
     }
+    outputs.extend(stops.and_then(Stops::output));
     b.statement(Statement::Return { value: None });
     let outer = b.finish(name, arguments, None);
     module.functions[handle].name = Some(format!("{name}_body"));
     Alone { function: module.functions.append(outer, Span::UNDEFINED), inputs, outputs }
 }
 
-/// A value made of the arguments that hold its parts; zero where nothing is given.
+/// Calls the function with what the parts are.
+fn called(
+    b: &mut Builder,
+    module: &Module,
+    handle: Handle<Function>,
+    wholes: &[Whole],
+    given: &[Handle<Expression>],
+) -> Option<Handle<Expression>> {
+    let mut passed = Vec::new();
+    for (ty, parts, way) in wholes {
+        let parts: Vec<(&[u32], Handle<Expression>)> = parts.iter().map(|(path, k)| (&path[..], given[*k])).collect();
+        let value = put_together(b, module, *ty, &[], &parts);
+        passed.push(match *way {
+            Passed::Value => value,
+            Passed::Pointer(pointer) => {
+                b.store(pointer, value);
+                pointer
+            }
+        });
+    }
+    let value = module.functions[handle].result.is_some().then(|| b.name(Expression::CallResult(handle)));
+    b.statement(Statement::Call { function: handle, arguments: passed, result: value });
+    value
+}
+
+/// A value made of its parts; zero where nothing is given.
 fn put_together(
     b: &mut Builder,
     module: &Module,
     ty: Handle<Type>,
     path: &[u32],
-    given: &[(Vec<u32>, u32)],
+    given: &[(&[u32], Handle<Expression>)],
 ) -> Handle<Expression> {
-    if let Some((_, argument)) = given.iter().find(|(own, _)| own == path) {
-        return b.argument(*argument);
+    if let Some((_, value)) = given.iter().find(|(own, _)| *own == path) {
+        return *value;
     }
     let members: Vec<Handle<Type>> = match &module.types[ty].inner {
         TypeInner::Struct { members, .. } => members.iter().map(|member| member.ty).collect(),

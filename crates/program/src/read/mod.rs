@@ -12,6 +12,7 @@ mod language;
 mod ports;
 mod program;
 mod ranges;
+mod stops;
 mod tokens;
 mod values;
 mod wgsl;
@@ -23,7 +24,7 @@ use base::text::{SourceFile, Span};
 use syntax::Stage;
 
 pub use choose::Chosen;
-use flat::flat;
+
 pub(crate) use flat::flat_if_needed;
 pub use language::Written;
 

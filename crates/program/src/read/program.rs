@@ -7,6 +7,7 @@ use naga::{Binding, Module, TypeInner};
 
 use super::function::alone;
 use super::ports::{Ports, is_fed, most};
+use super::stops::{self, Stops};
 use super::{Chosen, ModuleText, flat, ranges};
 use crate::capture::shape_of;
 use crate::front::validate_text;
@@ -48,7 +49,12 @@ impl ModuleText {
         let host = module.clone();
         let mut module = module;
         let mut ports = self.ports();
-        let own = flat(&mut module, 0);
+        let own = flat::apart(&mut module);
+        let arguments = module.functions[own].arguments.clone();
+        let mut unfed = Vec::new();
+        let (own, stops) = stops::stops(&mut module, own, &mut unfed)?;
+        unfed.iter().for_each(|what| ports.not_fed(what, point.span));
+        flat::around(&mut module, own, stops.as_ref());
         ports.resources(&mut module);
         let info = validate_text(&self.file, &module)?;
         let role = match point.stage {
@@ -57,8 +63,8 @@ impl ModuleText {
             _ => Role::Compute,
         };
         let mut interface = interface(&module, &role, &mut ports, point.span);
-        let numbers =
-            ranges::numbers(&module, &module.functions[own].arguments, &module.entry_points[0].function.arguments);
+        interface.outputs.extend(stops.iter().filter_map(Stops::output));
+        let numbers = ranges::numbers(&module, &arguments);
         for port in &interface.inputs {
             let PortAt::Argument(k) = port.at else { continue };
             let argument = &module.entry_points[0].function.arguments[k as usize];
@@ -78,8 +84,7 @@ impl ModuleText {
         module.entry_points.clear();
         let span = self.place_of("fn", name);
         let mut ports = self.ports();
-        let found = alone(&mut module, name, &mut ports, span);
-        let found = found.ok_or_else(|| ProgramError::internal(format!("`{name}` got lost")))?;
+        let found = alone(&mut module, name, &mut ports, span)?;
         ports.resources(&mut module);
         if found.outputs.is_empty() && ports.memory.iter().all(|memory| !memory.written) {
             ports.not_fed(&format!("`{name}`, which gives nothing back,"), span);

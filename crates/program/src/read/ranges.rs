@@ -10,16 +10,12 @@ pub(super) enum Number {
     Member(u32, u32),
 }
 
-/// The arguments of an entry point's own function that have a built-in binding, by the order of the flat ones.
-pub(super) fn numbers(
-    module: &Module,
-    arguments: &[FunctionArgument],
-    flat: &[FunctionArgument],
-) -> Vec<Option<Number>> {
+/// Where each flat argument of an entry point lies among those of its own function.
+pub(super) fn numbers(module: &Module, arguments: &[FunctionArgument]) -> Vec<Option<Number>> {
     let mut all = Vec::new();
     for (k, argument) in (0_u32..).zip(arguments) {
         match &module.types[argument.ty].inner {
-            TypeInner::Struct { members, .. } if all.len() + members.len() <= flat.len() => {
+            TypeInner::Struct { members, .. } => {
                 all.extend((0_u32..).zip(members).map(|(m, _)| Some(Number::Member(k, m))));
             }
             _ => all.push(Some(Number::Argument(k))),

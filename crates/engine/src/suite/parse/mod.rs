@@ -8,6 +8,7 @@ use toml::de::DeTable;
 use crate::catalogue;
 use base::text::SourceFile;
 use judge::verdict::Literals;
+use program::Written;
 use property::generators::{Ends, Generator, Options, RangeRule, Role, Strands};
 use property::{InputGroup, Own};
 
@@ -105,7 +106,8 @@ fn suite(root: Table<'_>, file: &SourceFile, names: &Names) -> Option<Suite> {
     let shader = root.required_text("shader", "shader = \"sphere.vert\"");
     let linked = root.texts("linked");
     let stage = stage(root);
-    let mut entries = entries(root, stage);
+    let modules = shader.as_ref().is_some_and(|shader| Written::of_path(&shader.value) != Written::Glsl);
+    let mut entries = entries(root, stage, modules);
     let entry = if entries.len() == 1 { entries.pop() } else { None };
     let expect = expect::expect(root, names, stage);
     let defines = expect::defines(root);
@@ -191,8 +193,8 @@ fn stage(root: Table<'_>) -> Option<Stage> {
     Stage::ALL.into_iter().find(|stage| stage.name() == name)
 }
 
-/// The function that is called, or several of them.
-fn entries(root: Table<'_>, stage: Option<Stage>) -> Vec<String> {
+/// The function that is called, or several of them. Of a text with several entry points, the one that is run.
+fn entries(root: Table<'_>, stage: Option<Stage>, modules: bool) -> Vec<String> {
     match stage {
         None => Vec::new(),
         Some(Stage::Function) if root.has("entry") && !root.is_text("entry") => {
@@ -204,6 +206,10 @@ fn entries(root: Table<'_>, stage: Option<Stage>) -> Vec<String> {
         }
         Some(Stage::Function) => {
             let name = root.required_text("entry", "entry = \"segment_distance\"");
+            named(root, name.into_iter().collect()).into_iter().map(|name| name.value).collect()
+        }
+        Some(Stage::Vertex | Stage::Fragment) if modules => {
+            let name = if root.has("entry") { root.text("entry") } else { None };
             named(root, name.into_iter().collect()).into_iter().map(|name| name.value).collect()
         }
         Some(other @ (Stage::Vertex | Stage::Geometry | Stage::Fragment)) => {

@@ -43,7 +43,7 @@ pub use edges::{Asked, Reach, of as edges_of};
 pub use finding::{Case, Finding, FindingKind, InputValue};
 pub use gallery::{Axis, Cell, Errors, Gallery, LARGEST, Promised, SMALLEST, Scene, State, Worst, gallery, promised};
 pub use part::Part;
-pub use prepare::{Prepared, RunError, prepare, prepare_with};
+pub use prepare::{Prepared, RunError, of_module, prepare, prepare_with};
 pub use relate::Probes;
 pub use repeat::Repeated;
 pub use sampling::Sampled;

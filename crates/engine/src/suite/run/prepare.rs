@@ -211,7 +211,7 @@ pub fn prepare_with(
 /// What a suite runs of a text: its stage, or a function.
 fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
     if Written::of(shader) != Written::Glsl {
-        return of_module(suite, shader, function);
+        return of_module(shader, suite.stage, function, &suite.chosen);
     }
     let stage = stage_of(suite, shader, function);
     let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
@@ -219,10 +219,18 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
     Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
 }
 
-/// The same of a text that is read as a module: what a function is among its functions, or an entry point.
-fn of_module(suite: &Suite, shader: &SourceFile, name: Option<&str>) -> Result<Program, ProgramError> {
+/// The program of a text that is read as a module: one of its functions, or an entry point.
+///
+/// # Errors
+/// As of [`ModuleText::read`] and [`ModuleText::program`].
+pub fn of_module(
+    shader: &SourceFile,
+    stage: Stage,
+    name: Option<&str>,
+    values: &[(String, String)],
+) -> Result<Program, ProgramError> {
     let text = ModuleText::read(shader, Written::of(shader))?;
-    let stage = match suite.stage {
+    let stage_of_text = match stage {
         Stage::Vertex => Some(syntax::Stage::Vertex),
         Stage::Fragment => Some(syntax::Stage::Fragment),
         Stage::Geometry => {
@@ -232,10 +240,10 @@ fn of_module(suite: &Suite, shader: &SourceFile, name: Option<&str>) -> Result<P
         Stage::Function => None,
     };
     let chosen = match name {
-        Some(name) if suite.stage == Stage::Function => Chosen::Function(name),
-        _ => text.meant(stage, name),
+        Some(name) if stage == Stage::Function => Chosen::Function(name),
+        _ => Chosen::Point { stage: stage_of_text, name },
     };
-    text.program(chosen, &suite.chosen)
+    text.program(chosen, values)
 }
 
 /// The stage that a text is read for.

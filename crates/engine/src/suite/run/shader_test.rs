@@ -8,6 +8,7 @@ use super::finding::components;
 use base::text::Span;
 use base::value::{Scalar, Shape, ulp_at};
 use judge::verdict::{Blame, Deviation, Value as Component};
+use program::Written;
 use program::lower::Role;
 use property::{Sample, regressions};
 use syntax::interface::Storage;
@@ -22,6 +23,9 @@ const CORNERS: [[f32; 2]; 3] = [[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]];
 pub fn shader_test(prepared: &Prepared, message: &str, deviation: &Deviation, sample: &Sample) -> Option<String> {
     let value = deviation.value()?;
     let program = &prepared.program;
+    if program.written != Written::Glsl {
+        return None;
+    }
     let parsed = Shader::parse_with(&program.file, program.stage, &program.defines);
     let work = Work { prepared, shader: &parsed.shader, sample, value, deviation };
     // What another text is put in for is not here.

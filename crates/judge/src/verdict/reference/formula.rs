@@ -53,7 +53,7 @@ pub(super) fn bind(formula: &'static Formula, program: &Program) -> Result<(Boun
     }
     let record = &layout.vertex;
     let output = |param: &Param| {
-        let index = record.index_of(param.name).filter(|&index| fits(param, record, index));
+        let index = program.output_called(param.name).filter(|&index| fits(param, record, index));
         index.ok_or_else(|| ReferenceError::MissingOutput {
             by: by(),
             name: param.name.into(),

@@ -103,7 +103,12 @@ pub(super) fn bind(
             Some(name) if field.name == RETURN => name,
             Some(_) | None => &field.name,
         };
-        let named = given.vertex.index_of(name);
+        // The position of a vertex is the same output by whatever name.
+        let position = || {
+            let own = model.position().is_some_and(|own| own.name == *name);
+            if own { Some(program.position()?.name.clone()) } else { None }
+        };
+        let named = program.output_called(name).or_else(|| program.output_called(&position()?));
         // The value of a function stands for the only output that there is.
         let only = (field.name == RETURN && output.is_none() && all.len() == 1).then_some(0);
         let Some(index) = named.or(only) else { continue };

@@ -174,6 +174,7 @@ impl<'m> Compiler<'m> {
                 unset: Default::default(),
                 max_vertices: subject.max_vertices,
                 tables: subject.textures.iter().map(|t| t.contents.words().clone()).collect(),
+                words_defined: false,
                 draft: Arc::default(),
             },
             sites: HashMap::new(),
