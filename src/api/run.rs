@@ -226,7 +226,9 @@ fn guessed(shader: &Shader) -> Result<Vec<InputGroup>, Error> {
             let target = shader.entry.clone().map_or(Target::Stage, Target::Function);
             Program::from_source_with(&shader.file, stage, &shader.defines, |_| Ok(target))
         }
-        Written::Wgsl => of_module(&shader.file, shader.stage, shader.entry.as_deref(), &shader.defines),
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly => {
+            of_module(&shader.file, shader.stage, shader.entry.as_deref(), &shader.defines)
+        }
     };
     let program = program.map_err(|error| Error::new(error.to_string()))?;
     let (invocation, case) = (program.invocation_record(), program.case_record());

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base::text::SourceFile;
 use engine::suite::{self, Includes, Stage};
 use judge::verdict::Given;
-use program::{ModuleText, Written};
+use program::Written;
 use property::Sample;
 
 use super::{Domain, Error, Inputs, Law, Outcome, run};
@@ -173,10 +173,11 @@ impl Shader {
     /// Runs the entry point of this name, of a text that has several: WGSL. Its stage is that of the text.
     pub fn entry_point(mut self, name: impl Into<String>) -> Self {
         let name = name.into();
-        let written = Written::of(&self.file);
-        let points = match written {
+        let points = match Written::of(&self.file) {
             Written::Glsl => Vec::new(),
-            Written::Wgsl => ModuleText::read(&self.file, written).map_or_else(|_| Vec::new(), |text| text.points()),
+            Written::Wgsl | Written::SpirV | Written::SpirVAssembly => {
+                suite::read_module(&self.file).map_or_else(|_| Vec::new(), |text| text.points())
+            }
         };
         // What cannot be read, or is not there, is told when it is run.
         self.stage = match points.iter().find(|point| point.name == name).map(|point| point.stage) {

@@ -18,12 +18,13 @@ use crate::cli::shard::ShardArgs;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang, Severity};
 use base::{did_you_mean, nearest};
-use engine::fuzz::{self, Domain, FunctionReport, Request, Stated, Subject};
+use engine::fuzz::{self, BadHint, Domain, FunctionReport, Request, Stated, Subject};
 use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Promises;
 use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
 
-use program::{ModuleText, ProgramError, Written};
+use engine::suite::read_module;
+use program::{ProgramError, Written};
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
 pub use shared::ShardResult;
@@ -283,9 +284,9 @@ pub(super) fn subjects(
     known: &mut Vec<String>,
 ) -> anyhow::Result<(Vec<Diagnostic>, Vec<Subject>)> {
     let wanted = |name: &str| functions.is_empty() || functions.iter().any(|f| f == name);
-    let written = Written::of(&source.file);
-    if written != Written::Glsl {
-        let text = match ModuleText::read(&source.file, written) {
+    let unstated = |bad: BadHint| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why);
+    if Written::of(&source.file) != Written::Glsl {
+        let text = match read_module(&source.file) {
             Ok(text) => text,
             Err(ProgramError::Source(errors)) => {
                 let errors = errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
@@ -294,7 +295,8 @@ pub(super) fn subjects(
             Err(error) => return Err(error).with_context(|| source.name.clone()),
         };
         known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
-        return Ok((Vec::new(), fuzz::subjects_of_module(&text, define, &wanted)));
+        let subjects = fuzz::subjects_of_module(&text, define, &wanted).map_err(unstated)?;
+        return Ok((Vec::new(), subjects));
     }
     let parsed = source.parsed(define);
     let errors = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
@@ -302,8 +304,7 @@ pub(super) fn subjects(
     if !errors.is_empty() {
         return Ok((errors, Vec::new()));
     }
-    let subjects = fuzz::subjects(&parsed.shader, &wanted)
-        .map_err(|bad| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why))?;
+    let subjects = fuzz::subjects(&parsed.shader, &wanted).map_err(unstated)?;
     for (_, info) in parsed.shader.functions().filter(|(_, f)| f.definition.is_some()) {
         known.push(info.name.name.clone());
     }

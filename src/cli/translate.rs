@@ -12,8 +12,9 @@ use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
 use base::text::{Shown, SourceFile, decode_western};
 use disk::{fresh, read_source};
+use engine::suite::read_module;
 use program::lower::Target;
-use program::{Language, ModuleText, Program, ProgramError, TranslateError, Translation, Written, read_back};
+use program::{Language, Program, ProgramError, TranslateError, Translation, Written, listing, read_back};
 use report::diagnostics;
 use syntax::{Shader, Stage};
 
@@ -59,7 +60,7 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
     let written = Written::of(&source.file);
     let program = match written {
         Written::Glsl => of_glsl(args, source, err)?,
-        Written::Wgsl => of_module(args, &source, written, err)?,
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly => of_module(args, &source, err)?,
     };
     let Some(program) = program else { return Ok(ExitStatus::Findings) };
     let name = program.file.name().to_owned();
@@ -84,15 +85,10 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
 }
 
 /// The program of a text that is read as a module; none where diagnostics say what is wrong with it.
-fn of_module(
-    args: &TranslateArgs,
-    source: &IncludedText,
-    written: Written,
-    err: &mut dyn Write,
-) -> anyhow::Result<Option<Program>> {
+fn of_module(args: &TranslateArgs, source: &IncludedText, err: &mut dyn Write) -> anyhow::Result<Option<Program>> {
     let stage = args.stage.map(Stage::from);
-    let program = ModuleText::read(&source.file, written)
-        .and_then(|text| text.program(text.meant(stage, args.entry.as_deref()), &args.define));
+    let program =
+        read_module(&source.file).and_then(|text| text.program(text.meant(stage, args.entry.as_deref()), &args.define));
     match program {
         Ok(program) => Ok(Some(program)),
         Err(ProgramError::Source(found)) => {
@@ -181,6 +177,9 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
     let bytes = read_source(path).with_context(|| format!("cannot read `{name}`"))?;
     if bytes.iter().all(u8::is_ascii_whitespace) {
         anyhow::bail!("`{name}` is empty");
+    }
+    if Written::of_path(&name) == Written::SpirV {
+        return listing(&name, &bytes).map_err(|why| anyhow::anyhow!(why));
     }
     Ok(decode_western(&name, &bytes)?.file)
 }

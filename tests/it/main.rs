@@ -28,6 +28,7 @@ mod lint_cli;
 mod lists;
 mod lowering;
 mod lowering_vertex;
+mod modules;
 mod mutate;
 mod own;
 mod page;

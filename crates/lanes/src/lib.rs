@@ -1,6 +1,7 @@
 //! Lanes: what runs a kernel. A lane is a device with a pipeline; each is one file (or folder) and
 //! one line of the registry.
 
+pub mod assembler;
 pub mod embedded;
 pub mod native;
 mod open;

@@ -53,7 +53,7 @@ pub struct Constants {
 
 impl Constants {
     /// Of a shader.
-    pub(super) fn new(shader: Arc<Shader>) -> Self {
+    pub(crate) fn new(shader: Arc<Shader>) -> Self {
         let reals = Reals::new(&shader, &|_, value| value);
         let mut constants = Self::default();
         for (id, expr) in shader.arena().iter() {
@@ -75,9 +75,14 @@ impl Constants {
         Self { shader: Some(shader), ..constants }
     }
 
-    /// The shader, where there is one.
-    pub(super) fn shader(&self) -> Option<&Shader> {
-        self.shader.as_deref()
+    /// The shader in GLSL, where there is one.
+    pub(super) fn glsl(&self) -> Option<&Shader> {
+        self.shader.as_deref().filter(|shader| shader.wgsl().is_none())
+    }
+
+    /// The shader in WGSL, where there is one.
+    pub(super) fn wgsl(&self) -> Option<&Shader> {
+        self.shader.as_deref().filter(|shader| shader.wgsl().is_some())
     }
 
     /// Every literal once, in the order of the text.

@@ -18,7 +18,7 @@ impl Program {
     /// # Errors
     /// What the dialect lacks.
     pub(super) fn in_dialect(&self) -> Result<Edited, String> {
-        let shader = self.constants.shader().ok_or("no program of GLSL")?;
+        let shader = self.constants.glsl().ok_or("no program of GLSL")?;
         let target = match &self.role {
             Role::Function { name } => Target::Function(name.clone()),
             Role::Vertex | Role::Fragment | Role::Compute | Role::Geometry(_) => Target::Stage,

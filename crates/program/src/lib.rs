@@ -48,7 +48,7 @@ pub use drawn::ranges;
 pub use drawn::{Count, Drawn};
 pub use front::{INCOMPLETE, NAGA, UNSUPPORTED, VALIDATOR};
 pub use probe::Probed;
-pub use read::{Chosen, ModuleText, Runnable, Written};
+pub use read::{Chosen, ModuleText, Runnable, Written, listing};
 pub use readback::{Place, ReadBack};
 pub use texture::Texture;
 pub use translate::{Language, TranslateError, Translation, read_back};

@@ -1,38 +1,76 @@
 //! The entry points and functions of a text that is read as a module, each made ready to run or told why it cannot be.
 
 use super::realistic::Realistic;
-use super::subject::{Made, Ready, Subject, made, numbers, reason};
-use crate::guess::{self, Role, Uses};
+use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
+use crate::guess::{self, Role, Usages, Uses};
 use base::value::Field;
 use program::{Chosen, ModuleText, Port, PortAt, Program, Runnable};
-use syntax::Stage;
+use syntax::symbols::FunctionInfo;
+use syntax::types::Type;
+use syntax::{Shader, Stage};
 
 /// What can be run of a module, in the order of the text; what `wanted` wants is made ready, with these values of
 /// `override` constants.
+///
+/// # Errors
+/// Comments that state domains in a way that cannot be read.
 pub fn subjects_of_module(
     text: &ModuleText,
     values: &[(String, String)],
     wanted: &dyn Fn(&str) -> bool,
-) -> Vec<Subject> {
+) -> Result<Vec<Subject>, BadHint> {
     let mut all: Vec<Runnable> = text.points().into_iter().chain(text.functions()).collect();
     all.sort_by_key(|one| one.span.start);
     all.retain(|one| wanted(&one.name));
-    all.into_iter().map(|one| subject(text, values, one)).collect()
+    let tree = text.tree();
+    let known = Known { tree, usages: tree.map(Usages::of), hints: tree.map(Hints::read).transpose()? };
+    Ok(all.into_iter().map(|one| subject(text, values, one, &known)).collect())
 }
 
-fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable) -> Subject {
+/// What the text says beside what is run.
+struct Known<'t> {
+    tree: Option<&'t Shader>,
+    usages: Option<Usages>,
+    hints: Option<Hints>,
+}
+
+impl Known<'_> {
+    fn function(&self, name: &str) -> Option<&FunctionInfo> {
+        self.tree?.functions().find(|(_, info)| info.name.name == name).map(|(_, info)| info)
+    }
+
+    /// How an input is used: a parameter, a member of one that is a structure, or a variable of the module.
+    fn uses(&self, function: &str, field: &Field) -> Uses {
+        let (Some(tree), Some(usages)) = (self.tree, &self.usages) else { return Uses::default() };
+        let root = field.name.split(['.', '[']).next().unwrap_or(&field.name);
+        let params = || self.function(function).into_iter().flat_map(|info| &info.params);
+        let named = params().find(|param| param.name.as_ref().is_some_and(|name| name.name == root));
+        if let Some(symbol) = named.and_then(|param| param.symbol) {
+            return usages.of_input(symbol, &field.name);
+        }
+        let has = |ty: &Type| matches!(ty, Type::Struct(s) if s.fields.iter().any(|member| member.name == root));
+        if let Some(symbol) = params().find(|param| has(&param.ty)).and_then(|param| param.symbol) {
+            return usages.of_input(symbol, &format!("in.{}", field.name));
+        }
+        global(tree, root).map(|(symbol, _)| usages.of_input(symbol, &field.name)).unwrap_or_default()
+    }
+}
+
+fn subject(text: &ModuleText, values: &[(String, String)], one: Runnable, known: &Known<'_>) -> Subject {
     let at = text.file().locate(one.span.start);
     let ready = ready(text, values, &one).map(|(program, kernel, executable)| {
         let realistic = {
             let guess = |field: &Field| {
                 let role = role(&program, field);
-                (guess::with_uses(field, role, &Uses::default()), role == Role::Varying)
+                (guess::with_uses(field, role, &known.uses(&one.name, field)), role == Role::Varying)
             };
             Realistic::new([&kernel.invocation, &kernel.case], &guess)
         };
         Box::new(Ready { program, kernel, executable, realistic })
     });
-    let stated = ready.iter().flat_map(|ready| numbers(ready, &ready.program.ranges, &[])).collect();
+    let about = known.hints.as_ref().and_then(|hints| Some(hints.about(known.function(&one.name)?)));
+    let mut stated = about.unwrap_or_default();
+    stated.extend(ready.iter().flat_map(|r| numbers(r, &r.program.ranges, &stated)).collect::<Vec<_>>());
     Subject { label: one.name, at, ready, stated }
 }
 

@@ -114,7 +114,7 @@ fn realistic(shader: &Shader, info: &FunctionInfo, usages: &Usages, kernel: &Ker
 }
 
 /// A variable of the interface by its name, or that of its block.
-fn global(shader: &Shader, name: &str) -> Option<(SymbolId, Storage)> {
+pub(super) fn global(shader: &Shader, name: &str) -> Option<(SymbolId, Storage)> {
     let (id, symbol) = shader
         .symbols()
         .find(|(_, symbol)| symbol.name == name && !matches!(symbol.kind, SymbolKind::Param(_) | SymbolKind::Local))?;
@@ -194,14 +194,14 @@ pub(super) fn reason(error: &ProgramError) -> String {
 }
 
 /// Domains that comments state.
-struct Hints {
+pub(super) struct Hints {
     /// Each with the item that it stands before: the function's, or none for a comment before anything
     /// else, which is about the whole file.
     all: Vec<(Option<usize>, Stated)>,
 }
 
 impl Hints {
-    fn read(shader: &Shader) -> Result<Self, BadHint> {
+    pub(super) fn read(shader: &Shader) -> Result<Self, BadHint> {
         use syntax::ast::ItemKind;
         let items = &shader.unit().items;
         let mut all = Vec::new();
@@ -228,7 +228,7 @@ impl Hints {
         Ok(Self { all })
     }
 
-    fn about(&self, info: &FunctionInfo) -> Vec<Stated> {
+    pub(super) fn about(&self, info: &FunctionInfo) -> Vec<Stated> {
         let here =
             |item: &Option<usize>| item.is_none_or(|k| info.definition == Some(k) || info.prototypes.contains(&k));
         self.all.iter().filter(|(item, _)| here(item)).map(|(_, s)| s.clone()).collect()

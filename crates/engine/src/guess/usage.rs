@@ -75,7 +75,7 @@ impl Usages {
                 ExprKind::Call { callee: Callee::Name(name), args }
                     if matches!(shader.callee(id), Some(CallTarget::Builtin(_))) =>
                 {
-                    found.fetches |= name.name.starts_with("texelFetch");
+                    found.fetches |= name.name.starts_with("texelFetch") | (name.name == "textureLoad");
                     for (k, &arg) in args.iter().enumerate() {
                         if let (Some(usage), Some(part)) = (given_to(&name.name, k), part(shader, arg)) {
                             found.parts.entry(part).or_default().add(usage);
@@ -159,6 +159,8 @@ fn given_to(name: &str, argument: usize) -> Option<Usage> {
         ("pow", 1) => Usage::Exponent,
         ("mix", 2) => Usage::Share,
         ("texture" | "texture2D" | "textureLod", 1) => Usage::Coordinates,
+        // WGSL names the sampler as well.
+        ("textureSample" | "textureSampleLevel" | "textureSampleBias" | "textureSampleGrad", 2) => Usage::Coordinates,
         _ => return None,
     })
 }

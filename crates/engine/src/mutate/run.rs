@@ -19,8 +19,7 @@ use base::value::Batch;
 use judge::profile::Promises;
 use judge::verdict::{Failure, JudgeContext, Literals, Movement, What, judge_batch, movement, shader_deviation};
 use lanes::{Lane, LaneError, Stage as LaneStage, interrupt};
-use program::Kernel;
-use program::OutputLayout;
+use program::{Entry, Kernel, OutputLayout, Role, Written};
 use property::{Sample, Sampler};
 use syntax::interface::Storage;
 use syntax::symbols::SymbolKind;
@@ -103,9 +102,9 @@ pub fn run(
         Stage::Fragment => syntax::Stage::Fragment,
         Stage::Function => syntax::Stage::from_path(shader.name()).unwrap_or(syntax::Stage::Library),
     };
-    let parsed = Shader::parse_with(shader, stage, &suite.chosen).shader;
+    let parsed = parsed(shader, stage, suite).shader;
     let written = written(&parsed);
-    let mutants = mutants(&parsed, suite.entry.as_deref().unwrap_or("main"), &request.operators);
+    let mutants = mutants(&parsed, &entry_of(&prepared), &request.operators);
     let (index, count) = (request.shard.index() as usize, request.shard.count() as usize);
     let mutants: Vec<Mutant> = mutants.into_iter().skip(index).step_by(count).collect();
     let mut tested = Vec::with_capacity(mutants.len());
@@ -145,6 +144,24 @@ pub fn run(
     Ok(SuiteResult { suite: name(), shader: shader.name().to_owned(), samples, tested })
 }
 
+/// The syntax tree of a text.
+fn parsed(file: &SourceFile, stage: syntax::Stage, suite: &Suite) -> syntax::Parsed {
+    match Written::of(file) {
+        Written::Wgsl => Shader::parse_wgsl(file),
+        Written::Glsl | Written::SpirV | Written::SpirVAssembly => Shader::parse_with(file, stage, &suite.chosen),
+    }
+}
+
+/// The function of the text at which a program starts.
+fn entry_of(prepared: &Prepared) -> String {
+    let program = &prepared.program;
+    match (&program.role, program.entry) {
+        (Role::Function { name }, _) => name.clone(),
+        (_, Entry::Point(index)) => program.module.entry_points[index].name.clone(),
+        (_, Entry::Function(_)) => "main".to_owned(),
+    }
+}
+
 /// A mutant made ready, or what became of it.
 fn ready(
     suite: &Suite,
@@ -160,7 +177,7 @@ fn ready(
         }
         Err(error) => {
             // GLSL may leave an output without a value. A suite cannot run such a shader, and says so.
-            let parsed = Shader::parse_with(&mutant.shader, stage, &suite.chosen);
+            let parsed = parsed(&mutant.shader, stage, suite);
             let missing = outputs.difference(&written(&parsed.shader)).next().cloned();
             let broken = parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
             Err(match (missing, error) {

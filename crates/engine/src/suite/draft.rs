@@ -13,7 +13,7 @@ use base::value::{Field, Scalar, Shape};
 use judge::profile::Promises;
 use lanes::{self, Lane};
 use program::lower::Target;
-use program::{ModuleText, Program, ProgramError, Written};
+use program::{Program, ProgramError, Written};
 use syntax::{self, Shader};
 
 /// Samples on which a new suite is tried.
@@ -78,7 +78,7 @@ pub fn subjects(file: &SourceFile, stage: syntax::Stage) -> (Vec<Subject>, usize
 /// The same of a text that is read as a module: its entry points and functions. One that is wrong has a subject all the
 /// same, whose draft tells what is wrong.
 fn of_module(file: &SourceFile) -> (Vec<Subject>, usize) {
-    let Ok(text) = ModuleText::read(file, Written::of(file)) else {
+    let Ok(text) = super::read_module(file) else {
         return (vec![Subject { stage: Stage::Vertex, entry: None }], 0);
     };
     let points = text.points();
@@ -117,7 +117,9 @@ pub fn draft(
             let target = subject.entry.clone().map_or(Target::Stage, Target::Function);
             Program::from_source(file, stage, |_| Ok(target))
         }
-        Written::Wgsl => of_module_text(file, subject.stage, subject.entry.as_deref(), &[]),
+        Written::Wgsl | Written::SpirV | Written::SpirVAssembly => {
+            of_module_text(file, subject.stage, subject.entry.as_deref(), &[])
+        }
     }
     .map_err(|error| in_a_line(&error))?;
     let (invocation, case) = (program.invocation_record(), program.case_record());

@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use base::text::{SourceFile, decode};
+use program::{Written, listing};
 use property::Sample;
 use property::regressions::{self, Regression};
 
@@ -38,7 +39,13 @@ fn read(path: &Path) -> Result<SourceFile, LoadError> {
 /// the preprocessor knows whether it counts.
 pub fn read_shader(path: &Path, includes: &mut Includes) -> Result<SourceFile, LoadError> {
     let bytes = read_source(path).map_err(|source| LoadError::Read { path: path.to_owned(), source })?;
-    includes.resolve(&decode(&path.display().to_string(), &bytes)?.file)
+    let name = path.display().to_string();
+    if Written::of_path(&name) == Written::SpirV {
+        let unread =
+            |why| LoadError::Read { path: path.to_owned(), source: std::io::Error::new(ErrorKind::InvalidData, why) };
+        return listing(&name, &bytes).map_err(unread);
+    }
+    includes.resolve(&decode(&name, &bytes)?.file)
 }
 
 /// Reads a suite file and the shader that it names, which lies beside it.

@@ -9,6 +9,7 @@ pub mod expectations;
 mod files;
 mod includes;
 mod keys;
+mod module;
 mod parse;
 mod record;
 pub mod run;
@@ -34,6 +35,7 @@ pub use files::{
 };
 pub use includes::Includes;
 pub use keys::{page, schema};
+pub use module::read_module;
 pub use parse::{Names, parse, parse_with};
 pub use record::rows;
 pub use shipped::{ShippedSuite, UnknownSuite, find, shipped};

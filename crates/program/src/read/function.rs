@@ -68,13 +68,43 @@ fn plain(module: &Module, handle: Handle<Function>, function: &Function) -> Alon
         let index = k as u32;
         match module.types[argument.ty].inner {
             TypeInner::Pointer { base, .. } => {
-                inputs.extend(port(name.clone(), base, PortAt::Reference(index)));
+                if !is_out(function, index) {
+                    inputs.extend(port(name.clone(), base, PortAt::Reference(index)));
+                }
                 outputs.extend(port(name, base, PortAt::Reference(index)));
             }
             _ => inputs.extend(port(name, argument.ty, PortAt::Argument(index))),
         }
     }
     Alone { function: handle, inputs, outputs }
+}
+
+/// True for a pointer to which the function writes the whole value before it looks at it: what stood there does not
+/// matter.
+fn is_out(function: &Function, argument: u32) -> bool {
+    let expressions = &function.expressions;
+    let Some(pointer) = expressions.iter().find(|(_, e)| **e == Expression::FunctionArgument(argument)).map(|(h, _)| h)
+    else {
+        return false;
+    };
+    for statement in function.body.iter() {
+        match statement {
+            Statement::Store { pointer: to, .. } if *to == pointer => return true,
+            Statement::Emit(range) => {
+                let reads = |handle: Handle<Expression>| match expressions[handle] {
+                    Expression::Load { pointer: from } => from == pointer,
+                    Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => base == pointer,
+                    _ => false,
+                };
+                if range.clone().any(reads) {
+                    return false;
+                }
+            }
+            Statement::Store { .. } => {}
+            _ => return false,
+        }
+    }
+    false
 }
 
 /// How an argument is passed.

@@ -12,13 +12,22 @@ pub enum Written {
     Glsl,
     /// WGSL.
     Wgsl,
+    /// A binary module of SPIR-V, as the list of its instructions.
+    SpirV,
+    /// SPIR-V in assembly.
+    SpirVAssembly,
 }
 
 impl Written {
     /// By the ending of a name. What is not known by its ending is GLSL, whose files have any.
     pub fn of_path(name: &str) -> Self {
         let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
-        if ending.eq_ignore_ascii_case("wgsl") { Self::Wgsl } else { Self::Glsl }
+        match ending.to_ascii_lowercase().as_str() {
+            "wgsl" => Self::Wgsl,
+            "spv" => Self::SpirV,
+            "spvasm" => Self::SpirVAssembly,
+            _ => Self::Glsl,
+        }
     }
 
     /// By the name of a file.
@@ -31,14 +40,7 @@ impl Written {
         match self {
             Self::Glsl => "GLSL",
             Self::Wgsl => "WGSL",
-        }
-    }
-
-    /// Its ending, with the dot.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Glsl => ".glsl",
-            Self::Wgsl => ".wgsl",
+            Self::SpirV | Self::SpirVAssembly => "SPIR-V",
         }
     }
 

@@ -12,6 +12,7 @@ mod language;
 mod ports;
 mod program;
 mod ranges;
+mod spirv;
 mod stops;
 mod tokens;
 mod values;
@@ -19,14 +20,17 @@ mod wgsl;
 
 use naga::{Module, ShaderStage};
 
-use crate::ProgramError;
+use std::sync::Arc;
+
+use crate::{Constants, ProgramError};
 use base::text::{SourceFile, Span};
-use syntax::Stage;
+use syntax::{Shader, Stage};
 
 pub use choose::Chosen;
 
 pub(crate) use flat::flat_if_needed;
 pub use language::Written;
+pub use spirv::listing;
 
 /// A text in WGSL or SPIR-V as naga reads it.
 #[derive(Clone, Debug)]
@@ -34,6 +38,9 @@ pub struct ModuleText {
     module: Module,
     file: SourceFile,
     written: Written,
+    /// The syntax tree of a text that has one.
+    tree: Option<Arc<Shader>>,
+    constants: Arc<Constants>,
 }
 
 /// Something of a module that can be run.
@@ -56,11 +63,29 @@ impl ModuleText {
     pub fn read(file: &SourceFile, written: Written) -> Result<Self, ProgramError> {
         let module = match written {
             Written::Wgsl => wgsl::read(file)?,
-            Written::Glsl => {
-                return Err(ProgramError::internal("GLSL is not read as a module".to_owned()));
+            Written::SpirV => spirv::read_listing(file)?,
+            Written::SpirVAssembly | Written::Glsl => {
+                return Err(ProgramError::internal(format!("{} is not read as a module", written.name())));
             }
         };
-        Ok(Self { module, file: file.clone(), written })
+        let tree = (written == Written::Wgsl).then(|| Arc::new(Shader::parse_wgsl(file).shader));
+        let constants = tree.as_ref().map_or_else(Arc::default, |tree| Arc::new(Constants::new(tree.clone())));
+        Ok(Self { module, file: file.clone(), written, tree, constants })
+    }
+
+    /// Reads a text in assembly, whose words an assembler gave.
+    ///
+    /// # Errors
+    /// As of [`ModuleText::read`].
+    pub fn read_assembly(file: &SourceFile, words: &[u32]) -> Result<Self, ProgramError> {
+        let module = spirv::read_assembly(file, words)?;
+        let (tree, constants) = (None, Arc::default());
+        Ok(Self { module, file: file.clone(), written: Written::SpirVAssembly, tree, constants })
+    }
+
+    /// The syntax tree; none for SPIR-V. It may lack what only naga reads.
+    pub fn tree(&self) -> Option<&Shader> {
+        self.tree.as_deref()
     }
 
     /// The text.
@@ -103,6 +128,8 @@ impl ModuleText {
         let mut all: Vec<Runnable> = names.map(one).collect();
         // naga has them in the order in which they call each other.
         all.sort_by_key(|function| function.span.start);
+        // What a reader makes of an entry point is none of them.
+        all.retain(|function| self.module.entry_points.iter().all(|point| point.name != function.name));
         all
     }
 
@@ -114,7 +141,18 @@ impl ModuleText {
 
     /// The place of a name that is declared behind a keyword.
     fn place_of(&self, keyword: &str, name: &str) -> Span {
-        tokens::declared(self.file.text(), keyword, name).unwrap_or_default()
+        let text = self.file.text();
+        if self.written == Written::Wgsl {
+            return tokens::declared(text, keyword, name).unwrap_or_default();
+        }
+        let quoted = format!("\"{name}\"");
+        let names = |line: &&str| {
+            let op = line.contains("OpEntryPoint") || line.contains("OpName");
+            op && line.contains(&quoted)
+        };
+        let line = text.split_inclusive('\n').find(names);
+        let start = line.map_or(0, |line| line.as_ptr() as usize - text.as_ptr() as usize);
+        Span::new(start, start + line.map_or(0, |line| line.trim_end().len()))
     }
 }
 

@@ -139,7 +139,7 @@ impl ModuleText {
             defines: values.to_vec(),
             instrumented: false,
             texts: Vec::new(),
-            constants: Arc::default(),
+            constants: self.constants.clone(),
         }
     }
 }

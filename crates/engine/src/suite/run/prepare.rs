@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::suite::read_module;
 use crate::suite::record::{self, Interface};
 use crate::suite::{Expect, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
 use base::diagnostic::Diagnostic;
@@ -12,7 +13,7 @@ use disk::Problem;
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
 use lanes::Stage as LaneStage;
 use program::lower::Target;
-use program::{Chosen, Kernel, ModuleText, Program, ProgramError, Written};
+use program::{Chosen, Kernel, Program, ProgramError, Written};
 use property::law::LawError;
 use property::{Own, Plan, PlanError, Relation, Sample};
 
@@ -229,7 +230,7 @@ pub fn of_module(
     name: Option<&str>,
     values: &[(String, String)],
 ) -> Result<Program, ProgramError> {
-    let text = ModuleText::read(shader, Written::of(shader))?;
+    let text = read_module(shader)?;
     let stage_of_text = match stage {
         Stage::Vertex => Some(syntax::Stage::Vertex),
         Stage::Fragment => Some(syntax::Stage::Fragment),
@@ -284,7 +285,7 @@ fn expected(suite: &Suite, shader: &SourceFile, program: &Program) -> Result<Exp
             let first = || Some(syntax::Shader::parse(shader, stage_of(suite, shader, None)).shader.version().clone());
             let text = &match Written::of(text) {
                 Written::Glsl => syntax::fitting(text, stage, &suite.chosen, first),
-                Written::Wgsl => text.clone(),
+                Written::Wgsl | Written::SpirV | Written::SpirVAssembly => text.clone(),
             };
             let mut model = self::program(suite, text, entry).map_err(|source| {
                 let source = match source {

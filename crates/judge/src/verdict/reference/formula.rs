@@ -114,6 +114,10 @@ fn fits(param: &Param, record: &Record, index: usize) -> bool {
         Kind::Mat4 => (4, 4),
     };
     let array = shape.array.map(|n| n as usize);
+    // A uniform of WGSL is no array of numbers, and a vector of as many stands for one.
+    if param.kind == Kind::Float && shape.columns == 1 && shape.array.is_none() && shape.rows > 1 {
+        return real && param.array == Some(usize::from(shape.rows));
+    }
     real != (param.kind == Kind::Int) && (shape.columns, shape.rows) == (columns, rows) && array == param.array
 }
 
