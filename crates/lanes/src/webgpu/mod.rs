@@ -2,6 +2,7 @@
 //! of npm, so that the other side is a script that Node runs ([`worker`](super::worker)).
 //!
 //! Tint reads the text that naga writes of the module: what it refuses, and what it takes in another sense, shows here.
+//! Of a shader in WGSL it reads the author's own text.
 
 mod messages;
 mod remote;
@@ -17,7 +18,7 @@ use std::sync::OnceLock;
 use super::worker::{Program, Worker};
 use super::{Api, Candidate, Description, Lane, LaneError, Runner, Stage, Unavailable, vulkan};
 use base::text::printable;
-use program::{Form, Kernel};
+use program::{Form, Kernel, Program as Shader};
 
 use messages::{Adapter, Missing};
 use remote::Remote;
@@ -121,6 +122,16 @@ struct WebGpu {
 impl Lane for WebGpu {
     fn description(&self) -> &Description {
         &self.description
+    }
+
+    fn front_end(&self, program: &Shader) -> String {
+        // Elsewhere it reads what naga writes, and shares naga's reading of the author's text.
+        let own = program.author_kernel().is_some();
+        if own {
+            format!("{} on the author's WGSL", self.description.front_end)
+        } else {
+            self.description.front_end.clone()
+        }
     }
 
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError> {

@@ -152,6 +152,10 @@ fn code(kernel: &Kernel) -> Result<String, LaneError> {
     if kernel.module.types.iter().any(|(_, ty)| wide(ty)) {
         return Err(unsupported("numbers of 64 bits; WGSL has none"));
     }
+    // Tint reads what the author wrote where it can.
+    if let (Form::Compute, Some(text)) = (&kernel.form, kernel.program.author_kernel()) {
+        return Ok(text);
+    }
     let written = contain(|| wgsl::write_string(&kernel.module, &kernel.info, wgsl::WriterFlags::empty()));
     let written = written.map_err(|panic| unsupported(format!("naga writes no WGSL of it: {panic}")))?;
     written.map_err(|error| unsupported(format!("WGSL cannot express this shader: {error}")))

@@ -7,6 +7,7 @@
 //! from storage buffers. The *vertex* kernel is a real vertex stage with vertex buffers and uniform
 //! buffers that writes a storage buffer.
 
+mod author;
 mod builder;
 mod compute;
 mod feed;

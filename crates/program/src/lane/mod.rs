@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::Kernel;
+use crate::{Kernel, Program};
 use base::text::printable;
 use base::value::Batch;
 
@@ -304,6 +304,11 @@ pub trait Lane {
     /// # Errors
     /// [`LaneError`] when the device refuses the kernel.
     fn prepare(&self, kernel: &Kernel, capacity: usize) -> Result<Box<dyn Runner>, LaneError>;
+
+    /// What reads the text of a program on this lane.
+    fn front_end(&self, _program: &Program) -> String {
+        self.description().front_end.clone()
+    }
 
     /// True for a lane without compute that runs functions in its vertex stage.
     fn calls_functions(&self) -> bool {

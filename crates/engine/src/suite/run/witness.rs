@@ -85,21 +85,24 @@ fn all(prepared: &Prepared, peers: &[Peer<'_>], accused: Vec<Accused<'_>>) {
 fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<InputSource>, mut accused: Vec<Accused<'_>>) {
     let samples: Vec<Sample> = accused.iter().map(|accused| sample(prepared, accused.case)).collect();
     let mut collected: Vec<Vec<Witness>> = vec![Vec::new(); accused.len()];
+    let witness = |peer: &Peer<'_>, stage, stand, word| Witness {
+        front_end: peer.lane.front_end(&prepared.program),
+        ..Witness::new(peer.lane.description(), stage, stand, word)
+    };
     for peer in peers {
         for stage in stages(prepared, *peer, source) {
-            let described = peer.lane.description();
             let given = given(prepared, *peer, stage, source, &samples, &accused);
             match given {
                 Ok(given) => {
                     for (collected, (stand, word)) in collected.iter_mut().zip(given) {
-                        collected.push(Witness::new(described, stage, stand, word));
+                        collected.push(witness(peer, stage, stand, word));
                     }
                 }
                 // What it cannot run it says nothing about.
                 Err(LaneError::Unsupported(_)) => {}
                 Err(error) => {
                     let stand = if error.is_failure() { Stand::Failed } else { Stand::Open };
-                    collected.iter_mut().for_each(|h| h.push(Witness::new(described, stage, stand, None)));
+                    collected.iter_mut().for_each(|h| h.push(witness(peer, stage, stand, None)));
                 }
             }
         }
@@ -116,7 +119,7 @@ fn from(prepared: &Prepared, peers: &[Peer<'_>], source: Option<InputSource>, mu
                 let Some(peer) = peers.iter().find(|peer| peer.lane.description().name == accused.lane) else {
                     continue;
                 };
-                witnesses.insert(0, Witness::new(peer.lane.description(), accused.stage, Stand::Wrong, word));
+                witnesses.insert(0, witness(peer, accused.stage, Stand::Wrong, word));
             }
         }
         let diagnosis = &mut accused.case.diagnosis;
