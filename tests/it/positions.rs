@@ -45,6 +45,7 @@ fn said(name: &str) -> (ExitStatus, String) {
         stage: None,
         to: Language::Wgsl,
         entry: None,
+        define: Vec::new(),
         include: Vec::new(),
         prelude: None,
         lenient: false,

@@ -80,3 +80,13 @@ fn a_constant_keeps_the_digits_of_the_author() {
     let files: &[(&str, &[u8])] = &[("f.wgsl", wrong.as_bytes()), files[1], files[2]];
     run_in(folder(files).path(), "check . --lane embedded").expect(1);
 }
+
+#[test]
+fn a_buffer_in_the_group_of_textures_is_none_of_them() {
+    let text = "@group(2) @binding(0) var<uniform> tint: vec4f;\n@group(0) @binding(0) var t: texture_2d<f32>;\n\
+                @group(0) @binding(1) var s: sampler;\n@fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {\n\
+                return tint * textureSample(t, s, uv);\n}\n";
+    let folder = folder(&[("f.wgsl", text.as_bytes())]);
+    let ran = run_in(folder.path(), "fuzz f.wgsl --samples 256 --lane embedded").expect(0);
+    assert!(ran.out.contains("1 functions run, 0 not run"), "{}", ran.out);
+}

@@ -2,6 +2,7 @@
 
 use super::realistic::Realistic;
 use super::subject::{BadHint, Hints, Made, Ready, Subject, global, made, numbers, reason};
+use super::wrapper::MOST_WORDS;
 use crate::guess::{self, Role, Usages, Uses};
 use base::value::Field;
 use program::{Chosen, ModuleText, Port, PortAt, Program, Runnable};
@@ -81,6 +82,11 @@ fn ready(text: &ModuleText, values: &[(String, String)], one: &Runnable) -> Resu
     };
     let program = text.program(chosen, values).map_err(|error| reason(&error))?;
     let program = program.with_memory_inside().map_err(|error| reason(&error))?;
+    let ports = program.inputs.iter().chain(&program.uniforms).chain(&program.outputs);
+    let words: usize = ports.map(|port| port.field.shape.words()).sum();
+    if words > MOST_WORDS {
+        return Err(format!("it takes and gives {words} words; {MOST_WORDS} at most are fed"));
+    }
     made(program)
 }
 

@@ -14,7 +14,7 @@ pub const NAME: &str = "sc_fuzz";
 /// What `main` of a stage is called where it is run as an ordinary function.
 const MAIN: &str = "sc_main";
 /// Words that go in or come out at most.
-const MOST_WORDS: usize = 2048;
+pub(super) const MOST_WORDS: usize = 2048;
 
 /// A function made ready: a text with a generated function at its end, and what its parameters are
 /// called.

@@ -125,7 +125,10 @@ impl Ports<'_> {
     /// kernel hands on.
     pub(super) fn resources(&mut self, module: &mut Module) {
         let all: Vec<Handle<GlobalVariable>> = module.global_variables.iter().map(|(handle, _)| handle).collect();
-        let mut next = 0;
+        // Buffers of the author's may lie in that group as well.
+        let taken = module.global_variables.iter().filter(|(_, v)| v.space != AddressSpace::Handle);
+        let taken = taken.filter_map(|(_, v)| v.binding.filter(|b| b.group == binding::TEXTURES));
+        let mut next = taken.map(|b| b.binding + 1).max().unwrap_or(0);
         for &handle in &all {
             let variable = module.global_variables[handle].clone();
             let name = variable.name.clone().unwrap_or_else(|| "a variable".to_owned());
