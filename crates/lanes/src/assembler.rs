@@ -48,7 +48,7 @@ fn run(command: Command, text: &str) -> Result<Vec<u32>, AssembleError> {
     let words = output.out.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let words: Vec<u32> = words.collect();
     match words.first() {
-        Some(&spirv::MAGIC_NUMBER) if output.out.len() % 4 == 0 => Ok(words),
+        Some(&spirv::MAGIC_NUMBER) if output.out.len().is_multiple_of(4) => Ok(words),
         _ => Err(failed("gave no whole module".to_owned())),
     }
 }

@@ -65,7 +65,7 @@ fn string(words: &[u32]) -> String {
 /// # Errors
 /// What is no module of SPIR-V, in words.
 pub fn listing(name: &str, bytes: &[u8]) -> Result<SourceFile, String> {
-    if bytes.len() % 4 != 0 {
+    if !bytes.len().is_multiple_of(4) {
         return Err(format!(
             "{name}: {} bytes are no whole words: the module is cut short, or is no SPIR-V",
             bytes.len()
