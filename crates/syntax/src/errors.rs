@@ -23,6 +23,8 @@ pub const ERROR_DIRECTIVE: Code = Code("E013");
 pub const MACRO: Code = Code("E014");
 /// An `#include`, which compilers do not know; hosts often resolve it.
 pub const INCLUDE: Code = Code("E015");
+/// A name in a condition, or marked for replacement, that has no value.
+pub const VALUELESS: Code = Code("E016");
 /// A name that nothing declares.
 pub const UNKNOWN_NAME: Code = Code("E020");
 /// A function that nothing declares.
@@ -131,6 +133,7 @@ pub const ALL: &[(Code, &str)] = &[
     (ERROR_DIRECTIVE, "an #error that is reached"),
     (MACRO, "a macro used with a wrong number of arguments, or one that expands without end"),
     (INCLUDE, "an #include, which compilers do not know; hosts often resolve it"),
+    (VALUELESS, "a name in a condition, or marked for replacement, that has no value"),
     (UNKNOWN_NAME, "a name that nothing declares"),
     (UNKNOWN_FUNCTION, "a function that nothing declares"),
     (NO_OVERLOAD, "a function exists, but not for these arguments"),

@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use super::{Comment, lexer};
+use super::Comment;
+use super::lexer::{CommentStyle, lex_with};
 use base::text::{Assembly, SourceFile, Span};
 
 /// What an `#include` asks for.
@@ -13,8 +14,11 @@ pub struct Wanted {
     pub from: SourceFile,
     /// What stands between the quotes or angle brackets.
     pub path: String,
-    /// True for `"path"`, which is looked for beside the file that asks first; false for `<path>`.
+    /// True for `"path"`, which is looked for beside the file that asks first; false for `<path>`. An `#import` is
+    /// looked for there however it is written.
     pub quoted: bool,
+    /// True for `#import`, which takes a file in once; false for `#include`.
+    pub import: bool,
     /// The directive, without its line break.
     pub span: Span,
 }
@@ -27,6 +31,17 @@ pub struct Included {
     /// What was asked for and is not there. Its directives stay in the text: whether they count is for the
     /// preprocessor to say.
     pub missing: Vec<Wanted>,
+    /// Files that lead back to themselves.
+    pub cycles: Vec<Cycle>,
+}
+
+/// Files that include each other in a circle.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// The directive that asks for a file which is on the way in already. It is left out of the text.
+    pub wanted: Wanted,
+    /// Names of the files from that one to the one that asks.
+    pub chain: Vec<Arc<str>>,
 }
 
 /// Depth of files that include each other.
@@ -37,24 +52,46 @@ const DEEPEST: usize = 64;
 /// with a guard it would be empty there, and without one it would have no end. One with `#pragma once` is
 /// put in once.
 pub fn resolve(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>) -> Included {
-    if !file.text().contains("include") {
-        return Included { file: file.clone(), missing: Vec::new() };
+    joined(file, find, CommentStyle::C)
+}
+
+/// The same for a text that is not GLSL, where hosts have `#import <path>`, `#import "path"` and `#import name` for it
+/// as well. An `#import` of anything within a module, such as `#import a::b`, stays.
+pub fn resolve_plain(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>) -> Included {
+    joined(file, find, CommentStyle::Wgsl)
+}
+
+fn joined(file: &SourceFile, find: &mut dyn FnMut(&Wanted) -> Option<SourceFile>, comments: CommentStyle) -> Included {
+    let words = directive_words(comments);
+    if !words.iter().any(|word| file.text().contains(word)) {
+        return Included { file: file.clone(), missing: Vec::new(), cycles: Vec::new() };
     }
-    let mut work = Work { find, assembly: Assembly::new(), open: Vec::new(), once: Vec::new(), missing: Vec::new() };
+    let (open, once, missing, cycles) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut work = Work { find, comments, assembly: Assembly::new(), open, once, missing, cycles };
     let any = work.add(file);
-    let Work { assembly, missing, .. } = work;
+    let Work { assembly, missing, cycles, .. } = work;
     let file = if any { assembly.finish(file.name()) } else { file.clone() };
-    Included { file, missing }
+    Included { file, missing, cycles }
+}
+
+/// Words behind `#` that take a file in.
+fn directive_words(comments: CommentStyle) -> &'static [&'static str] {
+    match comments {
+        CommentStyle::C => &["include"],
+        CommentStyle::Wgsl => &["include", "import"],
+    }
 }
 
 struct Work<'a> {
     find: &'a mut dyn FnMut(&Wanted) -> Option<SourceFile>,
+    comments: CommentStyle,
     assembly: Assembly,
     /// Names of the files that are being put in.
     open: Vec<Arc<str>>,
     /// Names of files with `#pragma once`.
     once: Vec<Arc<str>>,
     missing: Vec<Wanted>,
+    cycles: Vec<Cycle>,
 }
 
 impl Work<'_> {
@@ -67,7 +104,7 @@ impl Work<'_> {
         self.open.push(name.clone());
         let mut at = 0;
         let mut any = false;
-        for directive in directives(file) {
+        for directive in directives(file, self.comments) {
             let Directive::Include(wanted) = directive else {
                 self.once.push(name.clone());
                 continue;
@@ -79,8 +116,15 @@ impl Work<'_> {
             any = true;
             self.assembly.copy(file, Span::new(at, wanted.span.start));
             at = wanted.span.end;
-            if self.open.len() < DEEPEST && !self.open.iter().any(|open| **open == *found.name()) {
+            if let Some(back) = self.open.iter().position(|open| **open == *found.name()) {
+                // A guard makes it empty there.
+                if !self.once.contains(&self.open[back]) {
+                    self.cycles.push(Cycle { wanted, chain: self.open[back..].to_vec() });
+                }
+            } else if self.open.len() < DEEPEST {
+                let once = wanted.import.then(|| found.name().into());
                 self.add(&found);
+                self.once.extend(once);
             }
         }
         self.assembly.copy(file, Span::new(at, file.text().len()));
@@ -95,8 +139,8 @@ enum Directive {
 }
 
 /// The directives of a file that matter here.
-fn directives(file: &SourceFile) -> Vec<Directive> {
-    let comments = lexer::lex(file.text()).comments;
+fn directives(file: &SourceFile, style: CommentStyle) -> Vec<Directive> {
+    let comments = lex_with(file.text(), style).comments;
     let mut found = Vec::new();
     let mut start = 0;
     for line in file.text().split_inclusive(['\n', '\r']) {
@@ -109,18 +153,35 @@ fn directives(file: &SourceFile) -> Vec<Directive> {
             continue;
         }
         let rest = rest.trim_start();
-        if let Some(path) = rest.strip_prefix("include") {
-            let path = path.trim_start();
-            let quoted = path.starts_with('"');
-            let close = if quoted { '"' } else { '>' };
-            let Some((inside, _)) = path.strip_prefix(['"', '<']).and_then(|p| p.split_once(close)) else { continue };
+        let word = directive_words(style).iter().find(|word| rest.starts_with(**word));
+        if let Some(word) = word {
+            let import = *word == "import";
+            let Some((inside, quoted)) = path_of(rest[word.len()..].trim_start(), import) else { continue };
             let span = Span::new(span.start + indent, span.end);
-            found.push(Directive::Include(Wanted { from: file.clone(), path: inside.to_owned(), quoted, span }));
+            let (path, quoted) = (inside.to_owned(), quoted || import);
+            found.push(Directive::Include(Wanted { from: file.clone(), path, quoted, import, span }));
         } else if rest.strip_prefix("pragma").is_some_and(|p| p.split_whitespace().next() == Some("once")) {
             found.push(Directive::PragmaOnce);
         }
     }
     found
+}
+
+/// The path behind a directive, and whether it stands in double quotes.
+fn path_of(text: &str, import: bool) -> Option<(&str, bool)> {
+    let (inside, rest, quoted) = match text.chars().next()? {
+        '"' => text[1..].split_once('"').map(|(path, rest)| (path, rest, true))?,
+        '<' => text[1..].split_once('>').map(|(path, rest)| (path, rest, false))?,
+        _ if import => {
+            let end = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+            (&text[..end], &text[end..], false)
+        }
+        _ => return None,
+    };
+    // Something of what the file has, or a name for it, makes it a module.
+    let rest = rest.trim_start();
+    let module = import && !(rest.is_empty() || rest.starts_with("//") || rest.starts_with("/*"));
+    (!module && !inside.is_empty()).then_some((inside, quoted))
 }
 
 fn in_comment(comments: &[Comment], offset: usize) -> bool {
@@ -159,6 +220,30 @@ mod tests {
         let all = joined(&[("a.glsl", "/*\n#include \"b\"\n*/\n// #include \"b\"\n#include \"gone\"\n")]);
         assert_eq!(all.missing.iter().map(|w| w.path.as_str()).collect::<Vec<_>>(), ["gone"]);
         assert!(all.file.text().contains("#include \"gone\""));
+    }
+
+    #[test]
+    fn imports_take_a_file_in_once_and_leave_modules_alone() {
+        let files = [
+            ("a", "#import <b>\n#import b\n#import \"b\" // again\n#import \"b\"::f\n#import b::f\nA;\n"),
+            ("b", "#import c\nB;\n"),
+        ];
+        let file = |name: &str| files.iter().find(|f| f.0 == name).map(|f| SourceFile::new(f.0, f.1));
+        let all = resolve_plain(&file("a").unwrap(), &mut |wanted| file(&wanted.path));
+        assert_eq!(all.file.text().matches("B;").count(), 1);
+        assert!(all.file.text().contains("#import \"b\"::f\n#import b::f\nA;"));
+        assert_eq!(all.missing.iter().map(|w| w.path.as_str()).collect::<Vec<_>>(), ["c"]);
+        assert!(all.cycles.is_empty());
+    }
+
+    #[test]
+    fn a_circle_is_reported_with_its_files() {
+        let circle = |first: &str| {
+            let all = joined(&[("a", &format!("{first}#include \"b\"\n")), ("b", "#include \"a\"\n")]);
+            all.cycles.iter().map(|c| (c.wanted.from.name().to_owned(), c.chain.join(" "))).collect::<Vec<_>>()
+        };
+        assert_eq!(circle(""), [("b".to_owned(), "a b".to_owned())]);
+        assert_eq!(circle("#pragma once\n"), []);
     }
 
     #[test]

@@ -5,8 +5,19 @@ use logos::{Lexer, Logos};
 use super::Comment;
 use base::text::Span;
 
+/// How comments are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum CommentStyle {
+    /// As in C: `/* */` ends with the first `*/`, and a backslash joins the next line to a `//`.
+    #[default]
+    C,
+    /// As in WGSL (section 3.2): `/* */` may hold others, and a backslash means nothing.
+    Wgsl,
+}
+
 /// What the text is made of.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[logos(extras = CommentStyle)]
 pub(crate) enum Lex {
     #[regex(r"[ \t\x0b\x0c]+")]
     Blank,
@@ -135,6 +146,7 @@ fn line_comment(lexer: &mut Lexer<'_, Lex>) {
     for (i, &b) in rest.iter().enumerate() {
         // A backslash before the line break joins the next line to the comment.
         let joined = match i {
+            _ if lexer.extras == CommentStyle::Wgsl => false,
             0 => false,
             _ => rest[i - 1] == b'\\' || (b == b'\n' && i > 1 && rest[i - 1] == b'\r' && rest[i - 2] == b'\\'),
         };
@@ -148,9 +160,25 @@ fn line_comment(lexer: &mut Lexer<'_, Lex>) {
 
 fn block_comment(lexer: &mut Lexer<'_, Lex>) -> bool {
     let rest = lexer.remainder();
-    let end = rest.find("*/");
-    lexer.bump(end.map_or(rest.len(), |e| e + 2));
+    let end = match lexer.extras {
+        CommentStyle::C => rest.find("*/").map(|at| at + 2),
+        CommentStyle::Wgsl => nested_end(rest.as_bytes()),
+    };
+    lexer.bump(end.unwrap_or(rest.len()));
     end.is_some()
+}
+
+/// Where a comment ends that has begun before the text and may hold others.
+fn nested_end(text: &[u8]) -> Option<usize> {
+    let (mut depth, mut at) = (1_usize, 0);
+    while depth > 0 {
+        match text.get(at..at + 2)? {
+            b"/*" => (depth, at) = (depth + 1, at + 2),
+            b"*/" => (depth, at) = (depth - 1, at + 2),
+            _ => at += 1,
+        }
+    }
+    Some(at)
 }
 
 /// A token of the text.
@@ -175,11 +203,16 @@ pub(crate) struct Pieces {
 
 /// Cuts a text into tokens. Never fails: what is no token becomes [`Lex::Unknown`].
 pub(crate) fn lex(text: &str) -> Pieces {
+    lex_with(text, CommentStyle::C)
+}
+
+/// The same for a text whose comments are written in a certain way.
+pub(crate) fn lex_with(text: &str, comments: CommentStyle) -> Pieces {
     let mut out = Pieces::default();
     let (mut first, mut spaced) = (true, true);
     // A byte order mark at the start is no part of the text.
     let skip = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-    for (token, range) in Lex::lexer(&text[skip..]).spanned() {
+    for (token, range) in Lex::lexer_with_extras(&text[skip..], comments).spanned() {
         let span = Span::new(range.start + skip, range.end + skip);
         let lex = token.unwrap_or(Lex::Unknown);
         match lex {
@@ -265,6 +298,15 @@ mod tests {
     #[test]
     fn unknown_characters_are_joined_and_a_bom_is_skipped() {
         assert_eq!(words("\u{feff}a\u{3000}\u{3000}@b"), ["a", "\u{3000}\u{3000}@", "b"]);
+    }
+
+    #[test]
+    fn comments_of_wgsl_hold_others_and_end_with_their_line() {
+        let text = "a /* /* b */ c */ d // \\\n e";
+        let words = |style| lex_with(text, style).pieces.iter().map(|p| &text[p.span.range()]).collect::<Vec<_>>();
+        assert_eq!(words(CommentStyle::Wgsl), ["a", "d", "e"]);
+        assert_eq!(words(CommentStyle::C), ["a", "c", "*", "/", "d"]);
+        assert!(lex_with("/* /* */", CommentStyle::Wgsl).open_comment.is_some());
     }
 
     #[test]

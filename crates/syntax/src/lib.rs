@@ -39,6 +39,7 @@ pub use constructor::{Constructor, Fit, constructor_needs};
 pub use fitting::fitting;
 pub use fold::Const;
 use interface::Interface;
+pub use preprocess::plain;
 pub use stage::Stage;
 use symbols::{CallTarget, FunctionId, FunctionInfo, Symbol, SymbolId, Use};
 use types::Type;
@@ -192,7 +193,7 @@ impl Shader {
     fn read(file: &SourceFile, stage: Stage, defines: &[(String, String)], before: Option<Version>) -> Parsed {
         let mut sink = sink::Sink::new(file);
         let pieces = lexer::lex(file.text());
-        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete } =
+        let preprocess::Preprocessed { tokens, version, mut extensions, raw, incomplete, directives: _ } =
             preprocess::run(&pieces, defines, before, &mut sink);
         extensions.extend(dialect::vulkan(file, &raw, &version));
         let language = language::Language::new(&version, &extensions);

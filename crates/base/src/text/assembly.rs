@@ -20,8 +20,10 @@ pub(super) struct Part {
     file: SourceFile,
     /// Offset of the first byte in that file.
     at: usize,
-    /// True for a copy; text of our own stands for the one place `at`.
+    /// True for a copy; text of our own stands for the `len` bytes from `at` on, as a whole.
     copied: bool,
+    /// Bytes that text of our own stands for.
+    len: usize,
 }
 
 impl Assembly {
@@ -38,23 +40,28 @@ impl Assembly {
         self.text.push_str(file.slice(span));
         let Some(parts) = file.parts() else {
             let to = Span::new(base, base + span.len());
-            self.parts.push(Part { span: to, file: file.clone(), at: span.start, copied: true });
+            self.parts.push(Part { span: to, file: file.clone(), at: span.start, copied: true, len: 0 });
             return;
         };
         for part in parts.iter().filter(|p| p.span.start < span.end && span.start < p.span.end) {
             let (start, end) = (part.span.start.max(span.start), part.span.end.min(span.end));
             let at = if part.copied { part.at + (start - part.span.start) } else { part.at };
             let to = Span::new(base + start - span.start, base + end - span.start);
-            self.parts.push(Part { span: to, file: part.file.clone(), at, copied: part.copied });
+            self.parts.push(Part { span: to, file: part.file.clone(), at, copied: part.copied, len: part.len });
         }
     }
 
     /// Adds text that stands in no file. Whatever is said about it is said about the byte `at` of `file`.
     pub fn insert(&mut self, text: &str, file: &SourceFile, at: usize) {
-        let span = Span::new(self.text.len(), self.text.len() + text.len());
-        let (file, place) = file.origin(Span::at(at));
+        self.replace(text, file, Span::at(at));
+    }
+
+    /// Adds text that stands for a span of `file`, such as another name for the one that is there.
+    pub fn replace(&mut self, text: &str, file: &SourceFile, span: Span) {
+        let to = Span::new(self.text.len(), self.text.len() + text.len());
+        let (file, place) = file.origin(span);
         self.text.push_str(text);
-        self.parts.push(Part { span, file, at: place.start, copied: false });
+        self.parts.push(Part { span: to, file, at: place.start, copied: false, len: place.len() });
     }
 
     /// The text, as a file called `name` that knows where its parts come from.
@@ -72,7 +79,8 @@ impl SourceFile {
         // Behind several empty parts at one offset, the last holds the offset, if any does.
         let Some(part) = index.checked_sub(1).map(|i| &parts[i]) else { return (self.clone(), span) };
         if !part.copied {
-            return (part.file.clone(), Span::at(part.at));
+            let len = if span.is_empty() { 0 } else { part.len };
+            return (part.file.clone(), Span::new(part.at, part.at + len));
         }
         let end = span.end.clamp(part.span.start, part.span.end).max(span.start.min(part.span.end));
         let back = |offset: usize| part.at + (offset.min(part.span.end) - part.span.start);
@@ -112,6 +120,16 @@ mod tests {
         let start = file.text().find("wanted").unwrap();
         let (origin, span) = file.origin(Span::new(start, file.text().len()));
         assert_eq!((origin.name(), origin.slice(span)), ("b.glsl", "wanted\n"));
+    }
+
+    #[test]
+    fn what_stands_for_a_name_leads_back_to_the_whole_name() {
+        let file = joined();
+        let mut assembly = Assembly::new();
+        let at = file.text().find("wanted").unwrap();
+        assembly.replace("other", &file, Span::new(at, at + 6));
+        let (origin, span) = assembly.finish("c").origin(Span::new(0, 5));
+        assert_eq!((origin.name(), origin.slice(span)), ("b.glsl", "wanted"));
     }
 
     #[test]

@@ -1,18 +1,19 @@
 //! Directives and macros: from the tokens of the text to the tokens that are compiled.
 
+mod branch;
 mod condition;
 mod extension;
 mod foreign;
 pub(crate) mod limit;
 mod macros;
-
-use std::sync::Arc;
+pub mod plain;
 
 use super::lexer::{Lex, Piece, Pieces};
 use super::sink::Sink;
 use super::{Extension, Profile, Token, TokenKind, TokenPlace, Version, errors};
 use base::diagnostic::{Safety, message};
 use base::text::{Edit, Span};
+use branch::Conditional;
 pub(crate) use macros::Tok;
 use macros::{Macro, Macros, Spelling};
 
@@ -24,16 +25,8 @@ pub(crate) struct Preprocessed {
     pub raw: Vec<Token>,
     /// An `#include` was met: names may be declared in text that is not here.
     pub incomplete: bool,
-}
-
-/// One `#if` that is still open.
-struct Conditional {
-    span: Span,
-    /// Lines are compiled now.
-    active: bool,
-    /// A branch was taken, or the whole lies in a part that is left out.
-    done: bool,
-    seen_else: bool,
+    /// What a text that is not GLSL has besides.
+    pub directives: Vec<plain::Foreign>,
 }
 
 struct Preprocessor<'a> {
@@ -52,6 +45,8 @@ struct Preprocessor<'a> {
     begun: bool,
     /// Characters outside of the language in bodies of macros, with their names.
     foreign: Vec<(String, Span)>,
+    /// Set where the text is not GLSL.
+    plain: Option<plain::State>,
 }
 
 /// Runs all directives. `defines` are macros that are given from outside, as by a compiler's option; `before` is
@@ -62,77 +57,96 @@ pub(crate) fn run(
     before: Option<Version>,
     sink: &mut Sink,
 ) -> Preprocessed {
-    if let Some(span) = pieces.open_comment {
-        let diagnostic = sink
-            .start(errors::TOKEN, span, "this comment is never closed")
-            .with_label("the comment starts here")
-            .with_why("everything up to the end of the file belongs to it")
-            .with_help("put `*/` where the comment ends");
-        sink.push(diagnostic);
-    }
-    let mut this = Preprocessor {
-        sink,
-        given: defines,
-        macros: Macros::new(),
-        conditionals: Vec::new(),
-        pending: Vec::new(),
-        out: Vec::new(),
-        incomplete: before.is_some(),
-        version: before.unwrap_or(Version { number: 110, profile: Profile::Compatibility, span: None }),
-        extensions: Vec::new(),
-        line_shift: 0,
-        begun: false,
-        foreign: Vec::new(),
-    };
+    let mut this = Preprocessor::new(defines, before, sink);
     this.predefine();
-    defines.iter().for_each(|(name, value)| this.given(name, value));
-    let all = limit::within(&pieces.pieces, this.sink);
-    let mut raw = Vec::with_capacity(all.len());
-    let mut at = 0;
-    while at < all.len() && this.out.len() <= macros::MOST_TOKENS {
-        let rest = &all[at..];
-        let len = rest.iter().skip(1).position(|p| p.first).map_or(rest.len(), |n| n + 1);
-        let line = &rest[..len];
-        at += len;
-        let active = this.active();
-        let directive = line[0].lex == Lex::Hash;
-        let place = if directive {
-            this.directive(line);
-            // The directives of the outermost #if are no part of what it leaves out.
-            let word = line.get(1).map(|p| this.slice(p)).unwrap_or_default();
-            let conditional = matches!(word.as_str(), "if" | "ifdef" | "ifndef" | "elif" | "else" | "endif");
-            if active || this.active() || (conditional && this.outer_active()) {
-                TokenPlace::Directive
-            } else {
-                TokenPlace::Inactive
-            }
-        } else if active {
-            this.text(line);
-            TokenPlace::Text
-        } else {
-            TokenPlace::Inactive
-        };
-        this.begun = true;
-        raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
-    }
-    this.flush();
-    for (name, span) in std::mem::take(&mut this.foreign) {
-        let uses = raw.iter().filter(|t| t.place != TokenPlace::Inactive && this.sink.file.slice(t.span) == name);
-        if uses.count() > 1 {
-            this.unknown(span);
+    this.run(pieces)
+}
+
+impl<'a> Preprocessor<'a> {
+    fn new(defines: &'a [(String, String)], before: Option<Version>, sink: &'a mut Sink) -> Self {
+        Self {
+            sink,
+            given: defines,
+            macros: Macros::new(),
+            conditionals: Vec::new(),
+            pending: Vec::new(),
+            out: Vec::new(),
+            incomplete: before.is_some(),
+            version: before.unwrap_or(Version { number: 110, profile: Profile::Compatibility, span: None }),
+            extensions: Vec::new(),
+            line_shift: 0,
+            begun: false,
+            foreign: Vec::new(),
+            plain: None,
         }
     }
-    for open in std::mem::take(&mut this.conditionals) {
-        let diagnostic = this
-            .sink
-            .start(errors::CONDITIONAL, open.span, "this `#if` has no `#endif`")
-            .with_label("opened here")
-            .with_help("add `#endif` where it ends");
-        this.sink.push(diagnostic);
+
+    fn run(mut self, pieces: &Pieces) -> Preprocessed {
+        let this = &mut self;
+        this.open_comment(pieces);
+        this.given.iter().for_each(|(name, value)| this.given(name, value));
+        let all = limit::within(&pieces.pieces, this.sink);
+        let mut raw = Vec::with_capacity(all.len());
+        let mut at = 0;
+        while at < all.len() && this.out.len() <= macros::MOST_TOKENS {
+            let rest = &all[at..];
+            let len = rest.iter().skip(1).position(|p| p.first).map_or(rest.len(), |n| n + 1);
+            let len = if this.plain.is_some() { this.plain_line(rest, len) } else { len };
+            let line = &rest[..len];
+            at += len;
+            let active = this.active();
+            let directive = line[0].lex == Lex::Hash && !this.is_substitution(line);
+            let place = if directive {
+                this.directive(line);
+                // The directives of the outermost #if are no part of what it leaves out.
+                let word = line.get(1).map(|p| this.slice(p)).unwrap_or_default();
+                let conditional = matches!(word.as_str(), "if" | "ifdef" | "ifndef" | "elif" | "else" | "endif");
+                if active || this.active() || (conditional && this.outer_active()) {
+                    TokenPlace::Directive
+                } else {
+                    TokenPlace::Inactive
+                }
+            } else if active {
+                this.text(line);
+                TokenPlace::Text
+            } else {
+                TokenPlace::Inactive
+            };
+            this.begun = true;
+            raw.extend(line.iter().map(|p| Token { kind: kind(p.lex), span: p.span, place }));
+        }
+        this.flush();
+        for (name, span) in std::mem::take(&mut this.foreign) {
+            let uses = raw.iter().filter(|t| t.place != TokenPlace::Inactive && this.sink.file.slice(t.span) == name);
+            if uses.count() > 1 {
+                this.unknown(span);
+            }
+        }
+        for open in std::mem::take(&mut this.conditionals) {
+            let diagnostic = this
+                .sink
+                .start(errors::CONDITIONAL, open.span, "this `#if` has no `#endif`")
+                .with_label("opened here")
+                .with_help("add `#endif` where it ends");
+            this.sink.push(diagnostic);
+        }
+        this.sink.expanded();
+        let Preprocessor { out: tokens, version, extensions, incomplete, plain, .. } = self;
+        let directives = plain.map(|state| state.directives).unwrap_or_default();
+        Preprocessed { tokens, version, extensions, raw, incomplete, directives }
     }
-    this.sink.expanded();
-    let Preprocessor { out: tokens, version, extensions, incomplete, .. } = this;
-    Preprocessed { tokens, version, extensions, raw, incomplete }
+
+    fn open_comment(&mut self, pieces: &Pieces) {
+        if let Some(span) = pieces.open_comment {
+            let diagnostic = self
+                .sink
+                .start(errors::TOKEN, span, "this comment is never closed")
+                .with_label("the comment starts here")
+                .with_why("everything up to the end of the file belongs to it")
+                .with_help("put `*/` where the comment ends");
+            self.sink.push(diagnostic);
+        }
+    }
 }
 
 fn kind(lex: Lex) -> TokenKind {
@@ -198,6 +212,9 @@ impl Preprocessor<'_> {
     }
 
     fn text(&mut self, line: &[Piece]) {
+        if self.plain.is_some() {
+            return self.plain_text(line);
+        }
         for piece in self.with_texts(line).iter() {
             match piece.lex {
                 Lex::Unknown => {
@@ -229,7 +246,10 @@ impl Preprocessor<'_> {
         let span = line[0].span.to(line[line.len() - 1].span);
         let rest = &line[2..];
         let word = self.slice(name);
+        let (word, name, rest) =
+            if self.plain.is_some() { self.plain_words(word, name, rest) } else { (word, name, rest) };
         match word.as_str() {
+            "elif" | "elifdef" | "elifndef" if self.plain.is_some() => self.plain_elif(&word, rest, span),
             "if" | "ifdef" | "ifndef" => self.open(&word, name, rest, span),
             "elif" => self.elif(rest, span),
             "else" => self.otherwise(rest, span),
@@ -240,6 +260,7 @@ impl Preprocessor<'_> {
                 }
             }
             _ if !self.active() => {}
+            _ if self.is_foreign(&word) => self.foreign_directive(word, rest, span),
             "define" => {
                 self.flush();
                 self.define(rest, span);
@@ -327,7 +348,8 @@ impl Preprocessor<'_> {
     }
 
     fn extra(&mut self, rest: &[Piece], name: &str) {
-        if let Some(first) = rest.first() {
+        // Preprocessors of WGSL take the name of what ends here without a comment sign.
+        if let Some(first) = rest.first().filter(|_| self.plain.is_none()) {
             let span = first.span.to(rest[rest.len() - 1].span);
             let diagnostic = self
                 .sink
@@ -338,94 +360,12 @@ impl Preprocessor<'_> {
         }
     }
 
-    fn stray(&mut self, name: &str, span: Span) {
-        self.sink.error(errors::CONDITIONAL, span, format!("`#{name}` without `#if`"), "belongs to no `#if`");
-    }
-
-    fn open(&mut self, word: &str, name: &Piece, rest: &[Piece], span: Span) {
-        let outer = self.active();
-        let value = outer
-            && match (word, rest) {
-                ("if", _) => self.condition(rest, span),
-                (_, [one]) if one.lex == Lex::Word => self.is_defined(&self.slice(one)) == (word == "ifdef"),
-                _ => {
-                    self.malformed(span, &format!("`#{word}` takes one name"));
-                    false
-                }
-            };
-        let span = Span::new(span.start, name.span.end);
-        self.conditionals.push(Conditional { span, active: value, done: value || !outer, seen_else: false });
-    }
-
-    fn elif(&mut self, rest: &[Piece], span: Span) {
-        let Some(top) = self.conditionals.last() else { return self.stray("elif", span) };
-        let (done, seen_else) = (top.done, top.seen_else);
-        if seen_else {
-            self.sink.error(errors::CONDITIONAL, span, "`#elif` behind `#else`", "must come before `#else`");
-        }
-        let value = !done && !seen_else && self.condition(rest, span);
-        if let Some(top) = self.conditionals.last_mut() {
-            top.active = value;
-            top.done |= value;
-        }
-    }
-
-    fn otherwise(&mut self, rest: &[Piece], span: Span) {
-        self.extra(rest, "else");
-        let Some(top) = self.conditionals.last_mut() else { return self.stray("else", span) };
-        let again = std::mem::replace(&mut top.seen_else, true);
-        top.active = !top.done && !again;
-        top.done = true;
-        if again {
-            self.sink.error(errors::CONDITIONAL, span, "a second `#else` for one `#if`", "second `#else`");
-        }
-    }
-
-    fn is_defined(&self, name: &str) -> bool {
-        self.macros.contains_key(name) || matches!(name, "__LINE__" | "__FILE__")
-    }
-
-    fn condition(&mut self, rest: &[Piece], span: Span) -> bool {
-        // `defined` must see names before they are expanded.
-        let mut tokens = Vec::with_capacity(rest.len());
-        let mut at = 0;
-        while let Some(piece) = rest.get(at) {
-            at += 1;
-            if piece.lex == Lex::Unknown {
-                return self.condition_failed(piece.span, "this is not part of a condition");
-            }
-            if piece.lex != Lex::Word || self.slice(piece) != "defined" {
-                tokens.push(Tok::new(piece));
-                continue;
-            }
-            let (name, used) = match &rest[at..] {
-                [l, name, r, ..] if (l.lex, name.lex, r.lex) == (Lex::LParen, Lex::Word, Lex::RParen) => (name, 3),
-                [name, ..] if name.lex == Lex::Word => (name, 1),
-                _ => return self.condition_failed(piece.span, "`defined` takes a name, as in `defined(NAME)`"),
-            };
-            at += used;
-            let value: Arc<str> = if self.is_defined(&self.slice(name)) { "1".into() } else { "0".into() };
-            let number = Piece { lex: Lex::Number, span: piece.span.to(name.span), ..*piece };
-            tokens.push(Tok { spelling: Spelling::Made(value), ..Tok::new(&number) });
-        }
-        let tokens = macros::expand(tokens, &self.macros, self.line_shift, self.sink);
-        match condition::evaluate(&tokens, &self.sink.file, span) {
-            Ok(value) => value,
-            Err(error) => self.condition_failed(error.span, &error.message),
-        }
-    }
-
-    fn condition_failed(&mut self, span: Span, message: &str) -> bool {
-        self.sink.error(errors::DIRECTIVE, span, message, "in this condition");
-        false
-    }
-
     fn define(&mut self, rest: &[Piece], span: Span) {
         let Some((name, body)) = rest.split_first().filter(|(n, _)| n.lex == Lex::Word) else {
             return self.malformed(span, "`#define` needs a name");
         };
         let text = self.slice(name);
-        if self.is_predefined(&text) || text.starts_with("GL_") || text == "defined" {
+        if self.plain.is_none() && (self.is_predefined(&text) || text.starts_with("GL_")) || text == "defined" {
             return self.predefined(&text, name.span);
         }
         // Only `(` right behind the name opens parameters.
@@ -452,18 +392,23 @@ impl Preprocessor<'_> {
         let body = self.with_texts(body);
         // What is left behind preprocessing counts: GLSL 4.20 and GLSL ES 3.00, section 3.1.
         let later = self.version.number >= if self.version.profile == Profile::Es { 300 } else { 420 };
-        for piece in body.iter().filter(|p| p.lex == Lex::Unknown) {
+        let plain = self.plain.is_some();
+        for piece in body.iter().filter(|p| p.lex == Lex::Unknown && !plain) {
             match later {
                 true => self.foreign.push((text.clone(), piece.span)),
                 false => self.unknown(piece.span),
             }
         }
-        let body = body.iter().filter(|p| p.lex != Lex::Unknown).map(|p| (p.lex, Spelling::Source(p.span))).collect();
+        let plain = self.plain.is_some();
+        let body =
+            body.iter().filter(|p| plain || p.lex != Lex::Unknown).map(|p| (p.lex, Spelling::Source(p.span))).collect();
         if text == "defined" || text.starts_with("__") && self.macros.contains_key(&text) {
             return self.malformed(span, &format!("`{text}` cannot be redefined"));
         }
         let new = Macro { params, body, definition: Some(name.span) };
+        // Where only marked names are replaced, the text overrides what is given, as naga_oil has it.
         if let Some(old) = self.macros.get(&text)
+            && !self.marked()
             && !self.same(old, &new)
         {
             let message = format!("macro `{text}` is defined twice with different bodies");
