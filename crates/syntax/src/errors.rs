@@ -76,6 +76,19 @@ pub const REDECLARATION: Code = Code("E049");
 /// An argument that must be a constant expression and is not.
 pub const CONSTANT_ARGUMENT: Code = Code("E050");
 
+/// An import of something that is not there.
+pub const IMPORT: Code = Code("E070");
+/// Files that import or include each other in a circle.
+pub const IMPORT_CYCLE: Code = Code("E071");
+/// An `@if`, `@elif` or `@else` that is written wrongly, or stands where it means nothing.
+pub const TRANSLATE_TIME: Code = Code("E072");
+/// A placeholder of a template without a value, or a template that is not read.
+pub const TEMPLATE: Code = Code("E073");
+/// A text that is one part of several: a name is declared neither in it nor in what it imports.
+pub const FRAGMENT: Code = Code("E074");
+/// A name that is imported twice, or imported and declared.
+pub const IMPORTED_TWICE: Code = Code("E075");
+
 // Codes of rules of the lint tool: the rule has the page and adds the fix.
 
 /// A constructor gets an argument behind the last component that it needs.
@@ -158,4 +171,10 @@ pub const ALL: &[(Code, &str)] = &[
     (ARRAY, "an array whose size is not known where it must be, or that is used against the rules"),
     (REDECLARATION, "a block or a redeclaration of a built-in variable against the rules"),
     (CONSTANT_ARGUMENT, "an argument that must be a constant expression and is not"),
+    (IMPORT, "an import of something that is not there"),
+    (IMPORT_CYCLE, "files that import or include each other in a circle"),
+    (TRANSLATE_TIME, "an @if, @elif or @else that is written wrongly, or stands where it means nothing"),
+    (TEMPLATE, "a placeholder of a template without a value, or a template that is not read"),
+    (FRAGMENT, "a text that is one part of several: a name is declared neither in it nor in what it imports"),
+    (IMPORTED_TWICE, "a name that is imported twice, or imported and declared"),
 ];

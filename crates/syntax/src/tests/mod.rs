@@ -94,7 +94,8 @@ fn every_code_is_listed_once_and_in_order() {
 #[test]
 fn every_code_is_planted_in_a_test() {
     let own = [include_str!("diagnostics.rs"), include_str!("preprocessor.rs"), include_str!("rules.rs")].concat();
-    let tests = [own.as_str(), include_str!("../preprocess/plain.rs")].concat();
+    let composing = include_str!("../../../compose/src/tests.rs");
+    let tests = [own.as_str(), include_str!("../preprocess/plain.rs"), composing].concat();
     for (code, _) in super::errors::ALL {
         assert!(tests.contains(&format!("\"{code} ")), "{code}");
     }

@@ -1,0 +1,175 @@
+//! One WGSL text from files that import each other, with the way back to each of them.
+//!
+//! Almost none of an engine's files stands alone. What their hosts do to them before a compiler sees them is done here:
+//! the imports and conditions of [WESL](https://github.com/wgsl-tooling-wg/wesl-spec), the modules and directives of
+//! naga_oil, `#include`, `#ifdef` and `#define` as in C, and placeholders of template engines. Files are read by the
+//! caller, who is asked for them by a [`Library`].
+//!
+//! The text is cut and joined, and never printed anew: each byte of what comes out is a byte of a file or stands for one,
+//! so that whatever is told about it is told about the file. That is why neither the crate `wesl` nor `naga_oil` is used:
+//! the first prints its syntax tree and keeps places of declarations at most, the second gives a module that has been
+//! through naga's printer several times, where constants have lost the digits that their author wrote.
+
+mod condition;
+mod declaration;
+mod import;
+mod link;
+mod module;
+mod naming;
+mod predeclared;
+mod template;
+mod token;
+
+#[cfg(test)]
+mod tests;
+
+use base::diagnostic::{Code, Diagnostic, Severity};
+use base::text::{SourceFile, Span};
+pub use import::{ModulePath, Origin};
+use syntax::errors;
+pub use syntax::include::Wanted;
+
+/// Where files come from.
+pub trait Library {
+    /// The file that an `#include` asks for, or an `#import` of a file; none where there is none.
+    fn include(&mut self, wanted: &Wanted) -> Option<SourceFile>;
+
+    /// The module at a path, asked for by a file; none where there is none. Without names, it is the file of the origin
+    /// itself: the root of the package, or the module above.
+    fn module(&mut self, from: &SourceFile, path: &ModulePath) -> Option<SourceFile>;
+
+    /// Paths of modules that the file may have meant, for a suggestion.
+    fn modules(&mut self, from: &SourceFile) -> Vec<String>;
+
+    /// Files that may be parts of the same text, where the host joins them.
+    fn siblings(&mut self, from: &SourceFile) -> Vec<SourceFile>;
+}
+
+/// What is stated from outside.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Names with values: features of WESL, macros, placeholders, and numbers in the package `constants`. An empty
+    /// value states the name alone; `false` turns a feature off.
+    pub defines: Vec<(String, String)>,
+    /// Files that the host puts before the text: what the text does not declare is taken from them.
+    pub preludes: Vec<SourceFile>,
+}
+
+/// A text from several files.
+#[derive(Clone, Debug)]
+pub struct Composed {
+    /// The text, in WGSL. It has the name of the file that was composed, and leads back to the file of each part.
+    pub file: SourceFile,
+    /// Declarations that bear another name in the text than in their files.
+    pub renamed: Vec<Renamed>,
+    /// Names that were taken from a file that is no part of the text by what it says.
+    pub guessed: Vec<Guessed>,
+    /// Names that neither the text declares nor the language.
+    pub undeclared: Vec<Undeclared>,
+}
+
+/// A declaration under another name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Renamed {
+    /// Its name in the text.
+    pub written: String,
+    /// Its name in its file.
+    pub name: String,
+    /// The name of its file.
+    pub file: String,
+}
+
+/// A name that is declared in a file beside this one, and nowhere else.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Guessed {
+    /// The name.
+    pub name: String,
+    /// The file that it was taken from.
+    pub file: String,
+}
+
+/// A name that nothing declares.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Undeclared {
+    /// The name.
+    pub name: String,
+    /// Its first use, in the composed text.
+    pub span: Span,
+    /// Files that declare it, in different ways.
+    pub candidates: Vec<String>,
+    /// The condition under which it would be declared, as it is written.
+    pub condition: Option<String>,
+}
+
+impl Composed {
+    /// The name of a declaration as its author writes it; the name itself where it is the author's.
+    pub fn authored<'a>(&'a self, written: &'a str) -> &'a str {
+        self.renamed.iter().find(|r| r.written == written).map_or(written, |r| &r.name)
+    }
+
+    /// What to tell where the text lacks declarations: which names, and what to do. None where it lacks none.
+    pub fn fragment(&self) -> Option<Diagnostic> {
+        let first = self.undeclared.first()?;
+        let names: Vec<String> = self.undeclared.iter().map(|u| format!("`{}`", u.name)).collect();
+        let (shown, more) = names.split_at(names.len().min(5));
+        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+        let verb = if names.len() == 1 { "is" } else { "are" };
+        let message = format!("this text is a part of another: {}{more} {verb} declared nowhere", shown.join(", "));
+        let help = match (&first.condition, &first.candidates[..]) {
+            (Some(condition), _) => {
+                format!("`{}` is declared under `{condition}`: state it with `--define`", first.name)
+            }
+            (None, []) => "name the file that declares it with `--with FILE`".to_owned(),
+            (None, several) => {
+                format!("choose one of the files that declare it with `--with FILE`: {}", several.join(", "))
+            }
+        };
+        let new = Diagnostic::new(errors::FRAGMENT, Severity::Error, &self.file, first.span, message);
+        Some(new.with_label("first used here").with_help(help).at_origin())
+    }
+}
+
+/// Joins a file and what it imports. A file that needs nothing comes out as it is.
+///
+/// # Errors
+/// Diagnostics at places of the files: what is imported and not there, circles, conditions and placeholders without a
+/// value, directives that are not understood.
+pub fn compose(root: &SourceFile, options: &Options, library: &mut dyn Library) -> Result<Composed, Vec<Diagnostic>> {
+    let mut problems = Problems::default();
+    let composed = link::link(root, options, library, &mut problems);
+    if problems.found.is_empty() { Ok(composed) } else { Err(problems.found) }
+}
+
+/// What is wrong with the files.
+#[derive(Debug, Default)]
+pub(crate) struct Problems {
+    pub found: Vec<Diagnostic>,
+}
+
+/// Nobody reads more than these.
+const MOST: usize = 100;
+
+impl Problems {
+    pub(crate) fn add(&mut self, code: Code, file: &SourceFile, span: Span, message: impl Into<String>, help: &str) {
+        if self.found.len() < MOST {
+            let new = Diagnostic::new(code, Severity::Error, file, span, message.into());
+            self.found.push(new.with_help(help.to_owned()).at_origin());
+        }
+    }
+
+    /// Files that lead back to themselves; `chain` begins and ends with neighbours of the place.
+    pub(crate) fn cycle(&mut self, file: &SourceFile, span: Span, chain: &[&str]) {
+        let (message, help) = match chain {
+            [_] => ("this file takes in itself".to_owned(), "remove this line".to_owned()),
+            [first, ..] => {
+                let circle = format!("{} → {first}", chain.join(" → "));
+                (
+                    format!("these files take in each other: {circle}"),
+                    "move what both need into a third file".to_owned(),
+                )
+            }
+            [] => return,
+        };
+        self.add(errors::IMPORT_CYCLE, file, span, message, &help);
+    }
+}
