@@ -60,8 +60,9 @@ struct Walk<'a, 'p> {
     problems: &'p mut Problems,
     /// Bytes that are left out, in the order of the text.
     removed: Vec<Span>,
-    /// For the token behind something under a condition: whether one of the conditions so far has held.
-    chains: HashMap<usize, bool>,
+    /// For the token behind something under a condition: whether one of the conditions so far has held, and the first of
+    /// them as it is written.
+    chains: HashMap<usize, (bool, String)>,
     left_out: Vec<(String, String)>,
 }
 
@@ -136,7 +137,8 @@ impl Walk<'_, '_> {
             let help = "join them: `@if(a && b)`";
             self.problem(second, message, help);
         }
-        let before = self.chains.get(&start).copied();
+        let chain = self.chains.get(&start).cloned();
+        let before = chain.as_ref().map(|(held, _)| *held);
         let holds = match (condition.word.as_str(), before) {
             ("if", _) => self.condition(condition),
             (_, None) => {
@@ -150,12 +152,16 @@ impl Walk<'_, '_> {
         };
         let end = self.node_end(at, within);
         let any = holds || (condition.word != "if" && before == Some(true));
-        self.chains.insert(end, any);
         let last = |end: usize| self.tokens[end.max(1) - 1].span;
+        let written = Span::new(self.tokens[condition.first].span.start, last(condition.end).end);
+        let mut shown = format!("`{}`", self.file.slice(written));
+        let first = chain.filter(|_| condition.word != "if").map_or_else(|| shown.clone(), |(_, first)| first);
+        if first != shown {
+            shown = format!("{shown} of {first}");
+        }
+        self.chains.insert(end, (any, first));
         if !holds {
             let name = self.declared(at, end);
-            let shown = Span::new(self.tokens[condition.first].span.start, last(condition.end).end);
-            let shown = self.file.slice(shown).to_owned();
             self.left_out.extend(name.into_iter().map(|name| (name, shown.clone())));
             self.removed.push(Span::new(self.tokens[start].span.start, last(end).end));
             return end;

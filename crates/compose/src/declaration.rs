@@ -43,7 +43,7 @@ pub(crate) struct Use {
     pub tokens: std::ops::Range<usize>,
     /// The names of the path, outermost first.
     pub names: Vec<String>,
-    /// A call or a type with arguments: something that no local variable is.
+    /// A call, which is of no local variable.
     pub called: bool,
 }
 
@@ -151,7 +151,7 @@ impl Reader<'_> {
                         names.push(self.word(at + 2).to_owned());
                         at += 2;
                     }
-                    let called = matches!(self.kind(at + 1), Some(Kind::OpenParen | Kind::Less));
+                    let called = self.kind(behind_template(self.tokens, at + 1)) == Some(Kind::OpenParen);
                     if !member && !declared {
                         found.push(Use { tokens: begin..at + 1, names, called });
                     }

@@ -53,6 +53,8 @@ pub struct Options {
     pub defines: Vec<(String, String)>,
     /// Files that the host puts before the text: what the text does not declare is taken from them.
     pub preludes: Vec<SourceFile>,
+    /// Gives resources a group and a binding where none of them has one, as hosts do that assign them.
+    pub assign_bindings: bool,
 }
 
 /// A text from several files.
@@ -66,6 +68,8 @@ pub struct Composed {
     pub guessed: Vec<Guessed>,
     /// Names that neither the text declares nor the language.
     pub undeclared: Vec<Undeclared>,
+    /// Imports of what is not there that nothing uses.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// A declaration under another name.
@@ -153,7 +157,11 @@ impl Problems {
     pub(crate) fn add(&mut self, code: Code, file: &SourceFile, span: Span, message: impl Into<String>, help: &str) {
         if self.found.len() < MOST {
             let new = Diagnostic::new(code, Severity::Error, file, span, message.into());
-            self.found.push(new.with_help(help.to_owned()).at_origin());
+            let new = new.with_help(help.to_owned()).at_origin();
+            // A file that is included several times is read several times.
+            if !self.found.contains(&new) {
+                self.found.push(new);
+            }
         }
     }
 

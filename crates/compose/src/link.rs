@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use base::diagnostic::{Diagnostic, Severity};
 use base::nearest;
 use base::text::{SourceFile, Span};
 use syntax::errors;
@@ -17,6 +18,9 @@ pub(crate) type Item = (usize, usize);
 
 /// Modules that may be read for one text; more is a mistake in a library.
 const MOST_MODULES: usize = 4096;
+
+/// How the name of the file begins that stands for the package `constants`.
+const CONSTANTS: &str = "constants of ";
 
 /// All files of a text, and what of them it needs.
 pub(crate) struct Linked {
@@ -48,11 +52,13 @@ pub(crate) fn link(
         siblings: None,
         guessed: Vec::new(),
         undeclared: Vec::new(),
+        warnings: Vec::new(),
         arrows: Vec::new(),
     };
     linker.run(root);
-    let Linker { linked, guessed, undeclared, paths, .. } = linker;
-    naming::write(root, &linked, &paths, guessed, undeclared)
+    let Linker { linked, guessed, undeclared, paths, warnings, .. } = linker;
+    let composed = naming::write(root, &linked, &paths, options, undeclared);
+    Composed { guessed, warnings, ..composed }
 }
 
 struct Linker<'a> {
@@ -70,6 +76,7 @@ struct Linker<'a> {
     siblings: Option<Vec<SourceFile>>,
     guessed: Vec<Guessed>,
     undeclared: Vec<(Item, Use, Undeclared)>,
+    warnings: Vec<Diagnostic>,
     /// Directives by which one module imports another, with the place.
     arrows: Vec<(usize, usize, SourceFile, Span)>,
 }
@@ -91,8 +98,20 @@ impl Linker<'_> {
             let prelude = self.load(prelude, "");
             self.preludes.extend(prelude);
         }
+        let preludes = self.preludes.clone();
+        let module = &self.linked.modules[root];
+        if let (true, Some((name, condition))) = (module.declarations.is_empty(), module.left_out.first()) {
+            let message = format!("conditions leave out everything: `{name}` stands under {condition}");
+            let file = module.author.clone();
+            let at = file.text().find(['@', '#']).unwrap_or(0);
+            self.problems.add(errors::FRAGMENT, &file, Span::at(at), message, "state a feature with `--define NAME`");
+        }
         let declarations = self.linked.modules[root].declarations.len();
         let mut open: Vec<Item> = (0..declarations).rev().map(|at| (root, at)).collect();
+        for prelude in preludes {
+            let all = self.linked.modules[prelude].declarations.iter().enumerate();
+            open.extend(all.filter(|(_, d)| d.role == Role::Directive).map(|(at, _)| (prelude, at)));
+        }
         let mut seen: HashSet<Item> = open.iter().copied().collect();
         let mut begun: HashSet<usize> = HashSet::new();
         while let Some(item) = open.pop() {
@@ -160,7 +179,7 @@ impl Linker<'_> {
         let is_number = |value: &str| value.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit());
         let numbers = self.options.defines.iter().filter(|(_, value)| is_number(value));
         let text: String = numbers.map(|(name, value)| format!("const {name} = {value};\n")).collect();
-        Some(SourceFile::new(format!("constants of {}", from.name()), text))
+        Some(SourceFile::new(format!("{CONSTANTS}{}", from.name()), text))
     }
 
     fn find(&mut self, from: usize, path: &ModulePath) -> Found {
@@ -186,9 +205,14 @@ impl Linker<'_> {
             if let Some(&at) = module.names.get(name) {
                 return Some((item.0, at));
             }
-            if let Some(path) = imported().map(|placed| placed.import.path.clone()) {
-                return match self.find(item.0, &path) {
+            if let Some(placed) = imported() {
+                let (import, file) = (placed.import.clone(), placed.file.clone());
+                return match self.find(item.0, &import.path) {
                     Found::Item(target) => Some(target),
+                    Found::NoItem(inside, name) if self.is_left_out(inside, &name) => {
+                        self.missing(item.0, &import.path, Found::NoItem(inside, name), &file, import.span);
+                        None
+                    }
                     Found::Module(_) | Found::NoItem(..) | Found::Nothing => None,
                 };
             }
@@ -310,16 +334,18 @@ impl Linker<'_> {
             self.linked.modules[at].imports.iter().map(|p| (p.import.clone(), p.file.clone(), p.directive)).collect();
         let mut names: HashMap<String, ModulePath> = HashMap::new();
         for (import, file, directive) in imports {
+            let found = self.find(at, &import.path);
             let module = &self.linked.modules[at];
             let twice = names.insert(import.name.clone(), import.path.clone()).is_some_and(|path| path != import.path);
             let declared = module.names.contains_key(&import.name);
-            if twice || declared {
+            let there = matches!(found, Found::Item(_) | Found::Module(_));
+            if there && (twice || declared) {
                 let what = if declared { "imported and declared here" } else { "imported twice" };
                 let message = format!("`{}` is {what}", import.name);
                 let help = format!("give it another name: `as other_{}`", import.name);
                 self.problems.add(errors::IMPORTED_TWICE, &file, import.span, message, &help);
             }
-            match self.find(at, &import.path) {
+            match found {
                 Found::Item((inside, _)) | Found::Module(inside) if inside == at => {
                     self.problems.cycle(&file, import.span, &[file.name()]);
                 }
@@ -328,9 +354,28 @@ impl Linker<'_> {
                         self.arrows.push((at, inside, file, import.span));
                     }
                 }
-                missing => self.missing(at, &import.path, missing, &file, import.span),
+                // What nobody uses is not missed.
+                missing => {
+                    let used = &self.linked.modules[at].declarations;
+                    let used = used.iter().flat_map(|d| &d.uses).any(|used| used.names[0] == import.name);
+                    match missing {
+                        Found::NoItem(inside, name) if self.is_left_out(inside, &name) => {}
+                        missing if used => self.missing(at, &import.path, missing, &file, import.span),
+                        missing => {
+                            let errors = std::mem::take(&mut self.problems.found);
+                            self.missing(at, &import.path, missing, &file, import.span);
+                            let found = std::mem::replace(&mut self.problems.found, errors);
+                            self.warnings
+                                .extend(found.into_iter().map(|d| Diagnostic { severity: Severity::Warning, ..d }));
+                        }
+                    }
+                }
             }
         }
+    }
+
+    fn is_left_out(&self, module: usize, name: &str) -> bool {
+        self.linked.modules[module].left_out.iter().any(|(left_out, _)| left_out == name)
     }
 
     fn missing(&mut self, from: usize, path: &ModulePath, missing: Found, file: &SourceFile, span: Span) {
@@ -338,14 +383,18 @@ impl Linker<'_> {
         let (message, help) = match missing {
             Found::NoItem(inside, name) => {
                 let module = &self.linked.modules[inside];
-                let message = format!("`{}` declares no `{name}`", module.author.name());
+                let valueless = module.author.name().starts_with(CONSTANTS);
+                let message = match valueless {
+                    true => format!("`constants::{name}` has no value"),
+                    false => format!("`{}` declares no `{name}`", module.author.name()),
+                };
                 let left_out = module.left_out.iter().find(|(n, _)| *n == name);
                 let help = match (left_out, nearest(&name, module.names.keys().map(String::as_str))) {
-                    (Some((_, condition)), _) => format!("it stands under `{condition}`: state it with `--define`"),
-                    (None, Some(near)) => format!("did you mean `{near}`?"),
-                    (None, None) if module.author.name().starts_with("constants of ") => {
-                        format!("give its value with `--define {name}=VALUE`")
+                    (Some((_, condition)), _) => {
+                        format!("it stands under {condition}, which does not hold: state features with `--define NAME`")
                     }
+                    _ if valueless => format!("give its value with `--define {name}=VALUE`"),
+                    (None, Some(near)) => format!("did you mean `{near}`?"),
                     (None, None) => "declare it there, or import it from where it is declared".to_owned(),
                 };
                 (message, help)

@@ -10,7 +10,7 @@ use syntax::{errors, plain};
 use crate::condition::{self, node_end};
 use crate::declaration::{Declaration, declarations};
 use crate::import::{Import, imports};
-use crate::token::{Token, brackets, tokens};
+use crate::token::{Token, behind_template, brackets, tokens};
 use crate::{Library, Options, Problems, template};
 
 /// A file as the text takes it.
@@ -51,7 +51,7 @@ impl Module {
     ) -> Self {
         let file = template::fill(author, defines, problems);
         let (file, directives) = without_directives(&file, defines, options, library, problems);
-        let condition::Conditional { file, left_out } = condition::decide(&file, defines, problems);
+        let condition::Conditional { file, mut left_out } = condition::decide(&file, defines, problems);
         let mut found = Vec::new();
         let mut says = None;
         for (whole, directive) in &directives {
@@ -76,6 +76,10 @@ impl Module {
                 names.entry(name.clone()).or_insert(at);
             }
         }
+        if file.text().len() < author.text().len() && author.text().contains("#if") {
+            let names = declared_names(author).into_iter().filter(|name| !names.contains_key(name));
+            left_out.extend(names.map(|name| (name, "a directive such as `#ifdef`".to_owned())));
+        }
         Self { file, author: author.clone(), tokens, declarations, names, imports: found, says, left_out, locals }
     }
 
@@ -83,6 +87,15 @@ impl Module {
     pub(crate) fn word(&self, at: usize) -> &str {
         self.tokens.get(at).map_or("", |token| self.file.slice(token.span))
     }
+}
+
+/// Names behind the keywords of declarations, wherever they stand.
+fn declared_names(file: &SourceFile) -> Vec<String> {
+    let tokens = tokens(file.text());
+    let word = |at: usize| tokens.get(at).map_or("", |token| file.slice(token.span));
+    let keyword = |at: &usize| matches!(word(*at), "fn" | "struct" | "const" | "override" | "alias" | "var");
+    let names = (0..tokens.len()).filter(keyword).map(|at| word(behind_template(&tokens, at + 1)).to_owned());
+    names.filter(|name| name.starts_with(|c: char| c.is_alphabetic() || c == '_')).collect()
 }
 
 fn shifted(mut tokens: Vec<Token>, by: usize) -> Vec<Token> {

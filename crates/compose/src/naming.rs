@@ -6,19 +6,22 @@ use base::text::{Assembly, SourceFile, Span};
 
 use crate::declaration::{Role, Use};
 use crate::link::{Item, Linked};
-use crate::{Composed, Guessed, Renamed, Undeclared};
+use crate::token::{Kind, behind_template};
+use crate::{Composed, Options, Renamed, Undeclared};
 
 /// Writes the text of all that is reached.
 pub(crate) fn write(
     root: &SourceFile,
     linked: &Linked,
     paths: &[String],
-    guessed: Vec<Guessed>,
+    options: &Options,
     undeclared: Vec<(Item, Use, Undeclared)>,
 ) -> Composed {
+    let (guessed, warnings) = (Vec::new(), Vec::new());
     let Some(first) = linked.modules.first() else {
-        return Composed { file: root.clone(), renamed: Vec::new(), guessed, undeclared: Vec::new() };
+        return Composed { file: root.clone(), renamed: Vec::new(), guessed, undeclared: Vec::new(), warnings };
     };
+    let unbound = if options.assign_bindings { unbound(linked) } else { Vec::new() };
     let names = names(linked, paths);
     let renamed = names.iter().map(|(&(module, at), written)| Renamed {
         written: written.clone(),
@@ -28,16 +31,16 @@ pub(crate) fn write(
     let mut renamed: Vec<Renamed> = renamed.collect();
     renamed.sort_by(|a, b| a.written.cmp(&b.written));
     let alone = linked.reached.iter().all(|(module, _)| *module == 0) && renamed.is_empty();
-    let whole = alone && linked.modules[0].declarations.iter().all(|d| d.dropped.is_none());
+    let whole = alone && unbound.is_empty() && linked.modules[0].declarations.iter().all(|d| d.dropped.is_none());
     let mut starts: HashMap<(usize, usize), usize> = HashMap::new();
-    let file = if whole { first.file.clone() } else { joined(root, linked, &names, &mut starts) };
+    let file = if whole { first.file.clone() } else { joined(root, linked, &names, &unbound, &mut starts) };
     let placed = undeclared.into_iter().map(|((module, _), used, undeclared)| {
         let token = linked.modules[module].tokens[used.tokens.start].span;
         let start = if whole { token.start } else { starts.get(&(module, used.tokens.start)).copied().unwrap_or(0) };
         Undeclared { span: Span::new(start, start + token.len()), ..undeclared }
     });
     let undeclared = placed.collect();
-    Composed { file, renamed, guessed, undeclared }
+    Composed { file, renamed, guessed, undeclared, warnings }
 }
 
 fn name_of(linked: &Linked, (module, at): Item) -> Option<&str> {
@@ -101,11 +104,33 @@ fn names(linked: &Linked, paths: &[String]) -> HashMap<Item, String> {
     chosen
 }
 
+/// Resources without a binding, where none has one.
+fn unbound(linked: &Linked) -> Vec<Item> {
+    let mut found = Vec::new();
+    for &(module, at) in &linked.reached {
+        let source = &linked.modules[module];
+        let tokens = source.declarations[at].tokens.clone();
+        if tokens.clone().any(|at| source.word(at) == "@" && source.word(at + 1) == "binding") {
+            return Vec::new();
+        }
+        let Some((_, name)) = &source.declarations[at].name else { continue };
+        let Some(var) = tokens.clone().find(|&at| source.word(at) == "var").filter(|var| var < name) else { continue };
+        let space = behind_template(&source.tokens, var + 1);
+        let handle = source.tokens.get(var + 1).is_some_and(|token| token.kind != Kind::Less);
+        if handle || (var + 1..space).any(|at| matches!(source.word(at), "uniform" | "storage")) {
+            found.push((module, at));
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
 /// The text of several modules. Directives of the language stand first, each once.
 fn joined(
     root: &SourceFile,
     linked: &Linked,
     names: &HashMap<Item, String>,
+    unbound: &[Item],
     starts: &mut HashMap<(usize, usize), usize>,
 ) -> SourceFile {
     let mut out = Writer { assembly: Assembly::new(), len: 0 };
@@ -125,6 +150,9 @@ fn joined(
         }
         let start = source.tokens[tokens.start].span.start;
         let mut copied = start;
+        if let Some(binding) = unbound.iter().position(|item| *item == (module, at)) {
+            out.replace(&format!("@group(0) @binding({binding}) "), &source.file, Span::at(start));
+        }
         if let Some(dropped) = declaration.dropped {
             let span = source.tokens[dropped].span;
             out.copy(&source.file, Span::new(copied, span.start));

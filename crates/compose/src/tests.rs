@@ -53,7 +53,7 @@ type Files = &'static [(&'static str, &'static str)];
 fn run(files: Files, defines: &[(&str, &str)]) -> Result<Composed, Vec<String>> {
     let mut shelf = Shelf(files.iter().copied().collect());
     let defines = defines.iter().map(|&(n, v)| (n.to_owned(), v.to_owned())).collect();
-    let options = Options { defines, preludes: Vec::new() };
+    let options = Options { defines, ..Options::default() };
     let root = SourceFile::new(files[0].0, files[0].1);
     compose(&root, &options, &mut shelf).map_err(|found| {
         let shown = |d: &base::diagnostic::Diagnostic| {
@@ -222,7 +222,7 @@ fn what_is_not_there_is_told_with_what_was_meant() {
     let files: Files = &[
         (
             "app/main.wesl",
-            "import super::light::shadee;\nimport super::ligth::shade;\nimport other::x;\nfn f() { a::b(); }",
+            "import super::light::shadee;\nimport super::ligth::shade;\nimport other::x;\nfn f() { a::b(); x(shadee()); shade(); }",
         ),
         ("app/light.wesl", "fn shade() {} @if(FOG) fn fog() {}"),
     ];
@@ -239,14 +239,48 @@ fn what_is_not_there_is_told_with_what_was_meant() {
         ("app/light.wesl", "fn shade() {} @if(FOG) fn fog() {}"),
     ];
     let fault = run(files, &[]).unwrap_err().join("\n");
-    assert!(fault.contains("it stands under `@if(FOG)`: state it with `--define`"), "{fault}");
+    assert!(
+        fault.contains("it stands under `@if(FOG)`, which does not hold: state features with `--define NAME`"),
+        "{fault}"
+    );
     assert!(run(files, &[("FOG", "")]).is_ok());
+    let files: Files = &[("app/main.wesl", "@if(A) fn f() {}")];
+    assert!(run(files, &[]).unwrap_err()[0].starts_with("E074 app/main.wesl:1:1 conditions leave out everything"));
+}
+
+#[test]
+fn what_nobody_uses_is_not_missed() {
+    let files: Files = &[("app/main.wesl", "import super::gone::x;\nfn f() {}")];
+    let composed = run(files, &[]).unwrap();
+    let [warning] = &composed.warnings[..] else { panic!("{:?}", composed.warnings) };
+    assert_eq!(warning.file.locate(warning.span.start), "app/main.wesl:1:21");
+    let files: Files = &[
+        ("main.wgsl", "#import e::m::x\nfn f() { x(); }"),
+        ("m.wgsl", "#define_import_path e::m\n#ifdef SLOW\nfn x() {}\n#endif\n"),
+    ];
+    let told = told(files);
+    assert!(told.contains("E070 main.wgsl:1:15") && told.contains("under a directive such as `#ifdef`"), "{told}");
+}
+
+#[test]
+fn bindings_are_assigned_where_no_resource_has_one() {
+    let bound = |text: &str| {
+        let mut shelf = Shelf(HashMap::new());
+        let options = Options { assign_bindings: true, ..Options::default() };
+        compose(&SourceFile::new("a.wgsl", text), &options, &mut shelf).unwrap().file
+    };
+    let file = bound("var<private> p: f32;\nvar t: texture_2d<f32>;\nvar<storage, read> s: array<u32>;\n");
+    assert!(file.text().contains("@group(0) @binding(0) var t:") && file.text().contains("@binding(1) var<storage"));
+    assert!(file.text().contains("var<private> p") && !file.text().contains("@binding(2)"));
+    assert_eq!(file.locate(file.text().find("var t").unwrap()), "a.wgsl:2:1");
+    let some = "@group(0) @binding(0) var t: sampler;\nvar s: sampler;\n";
+    assert_eq!(bound(some).text(), some);
 }
 
 #[test]
 fn circles_are_told_with_their_chain() {
     let files: Files = &[
-        ("a.wgsl", "#import e::b\n#define_import_path e::a\n"),
+        ("a.wgsl", "#import e::b\nfn a() {}\n"),
         ("b.wgsl", "#define_import_path e::b\n#import e::c\nfn b() {}\n"),
         ("c.wgsl", "#define_import_path e::c\n#import e::b\nfn c() { b::b(); }\n"),
     ];
@@ -341,7 +375,7 @@ fn a_prelude_gives_what_the_text_lacks() {
     let mut shelf = Shelf(HashMap::new());
     let prelude =
         SourceFile::new("p.wgsl", "struct Camera { m: mat4x4f, n: f32 }\nfn helper() -> f32 { return scale(); }");
-    let options = Options { defines: Vec::new(), preludes: vec![prelude] };
+    let options = Options { preludes: vec![prelude], ..Options::default() };
     let root = SourceFile::new(
         "a.wgsl",
         "#use Camera\nfn f(c: Camera) -> f32 { return helper(); }\nfn scale() -> f32 { return 1.0; }\n",

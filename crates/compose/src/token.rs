@@ -99,12 +99,16 @@ pub(crate) fn behind_template(tokens: &[Token], open: usize) -> usize {
     if tokens.get(open).is_none_or(|token| token.kind != Kind::Less) {
         return open;
     }
-    let mut depth = 0_usize;
+    // Angle brackets in each other, and the parentheses inside of them.
+    let (mut depth, mut inside) = (0_usize, 0_usize);
     for (at, token) in tokens.iter().enumerate().skip(open) {
         match token.kind {
-            Kind::Less => depth += 1,
-            Kind::Greater => depth -= 1,
-            Kind::Semicolon | Kind::OpenBrace => return open,
+            Kind::OpenParen | Kind::OpenBracket => inside += 1,
+            Kind::CloseParen | Kind::CloseBracket if inside == 0 => return open,
+            Kind::CloseParen | Kind::CloseBracket => inside -= 1,
+            Kind::Less if inside == 0 => depth += 1,
+            Kind::Greater if inside == 0 => depth -= 1,
+            Kind::Semicolon | Kind::OpenBrace | Kind::And | Kind::Or => return open,
             _ => {}
         }
         if depth == 0 {
@@ -155,5 +159,7 @@ mod tests {
         assert_eq!(behind_template(&all, at("var") + 1), at("x:"));
         let last = all.len() - 2;
         assert_eq!(behind_template(&all, last), last, "a comparison is no template");
+        let shifts = tokens("(x << b) | (x >> (32u - b))");
+        assert_eq!(behind_template(&shifts, 2), 2, "nor is a shift");
     }
 }

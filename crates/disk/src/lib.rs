@@ -1,10 +1,14 @@
 //! Files that people name: source texts are read with a limit, TOML with the place of every value, and whatever is written
 //! replaces its target as a whole.
 
+pub mod elsewhere;
 pub mod fresh;
+mod modules;
 mod problem;
 mod source;
 pub mod table;
 
+pub use elsewhere::plain;
+pub use modules::{ComposeError, Modules};
 pub use problem::Problem;
 pub use source::{MOST_BYTES, read_source};

@@ -9,11 +9,10 @@ use program::{Written, listing};
 use property::Sample;
 use property::regressions::{self, Regression};
 
-use super::elsewhere;
 use super::error::LoadError;
 use super::expectations::FILE;
 use super::{Contents, Expect, Includes, Suite, parse};
-use disk::{fresh, read_source};
+use disk::{elsewhere, fresh, read_source};
 
 /// Ending of a suite file.
 pub const ENDING: &str = ".suite.toml";

@@ -3,11 +3,10 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::elsewhere;
 use super::error::LoadError;
 use base::diagnostic::Diagnostic;
 use base::text::{Shown, SourceFile, decode};
-use disk::{MOST_BYTES, read_source};
+use disk::{MOST_BYTES, elsewhere, plain, read_source};
 use syntax::include::{self, Wanted};
 
 /// Files that a text includes, at most, each as often as it does.
@@ -106,34 +105,12 @@ fn find(wanted: &Wanted, folders: &[PathBuf], within: &[&Path]) -> Result<Option
     Ok(None)
 }
 
-/// A path without `.` and without `..` behind a folder, so that a file has one name.
-fn plain(path: &Path) -> String {
-    use std::path::Component;
-    let mut parts = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(parts.components().next_back(), Some(Component::Normal(_))) => {
-                parts.pop();
-            }
-            _ => parts.push(part),
-        }
-    }
-    parts.display().to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn file(path: &Path) -> SourceFile {
         SourceFile::new(path.display().to_string(), std::fs::read_to_string(path).unwrap())
-    }
-
-    #[test]
-    fn files_have_one_name() {
-        assert_eq!(plain(Path::new("./a/../b/./c.glsl")), "b/c.glsl");
-        assert_eq!(plain(Path::new("../a.glsl")), "../a.glsl");
     }
 
     #[test]

@@ -2,7 +2,6 @@
 //! how strictly it is judged. A suite is a TOML file beside its shader.
 
 pub mod draft;
-mod elsewhere;
 mod error;
 mod expect;
 pub mod expectations;

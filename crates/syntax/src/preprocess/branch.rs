@@ -28,6 +28,8 @@ impl Preprocessor<'_> {
             && match (word, rest) {
                 ("if", _) => self.condition(rest, span),
                 (_, [one]) if one.lex == Lex::Word => self.is_defined(&self.slice(one)) == (word == "ifdef"),
+                // `#ifdef 0` leaves out what follows in preprocessors of WGSL.
+                (_, [one]) if one.lex == Lex::Number && self.plain.is_some() => word == "ifndef",
                 _ => {
                     self.malformed(span, &format!("`#{word}` takes one name"));
                     false

@@ -1,19 +1,19 @@
 //! Files that a suite or a shader names and that lie elsewhere. Messages quote lines of shaders, and a suite of somebody
 //! else may name any file of the machine: only what is a shader by its ending is read from there.
 
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use syntax::Stage;
 
 /// Endings of files with parts of shaders, besides those that tell a stage.
-const PARTS: [&str; 14] = [
-    "wgsl", "shader", "inc", "incl", "include", "h", "hpp", "hlsl", "hlsli", "fxh", "cginc", "glslh", "glsli",
-    "glslinc",
+const PARTS: [&str; 16] = [
+    "wgsl", "wesl", "tmpl", "shader", "inc", "incl", "include", "h", "hpp", "hlsl", "hlsli", "fxh", "cginc", "glslh",
+    "glsli", "glslinc",
 ];
 
 /// Why a file is not read that lies in none of these folders, and is no shader by its ending. Links count as what they
 /// lead to.
-pub(super) fn refusal(path: &Path, folders: &[&Path]) -> Option<&'static str> {
+pub fn refusal(path: &Path, folders: &[&Path]) -> Option<&'static str> {
     let here = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
     let named_inside = |folder: &&Path| {
         let rest = if folder.as_os_str().is_empty() { Ok(path) } else { path.strip_prefix(folder) };
@@ -28,6 +28,22 @@ pub(super) fn refusal(path: &Path, folders: &[&Path]) -> Option<&'static str> {
     (!is_shader(&target) && !folders.iter().any(lies_inside)).then_some(WHY)
 }
 
+/// A path without `.` and without `..` behind a folder, so that a file has one name.
+pub fn plain(path: &Path) -> String {
+    use std::path::Component;
+    let mut parts = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(parts.components().next_back(), Some(Component::Normal(_))) => {
+                parts.pop();
+            }
+            _ => parts.push(part),
+        }
+    }
+    parts.display().to_string()
+}
+
 fn is_shader(path: &Path) -> bool {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     Stage::from_path(&path.to_string_lossy()).is_some() || ending.is_some_and(|ending| PARTS.contains(&&*ending))
@@ -39,6 +55,12 @@ const WHY: &str = "its ending is that of no shader, such as .vert, .frag, .geom,
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_have_one_name() {
+        assert_eq!(plain(Path::new("./a/../b/./c.glsl")), "b/c.glsl");
+        assert_eq!(plain(Path::new("../a.glsl")), "../a.glsl");
+    }
 
     #[test]
     fn what_lies_elsewhere_is_a_shader_by_its_ending() {

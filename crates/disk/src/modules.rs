@@ -1,0 +1,317 @@
+//! Where the files lie that a text in WGSL is composed of: packages and modules of WESL, modules of naga_oil that say
+//! their own names, included files, and files of the same folder.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::elsewhere::{plain, refusal};
+use crate::{MOST_BYTES, read_source};
+use base::diagnostic::Diagnostic;
+use base::text::{Shown, SourceFile, decode};
+use compose::{Composed, Library, ModulePath, Options, Origin, Wanted};
+
+/// Files and folders that are looked at for modules that say their names, at most.
+const MOST_SEEN: usize = 50_000;
+/// Files beside one that may belong to it, at most.
+const MOST_SIBLINGS: usize = 200;
+/// Endings of files with modules, in the order in which they are tried.
+const ENDINGS: [&str; 2] = ["wesl", "wgsl"];
+/// Folders inside of a package where its modules may begin.
+const INSIDE: [&str; 4] = ["", "src", "shaders", "src/shaders"];
+/// Folders beside the packages of a project, where they may lie.
+const PACKAGES: [&str; 3] = ["", "crates", "packages"];
+
+/// Why a text cannot be composed.
+#[derive(Debug, thiserror::Error)]
+pub enum ComposeError {
+    /// A file that is there and cannot be read, and why.
+    #[error("cannot read `{0}`: {1}")]
+    Unreadable(String, String),
+    /// Something is wrong in the files.
+    #[error("the files do not fit together")]
+    Wrong(Vec<Diagnostic>),
+}
+
+/// Folders that are searched, and what is known about them.
+#[derive(Debug)]
+pub struct Modules {
+    /// Folders that a user names.
+    folders: Vec<PathBuf>,
+    /// Modules by the names that they say, for each folder that was searched.
+    said: BTreeMap<PathBuf, BTreeMap<String, PathBuf>>,
+    /// The first file that is there and cannot be read, and why.
+    failed: Option<(String, String)>,
+    /// Bytes that may still be read.
+    left: u64,
+}
+
+impl Modules {
+    /// Looks for files in the folders that a user names, besides those around the file that asks.
+    pub fn new(folders: Vec<PathBuf>) -> Self {
+        Self { folders, said: BTreeMap::new(), failed: None, left: MOST_BYTES }
+    }
+
+    /// The text that a file stands for.
+    ///
+    /// # Errors
+    /// [`ComposeError`]
+    pub fn compose(&mut self, file: &SourceFile, options: &Options) -> Result<Composed, ComposeError> {
+        let composed = compose::compose(file, options, self);
+        match self.failed.take() {
+            Some((path, why)) => Err(ComposeError::Unreadable(path, why)),
+            None => composed.map_err(ComposeError::Wrong),
+        }
+    }
+
+    /// A file as text; none where there is none, or it cannot be read, which is kept.
+    fn read(&mut self, path: &Path) -> Option<SourceFile> {
+        let fail = |why: String| (path.shown(), why);
+        if !path.is_file() {
+            return None;
+        }
+        let bytes = match read_source(path) {
+            Ok(bytes) if bytes.len() as u64 <= self.left => bytes,
+            Ok(_) => {
+                let why = format!("with what it imports, the text has more than {MOST_BYTES} bytes");
+                self.failed.get_or_insert(fail(why));
+                return None;
+            }
+            Err(error) => {
+                self.failed.get_or_insert(fail(error.to_string()));
+                return None;
+            }
+        };
+        self.left -= bytes.len() as u64;
+        match decode(&plain(path), &bytes) {
+            Ok(decoded) => Some(decoded.file),
+            Err(error) => {
+                self.failed.get_or_insert(fail(error.to_string()));
+                None
+            }
+        }
+    }
+
+    /// A module below a folder.
+    fn below(&mut self, folder: &Path, names: &[String]) -> Option<SourceFile> {
+        let path = names.iter().fold(folder.to_owned(), |path, name| path.join(name));
+        if names.is_empty() {
+            // The root of a package may be called after it, or `package`.
+            let name = folder.file_name()?.to_string_lossy().into_owned();
+            let inside = ["package", "lib", name.as_str()].map(|stem| folder.join(stem));
+            let beside = [folder.to_owned()];
+            return inside.iter().chain(&beside).find_map(|path| self.with_ending(path));
+        }
+        self.with_ending(&path)
+    }
+
+    fn with_ending(&mut self, path: &Path) -> Option<SourceFile> {
+        ENDINGS.iter().find_map(|ending| {
+            let name = format!("{}.{ending}", path.file_name()?.to_string_lossy());
+            self.read(&path.with_file_name(name))
+        })
+    }
+
+    /// Modules in the files of a project that say their names.
+    fn said(&mut self, folder: &Path) -> &BTreeMap<String, PathBuf> {
+        self.said.entry(folder.to_owned()).or_insert_with(|| {
+            let mut found = BTreeMap::new();
+            for path in files_below(folder) {
+                let Ok(bytes) = read_source(&path) else { continue };
+                let text = String::from_utf8_lossy(&bytes);
+                let name = text.lines().find_map(|line| line.trim_start().strip_prefix("#define_import_path"));
+                if let Some(name) = name.and_then(|name| name.split_whitespace().next()) {
+                    found.entry(name.trim_end_matches(';').to_owned()).or_insert(path);
+                }
+            }
+            found
+        })
+    }
+
+    /// Folders that are searched for what a file names: those of the user, and that of its project.
+    fn projects(&self, from: &SourceFile) -> Vec<PathBuf> {
+        let folder = folder_of(from);
+        let project = ancestors(&folder).into_iter().last().unwrap_or(folder);
+        self.folders.iter().cloned().chain([project]).collect()
+    }
+}
+
+/// The folder of a file.
+fn folder_of(file: &SourceFile) -> PathBuf {
+    let folder = Path::new(file.name()).parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
+}
+
+/// Folders that a module of a package may begin in: those around a file, up to that of its project. The project ends
+/// where git says, or with the outermost folder that has a manifest.
+fn ancestors(folder: &Path) -> Vec<PathBuf> {
+    let absolute = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let count = absolute.ancestors().take(32).count();
+    let mut found: Vec<PathBuf> = Vec::new();
+    let mut last_manifest = 0;
+    let mut at = folder.to_owned();
+    for steps in 0..count {
+        found.push(at.clone());
+        let has = |name: &str| at.join(name).exists();
+        if has("Cargo.toml") || has("package.json") || has("wesl.toml") {
+            last_manifest = steps;
+        }
+        if has(".git") {
+            return found;
+        }
+        at = match at.components().next_back() {
+            Some(std::path::Component::Normal(_)) => match at.parent() {
+                Some(parent) if parent.as_os_str().is_empty() => PathBuf::from("."),
+                Some(parent) => parent.to_owned(),
+                None => break,
+            },
+            Some(std::path::Component::RootDir | std::path::Component::Prefix(_)) | None => break,
+            Some(std::path::Component::CurDir) if at.as_os_str() == "." => PathBuf::from(".."),
+            Some(_) => at.join(".."),
+        };
+    }
+    // Without a sign of a project, it is the folder itself and the one around it.
+    found.truncate((last_manifest + 1).max(2).min(found.len()));
+    found
+}
+
+/// The folder that the nearest `wesl.toml` names as the root of its package.
+fn stated_root(folders: &[PathBuf]) -> Option<PathBuf> {
+    let (folder, text) = folders.iter().find_map(|folder| {
+        let text = read_source(&folder.join("wesl.toml")).ok()?;
+        Some((folder, String::from_utf8_lossy(&text).into_owned()))
+    })?;
+    let table: toml::Table = text.parse().ok()?;
+    let package = table.get("package").and_then(toml::Value::as_table);
+    let root = table.get("root").or_else(|| package.and_then(|package| package.get("root")))?;
+    Some(folder.join(root.as_str()?))
+}
+
+/// Files with modules below a folder. Hidden folders and those of build tools are left out.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let (mut open, mut found, mut seen) = (vec![folder.to_owned()], Vec::new(), 0);
+    while let Some(folder) = open.pop() {
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        let mut paths: Vec<_> = entries.filter_map(Result::ok).map(|entry| (entry.path(), entry.file_type())).collect();
+        paths.sort_by(|a, b| a.0.cmp(&b.0));
+        for (path, kind) in paths {
+            seen += 1;
+            if seen > MOST_SEEN {
+                return found;
+            }
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let hidden = name.starts_with('.') || matches!(name.as_str(), "target" | "node_modules");
+            match kind {
+                Ok(kind) if kind.is_dir() && !hidden => open.push(path),
+                Ok(kind) if kind.is_file() && has_ending(&path) => found.push(path),
+                _ => {}
+            }
+        }
+    }
+    found
+}
+
+fn has_ending(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ENDINGS.iter().any(|own| ending.eq_ignore_ascii_case(own)))
+}
+
+impl Library for Modules {
+    fn include(&mut self, wanted: &Wanted) -> Option<SourceFile> {
+        let own = folder_of(&wanted.from);
+        let within: Vec<&Path> =
+            std::iter::once(own.as_path()).chain(self.folders.iter().map(PathBuf::as_path)).collect();
+        let mut paths = vec![wanted.path.clone()];
+        // `#import name` leaves the ending out.
+        if wanted.import && Path::new(&wanted.path).extension().is_none() {
+            paths = ENDINGS.iter().map(|ending| format!("{}.{ending}", wanted.path)).collect();
+        }
+        let folders = std::iter::once(own.clone()).filter(|_| wanted.quoted).chain(self.folders.clone());
+        let candidates: Vec<PathBuf> =
+            folders.flat_map(|folder| paths.iter().map(move |path| folder.join(path)).collect::<Vec<_>>()).collect();
+        for path in candidates {
+            if refusal(&path, &within).is_none() && path.is_file() {
+                return self.read(&path);
+            }
+        }
+        None
+    }
+
+    fn module(&mut self, from: &SourceFile, path: &ModulePath) -> Option<SourceFile> {
+        let folder = folder_of(from);
+        let around = ancestors(&folder);
+        match &path.origin {
+            Origin::File(file) => {
+                if !path.names.is_empty() || !has_ending(Path::new(file)) {
+                    return None;
+                }
+                let inside = around.iter().flat_map(|folder| [folder.clone(), folder.join("assets")]);
+                let all: Vec<PathBuf> = inside.chain(self.folders.clone()).collect();
+                all.iter().find_map(|folder| self.read(&folder.join(file)))
+            }
+            Origin::Super(count) => {
+                let mut base = folder;
+                (1..*count).for_each(|_| base.push(".."));
+                self.below(Path::new(&plain(&base)), &path.names)
+            }
+            Origin::Package => {
+                let stated = stated_root(&around);
+                let roots: Vec<PathBuf> = stated.into_iter().chain(around).collect();
+                roots.iter().find_map(|root| self.below(root, &path.names))
+            }
+            Origin::Named => {
+                let name = path.names.join("::");
+                for project in self.projects(from) {
+                    if let Some(file) = self.said(&project).get(&name).cloned() {
+                        return self.read(&file);
+                    }
+                }
+                let (package, names) = path.names.split_first()?;
+                let mut roots = Vec::new();
+                for folder in self.folders.iter().chain(&around) {
+                    let named = folder.file_name().is_some_and(|own| own.to_string_lossy() == *package);
+                    let own = named.then(|| folder.clone());
+                    let inside = PACKAGES.iter().map(|packages| folder.join(packages).join(package));
+                    for package in own.into_iter().chain(inside).filter(|package| package.is_dir()) {
+                        roots.extend(stated_root(std::slice::from_ref(&package)));
+                        roots.extend(INSIDE.iter().map(|inside| package.join(inside)));
+                    }
+                }
+                roots.iter().find_map(|root| self.below(root, names))
+            }
+        }
+    }
+
+    fn modules(&mut self, from: &SourceFile) -> Vec<String> {
+        let mut names = Vec::new();
+        for project in self.projects(from) {
+            names.extend(self.said(&project).keys().cloned());
+        }
+        let folder = folder_of(from);
+        let around = ancestors(&folder);
+        let beside = |path: &Path| path.strip_prefix(&folder).map(|rest| ("super", rest.with_extension(""))).ok();
+        let root = stated_root(&around).or_else(|| around.iter().find(|f| f.join("Cargo.toml").exists()).cloned());
+        for path in files_below(root.as_ref().unwrap_or(&folder)) {
+            let inside = root.iter().find_map(|root| {
+                let rest = path.strip_prefix(root).ok()?;
+                let rest = INSIDE[1..].iter().find_map(|inside| rest.strip_prefix(inside).ok()).unwrap_or(rest);
+                Some(("package", rest.with_extension("")))
+            });
+            for (origin, rest) in beside(&path).into_iter().chain(inside) {
+                let parts = rest.components().map(|part| part.as_os_str().to_string_lossy().into_owned());
+                names.push([origin.to_owned()].into_iter().chain(parts).collect::<Vec<_>>().join("::"));
+            }
+        }
+        names
+    }
+
+    fn siblings(&mut self, from: &SourceFile) -> Vec<SourceFile> {
+        let folder = folder_of(from);
+        let Ok(entries) = std::fs::read_dir(&folder) else { return Vec::new() };
+        let mut paths: Vec<PathBuf> = entries.filter_map(Result::ok).map(|entry| entry.path()).collect();
+        paths.retain(|path| has_ending(path) && plain(path) != plain(Path::new(from.name())));
+        paths.sort();
+        paths.truncate(MOST_SIBLINGS);
+        // A file that nobody named and that is no text is none of this one's business.
+        let text = |path: &PathBuf| Some(decode(&plain(path), &read_source(path).ok()?).ok()?.file);
+        paths.iter().filter_map(text).collect()
+    }
+}
