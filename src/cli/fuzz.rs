@@ -12,6 +12,7 @@ use clap::Args;
 use super::bar::Bar;
 use super::check::Format;
 use super::check::shell_word;
+use super::compose::{ComposeArgs, Given};
 use super::includes::{self, IncludedText};
 use crate::cli::StageName;
 use crate::cli::shard::ShardArgs;
@@ -23,7 +24,6 @@ use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Promises;
 use lanes::{Lane, Stage, StandIn, Wanted, interrupt};
 
-use engine::suite::read_module;
 use program::{ProgramError, Written};
 use report::fuzz::{FileReport, Summary, findings, json, line, totals};
 
@@ -80,6 +80,9 @@ pub struct FuzzArgs {
     /// Folders that are searched for included files
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
+    /// What is stated about parts of texts in WGSL
+    #[command(flatten)]
+    pub compose: ComposeArgs,
     /// What a host puts around each shader; without it, texts of known hosts are recognised
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
@@ -127,10 +130,11 @@ pub fn run(args: &FuzzArgs, out: &mut dyn Write, err: &mut dyn Write, color: boo
         "--shard does a part of the functions; --case and --write-suite are for a run without it"
     );
     let stated = stated(&args.domain)?;
+    let reading = Given { folders: &args.include, defines: &args.define, wgsl: Some(&args.compose) };
     let sources: Vec<IncludedText> = args
         .files
         .iter()
-        .map(|path| includes::read_all(path, &args.include, args.stage.map(syntax::Stage::from)))
+        .map(|path| includes::read_all(path, &reading, args.stage.map(syntax::Stage::from)))
         .collect::<anyhow::Result<Vec<_>>>()?
         .into_iter()
         .flatten()
@@ -285,8 +289,9 @@ pub(super) fn subjects(
 ) -> anyhow::Result<(Vec<Diagnostic>, Vec<Subject>)> {
     let wanted = |name: &str| functions.is_empty() || functions.iter().any(|f| f == name);
     let unstated = |bad: BadHint| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why);
-    if Written::of(&source.file) != Written::Glsl {
-        let text = match read_module(&source.file) {
+    let written = Written::of(&source.file);
+    if written != Written::Glsl {
+        let text = match source.module() {
             Ok(text) => text,
             Err(ProgramError::Source(errors)) => {
                 let errors = errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
@@ -295,7 +300,7 @@ pub(super) fn subjects(
             Err(error) => return Err(error).with_context(|| source.name.clone()),
         };
         known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
-        let subjects = fuzz::subjects_of_module(&text, define, &wanted).map_err(unstated)?;
+        let subjects = fuzz::subjects_of_module(&text, &source.values(&text, define), &wanted).map_err(unstated)?;
         return Ok((Vec::new(), subjects));
     }
     let parsed = source.parsed(define);
@@ -337,6 +342,12 @@ fn command(args: &FuzzArgs, source: &IncludedText) -> String {
     let mut words = format!("shadercheck fuzz {}", shell_word(&source.given));
     for folder in &args.include {
         words = format!("{words} -I {}", shell_word(&folder.display().to_string()));
+    }
+    for file in &args.compose.with {
+        words = format!("{words} --with {}", shell_word(&file.display().to_string()));
+    }
+    if args.compose.assign_bindings {
+        words.push_str(" --assign-bindings");
     }
     for (name, value) in &args.define {
         words = format!("{words} --define {}", shell_word(&format!("{name}={value}")));

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::compose::{Given, Joined};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
 use engine::suite::Includes;
+use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
 
 /// A file that is run.
@@ -23,17 +25,23 @@ pub struct IncludedText {
     pub printed: bool,
     /// Where includes were looked for.
     includes: Includes,
+    /// What it was put together from, in WGSL.
+    joined: Option<Joined>,
 }
 
-/// Reads a file and what it includes: `"path"` beside the file that asks and then in `folders`, `<path>`
-/// in `folders` alone.
+/// Reads a file and what it includes: `"path"` beside the file that asks and then in the stated folders, `<path>` in
+/// these alone; and what a file in WGSL imports.
 ///
 /// # Errors
 /// When the file, or one that it includes and that is there, cannot be read.
-pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
+pub fn read(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
     let file = crate::cli::translate::read(path)?;
-    let mut includes = Includes::new(folders.to_vec(), "`-I FOLDER`");
-    let whole = includes.resolve(&file)?;
+    let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
+    let joined = Joined::of(&file, given)?;
+    let whole = match &joined {
+        Some(joined) => joined.file(&file),
+        None => includes.resolve(&file)?,
+    };
     Ok(IncludedText {
         name: file.name().to_owned(),
         given: file.name().to_owned(),
@@ -42,6 +50,7 @@ pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
         printed: false,
         file: whole,
         includes,
+        joined,
     })
 }
 
@@ -49,19 +58,19 @@ pub fn read(path: &Path, folders: &[PathBuf]) -> anyhow::Result<IncludedText> {
 ///
 /// # Errors
 /// As [`read`], and when a file of host code holds no whole shader.
-pub fn read_all(path: &Path, folders: &[PathBuf], stage: Option<Stage>) -> anyhow::Result<Vec<IncludedText>> {
+pub fn read_all(path: &Path, given: &Given<'_>, stage: Option<Stage>) -> anyhow::Result<Vec<IncludedText>> {
     if let (Some(stage), true) = (stage, path.is_file()) {
-        return Ok(vec![IncludedText { stage, ..read(path, folders)? }]);
+        return Ok(vec![IncludedText { stage, ..read(path, given)? }]);
     }
-    let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, folders)?]) };
+    let Some(printed) = super::document::shaders(path)? else { return Ok(vec![read(path, given)?]) };
     let text = |shader: lint::Printed| {
-        let mut includes = Includes::new(folders.to_vec(), "`-I FOLDER`");
+        let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
         let file = includes.resolve(&shader.file)?;
         let (name, path) = (shader.file.name().to_owned(), path.to_owned());
         // The name of a shader in host code is no path: its line leads to it.
         let is_file = lint::language_of(&path.to_string_lossy()).is_some();
         let given = if is_file { format!("{}:{}", path.shown(), shader.lines.start() + 1) } else { name.clone() };
-        Ok(IncludedText { name, given, path, file, stage: shader.stage, printed: true, includes })
+        Ok(IncludedText { name, given, path, file, stage: shader.stage, printed: true, includes, joined: None })
     };
     printed.into_iter().map(text).collect()
 }
@@ -87,6 +96,24 @@ impl IncludedText {
     pub fn with_prelude(self, wanted: lint::WantedPrelude) -> Self {
         let (file, stage) = lint::behind_prelude(&self.file, self.stage, wanted);
         Self { file, stage, ..self }
+    }
+
+    /// The text as a module, for languages that are read as one.
+    ///
+    /// # Errors
+    /// As of [`read_module`], and what is wrong with the files that it is put together from.
+    pub fn module(&self) -> Result<ModuleText, ProgramError> {
+        self.joined.as_ref().map_or_else(|| read_module(&self.file), Joined::module)
+    }
+
+    /// Values for the `override` constants of the module, from those that are given.
+    pub fn values(&self, text: &ModuleText, defines: &[(String, String)]) -> Vec<(String, String)> {
+        self.joined.as_ref().map_or_else(|| defines.to_vec(), |joined| joined.values(text, defines))
+    }
+
+    /// What is worth knowing about where parts of the text come from.
+    pub fn notes(&self) -> Vec<String> {
+        self.joined.as_ref().map(Joined::notes).unwrap_or_default()
     }
 
     /// A diagnostic with what is known about includes that were not found.

@@ -72,7 +72,7 @@ pub fn run(args: &InitArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow:
     let devices = Wanted { stand_in: StandIn::Never, ..Wanted::named(&[]) }.open()?.lanes;
     let mut written = 0;
     for (path, stage) in &shaders {
-        let file = match super::includes::read(path, &[]) {
+        let file = match super::includes::read(path, &super::compose::Given::default()) {
             Ok(source) => source.file,
             Err(error) => {
                 writeln!(err, "left out: {error:#}")?;

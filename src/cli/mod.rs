@@ -8,6 +8,8 @@ pub mod calibrate;
 #[cfg(feature = "run")]
 pub mod check;
 #[cfg(feature = "run")]
+mod compose;
+#[cfg(feature = "run")]
 mod document;
 pub mod explain;
 #[cfg(feature = "run")]

@@ -7,12 +7,12 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::StageName;
+use crate::cli::compose::{ComposeArgs, Given};
 use crate::cli::includes::IncludedText;
 use crate::cli::status::ExitStatus;
 use base::diagnostic::{Diagnostic, Lang};
 use base::text::{Shown, SourceFile, decode_western};
 use disk::{fresh, read_source};
-use engine::suite::read_module;
 use program::lower::Target;
 use program::{Language, Program, ProgramError, TranslateError, Translation, Written, listing, read_back};
 use report::diagnostics;
@@ -40,6 +40,9 @@ pub struct TranslateArgs {
     /// Folder in which included files are looked for, after that of the file that includes them
     #[arg(short = 'I', long = "include", value_name = "FOLDER")]
     pub include: Vec<PathBuf>,
+    /// What is stated about parts of texts in WGSL
+    #[command(flatten)]
+    pub compose: ComposeArgs,
     /// What a host puts around each shader; without it, texts of known hosts are recognised
     #[arg(long, value_name = "NAME", value_parser = super::preludes())]
     pub prelude: Option<String>,
@@ -56,7 +59,11 @@ pub struct TranslateArgs {
 /// # Errors
 /// When a file cannot be read or written.
 pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> anyhow::Result<ExitStatus> {
-    let source = super::includes::read(&args.file, &args.include)?;
+    let stated = Given { folders: &args.include, defines: &args.define, wgsl: Some(&args.compose) };
+    let source = super::includes::read(&args.file, &stated)?;
+    for note in source.notes() {
+        writeln!(err, "note: {note}")?;
+    }
     let written = Written::of(&source.file);
     let program = match written {
         Written::Glsl => of_glsl(args, source, err)?,
@@ -87,8 +94,9 @@ pub fn run(args: &TranslateArgs, out: &mut dyn Write, err: &mut dyn Write) -> an
 /// The program of a text that is read as a module; none where diagnostics say what is wrong with it.
 fn of_module(args: &TranslateArgs, source: &IncludedText, err: &mut dyn Write) -> anyhow::Result<Option<Program>> {
     let stage = args.stage.map(Stage::from);
-    let program =
-        read_module(&source.file).and_then(|text| text.program(text.meant(stage, args.entry.as_deref()), &args.define));
+    let program = source
+        .module()
+        .and_then(|text| text.program(text.meant(stage, args.entry.as_deref()), &source.values(&text, &args.define)));
     match program {
         Ok(program) => Ok(Some(program)),
         Err(ProgramError::Source(found)) => {

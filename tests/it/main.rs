@@ -11,6 +11,7 @@ mod calibrate;
 mod check_cli;
 mod ci;
 mod comparisons;
+mod composed;
 mod constructs;
 mod containment;
 mod documents;

@@ -70,6 +70,8 @@ pub struct Composed {
     pub undeclared: Vec<Undeclared>,
     /// Imports of what is not there that nothing uses.
     pub warnings: Vec<Diagnostic>,
+    /// Names of [`Options::defines`] that one of the files mentions.
+    pub stated: Vec<String>,
 }
 
 /// A declaration under another name.

@@ -58,7 +58,17 @@ pub(crate) fn link(
     linker.run(root);
     let Linker { linked, guessed, undeclared, paths, warnings, .. } = linker;
     let composed = naming::write(root, &linked, &paths, options, undeclared);
-    Composed { guessed, warnings, ..composed }
+    let mentioned = |name: &str| linked.modules.iter().any(|module| mentions(&module.author, name));
+    let stated = options.defines.iter().map(|(name, _)| name).filter(|name| mentioned(name)).cloned().collect();
+    Composed { guessed, warnings, stated, ..composed }
+}
+
+/// True where a name stands in a file as a whole word.
+fn mentions(file: &SourceFile, name: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    file.text()
+        .match_indices(name)
+        .any(|(at, _)| !file.text()[..at].ends_with(part) && !file.text()[at + name.len()..].starts_with(part))
 }
 
 struct Linker<'a> {

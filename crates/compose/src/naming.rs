@@ -19,7 +19,14 @@ pub(crate) fn write(
 ) -> Composed {
     let (guessed, warnings) = (Vec::new(), Vec::new());
     let Some(first) = linked.modules.first() else {
-        return Composed { file: root.clone(), renamed: Vec::new(), guessed, undeclared: Vec::new(), warnings };
+        return Composed {
+            file: root.clone(),
+            renamed: Vec::new(),
+            guessed,
+            undeclared: Vec::new(),
+            warnings,
+            stated: Vec::new(),
+        };
     };
     let unbound = if options.assign_bindings { unbound(linked) } else { Vec::new() };
     let names = names(linked, paths);
@@ -40,7 +47,7 @@ pub(crate) fn write(
         Undeclared { span: Span::new(start, start + token.len()), ..undeclared }
     });
     let undeclared = placed.collect();
-    Composed { file, renamed, guessed, undeclared, warnings }
+    Composed { file, renamed, guessed, undeclared, warnings, stated: Vec::new() }
 }
 
 fn name_of(linked: &Linked, (module, at): Item) -> Option<&str> {

@@ -315,3 +315,106 @@ impl Library for Modules {
         paths.iter().filter_map(text).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Composes the first of some files, and gives the text on one line or what is told.
+    fn composed(files: &[(&str, &str)], folders: &[&str]) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for (name, text) in files {
+            std::fs::create_dir_all(at(name).parent().unwrap()).unwrap();
+            std::fs::write(at(name), text).unwrap();
+        }
+        let file = SourceFile::new(at(files[0].0).display().to_string(), files[0].1);
+        let mut modules = Modules::new(folders.iter().map(|name| at(name)).collect());
+        let root = format!("{}/", folder.path().display());
+        let shown = |d: &Diagnostic| {
+            let help = d.help.as_ref().map(ToString::to_string).unwrap_or_default();
+            format!("{} {} {} | {help}", d.code, d.file.locate(d.span.start), &*d.message).replace(&root, "")
+        };
+        match modules.compose(&file, &Options::default()) {
+            Ok(composed) => composed.file.text().split_whitespace().collect::<Vec<_>>().join(" "),
+            Err(ComposeError::Wrong(found)) => found.iter().map(shown).collect::<Vec<_>>().join("\n"),
+            Err(error) => error.to_string().replace(&root, ""),
+        }
+    }
+
+    #[test]
+    fn packages_lie_around_and_beside_a_file() {
+        let files = [
+            (
+                "crates/app/src/a/main.wesl",
+                "import package::b::x; import other::c::y; import super::d::z; fn f() { x(); y(); z(); }",
+            ),
+            ("crates/app/src/b.wesl", "fn x() {}"),
+            ("crates/app/src/a/d.wesl", "fn z() {}"),
+            ("crates/app/Cargo.toml", ""),
+            ("crates/other/src/c.wgsl", "fn y() {}"),
+            ("Cargo.toml", ""),
+        ];
+        assert_eq!(composed(&files, &[]), "fn f() { x(); y(); z(); } fn x() {} fn y() {} fn z() {}");
+        let files = [("main.wesl", "import lib::c::y; fn f() { y(); }"), ("far/lib/shaders/c.wesl", "fn y() {}")];
+        assert!(composed(&files, &["far"]).ends_with("fn y() {}"));
+        assert!(composed(&files, &[]).starts_with("E070 main.wesl:1:16 no module is found for `lib::c::y`"));
+    }
+
+    #[test]
+    fn the_root_of_a_package_is_where_its_manifest_says() {
+        let files = [
+            ("app/shaders/deep/main.wesl", "import package::b::x; fn f() { x(); }"),
+            ("app/shaders/b.wesl", "fn x() {}"),
+            ("app/shaders/deep/b.wesl", "fn x(wrong: i32) {}"),
+            ("app/wesl.toml", "[package]\nroot = \"shaders\"\n"),
+        ];
+        assert!(composed(&files, &[]).ends_with("fn x() {}"));
+    }
+
+    #[test]
+    fn modules_that_say_their_names_are_found_in_the_project() {
+        let files = [
+            ("src/main.wgsl", "#import engine::view::view\nfn f() -> vec4f { return view; }\n"),
+            ("src/deep/v.wgsl", "// first\n#define_import_path engine::view\nvar<private> view: vec4f;\n"),
+            ("target/v.wgsl", "#define_import_path engine::other\n"),
+            ("Cargo.toml", ""),
+        ];
+        assert!(composed(&files, &[]).ends_with("var<private> view: vec4f;"));
+        let wrong =
+            [("src/main.wgsl", "#import engine::vieuw::view\nfn f() { view(); }\n"), files[1], files[2], files[3]];
+        let told = composed(&wrong, &[]);
+        assert!(told.contains("E070 src/main.wgsl:1:24") && told.contains("did you mean `engine::view`?"), "{told}");
+    }
+
+    #[test]
+    fn included_files_lie_beside_or_in_a_named_folder() {
+        let files = [
+            ("main.wgsl", "#include \"a.inc\"\n#import <b.wgsl>\n#import c\nfn f() { a(); b(); c(); }\n"),
+            ("a.inc", "fn a() {}\n"),
+            ("b.wgsl", "fn b() {}\n"),
+            ("lib/c.wgsl", "fn c() {}\n"),
+        ];
+        let text = composed(&files, &["lib"]);
+        assert!(["fn a()", "fn b()", "fn c()"].iter().all(|f| text.contains(f)), "{text}");
+        assert!(composed(&files, &[]).contains("E070 main.wgsl:3:9 no module is found for `c`"));
+    }
+
+    #[test]
+    fn a_file_that_is_no_text_is_not_called_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("b.wesl"), [0_u8, 159, 146, 150, 0, 1]).unwrap();
+        let file = SourceFile::new(at("a.wesl").display().to_string(), "import super::b::x; fn f() { x(); }");
+        let error = Modules::new(Vec::new()).compose(&file, &Options::default()).unwrap_err();
+        assert!(matches!(&error, ComposeError::Unreadable(path, _) if path.ends_with("b.wesl")), "{error}");
+    }
+
+    #[test]
+    fn files_outside_are_read_only_where_they_are_shaders() {
+        let files = [("a/main.wgsl", "#include \"../secret\"\nfn f() {}\n"), ("secret", "fn s() {}\n")];
+        assert!(composed(&files, &[]).starts_with("E070 a/main.wgsl:1:1 `../secret` is not found"));
+        let files = [("a/main.wgsl", "#include \"../b.wgsl\"\nfn f() {}\n"), ("b.wgsl", "fn s() {}\n")];
+        assert!(composed(&files, &[]).contains("fn s()"));
+    }
+}

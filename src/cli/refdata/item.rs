@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::generate::GenerateArgs;
 use crate::cli::check::select::{self, Selected};
+use crate::cli::compose::Given;
 use crate::cli::{fuzz, includes};
 use base::diagnostic::Lang;
 use base::text::Shown as _;
@@ -87,7 +88,7 @@ fn functions(
     err: &mut dyn Write,
 ) -> anyhow::Result<Vec<Item>> {
     let name = path.shown();
-    let source = includes::read(path, &args.include)?;
+    let source = includes::read(path, &Given { folders: &args.include, ..Given::default() })?;
     let before = known.len();
     let (errors, subjects) = fuzz::subjects((&args.function, &[]), &source, known)?;
     for error in &errors {

@@ -13,6 +13,7 @@ use super::error::LoadError;
 use super::expectations::FILE;
 use super::{Contents, Expect, Includes, Suite, parse};
 use disk::{elsewhere, fresh, read_source};
+use program::Written;
 
 /// Ending of a suite file.
 pub const ENDING: &str = ".suite.toml";
@@ -44,7 +45,9 @@ pub fn read_shader(path: &Path, includes: &mut Includes) -> Result<SourceFile, L
             |why| LoadError::Read { path: path.to_owned(), source: std::io::Error::new(ErrorKind::InvalidData, why) };
         return listing(&name, &bytes).map_err(unread);
     }
-    includes.resolve(&decode(&name, &bytes)?.file)
+    let file = decode(&name, &bytes)?.file;
+    // What a text in WGSL is composed of depends on values that are not chosen yet.
+    if Written::of(&file) == Written::Wgsl { Ok(file) } else { includes.resolve(&file) }
 }
 
 /// Reads a suite file and the shader that it names, which lies beside it.

@@ -23,7 +23,8 @@ impl Written {
     pub fn of_path(name: &str) -> Self {
         let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
         match ending.to_ascii_lowercase().as_str() {
-            "wgsl" => Self::Wgsl,
+            // WESL is WGSL with imports, which are done before it is read.
+            "wgsl" | "wesl" => Self::Wgsl,
             "spv" => Self::SpirV,
             "spvasm" => Self::SpirVAssembly,
             _ => Self::Glsl,

@@ -9,7 +9,8 @@ use crate::suite::record::{self, Interface};
 use crate::suite::{Expect, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
-use disk::Problem;
+use compose::Options;
+use disk::{ComposeError, Modules, Problem};
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
 use lanes::Stage as LaneStage;
 use program::lower::Target;
@@ -212,12 +213,33 @@ pub fn prepare_with(
 /// What a suite runs of a text: its stage, or a function.
 fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
     if Written::of(shader) != Written::Glsl {
-        return of_module(shader, suite.stage, function, &suite.chosen);
+        let (shader, values) = composed(suite, shader)?;
+        return of_module(&shader, suite.stage, function, &values);
     }
     let stage = stage_of(suite, shader, function);
     let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
     let texts: Vec<SourceFile> = std::iter::once(shader).chain(&suite.linked_texts).cloned().collect();
     Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
+}
+
+/// A text in WGSL with what it imports, and the values that are left for its `override` constants.
+fn composed(suite: &Suite, shader: &SourceFile) -> Result<(SourceFile, Vec<(String, String)>), ProgramError> {
+    let mut modules = Modules::new(suite.includes.folders.clone());
+    let options = Options { defines: suite.chosen.clone(), ..Options::default() };
+    let composed = modules.compose(shader, &options).map_err(|error| match error {
+        ComposeError::Wrong(found) => ProgramError::Source(found),
+        error @ ComposeError::Unreadable(..) => ProgramError::Unsupported { what: error.to_string() },
+    })?;
+    if let (Some(fragment), Err(_)) = (composed.fragment(), ModuleText::read(&composed.file, Written::Wgsl)) {
+        return Err(ProgramError::Source(vec![fragment]));
+    }
+    let mut values = suite.chosen.clone();
+    if values.iter().any(|(name, _)| composed.stated.contains(name)) {
+        let constants = ModuleText::read(&composed.file, Written::Wgsl)?.overrides();
+        let is_constant = |name: &str| constants.iter().any(|(constant, _)| constant == name);
+        values.retain(|(name, _)| is_constant(name) || !composed.stated.contains(name));
+    }
+    Ok((composed.file, values))
 }
 
 /// The program of a text that is read as a module: one of its functions, or an entry point.
