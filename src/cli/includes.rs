@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::compose::{Given, Joined};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
-use engine::suite::Includes;
+use engine::suite::{Includes, read_module};
 use program::{ModuleText, ProgramError, Written};
 use syntax::{Parsed, Shader, Stage};
 

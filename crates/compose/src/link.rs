@@ -347,9 +347,15 @@ impl Linker<'_> {
             let found = self.find(at, &import.path);
             let module = &self.linked.modules[at];
             let twice = names.insert(import.name.clone(), import.path.clone()).is_some_and(|path| path != import.path);
-            let declared = module.names.contains_key(&import.name);
+            // A module is named in front of `::`, where no declaration stands.
+            let named = |used: &Use| match found {
+                Found::Module(_) => used.names[0] == import.name && used.names.len() > 1,
+                _ => used.names[..] == [import.name.clone()],
+            };
+            let used = module.declarations.iter().flat_map(|d| &d.uses).any(named);
             let there = matches!(found, Found::Item(_) | Found::Module(_));
-            if there && (twice || declared) {
+            let declared = matches!(found, Found::Item(_)) && module.names.contains_key(&import.name);
+            if there && used && (twice || declared) {
                 let what = if declared { "imported and declared here" } else { "imported twice" };
                 let message = format!("`{}` is {what}", import.name);
                 let help = format!("give it another name: `as other_{}`", import.name);
@@ -366,8 +372,8 @@ impl Linker<'_> {
                 }
                 // What nobody uses is not missed.
                 missing => {
-                    let used = &self.linked.modules[at].declarations;
-                    let used = used.iter().flat_map(|d| &d.uses).any(|used| used.names[0] == import.name);
+                    let uses = self.linked.modules[at].declarations.iter().flat_map(|d| &d.uses);
+                    let used = uses.into_iter().any(|used| used.names[0] == import.name);
                     match missing {
                         Found::NoItem(inside, name) if self.is_left_out(inside, &name) => {}
                         missing if used => self.missing(at, &import.path, missing, &file, import.span),

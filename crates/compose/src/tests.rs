@@ -331,7 +331,7 @@ fn wrong_statements_are_told_with_their_places() {
 #[test]
 fn a_name_that_comes_twice_is_told() {
     let files: Files = &[
-        ("app/main.wesl", "import super::a::f;\nimport super::b::f;\nimport super::a::g;\nfn g() {}"),
+        ("app/main.wesl", "import super::a::f;\nimport super::b::f;\nimport super::a::g;\nfn g() { f(); g(); }"),
         ("app/a.wesl", "fn f() {} fn g() {}"),
         ("app/b.wesl", "fn f() {}"),
     ];
