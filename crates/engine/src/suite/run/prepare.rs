@@ -234,10 +234,13 @@ fn composed(suite: &Suite, shader: &SourceFile) -> Result<(SourceFile, Vec<(Stri
         return Err(ProgramError::Source(vec![fragment]));
     }
     let mut values = suite.chosen.clone();
-    if values.iter().any(|(name, _)| composed.stated.contains(name)) {
+    // A value that nobody takes is a mistake in the shader of the suite, and none in its reference.
+    let own = shader.name().replace('\\', "/").ends_with(suite.shader.trim_start_matches("./"));
+    let meant = |name: &String| !own || composed.stated.contains(name);
+    if values.iter().any(|(name, _)| meant(name)) {
         let constants = ModuleText::read(&composed.file, Written::Wgsl)?.overrides();
         let is_constant = |name: &str| constants.iter().any(|(constant, _)| constant == name);
-        values.retain(|(name, _)| is_constant(name) || !composed.stated.contains(name));
+        values.retain(|(name, _)| is_constant(name) || !meant(name));
     }
     Ok((composed.file, values))
 }
