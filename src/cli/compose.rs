@@ -47,7 +47,8 @@ impl Joined {
     /// # Errors
     /// When a file that is there cannot be read.
     pub fn of(file: &SourceFile, given: &Given<'_>) -> anyhow::Result<Option<Self>> {
-        if Written::of(file) != Written::Wgsl {
+        // A text in another language than its ending says is told as such by its reader.
+        if Written::of(file) != Written::Wgsl || Written::guessed(file.text()) == Some(Written::Glsl) {
             return Ok(None);
         }
         let wgsl = given.wgsl.cloned().unwrap_or_default();

@@ -6,7 +6,7 @@ use super::compose::{Given, Joined};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
 use engine::suite::{Includes, read_module};
-use program::{ModuleText, ProgramError, Written};
+use program::{ModuleText, ProgramError};
 use syntax::{Parsed, Shader, Stage};
 
 /// A file that is run.
@@ -35,18 +35,25 @@ pub struct IncludedText {
 /// # Errors
 /// When the file, or one that it includes and that is there, cannot be read.
 pub fn read(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
-    let file = crate::cli::translate::read(path)?;
+    with_includes(&crate::cli::translate::read(path)?, path, given)
+}
+
+/// A text with what it includes, as [`read`].
+///
+/// # Errors
+/// When a file that it includes, and that is there, cannot be read.
+pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
     let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
-    let joined = Joined::of(&file, given)?;
+    let joined = Joined::of(file, given)?;
     let whole = match &joined {
-        Some(joined) => joined.file(&file),
-        None => includes.resolve(&file)?,
+        Some(joined) => joined.file(file),
+        None => includes.resolve(file)?,
     };
     Ok(IncludedText {
         name: file.name().to_owned(),
         given: file.name().to_owned(),
         path: path.to_owned(),
-        stage: lint::stage_of(&file).unwrap_or(Stage::Library),
+        stage: lint::stage_of(file).unwrap_or(Stage::Library),
         printed: false,
         file: whole,
         includes,

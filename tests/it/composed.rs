@@ -47,7 +47,7 @@ fn errors_stand_in_the_file_of_their_author() {
     let wrong = ("light.wesl", "// first\nfn shade(x: f32) -> f32 {\n  return x + vec2(1.0);\n}\n");
     let (status, _, err) = run(&[main, wrong], &["translate", "--to", "wgsl", "--entry", "f"]);
     assert_eq!(status, Some(1));
-    assert!(err.contains("light.wesl:3:") && !err.contains("main.wesl:3"), "{err}");
+    assert!(err.contains("light.wesl:2:") && !err.contains("main.wesl"), "{err}");
     let gone = ("main.wesl", "import super::light::shad;\nfn f(x: f32) -> f32 { return shad(x); }\n");
     let (status, _, err) = run(&[gone, light], &["translate", "--to", "wgsl", "--entry", "f"]);
     assert_eq!(status, Some(1));
@@ -81,7 +81,7 @@ fn functions_of_modules_of_naga_oil_are_run() {
     let args = ["fuzz", "--function", "f", "--lane", "embedded", "--samples", "64", "-D", "TWICE=true"];
     let (status, out, err) = run(&[main, half], &args);
     assert_eq!(status, Some(0), "{out}{err}");
-    assert!(out.contains("f(float)") || out.contains("f("), "{out}");
+    assert!(out.starts_with("ok    f ") && out.contains("48 agreed"), "{out}");
 }
 
 #[test]

@@ -50,6 +50,7 @@ fn said(name: &str) -> (ExitStatus, String) {
         prelude: None,
         lenient: false,
         output: None,
+        compose: Default::default(),
     };
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let status = run(&args, &mut out, &mut err).unwrap();

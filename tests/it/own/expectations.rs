@@ -225,7 +225,10 @@ fn a_function_in_wgsl_says_what_is_right() {
     for (model, said) in [
         ("fn g(x: f32) -> f32 { return x; }\n", "there is no function `f`; there are: g"),
         ("fn f(x: f32) -> f32 { return y; }\n", "model.wgsl:1:30"),
-        ("@group(0) @binding(0) var<uniform> u: f32;\nfn f(x: f32) -> f32 { return x * u; }\n", "`u`, a resource"),
+        (
+            "@group(0) @binding(0) var<uniform> u: f32;\nfn f(x: f32) -> f32 { return x * u; }\n",
+            "needs an input `u` of type `float`",
+        ),
     ] {
         let ran = check(&[("f.glsl", shader), ("model.wgsl", model), ("f.suite.toml", &text)], &[]);
         let all = format!("{}{}", ran.out, ran.err);

@@ -72,8 +72,16 @@ fn broken(schema: &Value, value: &Value, at: &str) -> Vec<String> {
             "not" => !broken(&schema[key], value, at).is_empty(),
             "if" => {
                 let branch = if broken(&schema[key], value, at).is_empty() { "then" } else { "else" };
-                all.extend(broken(&schema[branch], value, at));
+                all.extend(schema.get(branch).map_or_else(Vec::new, |inner| broken(inner, value, at)));
                 true
+            }
+            // Of patterns, the endings of names alone.
+            "pattern" => {
+                let pattern = schema[key].as_str().unwrap();
+                let endings = pattern.strip_prefix("\\.(").and_then(|rest| rest.strip_suffix(")$"));
+                let endings = endings.unwrap_or_else(|| panic!("the pattern `{pattern}` is not known here"));
+                let ends = |text: &str| endings.split('|').any(|ending| text.ends_with(&format!(".{ending}")));
+                value.as_str().is_none_or(ends)
             }
             "then" | "else" => true,
             other => panic!("the keyword `{other}` is not known here"),

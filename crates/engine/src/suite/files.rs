@@ -13,7 +13,6 @@ use super::error::LoadError;
 use super::expectations::FILE;
 use super::{Contents, Expect, Includes, Suite, parse};
 use disk::{elsewhere, fresh, read_source};
-use program::Written;
 
 /// Ending of a suite file.
 pub const ENDING: &str = ".suite.toml";

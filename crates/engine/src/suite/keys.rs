@@ -370,7 +370,7 @@ fn object(section: &Section) -> Map<String, Value> {
         let both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
         let function = json!({ "properties": { "stage": { "const": "function" } } });
         // A text in GLSL has one entry point, `main`.
-        let endings = "\\.(wgsl|spv|spvasm)$";
+        let endings = "\\.(wgsl|wesl|spv|spvasm)$";
         let main = json!({ "properties": {
             "stage": { "not": { "const": "function" } }, "shader": { "not": { "pattern": endings } },
         } });

@@ -53,8 +53,9 @@ pub fn run(mut command: Command, input: &[u8], limit: Duration) -> Result<Output
         })
     })?;
     match status.code() {
-        // A shell says so of a program that it ran.
-        Some(code) if code < 128 => Ok(Output { code, out, err }),
+        // A shell says so of a program that it ran: 128 and the number of a signal, of which there are 64. Programs that
+        // return negative numbers have larger ones.
+        Some(code) if !(129..=192).contains(&code) => Ok(Output { code, out, err }),
         Some(code) => Err(Loss::new(format!("ended with status {code}, as a shell does after signal {}", code - 128))),
         None => Err(Loss::new(ended(status))),
     }

@@ -316,7 +316,6 @@ fn built(module: &Module, ty: Handle<Type>, name: &str, parts: &[(&str, String)]
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::{Chosen, ModuleText, Written};
     use base::text::SourceFile;
 

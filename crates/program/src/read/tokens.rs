@@ -36,7 +36,8 @@ fn comment(rest: &str) -> Option<usize> {
     }
     let (mut depth, mut at) = (0_u32, 0);
     loop {
-        let next = rest[at..].find(['/', '*'])? + at;
+        let Some(next) = rest[at..].find(['/', '*']) else { return Some(rest.len()) };
+        let next = next + at;
         (depth, at) = match rest.as_bytes().get(next..next + 2) {
             Some(b"/*") => (depth + 1, next + 2),
             Some(b"*/") => (depth - 1, next + 2),

@@ -14,6 +14,9 @@ use base::text::{SourceFile, Span};
 /// a part of the stack for each.
 const DEPTH: usize = 127;
 
+/// How many `else if` may follow each other: the reader takes a part of the stack for each of these as well.
+const CHAIN: usize = 500;
+
 /// Reads and validates a text.
 pub(super) fn read(file: &SourceFile) -> Result<Module, ProgramError> {
     let text = file.text();
@@ -21,6 +24,10 @@ pub(super) fn read(file: &SourceFile) -> Result<Module, ProgramError> {
     if let Some(span) = too_deep(text, &all) {
         let message = format!("brackets stand more than {DEPTH} deep in each other");
         return Err(wrong(file, span, message, "take the expression apart with `let`"));
+    }
+    if let Some(span) = long_chain(text, &all) {
+        let message = format!("more than {CHAIN} `else if` follow each other");
+        return Err(wrong(file, span, message, "use `switch`, or functions that return early"));
     }
     if all.is_empty() {
         return Err(wrong(file, Span::at(0), "the text has no declaration".to_owned(), "write a function"));
@@ -49,6 +56,34 @@ fn too_deep(text: &str, tokens: &[Token]) -> Option<Span> {
             _ => {}
         }
         (depth > DEPTH).then_some(token.span)
+    })
+}
+
+/// The first `else` of a chain that is too long.
+fn long_chain(text: &str, tokens: &[Token]) -> Option<Span> {
+    // For each bracket that is open, the length of the chain in it.
+    let mut chains = vec![0_usize];
+    let word = |k: usize| tokens.get(k).map_or("", |token| &text[token.span.range()]);
+    (0..tokens.len()).find_map(|k| {
+        match word(k) {
+            "(" | "[" | "{" => chains.push(0),
+            ")" | "]" => {
+                chains.pop();
+            }
+            "}" => {
+                chains.pop();
+                if let Some(chain) = chains.last_mut().filter(|_| word(k + 1) != "else") {
+                    *chain = 0;
+                }
+            }
+            "else" if word(k + 1) == "if" => {
+                let chain = chains.last_mut()?;
+                *chain += 1;
+                return (*chain > CHAIN).then_some(tokens[k].span);
+            }
+            _ => {}
+        }
+        None
     })
 }
 

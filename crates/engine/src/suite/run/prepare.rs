@@ -14,7 +14,7 @@ use disk::{ComposeError, Modules, Problem};
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
 use lanes::Stage as LaneStage;
 use program::lower::Target;
-use program::{Chosen, Kernel, Program, ProgramError, Written};
+use program::{Chosen, Kernel, ModuleText, Program, ProgramError, Written};
 use property::law::LawError;
 use property::{Own, Plan, PlanError, Relation, Sample};
 
