@@ -8,8 +8,9 @@ pub mod calibrate;
 #[cfg(feature = "run")]
 pub mod check;
 #[cfg(feature = "run")]
-mod compose;
+pub mod compare;
 #[cfg(feature = "run")]
+mod compose;
 mod document;
 pub mod explain;
 #[cfg(feature = "run")]
@@ -152,6 +153,9 @@ pub enum Command {
     /// Run every function of a shader file on generated inputs, without a suite
     #[cfg(feature = "run")]
     Fuzz(fuzz::FuzzArgs),
+    /// Hold a function of one text against that of another, in whatever languages they are
+    #[cfg(feature = "run")]
+    Compare(compare::CompareArgs),
     /// Write first suites for a folder of shaders
     #[cfg(feature = "run")]
     Init(init::InitArgs),
@@ -187,13 +191,16 @@ impl Command {
     /// True when the command opens devices.
     #[cfg(feature = "run")]
     pub fn opens_devices(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_))
+        matches!(
+            self,
+            Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Lanes(_) | Self::Calibrate(_) | Self::Mutate(_)
+        )
     }
 
     /// True when the command reports what it found so far when a signal asks it to end.
     #[cfg(all(unix, feature = "run"))]
     fn ends_early(&self) -> bool {
-        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Mutate(_))
+        matches!(self, Self::Check(_) | Self::Fuzz(_) | Self::Compare(_) | Self::Mutate(_))
     }
 }
 
@@ -218,6 +225,8 @@ pub fn run(cli: &Cli) -> ExitStatus {
         Command::Check(args) => check::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Fuzz(args) => fuzz::run(args, &mut out, &mut err, color),
+        #[cfg(feature = "run")]
+        Command::Compare(args) => compare::run(args, &mut out, &mut err, color),
         #[cfg(feature = "run")]
         Command::Init(args) => init::run(args, &mut out, &mut err),
         Command::Lint(args) => lint::run(args, &mut out, &mut err, color),

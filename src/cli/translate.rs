@@ -182,14 +182,18 @@ pub(super) fn read(path: &Path) -> anyhow::Result<SourceFile> {
     if path.is_dir() {
         anyhow::bail!("`{name}` is a folder; name a file in it");
     }
-    let bytes = read_source(path).with_context(|| format!("cannot read `{name}`"))?;
+    decoded(&name, &read_source(path).with_context(|| format!("cannot read `{name}`"))?)
+}
+
+/// A text from its bytes.
+pub(super) fn decoded(name: &str, bytes: &[u8]) -> anyhow::Result<SourceFile> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         anyhow::bail!("`{name}` is empty");
     }
-    if Written::of_path(&name) == Written::SpirV {
-        return listing(&name, &bytes).map_err(|why| anyhow::anyhow!(why));
+    if Written::of_path(name) == Written::SpirV {
+        return listing(name, bytes).map_err(|why| anyhow::anyhow!(why));
     }
-    Ok(decode_western(&name, &bytes)?.file)
+    Ok(decode_western(name, bytes)?.file)
 }
 
 fn write_file(path: &Path, translation: Translation) -> anyhow::Result<()> {

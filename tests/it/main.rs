@@ -10,6 +10,7 @@ mod cache;
 mod calibrate;
 mod check_cli;
 mod ci;
+mod compare;
 mod comparisons;
 mod composed;
 mod constructs;

@@ -4,6 +4,7 @@
 pub mod adversary;
 pub mod calibrate;
 pub mod catalogue;
+pub mod compare;
 pub mod fuzz;
 pub mod guess;
 pub mod mutate;

@@ -3,6 +3,8 @@
 mod actions;
 #[cfg(feature = "run")]
 pub mod check;
+#[cfg(feature = "run")]
+pub mod compare;
 pub mod diagnostics;
 #[cfg(feature = "run")]
 pub mod fuzz;

@@ -23,11 +23,12 @@ mod slice;
 mod subject;
 mod wrapper;
 
-pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Stated};
+pub use domain::{Domain, InputDomain, Interval, Law, MODERATE, Shrinking, Stated, Within};
 pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneReport, Part, Severity};
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use modules::subjects_of_module;
 pub use run::{Request, run, stream_key};
-pub use scan::{LIMIT, Trouble};
+pub use scan::{LIMIT, ROUNDS, Trouble};
+pub use shrinking::inputs;
 pub use subject::{BadHint, Ready, Subject, subjects};

@@ -26,6 +26,7 @@ mod survey;
 mod tightness;
 mod translation;
 mod undefined;
+mod unlike;
 mod used;
 
 pub use batch::{BatchVerdict, Doubts, Failure, judge_at, judge_batch, judge_each};
@@ -44,4 +45,5 @@ pub use survey::{Survey, survey};
 pub use tightness::{Tightness, VariableTightness, Worst};
 pub use translation::{CompareError, Comparison, Difference, TranslationDeviation, Translations, Unread};
 pub use undefined::dependences;
+pub use unlike::unlike;
 pub use used::{Used, used};

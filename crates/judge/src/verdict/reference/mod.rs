@@ -135,6 +135,20 @@ impl Reference {
         Self::of(ReferenceKind::Nothing, &[], program)
     }
 
+    /// Of another program: the invocations of a batch as it gets them, each with a case of its own.
+    pub fn fed(&self, batch: &Batch, invocations: &[usize]) -> Option<Batch> {
+        match &self.source {
+            ReferenceKind::Model(model) => Some(model.batch(batch, invocations)),
+            _ => None,
+        }
+    }
+
+    /// Of another program: for each judged variable, its words among the outputs of the program and among those of the other.
+    pub fn pairs(&self) -> Vec<(Range<usize>, Range<usize>)> {
+        let ReferenceKind::Model(model) = &self.source else { return Vec::new() };
+        self.outputs.iter().zip(&model.outputs).map(|(own, other)| (own.actual.clone(), other.clone())).collect()
+    }
+
     /// A reference that judges the outputs with these indices.
     fn of(source: ReferenceKind, judged: &[usize], program: &Program) -> Self {
         let record = program.output_layout().vertex;

@@ -1,0 +1,174 @@
+//! Whether two functions mean the same in real numbers.
+
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
+use super::accuracy::beyond;
+use super::{Compared, Pair, shown};
+use crate::fuzz::{Domain, InputValue, Shrinking, Within};
+use base::value::Batch;
+use judge::profile::{Profile, Promises};
+use judge::verdict::{JudgeContext, Reason, Verdict, What, unlike};
+use lanes::{Api, Stage};
+use property::Sample;
+use property::shrink;
+
+/// Samples that are shrunk.
+const SHRUNK: usize = 8;
+
+/// A sample that means something else in the two.
+#[derive(Clone, Debug)]
+pub struct Unlike {
+    /// The inputs of the first.
+    pub inputs: Vec<InputValue>,
+    /// The output that differs.
+    pub output: String,
+    /// Its values in real numbers; `None` where it is not a number of a word, such as a number of vertices.
+    pub values: Option<[f64; 2]>,
+    /// What differs, in words.
+    pub message: String,
+    /// True for inputs that are taken for what their names and uses say.
+    pub realistic: bool,
+    /// The command that shows it.
+    pub reproduce: String,
+}
+
+/// What is seen of samples.
+#[derive(Default)]
+pub(super) struct Meanings {
+    samples: u64,
+    reasons: BTreeMap<Reason, u64>,
+    count: u64,
+    /// Of these, those that devices cannot hide.
+    beyond: u64,
+    /// Differing samples, realistic ones first.
+    kept: Vec<(bool, Sample)>,
+}
+
+/// How the two stand in a sample.
+enum Standing {
+    Unlike(String, Option<[f64; 2]>, String),
+    Open(Reason),
+}
+
+impl Pair<'_> {
+    /// Samples that are not surely equal, each with what is known.
+    fn standing(&self, batch: &Batch, fed: &Batch) -> BTreeMap<usize, Standing> {
+        let promises = Promises::of_api(Api::Vulkan);
+        let [first, second] = &self.oracles;
+        let context =
+            |oracle, reference| JudgeContext { oracle, reference, promises: &promises, stage: Stage::Compute };
+        let mut all = BTreeMap::new();
+        for (k, verdict) in unlike(&context(first, &self.reference), &self.sides[0].kernel.output, batch) {
+            all.insert(k, standing(verdict, false));
+        }
+        // Where the second has no value, only the first can tell whether it has one.
+        if let Some(reverse) = &self.reverse {
+            for (k, verdict) in unlike(&context(second, reverse), &self.sides[1].kernel.output, fed) {
+                if !matches!(all.get(&k), Some(Standing::Unlike(..))) {
+                    all.insert(k, standing(verdict, true));
+                }
+            }
+        }
+        all
+    }
+}
+
+/// What a verdict says of the two; `turned` when the second was held against the first.
+fn standing(verdict: Verdict, turned: bool) -> Standing {
+    match verdict {
+        Verdict::Undetermined(doubt) => Standing::Open(doubt.reason),
+        Verdict::Agree(_) => Standing::Open(Reason::Branch),
+        Verdict::Deviate(deviation) => match &deviation.what {
+            What::Value(value) => {
+                let values = [value.meaning, value.expected.unwrap_or(f64::NAN)];
+                let values = if turned { [values[1], values[0]] } else { values };
+                let message =
+                    format!("`{}` is {:?} in the first and {:?} in the second", value.component, values[0], values[1]);
+                Standing::Unlike(value.component.clone(), Some(values), message)
+            }
+            What::NotWritten { component, .. } => {
+                let which = if turned { "second" } else { "first" };
+                Standing::Unlike(component.clone(), None, format!("`{component}` is not written in the {which}"))
+            }
+            What::Endless => {
+                let which = if turned { "second" } else { "first" };
+                Standing::Unlike("loop".to_owned(), None, format!("a loop of the {which} does not end"))
+            }
+            What::VertexCount { .. } | What::Strip { .. } | What::TooManyVertices { .. } => {
+                Standing::Unlike("vertices".to_owned(), None, deviation.to_string())
+            }
+        },
+    }
+}
+
+impl Meanings {
+    /// Looks at a batch; gives for each sample whether it differs.
+    pub(super) fn see(
+        &mut self,
+        (pair, profile): (&Pair<'_>, &Profile),
+        batch: &Batch,
+        fed: &Batch,
+        realistic: bool,
+    ) -> Vec<bool> {
+        let count = batch.invocation_count();
+        self.samples += count as u64;
+        let mut differing = vec![false; count];
+        for (k, standing) in pair.standing(batch, fed) {
+            match standing {
+                Standing::Open(reason) => *self.reasons.entry(reason).or_default() += 1,
+                Standing::Unlike(..) => {
+                    differing[k] = true;
+                    self.count += 1;
+                    if self.kept.len() < SHRUNK {
+                        self.kept.push((realistic, Sample::of(batch, k)));
+                    }
+                }
+            }
+        }
+        let samples: Vec<Sample> = (0..count).filter(|&k| differing[k]).map(|k| Sample::of(batch, k)).collect();
+        self.beyond += beyond(pair, profile, &samples);
+        differing
+    }
+
+    /// Shrinks what differs, and writes what was found.
+    pub(super) fn finish(
+        self,
+        pair: &Pair<'_>,
+        domain: &Domain,
+        reproduce: &dyn Fn(&Sample) -> String,
+        compared: &mut Compared,
+    ) {
+        let open: u64 = self.reasons.values().sum();
+        compared.equal = self.samples - open - self.count;
+        compared.undetermined = self.reasons.into_iter().collect();
+        compared.unlike = (self.count, self.beyond);
+        let realistic = self.kept.iter().any(|(realistic, _)| *realistic);
+        let first: Vec<Sample> =
+            self.kept.into_iter().filter(|(of, _)| *of == realistic).map(|(_, sample)| sample).collect();
+        if first.is_empty() {
+            return;
+        }
+        let mut differs = |samples: &[Sample]| -> Result<Vec<bool>, Infallible> {
+            let batch = Sample::batch(samples);
+            let found = pair.standing(&batch, &pair.fed(&batch));
+            Ok((0..samples.len()).map(|k| matches!(found.get(&k), Some(Standing::Unlike(..)))).collect())
+        };
+        let within = match realistic && !domain.is_stated() {
+            true => Within::Realistic(&pair.sides[0].realistic),
+            false => Within::Laws,
+        };
+        let shrunk = match shrink::shrink(first, &Shrinking { domain, within }, &mut differs) {
+            Ok(shrunk) => shrunk,
+            Err(never) => match never {},
+        };
+        let plain = |sample: &Sample| shrink::Domain::simplest(&Shrinking { domain, within }, sample);
+        let simpler = |a: &Sample, b: &Sample| shrink::complexity(a, &plain(a)).cmp(&shrink::complexity(b, &plain(b)));
+        let Some(sample) = shrunk.into_iter().map(|one| one.sample).min_by(simpler) else { return };
+        let batch = Sample::batch(std::slice::from_ref(&sample));
+        let found = pair.standing(&batch, &pair.fed(&batch)).remove(&0);
+        let Some(Standing::Unlike(output, values, message)) = found else { return };
+        let (inputs, reproduce) = (shown(&sample), reproduce(&sample));
+        compared.smallest = Some(Unlike { inputs, output, values, message, realistic, reproduce });
+    }
+}

@@ -1,0 +1,221 @@
+//! Two functions of one signature beside each other, in whatever languages they are written.
+//!
+//! ```text
+//! samples ─┬─ meaning of the first ─────┬─ equal in real numbers, or the smallest input and both values
+//!          ├─ meaning of the second ────┘
+//!          ├─ bounds of both by a profile ── which one a device computes more accurately, and where
+//!          └─ lanes run both ─────────────── bits that are alike, and the largest distance
+//! ```
+
+mod accuracy;
+mod meaning;
+mod on_lanes;
+mod resolution;
+
+use crate::fuzz::{Domain, InputValue, Ready, Subject, batch, stream_key};
+use base::value::Batch;
+use judge::profile::Profile;
+use judge::verdict::{Oracle, Reason, Reference};
+use lanes::{Lane, interrupt};
+use property::{Sample, regressions};
+
+pub use accuracy::{Accuracy, Worst};
+pub use meaning::Unlike;
+pub use on_lanes::OnLane;
+pub use resolution::Resolution;
+
+/// Samples of one batch.
+const BATCH: usize = 1 << 14;
+
+/// One sample of so many is of any size, whatever the inputs are taken for.
+const HOSTILE: u64 = 4;
+
+/// What a comparison is asked for.
+#[derive(Clone, Debug)]
+pub struct Request<'p> {
+    /// Samples of each pair of functions.
+    pub samples: u64,
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// Inputs that are compared alone, as `name=words` parts.
+    pub case: Option<String>,
+    /// What bounds are derived from: at least one.
+    pub profiles: Vec<&'p Profile>,
+    /// The command line up to the function, for reproduction.
+    pub command: String,
+}
+
+/// What came of a pair of functions.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// Names of the two.
+    pub functions: [String; 2],
+    /// Where they stand.
+    pub at: [String; 2],
+    /// Why they are not compared.
+    pub not_compared: Option<String>,
+    /// Outputs that one of the two has alone.
+    pub alone: Vec<String>,
+    /// Samples that were compared.
+    pub samples: u64,
+    /// Samples that mean the same in both.
+    pub equal: u64,
+    /// Samples about which nothing can be said, by reason.
+    pub undetermined: Vec<(Reason, u64)>,
+    /// Samples that mean something else; the first number is of all of them, the second of those whose difference is larger
+    /// than a device of the first profile may be off in either.
+    pub unlike: (u64, u64),
+    /// The smallest input of these.
+    pub smallest: Option<Unlike>,
+    /// Bounds of the two, by profile.
+    pub accuracy: Vec<Accuracy>,
+    /// For functions of one number: how finely neighbouring inputs are told apart.
+    pub resolution: Option<[Resolution; 2]>,
+    /// Outputs of lanes.
+    pub lanes: Vec<OnLane>,
+}
+
+/// Two programs, bound to each other.
+struct Pair<'a> {
+    sides: [&'a Ready; 2],
+    oracles: [Oracle; 2],
+    /// What the second means, expected of the first.
+    reference: Reference,
+    /// The same the other way round, where the second has no input of its own.
+    reverse: Option<Reference>,
+}
+
+/// Compares two functions on inputs of the first.
+///
+/// # Errors
+/// What is wrong with the case that was asked for.
+pub fn run(
+    subjects: [&Subject; 2],
+    domain: &Domain,
+    lanes: &[&dyn Lane],
+    request: &Request<'_>,
+) -> Result<Compared, String> {
+    let mut compared = Compared {
+        functions: subjects.map(|subject| subject.label.clone()),
+        at: subjects.map(|subject| subject.at.clone()),
+        not_compared: None,
+        alone: Vec::new(),
+        samples: 0,
+        equal: 0,
+        undetermined: Vec::new(),
+        unlike: (0, 0),
+        smallest: None,
+        accuracy: Vec::new(),
+        resolution: None,
+        lanes: Vec::new(),
+    };
+    let pair = match bind(subjects) {
+        Ok(pair) => pair,
+        Err(why) => {
+            compared.not_compared = Some(why);
+            return Ok(compared);
+        }
+    };
+    compared.alone = alone(&pair);
+    let ready = pair.sides[0];
+    let case = request.case.as_ref().map(|text| given(ready, text)).transpose()?;
+    let constant = ready.kernel.invocation.words() + ready.kernel.case.words() == 0;
+    let samples = if case.is_some() || constant { 1 } else { request.samples };
+    let hostile = if case.is_some() || constant || domain.is_stated() { 0 } else { samples / HOSTILE };
+    let key = stream_key(request.seed, &subjects[0].label);
+    let mut meaning = meaning::Meanings::default();
+    let mut accuracy: Vec<_> = request.profiles.iter().map(|profile| accuracy::Gauge::new(&pair, profile)).collect();
+    let mut on: Vec<_> =
+        lanes.iter().map(|lane| on_lanes::Both::new(*lane, &pair, BATCH.min(samples as usize))).collect();
+    for (realistic, count) in [(true, samples - hostile), (false, hostile)] {
+        let mut first = 0;
+        while first < count && !interrupt::asked() {
+            let some = (count - first).min(BATCH as u64) as usize;
+            let batch = match &case {
+                Some(sample) => Sample::batch(std::slice::from_ref(sample)),
+                None => inputs(ready, domain, key, (first, some), realistic && !domain.is_stated()),
+            };
+            let fed = pair.fed(&batch);
+            let differing = meaning.see((&pair, request.profiles[0]), &batch, &fed, realistic);
+            // Of inputs that may never come, extremes say little.
+            if realistic {
+                accuracy.iter_mut().for_each(|gauge| gauge.see(&batch, &fed));
+                on.iter_mut().for_each(|both| both.see(&batch, &fed, &differing));
+            }
+            first += some as u64;
+            compared.samples += some as u64;
+        }
+    }
+    let names = compared.functions.clone();
+    let reproduce = |sample: &Sample| {
+        let function = if names[0] == names[1] { names[0].clone() } else { format!("{}={}", names[0], names[1]) };
+        let function = if function.contains(['(', ' ']) { format!("'{function}'") } else { function };
+        let inputs = regressions::inputs_text(sample);
+        format!("{} --function {function} --seed {} --case '{inputs}'", request.command, request.seed)
+    };
+    meaning.finish(&pair, domain, &reproduce, &mut compared);
+    compared.accuracy = accuracy.into_iter().map(accuracy::Gauge::finish).collect();
+    compared.resolution = if case.is_none() { resolution::of(&pair, domain, key) } else { None };
+    compared.lanes = on.into_iter().map(on_lanes::Both::finish).collect();
+    Ok(compared)
+}
+
+/// Samples of the first function; as a program would give them, or of any size.
+fn inputs(ready: &Ready, domain: &Domain, key: u64, (first, count): (u64, usize), realistic: bool) -> Batch {
+    let records = (&ready.kernel.invocation, &ready.kernel.case);
+    if realistic {
+        ready.realistic.batch(records, domain, key, first, count)
+    } else {
+        batch(records.0, records.1, domain, key, first, count)
+    }
+}
+
+fn bind(subjects: [&Subject; 2]) -> Result<Pair<'_>, String> {
+    let ready = |subject: &'_ Subject| match &subject.ready {
+        Ok(_) => Ok(()),
+        Err(why) => Err(format!("{} cannot be run: {why}", subject.at)),
+    };
+    subjects.into_iter().try_for_each(ready)?;
+    let [Ok(a), Ok(b)] = subjects.map(|subject| subject.ready.as_ref()) else { return Err("cannot be run".to_owned()) };
+    let by = |of: &Subject| format!("`{}` at {}", of.label, of.at);
+    let bound =
+        |one: &Ready, other: &Ready, of: &Subject| Reference::model(&other.program, &by(of), None, &one.program);
+    let reference = bound(a, b, subjects[1]).map_err(|error| error.to_string())?;
+    let reverse = bound(b, a, subjects[0]).ok();
+    let oracle = |ready: &Ready| Oracle::new(&ready.program).map_err(|error| error.locate(&ready.program));
+    Ok(Pair { sides: [a, b], oracles: [oracle(a)?, oracle(b)?], reference, reverse })
+}
+
+/// Outputs that only one of the two has.
+fn alone(pair: &Pair<'_>) -> Vec<String> {
+    let pairs = pair.reference.pairs();
+    let of = |side: usize, used: &dyn Fn(usize) -> bool| -> Vec<String> {
+        let record = &pair.sides[side].kernel.output.vertex;
+        let fields = record.fields().iter().enumerate();
+        let rest = fields.filter(|(k, _)| !used(record.range(*k).start));
+        rest.map(|(_, field)| format!("`{}`", field.name)).collect()
+    };
+    let first = of(0, &|word| pairs.iter().any(|(own, _)| own.start == word));
+    [first, of(1, &|word| pairs.iter().any(|(_, other)| other.start == word))].concat()
+}
+
+impl Pair<'_> {
+    /// The samples as the second function gets them.
+    fn fed(&self, batch: &Batch) -> Batch {
+        let all: Vec<usize> = (0..batch.invocation_count()).collect();
+        self.reference.fed(batch, &all).expect("the reference is another program")
+    }
+}
+
+/// The sample of `--case`.
+fn given(ready: &Ready, text: &str) -> Result<Sample, String> {
+    let file = base::text::SourceFile::new("--case", format!("case {text}"));
+    let parsed = regressions::parse(&file).map_err(|e| e.to_string())?;
+    let first = parsed.first().ok_or("--case is empty; give inputs such as `t=3f000000`")?;
+    first.to_sample(&ready.kernel.invocation, &ready.kernel.case).map_err(|e| e.to_string())
+}
+
+/// The inputs of a sample, for reports.
+fn shown(sample: &Sample) -> Vec<InputValue> {
+    crate::fuzz::inputs(sample)
+}

@@ -1,0 +1,24 @@
+//! Reports of `compare`.
+
+mod json;
+mod text;
+
+use engine::compare::Compared;
+
+pub use json::json;
+pub use text::text;
+
+/// A run of `compare`.
+#[derive(Debug, Default)]
+pub struct Summary {
+    /// Names of the two texts.
+    pub texts: [String; 2],
+    /// Seed of the inputs.
+    pub seed: u64,
+    /// The pairs of functions, in the order of the first text.
+    pub pairs: Vec<Compared>,
+    /// Functions of each text that have no partner.
+    pub unpaired: [Vec<String>; 2],
+    /// The signal that ended the run before its time.
+    pub interrupted: Option<u8>,
+}

@@ -1,0 +1,154 @@
+//! The report for people: a line for each pair, then what differs and which of the two is the more accurate.
+
+use std::fmt::Write as _;
+
+use super::Summary;
+use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Worst};
+use engine::fuzz::InputValue;
+
+/// The report.
+pub fn text(summary: &Summary, color: bool) -> String {
+    let paint = |code: &'static str| if color { code } else { "" };
+    let (good, bad, weak, off) = (paint("\u{1b}[32m"), paint("\u{1b}[31m"), paint("\u{1b}[33m"), paint("\u{1b}[0m"));
+    let mut text = format!("first   {}\nsecond  {}\n", summary.texts[0], summary.texts[1]);
+    for pair in &summary.pairs {
+        let name = match &pair.functions {
+            [a, b] if a == b => a.clone(),
+            [a, b] => format!("{a} = {b}"),
+        };
+        let (mark, paint, says) = match (&pair.not_compared, pair.unlike.0) {
+            (Some(why), _) => ("--    ", weak, format!("not compared: {why}")),
+            (None, 0) => ("equal ", good, equal(pair)),
+            (None, _) => ("UNLIKE", bad, unlike(pair)),
+        };
+        let _ = writeln!(text, "\n{paint}{mark}{off}  {name:<20} {says}");
+        if pair.not_compared.is_none() {
+            if let Some(smallest) = &pair.smallest {
+                difference(&mut text, smallest);
+            }
+            details(&mut text, pair);
+        }
+    }
+    let compared = summary.pairs.iter().filter(|pair| pair.not_compared.is_none()).count();
+    let differ = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
+    let rest = summary.pairs.len() - compared;
+    let _ = write!(text, "\n{compared} compared, {differ} unlike, {rest} not compared");
+    for (which, names) in ["first", "second"].iter().zip(&summary.unpaired) {
+        if !names.is_empty() {
+            let _ = write!(text, "; only in the {which}: {}", names.join(", "));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+fn equal(pair: &Compared) -> String {
+    let open: u64 = pair.undetermined.iter().map(|(_, count)| count).sum();
+    let mut text = format!("{} of {} samples mean the same", pair.equal, pair.samples);
+    if open > 0 {
+        let reasons: Vec<String> =
+            pair.undetermined.iter().map(|(reason, count)| format!("{count} {}", reason.name())).collect();
+        let _ = write!(text, ", {open} undetermined ({})", reasons.join(", "));
+    }
+    text
+}
+
+fn unlike(pair: &Compared) -> String {
+    let (all, beyond) = pair.unlike;
+    let hidden = match beyond {
+        0 => ", by no more than a conforming device may be off".to_owned(),
+        beyond if beyond == all => String::new(),
+        beyond => format!(", {beyond} of them by more than a conforming device may be off"),
+    };
+    format!("{all} of {} samples mean something else{hidden}", pair.samples)
+}
+
+fn difference(text: &mut String, smallest: &Unlike) {
+    let _ = writeln!(text, "  differs    {}", smallest.message);
+    if let Some([a, b]) = smallest.values
+        && a.is_finite()
+        && b.is_finite()
+    {
+        let _ = writeln!(
+            text,
+            "             by {:.3e}, {:.3e} of the larger",
+            (a - b).abs(),
+            (a - b).abs() / a.abs().max(b.abs())
+        );
+    }
+    let any = if smallest.realistic { "" } else { " (inputs of any size)" };
+    let _ = writeln!(text, "  smallest   {}{any}", inputs(&smallest.inputs));
+    let _ = writeln!(text, "  reproduce  {}", smallest.reproduce);
+}
+
+fn details(text: &mut String, pair: &Compared) {
+    if !pair.alone.is_empty() {
+        let _ = writeln!(text, "  outputs    only one of the two has {}", pair.alone.join(", "));
+    }
+    for accuracy in &pair.accuracy {
+        bounds(text, accuracy);
+    }
+    if let Some([a, b]) = &pair.resolution {
+        let of = |r: &Resolution| format!("{} of {}, {} steps reversed", r.distinct, r.inputs, r.reversed);
+        let _ = writeln!(text, "  distinct   outputs of neighbouring inputs: first {}; second {}", of(a), of(b));
+    }
+    for lane in &pair.lanes {
+        on_lane(text, lane);
+    }
+}
+
+fn bounds(text: &mut String, accuracy: &Accuracy) {
+    let Accuracy { profile, compared, better, alone, median_ratio, widest, gains } = accuracy;
+    let at_most = |worst: &Option<Worst>, side: usize| match worst {
+        Some(worst) => format!("{:.4e} ULP at {}", worst.ulp[side], inputs(&worst.inputs)),
+        None => "none".to_owned(),
+    };
+    let part = |count: u64| 100.0 * count as f64 / (*compared).max(1) as f64;
+    let median = median_ratio.map_or_else(String::new, |ratio| format!("; median first / second {ratio:.3}"));
+    let _ = writeln!(
+        text,
+        "  bounds     by {profile}: the first is tighter in {:.1} % of {compared} samples, the second in {:.1} %{median}",
+        part(better[0]),
+        part(better[1])
+    );
+    for (which, count) in ["first", "second"].iter().zip(alone) {
+        if *count > 0 {
+            let _ = writeln!(text, "             {count} samples have a bound in the {which} alone");
+        }
+    }
+    let _ = writeln!(text, "             widest: first {}", at_most(&widest[0], 0));
+    let _ = writeln!(text, "             widest: second {}", at_most(&widest[1], 1));
+    for (side, gain) in gains.iter().enumerate() {
+        if let Some(Worst { inputs: at, ulp }) = gain {
+            let which = ["first", "second"][side];
+            let _ = writeln!(
+                text,
+                "             the {which} gains most at {}: {:.4e} against {:.4e} ULP",
+                inputs(at),
+                ulp[side],
+                ulp[1 - side]
+            );
+        }
+    }
+}
+
+fn on_lane(text: &mut String, lane: &OnLane) {
+    let says = match (&lane.not_run, &lane.farthest) {
+        (Some(why), _) => format!("not run: {why}"),
+        (None, None) => format!("{} samples, all with the same bits", lane.samples),
+        (None, Some((far, at))) => {
+            let far = if far.is_finite() { format!("{far} ULP apart") } else { "a number and none".to_owned() };
+            format!("{} of {} samples with the same bits; at most {far} at {}", lane.same, lane.samples, inputs(at))
+        }
+    };
+    let _ = writeln!(text, "  {:<10} {says}", lane.lane);
+}
+
+/// `x = 1.0; v = 1.0, 2.0`
+fn inputs(values: &[InputValue]) -> String {
+    let one = |input: &InputValue| {
+        let name = input.name.rsplit(' ').next().unwrap_or(&input.name);
+        format!("{name} = {}", input.decimal.join(", "))
+    };
+    values.iter().map(one).collect::<Vec<_>>().join("; ")
+}

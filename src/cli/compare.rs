@@ -1,0 +1,181 @@
+//! `shadercheck compare`: the same function in two texts, whatever language each is written in.
+
+mod pairs;
+mod version;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::check::profile;
+use super::check::{Format, shell_word};
+use super::compose::{ComposeArgs, Given};
+use super::fuzz::{Inputs, stated, subjects};
+use super::includes::IncludedText;
+use super::status::ExitStatus;
+use super::{StageName, translate};
+use base::diagnostic::Lang;
+use engine::compare::{self, Request};
+use engine::fuzz::Subject;
+use engine::suite::run::DEFAULT_SEED;
+use judge::profile::Profile;
+use lanes::{Lane, StandIn, Wanted, interrupt};
+use report::compare::{Summary, json, text};
+
+/// Samples of a pair, when none are asked for.
+const SAMPLES: u64 = 1 << 14;
+
+/// Arguments of `shadercheck compare`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Each pair of functions gets the same inputs, those that the first is likely to get. In real numbers the two mean the same, or \
+the smallest input is shown for which they do not. Bounds say how far a conforming device may be off in each, and lanes run \
+both. Parameters are matched by name, or by place where all types are the same.
+
+Exit status: 0 all pairs mean the same; 1 some do not, or a text does not compile; 2 usage, or nothing could be compared.")]
+pub struct CompareArgs {
+    /// A shader file, or a version of it in git: `HEAD:shaders/light.glsl`
+    #[arg(value_name = "FIRST")]
+    pub first: String,
+    /// Another one, in any language
+    #[arg(value_name = "SECOND")]
+    pub second: String,
+    /// Only functions of this name; `NAME=OTHER` where the second has another name for it; repeatable
+    #[arg(long, value_name = "NAME")]
+    pub function: Vec<String>,
+    /// Stage of both texts, where their endings do not say it or say another
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub stage: Option<StageName>,
+    /// Values that an input takes: `x=[0,1]`, `f.x=(0,inf)`, `n=normalised`, `m=rotation`; repeatable
+    #[arg(long, value_name = "INPUT=DOMAIN", allow_hyphen_values = true)]
+    pub domain: Vec<String>,
+    /// Value of a macro, or of an `override` constant of WGSL, in both texts; repeatable
+    #[arg(short = 'D', long, value_name = "NAME=VALUE", value_parser = translate::definition)]
+    pub define: Vec<(String, String)>,
+    /// The same in the second text alone
+    #[arg(long, value_name = "NAME=VALUE", value_parser = translate::definition)]
+    pub define_second: Vec<(String, String)>,
+    /// Folders that are searched for included files
+    #[arg(short = 'I', long = "include", value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
+    /// What is stated about texts in WGSL that are parts of others.
+    #[command(flatten)]
+    pub compose: ComposeArgs,
+    /// Only these lanes; all that are available without it
+    #[arg(long, value_name = "LANE", value_delimiter = ',')]
+    pub lane: Vec<String>,
+    /// What bounds are derived from: a shipped profile by name, or a file that `calibrate` wrote; repeatable. The first says
+    /// which differences a device may hide
+    #[arg(long, value_name = "PROFILE", default_value = "vulkan-1.4")]
+    pub profile: Vec<String>,
+    /// Samples of each pair
+    #[arg(long, value_name = "N", default_value_t = SAMPLES, value_parser = clap::value_parser!(u64).range(1..))]
+    pub samples: u64,
+    /// Seed of the inputs: the same seed gives the same inputs everywhere
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
+    pub seed: u64,
+    /// Compare only this case, as a report's `reproduce` line gives it; needs --function
+    #[arg(long, value_name = "INPUTS", requires = "function")]
+    pub case: Option<String>,
+    /// How the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Runs the command: the result goes to `out`, complaints to `err`.
+///
+/// # Errors
+/// When a text cannot be read, a name is unknown, a domain or profile cannot be read, no lane is available, or output fails.
+pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: bool) -> anyhow::Result<ExitStatus> {
+    let stage = args.stage.map(syntax::Stage::from);
+    let second_defines = [&args.define[..], &args.define_second[..]].concat();
+    let given = |defines| Given { folders: &args.include, defines, wgsl: Some(&args.compose) };
+    let texts = [
+        version::text(&args.first, &given(&args.define), stage)?,
+        version::text(&args.second, &given(&second_defines), stage)?,
+    ];
+    let stated = stated(&args.domain)?;
+    let profiles = args.profile.iter().map(|name| match profile::named(name)? {
+        Some(profile) => Ok(profile),
+        None => anyhow::bail!("--profile: a comparison needs bounds; `none` has none"),
+    });
+    let profiles = profiles.collect::<anyhow::Result<Vec<_>>>()?;
+    let wanted = pairs::wanted(&args.function)?;
+    let sides = [made(&texts[0], &args.define, err)?, made(&texts[1], &second_defines, err)?];
+    let [Some(firsts), Some(seconds)] = &sides else { return Ok(ExitStatus::Findings) };
+    let (pairs, unpaired) = pairs::of([firsts, seconds], &wanted)?;
+    let mut summary =
+        Summary { texts: texts.each_ref().map(|t| t.name.clone()), seed: args.seed, ..Summary::default() };
+    summary.unpaired = unpaired;
+    let opened = Wanted { stand_in: StandIn::Beside, ..Wanted::named(&args.lane) }.open()?;
+    let missing: Vec<String> = opened.missing.iter().map(|(name, error)| format!("lane `{name}`: {error}")).collect();
+    anyhow::ensure!(args.lane.is_empty() || missing.is_empty(), "{}", missing.join("; "));
+    let lanes: Vec<&dyn Lane> = opened.lanes.iter().map(AsRef::as_ref).collect();
+    let request = Request {
+        samples: args.samples,
+        seed: args.seed,
+        case: args.case.clone(),
+        profiles: profiles.iter().map(AsRef::as_ref).collect::<Vec<&Profile>>(),
+        command: command(args),
+    };
+    let mut inputs = Inputs::new(&stated);
+    for pair in pairs {
+        let domain = inputs.domain(pair[0])?;
+        let compared = compare::run(pair, &domain, &lanes, &request).map_err(|why| anyhow::anyhow!("--case: {why}"))?;
+        summary.pairs.push(compared);
+        if interrupt::asked() {
+            break;
+        }
+    }
+    summary.interrupted = interrupt::signal();
+    if summary.interrupted.is_none() {
+        inputs.all_used()?;
+    }
+    match args.format {
+        Format::Text => out.write_all(text(&summary, color).as_bytes())?,
+        Format::Json => out.write_all(json(&summary).as_bytes())?,
+    }
+    out.flush()?;
+    Ok(if let Some(signal) = summary.interrupted {
+        ExitStatus::Interrupted(signal)
+    } else if summary.pairs.iter().all(|pair| pair.not_compared.is_some()) {
+        writeln!(err, "error: nothing could be compared")?;
+        ExitStatus::Error
+    } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0) {
+        ExitStatus::Findings
+    } else {
+        ExitStatus::Clean
+    })
+}
+
+/// The functions of a text, each ready to run or told why it is not; `None` when the text does not compile, which is printed.
+fn made(
+    text: &IncludedText,
+    defines: &[(String, String)],
+    err: &mut dyn Write,
+) -> anyhow::Result<Option<Vec<Subject>>> {
+    let (errors, subjects) = subjects((&[], defines), text, &mut Vec::new())?;
+    for error in &errors {
+        err.write_all(report::diagnostics::text(error, Lang::En, false).as_bytes())?;
+    }
+    Ok(errors.is_empty().then_some(subjects))
+}
+
+/// The command line up to the function.
+fn command(args: &CompareArgs) -> String {
+    let mut words = format!("shadercheck compare {} {}", shell_word(&args.first), shell_word(&args.second));
+    let mut add = |option: &str, value: &str| words = format!("{words} {option} {}", shell_word(value));
+    args.include.iter().for_each(|folder| add("-I", &folder.display().to_string()));
+    args.define.iter().for_each(|(name, value)| add("--define", &format!("{name}={value}")));
+    args.define_second.iter().for_each(|(name, value)| add("--define-second", &format!("{name}={value}")));
+    args.compose.with.iter().for_each(|file| add("--with", &file.display().to_string()));
+    args.domain.iter().for_each(|domain| add("--domain", domain));
+    if let Some(stage) = args.stage {
+        add("--stage", &stage.word());
+    }
+    if args.compose.assign_bindings {
+        words.push_str(" --assign-bindings");
+    }
+    words
+}

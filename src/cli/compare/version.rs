@@ -1,0 +1,49 @@
+//! Texts as git has them: `REVISION:PATH`.
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::Context as _;
+
+use crate::cli::compose::Given;
+use crate::cli::includes::{self, IncludedText};
+use crate::cli::translate;
+use syntax::Stage;
+
+/// The text of an argument: a file, or `REVISION:PATH` of the repository that the working folder, or the path, lies in. What
+/// a text of a revision includes is read from the folders of today.
+///
+/// # Errors
+/// When there is neither such a file nor such a revision, or it cannot be read.
+pub(super) fn text(argument: &str, given: &Given<'_>, stage: Option<Stage>) -> anyhow::Result<IncludedText> {
+    let path = Path::new(argument);
+    let versioned = argument.split_once(':').filter(|(revision, path)| !revision.is_empty() && !path.is_empty());
+    let mut text = match versioned {
+        Some((revision, file)) if !path.exists() => {
+            let bytes = of_revision(revision, file)?;
+            let of_file = translate::decoded(file, &bytes).with_context(|| format!("of `{argument}`"))?;
+            let mut text = includes::with_includes(&of_file, Path::new(file), given)?;
+            (text.name, text.given) = (argument.to_owned(), argument.to_owned());
+            text
+        }
+        _ => includes::read(path, given)?,
+    };
+    text.stage = stage.unwrap_or(text.stage);
+    Ok(text)
+}
+
+fn of_revision(revision: &str, file: &str) -> anyhow::Result<Vec<u8>> {
+    let path = Path::new(file);
+    let folder = path.parent().filter(|folder| folder.is_dir()).unwrap_or(Path::new("."));
+    let name = path.file_name().context("the path of a revision names no file")?.to_string_lossy();
+    // A revision must not be taken for an option.
+    anyhow::ensure!(!revision.starts_with('-'), "`{revision}` is no revision of git");
+    let shown = Command::new("git").arg("-C").arg(folder).args(["show", &format!("{revision}:./{name}")]).output();
+    let shown = shown.with_context(|| format!("`{revision}:{file}` is a version in git, and git cannot be started"))?;
+    if !shown.status.success() {
+        let why = String::from_utf8_lossy(&shown.stderr);
+        let why = why.lines().next().unwrap_or("it does not say why").trim_start_matches("fatal: ");
+        anyhow::bail!("there is no file `{revision}:{file}`, and git has none of that version: {why}");
+    }
+    Ok(shown.stdout)
+}
