@@ -16,7 +16,7 @@ use super::includes::IncludedText;
 use super::status::ExitStatus;
 use super::{StageName, translate};
 use base::diagnostic::Lang;
-use engine::compare::{self, Request};
+use engine::compare::{self, Compared, Request};
 use engine::fuzz::Subject;
 use engine::suite::run::DEFAULT_SEED;
 use judge::profile::Profile;
@@ -139,7 +139,7 @@ pub fn run(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write, color: 
     out.flush()?;
     Ok(if let Some(signal) = summary.interrupted {
         ExitStatus::Interrupted(signal)
-    } else if summary.pairs.iter().all(|pair| pair.not_compared.is_some()) {
+    } else if !summary.pairs.iter().any(Compared::is_known) {
         writeln!(err, "error: nothing could be compared")?;
         ExitStatus::Error
     } else if summary.pairs.iter().any(|pair| pair.unlike.0 > 0) {

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::compose::{Given, Joined};
+use super::compose::Given;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
-use engine::suite::{Includes, read_module};
+use engine::suite::{Includes, Joined, read_module};
 use program::{ModuleText, ProgramError};
 use syntax::{Parsed, Shader, Stage};
 
@@ -44,7 +44,7 @@ pub fn read(path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
 /// When a file that it includes, and that is there, cannot be read.
 pub fn with_includes(file: &SourceFile, path: &Path, given: &Given<'_>) -> anyhow::Result<IncludedText> {
     let mut includes = Includes::new(given.folders.to_vec(), "`-I FOLDER`");
-    let joined = Joined::of(file, given)?;
+    let joined = given.joined(file)?;
     let whole = match &joined {
         Some(joined) => joined.file(file),
         None => includes.resolve(file)?,

@@ -75,6 +75,18 @@ fn a_version_in_git_stands_beside_the_file_of_today() {
 }
 
 #[test]
+fn functions_without_a_value_are_not_called_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("f.glsl"), "float f(float x) { return sqrt(-1.0 - x * x); }\n").unwrap();
+    let ran = run_in(folder.path(), "compare f.glsl f.glsl --lane embedded --samples 256").expect(2);
+    assert!(
+        ran.err.contains("nothing could be compared") && ran.out.contains("0 of 256 samples mean the same"),
+        "{ran:?}"
+    );
+    assert!(ran.out.contains("0 compared, 0 unlike, 1 not compared"), "{ran:?}");
+}
+
+#[test]
 fn what_cannot_be_compared_says_what_to_do() {
     let says = |arguments: &str, code: i32| compared(arguments).expect(code).err;
     let err = says("nosuch:functions.glsl functions.wgsl", 2);

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{Pair, shown};
-use crate::fuzz::InputValue;
+use super::Pair;
+use crate::fuzz::{InputValue, inputs};
 use base::value::{Batch, Scalar, ulp_at};
 use judge::profile::Profile;
 use judge::verdict::{Limiter, Limits};
@@ -82,7 +82,7 @@ impl<'a> Gauge<'a> {
             let both = [bounds[0][k], bounds[1][k]];
             let known = both.map(|bound| bound.relative.is_finite());
             let accuracy = &mut self.accuracy;
-            let worst = || Worst { inputs: shown(&Sample::of(batch, k)), ulp: both.map(|bound| bound.ulp) };
+            let worst = || Worst { inputs: inputs(&Sample::of(batch, k)), ulp: both.map(|bound| bound.ulp) };
             for side in 0..2 {
                 if known[side] {
                     keep(&mut accuracy.widest[side], |kept| both[side].ulp > kept.ulp[side], &worst);
@@ -162,12 +162,13 @@ fn widest(limits: &Limits, ranges: &[std::ops::Range<usize>], slot: usize) -> Bo
 /// How many of some samples differ by more than devices that keep a profile may be off in both functions together.
 pub(super) fn beyond(pair: &Pair<'_>, profile: &Profile, samples: &[Sample]) -> u64 {
     let mut count = 0;
+    let mut limiters = pair.oracles.each_ref().map(|oracle| Limiter::new(oracle, profile, Stage::Compute));
+    let mut limits = [Limits::default(), Limits::default()];
     for chunk in samples.chunks(SLOTS) {
         let batch = Sample::batch(chunk);
         let fed = pair.fed(&batch);
-        let mut limits = [Limits::default(), Limits::default()];
         for (side, batch) in [&batch, &fed].into_iter().enumerate() {
-            Limiter::new(&pair.oracles[side], profile, Stage::Compute).look(batch, 0, &mut limits[side]);
+            limiters[side].look(batch, 0, &mut limits[side]);
         }
         let far = |slot: usize| {
             let mut words = pair.reference.pairs().into_iter().flat_map(|(own, other)| own.zip(other));

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 
 use super::accuracy::beyond;
-use super::{Compared, Pair, shown};
-use crate::fuzz::{Domain, InputValue, Shrinking, Within};
+use super::{Compared, Pair};
+use crate::fuzz::{Domain, InputValue, Shrinking, Within, inputs};
 use base::value::Batch;
 use judge::profile::{Profile, Promises};
 use judge::verdict::{JudgeContext, Reason, Verdict, What, unlike};
@@ -168,7 +168,7 @@ impl Meanings {
         let batch = Sample::batch(std::slice::from_ref(&sample));
         let found = pair.standing(&batch, &pair.fed(&batch)).remove(&0);
         let Some(Standing::Unlike(output, values, message)) = found else { return };
-        let (inputs, reproduce) = (shown(&sample), reproduce(&sample));
+        let (inputs, reproduce) = (inputs(&sample), reproduce(&sample));
         compared.smallest = Some(Unlike { inputs, output, values, message, realistic, reproduce });
     }
 }

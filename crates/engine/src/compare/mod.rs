@@ -12,7 +12,7 @@ mod meaning;
 mod on_lanes;
 mod resolution;
 
-use crate::fuzz::{Domain, InputValue, Ready, Subject, batch, stream_key};
+use crate::fuzz::{Domain, Ready, Subject, batch, given, stream_key};
 use base::value::Batch;
 use judge::profile::Profile;
 use judge::verdict::{Oracle, Reason, Reference};
@@ -75,6 +75,13 @@ pub struct Compared {
     pub lanes: Vec<OnLane>,
 }
 
+impl Compared {
+    /// True when something is known of the two: some sample means the same in both, or something else.
+    pub fn is_known(&self) -> bool {
+        self.equal + self.unlike.0 > 0
+    }
+}
+
 /// Two programs, bound to each other.
 struct Pair<'a> {
     sides: [&'a Ready; 2],
@@ -133,7 +140,7 @@ pub fn run(
             let some = (count - first).min(BATCH as u64) as usize;
             let batch = match &case {
                 Some(sample) => Sample::batch(std::slice::from_ref(sample)),
-                None => inputs(ready, domain, key, (first, some), realistic && !domain.is_stated()),
+                None => drawn(ready, domain, key, (first, some), realistic && !domain.is_stated()),
             };
             let fed = pair.fed(&batch);
             let differing = meaning.see((&pair, request.profiles[0]), &batch, &fed, realistic);
@@ -161,7 +168,7 @@ pub fn run(
 }
 
 /// Samples of the first function; as a program would give them, or of any size.
-fn inputs(ready: &Ready, domain: &Domain, key: u64, (first, count): (u64, usize), realistic: bool) -> Batch {
+fn drawn(ready: &Ready, domain: &Domain, key: u64, (first, count): (u64, usize), realistic: bool) -> Batch {
     let records = (&ready.kernel.invocation, &ready.kernel.case);
     if realistic {
         ready.realistic.batch(records, domain, key, first, count)
@@ -205,17 +212,4 @@ impl Pair<'_> {
         let all: Vec<usize> = (0..batch.invocation_count()).collect();
         self.reference.fed(batch, &all).expect("the reference is another program")
     }
-}
-
-/// The sample of `--case`.
-fn given(ready: &Ready, text: &str) -> Result<Sample, String> {
-    let file = base::text::SourceFile::new("--case", format!("case {text}"));
-    let parsed = regressions::parse(&file).map_err(|e| e.to_string())?;
-    let first = parsed.first().ok_or("--case is empty; give inputs such as `t=3f000000`")?;
-    first.to_sample(&ready.kernel.invocation, &ready.kernel.case).map_err(|e| e.to_string())
-}
-
-/// The inputs of a sample, for reports.
-fn shown(sample: &Sample) -> Vec<InputValue> {
-    crate::fuzz::inputs(sample)
 }

@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use super::{Pair, inputs};
+use super::{Pair, drawn};
 use crate::fuzz::{Domain, ROUNDS, Ready};
 use base::value::{Batch, Scalar};
 use program::interp::{Binary32, Binary64};
@@ -37,7 +37,7 @@ pub(super) fn of(pair: &Pair<'_>, domain: &Domain, key: u64) -> Option<[Resoluti
     if !pairs.iter().all(|(own, other)| is_number(0, own.start) && is_number(1, other.start)) {
         return None;
     }
-    let places = inputs(ready, domain, key, (0, PLACES), !domain.is_stated());
+    let places = drawn(ready, domain, key, (0, PLACES), !domain.is_stated());
     let mut runs = Batch::with_capacity(own.clone(), case.clone(), 1, PLACES * NEIGHBOURS);
     for &from in &places.invocations {
         let x = f32::from_bits(from);

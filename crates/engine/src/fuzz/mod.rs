@@ -28,7 +28,7 @@ pub use finding::{Finding, FunctionReport, FuzzFindingKind, InputValue, LaneRepo
 pub use generate::batch;
 pub use hint::{FORMS, option};
 pub use modules::subjects_of_module;
-pub use run::{Request, run, stream_key};
+pub use run::{Request, given, run, stream_key};
 pub use scan::{LIMIT, ROUNDS, Trouble};
 pub use shrinking::inputs;
 pub use subject::{BadHint, Ready, Subject, subjects};

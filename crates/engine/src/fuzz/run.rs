@@ -249,7 +249,10 @@ fn described(ready: &Ready, domain: &Domain) -> Vec<(String, Vec<Law>)> {
 }
 
 /// The sample of `--case`.
-fn given(ready: &Ready, text: &str) -> Result<Sample, String> {
+///
+/// # Errors
+/// What is wrong with it.
+pub fn given(ready: &Ready, text: &str) -> Result<Sample, String> {
     let file = base::text::SourceFile::new("--case", format!("case {text}"));
     let parsed = regressions::parse(&file).map_err(|e| e.to_string())?;
     let first = parsed.first().ok_or("--case is empty; give inputs such as `t=3f000000`")?;

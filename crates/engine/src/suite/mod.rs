@@ -7,6 +7,7 @@ mod expect;
 pub mod expectations;
 mod files;
 mod includes;
+mod joined;
 mod keys;
 mod module;
 mod parse;
@@ -33,6 +34,7 @@ pub use files::{
     save_regressions, search,
 };
 pub use includes::Includes;
+pub use joined::Joined;
 pub use keys::{page, schema};
 pub use module::read_module;
 pub use parse::{Names, parse, parse_with};

@@ -2,7 +2,7 @@
 
 use base::text::SourceFile;
 
-use super::tokens::tokens;
+use syntax::wgsl::tokens;
 
 /// The language of a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

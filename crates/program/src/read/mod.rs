@@ -14,7 +14,6 @@ mod program;
 mod ranges;
 mod spirv;
 mod stops;
-mod tokens;
 mod values;
 mod wgsl;
 
@@ -24,7 +23,7 @@ use std::sync::Arc;
 
 use crate::{Constants, ProgramError};
 use base::text::{SourceFile, Span};
-use syntax::{Shader, Stage};
+use syntax::{Shader, Stage, Token};
 
 pub use choose::Chosen;
 
@@ -139,11 +138,20 @@ impl ModuleText {
         names.map(|name| (name.clone(), self.place_of("override", &name))).collect()
     }
 
+    /// Those of some values that are meant for its `override` constants.
+    pub fn taken(&self, values: &[(String, String)]) -> Vec<(String, String)> {
+        let constants = self.overrides();
+        values.iter().filter(|(name, _)| constants.iter().any(|(constant, _)| constant == name)).cloned().collect()
+    }
+
     /// The place of a name that is declared behind a keyword.
     fn place_of(&self, keyword: &str, name: &str) -> Span {
         let text = self.file.text();
-        if self.written == Written::Wgsl {
-            return tokens::declared(text, keyword, name).unwrap_or_default();
+        if let Some(tree) = &self.tree {
+            // naga keeps no place for the name of an entry point.
+            let is = |token: &Token, wanted: &str| &text[token.span.range()] == wanted;
+            let found = tree.tokens().windows(2).find(|pair| is(&pair[0], keyword) && is(&pair[1], name));
+            return found.map(|pair| pair[1].span).unwrap_or_default();
         }
         let quoted = format!("\"{name}\"");
         let names = |line: &&str| {
@@ -168,5 +176,18 @@ fn stage_of(stage: ShaderStage) -> Option<Stage> {
         | ShaderStage::Miss
         | ShaderStage::AnyHit
         | ShaderStage::ClosestHit => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_in_a_comment_is_no_declaration() {
+        let text = "// fn main\nfn  main() {}";
+        let read = ModuleText::read(&SourceFile::new("a.wgsl", text), Written::Wgsl).unwrap();
+        assert_eq!(read.place_of("fn", "main"), Span::new(15, 19));
+        assert_eq!(read.place_of("fn", "mai"), Span::default());
     }
 }

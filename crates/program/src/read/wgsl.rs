@@ -4,11 +4,12 @@ use naga::Module;
 use naga::front::wgsl::{Frontend, ParseError};
 
 use super::Written;
-use super::tokens::{Token, tokens};
 use crate::front::{NAGA, validate_text};
 use crate::{ProgramError, contain};
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{SourceFile, Span};
+use syntax::Token;
+use syntax::wgsl::tokens;
 
 /// How deep brackets may stand in each other. The language asks for no more than 127 (WGSL, 2.4), and the reader takes
 /// a part of the stack for each.

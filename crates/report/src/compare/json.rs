@@ -4,8 +4,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::Summary;
+use crate::fuzz::{Input, inputs};
 use engine::compare::{Accuracy, Compared, OnLane, Resolution, Unlike, Worst};
-use engine::fuzz::InputValue;
 
 #[derive(Serialize)]
 struct Root<'a> {
@@ -54,13 +54,6 @@ struct Smallest<'a> {
 }
 
 #[derive(Serialize)]
-struct Input<'a> {
-    name: &'a str,
-    bits: Vec<String>,
-    values: &'a [String],
-}
-
-#[derive(Serialize)]
 struct Bounds<'a> {
     profile: &'a str,
     samples: u64,
@@ -103,8 +96,7 @@ struct Outputs<'a> {
 
 /// The report as one object, with a line break.
 pub fn json(summary: &Summary) -> String {
-    let fails = summary.pairs.iter().any(|pair| pair.unlike.0 > 0)
-        || summary.pairs.iter().all(|pair| pair.not_compared.is_some());
+    let fails = summary.pairs.iter().any(|pair| pair.unlike.0 > 0) || !summary.pairs.iter().any(Compared::is_known);
     let root = Root {
         status: if fails { "fail" } else { "pass" },
         first: &summary.texts[0],
@@ -186,9 +178,4 @@ fn outputs(lane: &OnLane) -> Outputs<'_> {
         farthest_ulp: lane.farthest.as_ref().map(|(far, _)| format!("{far:?}")),
         farthest_inputs: lane.farthest.as_ref().map(|(_, at)| inputs(at)),
     }
-}
-
-fn inputs(values: &[InputValue]) -> Vec<Input<'_>> {
-    let bits = |input: &InputValue| input.bits.iter().map(|b| format!("{b:08x}")).collect();
-    values.iter().map(|value| Input { name: &value.name, bits: bits(value), values: &value.decimal }).collect()
 }

@@ -18,18 +18,19 @@ pub fn text(summary: &Summary, color: bool) -> String {
         };
         let (mark, paint, says) = match (&pair.not_compared, pair.unlike.0) {
             (Some(why), _) => ("--    ", weak, format!("not compared: {why}")),
+            (None, 0) if !pair.is_known() => ("--    ", weak, equal(pair)),
             (None, 0) => ("equal ", good, equal(pair)),
             (None, _) => ("UNLIKE", bad, unlike(pair)),
         };
         let _ = writeln!(text, "\n{paint}{mark}{off}  {name:<20} {says}");
-        if pair.not_compared.is_none() {
+        if pair.is_known() {
             if let Some(smallest) = &pair.smallest {
                 difference(&mut text, smallest);
             }
             details(&mut text, pair);
         }
     }
-    let compared = summary.pairs.iter().filter(|pair| pair.not_compared.is_none()).count();
+    let compared = summary.pairs.iter().filter(|pair| pair.is_known()).count();
     let differ = summary.pairs.iter().filter(|pair| pair.unlike.0 > 0).count();
     let rest = summary.pairs.len() - compared;
     let _ = write!(text, "\n{compared} compared, {differ} unlike, {rest} not compared");
@@ -135,6 +136,7 @@ fn bounds(text: &mut String, accuracy: &Accuracy) {
 fn on_lane(text: &mut String, lane: &OnLane) {
     let says = match (&lane.not_run, &lane.farthest) {
         (Some(why), _) => format!("not run: {why}"),
+        (None, None) if lane.samples == 0 => "no sample that means the same in both was run".to_owned(),
         (None, None) => format!("{} samples, all with the same bits", lane.samples),
         (None, Some((far, at))) => {
             let far = if far.is_finite() { format!("{far} ULP apart") } else { "a number and none".to_owned() };

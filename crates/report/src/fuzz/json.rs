@@ -108,8 +108,9 @@ struct Worst<'a> {
     inputs: Vec<Input<'a>>,
 }
 
+/// An input with its bits and as decimals.
 #[derive(Serialize)]
-struct Input<'a> {
+pub(crate) struct Input<'a> {
     name: &'a str,
     bits: Vec<String>,
     values: &'a [String],
@@ -212,7 +213,8 @@ fn found(finding: &Finding) -> FindingJson<'_> {
     }
 }
 
-fn inputs(values: &[InputValue]) -> Vec<Input<'_>> {
+/// The inputs of a sample.
+pub(crate) fn inputs(values: &[InputValue]) -> Vec<Input<'_>> {
     let input = |input: &'_ InputValue| input.bits.iter().map(|b| format!("{b:08x}")).collect();
     values.iter().map(|value| Input { name: &value.name, bits: input(value), values: &value.decimal }).collect()
 }

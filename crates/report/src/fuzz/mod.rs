@@ -9,6 +9,7 @@ use engine::suite::run::signal_name;
 use lanes::{Description, Unavailable};
 
 pub use json::json;
+pub(crate) use json::{Input, inputs};
 pub use text::{findings, line, totals};
 
 /// A run of `fuzz`.

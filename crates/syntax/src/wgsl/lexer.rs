@@ -160,6 +160,9 @@ mod tests {
         assert_eq!(active("a.x>>=1.5e-3f-0x1p4h.5"), ["a", ".", "x", ">>=", "1.5e-3f", "-", "0x1p4h", ".5"]);
         assert_eq!(active("größe /* a /* b */ c */ = 1u; // d"), ["größe", "=", "1u", ";"]);
         assert_eq!(active("/* open"), [""; 0]);
+        assert_eq!(active("a /* b /* c */ d */ e // f\ng"), ["a", "e", "g"]);
+        assert_eq!((active("a /* b"), active("a //")), (vec!["a"], vec!["a"]));
+        assert_eq!(active("1.5e-3f+.5-0x1.8p+3-2"), ["1.5e-3f", "+", ".5", "-", "0x1.8p+3", "-", "2"]);
     }
 
     #[test]

@@ -27,7 +27,7 @@ use super::interface::Interface;
 use super::preprocess::limit::MOST_PIECES;
 use super::sink::Sink;
 use super::symbols::{FunctionId, SymbolId};
-use super::{Profile, Shader, Stage, Version, errors};
+use super::{Profile, Shader, Stage, Token, Version, errors};
 use base::diagnostic::message;
 use base::text::{SourceFile, Span};
 
@@ -93,6 +93,11 @@ impl Module {
     pub fn attribute<'m>(all: &'m [Attribute], name: &str) -> Option<&'m Attribute> {
         all.iter().find(|a| a.name.name == name)
     }
+}
+
+/// The tokens of a text, also those of directives and of branches that are left out.
+pub fn tokens(text: &str) -> Vec<Token> {
+    lexer::read(text).all
 }
 
 /// Reads a module.

@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::suite::read_module;
 use crate::suite::record::{self, Interface};
-use crate::suite::{Expect, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite};
+use crate::suite::{Expect, Joined, RecordedFile, ReferenceFile, RunTextureError, Stage, Suite, read_module};
 use base::diagnostic::Diagnostic;
 use base::text::SourceFile;
 use compose::Options;
-use disk::{ComposeError, Modules, Problem};
+use disk::Problem;
 use judge::verdict::{Oracle, Recorded, Reference, ReferenceError};
 use lanes::Stage as LaneStage;
 use program::lower::Target;
@@ -213,8 +212,7 @@ pub fn prepare_with(
 /// What a suite runs of a text: its stage, or a function.
 fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
     if Written::of(shader) != Written::Glsl {
-        let (shader, values) = composed(suite, shader)?;
-        return of_module(&shader, suite.stage, function, &values);
+        return of_joined(suite, shader, function);
     }
     let stage = stage_of(suite, shader, function);
     let target = function.map_or(Target::Stage, |name| Target::Function(name.to_owned()));
@@ -222,27 +220,17 @@ fn program(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result
     Program::from_sources(&texts, stage, &suite.chosen, |_| Ok(target))
 }
 
-/// A text in WGSL with what it imports, and the values that are left for its `override` constants.
-fn composed(suite: &Suite, shader: &SourceFile) -> Result<(SourceFile, Vec<(String, String)>), ProgramError> {
-    let mut modules = Modules::new(suite.includes.folders.clone());
+/// The program of a text that is a module, with what it imports.
+fn of_joined(suite: &Suite, shader: &SourceFile, function: Option<&str>) -> Result<Program, ProgramError> {
     let options = Options { defines: suite.chosen.clone(), ..Options::default() };
-    let composed = modules.compose(shader, &options).map_err(|error| match error {
-        ComposeError::Wrong(found) => ProgramError::Source(found),
-        error @ ComposeError::Unreadable(..) => ProgramError::Unsupported { what: error.to_string() },
-    })?;
-    if let (Some(fragment), Err(_)) = (composed.fragment(), ModuleText::read(&composed.file, Written::Wgsl)) {
-        return Err(ProgramError::Source(vec![fragment]));
-    }
-    let mut values = suite.chosen.clone();
+    let joined = Joined::of(shader, &suite.includes.folders, &options)
+        .map_err(|error| ProgramError::Unsupported { what: error.to_string() })?;
+    let Some(joined) = joined else { return of_module(shader, suite.stage, function, &suite.chosen) };
+    let text = joined.module()?;
     // A value that nobody takes is a mistake in the shader of the suite, and none in its reference.
     let own = shader.name().replace('\\', "/").ends_with(suite.shader.trim_start_matches("./"));
-    let meant = |name: &String| !own || composed.stated.contains(name);
-    if values.iter().any(|(name, _)| meant(name)) {
-        let constants = ModuleText::read(&composed.file, Written::Wgsl)?.overrides();
-        let is_constant = |name: &str| constants.iter().any(|(constant, _)| constant == name);
-        values.retain(|(name, _)| is_constant(name) || !meant(name));
-    }
-    Ok((composed.file, values))
+    let values = if own { joined.values(&text, &suite.chosen) } else { text.taken(&suite.chosen) };
+    of_text(&text, suite.stage, function, &values)
 }
 
 /// The program of a text that is read as a module: one of its functions, or an entry point.
@@ -255,7 +243,16 @@ pub fn of_module(
     name: Option<&str>,
     values: &[(String, String)],
 ) -> Result<Program, ProgramError> {
-    let text = read_module(shader)?;
+    of_text(&read_module(shader)?, stage, name, values)
+}
+
+/// The same of a text that is read.
+fn of_text(
+    text: &ModuleText,
+    stage: Stage,
+    name: Option<&str>,
+    values: &[(String, String)],
+) -> Result<Program, ProgramError> {
     let stage_of_text = match stage {
         Stage::Vertex => Some(syntax::Stage::Vertex),
         Stage::Fragment => Some(syntax::Stage::Fragment),

@@ -1,0 +1,88 @@
+//! Texts in WGSL of several files.
+
+use std::path::PathBuf;
+
+use base::diagnostic::{Diagnostic, Message};
+use base::text::SourceFile;
+use compose::{Composed, Options};
+use disk::{ComposeError, Modules};
+use program::{ModuleText, ProgramError, Written};
+
+/// A text in WGSL with what it imports.
+pub struct Joined {
+    composed: Result<Composed, Vec<Diagnostic>>,
+    /// Names that are given, and mean something to a file other than the value of a constant.
+    stated: Vec<String>,
+}
+
+impl Joined {
+    /// The text of a file in WGSL with what it imports, which is looked for around it and in `folders`; none for other
+    /// languages.
+    ///
+    /// # Errors
+    /// [`ComposeError::Unreadable`] when a file that is there cannot be read. What is wrong in the files is told when the
+    /// text is read.
+    pub fn of(file: &SourceFile, folders: &[PathBuf], options: &Options) -> Result<Option<Self>, ComposeError> {
+        // A text in another language than its ending says is told as such by its reader.
+        if Written::of(file) != Written::Wgsl || Written::guessed(file.text()) == Some(Written::Glsl) {
+            return Ok(None);
+        }
+        let composed = match Modules::new(folders.to_vec()).compose(file, options) {
+            Ok(composed) => Ok(composed),
+            Err(ComposeError::Wrong(found)) => Err(found),
+            Err(error @ ComposeError::Unreadable(..)) => return Err(error),
+        };
+        let stated = composed.as_ref().map(|composed| composed.stated.clone()).unwrap_or_default();
+        Ok(Some(Self { composed, stated }))
+    }
+
+    /// The text, or the file itself where something is wrong.
+    pub fn file(&self, own: &SourceFile) -> SourceFile {
+        self.composed.as_ref().map_or_else(|_| own.clone(), |composed| composed.file.clone())
+    }
+
+    /// The text as a module. A text that lacks declarations is told as such, and not as one with errors.
+    ///
+    /// # Errors
+    /// As of [`ModuleText::read`], and what is wrong with the files.
+    pub fn module(&self) -> Result<ModuleText, ProgramError> {
+        let composed = self.composed.as_ref().map_err(|found| ProgramError::Source(found.clone()))?;
+        ModuleText::read(&composed.file, Written::Wgsl).map_err(|error| match (error, composed.fragment()) {
+            (ProgramError::Source(_), Some(fragment)) => ProgramError::Source(vec![fragment]),
+            (ProgramError::Source(found), None) => {
+                ProgramError::Source(found.into_iter().map(|found| authored(found, composed)).collect())
+            }
+            (error, _) => error,
+        })
+    }
+
+    /// Values for the `override` constants of a module: those that mean nothing else.
+    pub fn values(&self, text: &ModuleText, defines: &[(String, String)]) -> Vec<(String, String)> {
+        let constants = text.overrides();
+        let is_constant = |name: &str| constants.iter().any(|(constant, _)| constant == name);
+        let wanted = |(name, _): &&(String, String)| is_constant(name) || !self.stated.contains(name);
+        defines.iter().filter(wanted).cloned().collect()
+    }
+
+    /// What is worth knowing: where names come from that the text does not say.
+    pub fn notes(&self) -> Vec<String> {
+        let Ok(composed) = &self.composed else { return Vec::new() };
+        let taken = composed.guessed.iter().map(|guess| format!("`{}` is taken from {}", guess.name, guess.file));
+        let unused = composed.warnings.iter().map(|w| format!("{}: {}", w.file.locate(w.span.start), &*w.message));
+        taken.chain(unused).collect()
+    }
+}
+
+/// A diagnostic with names as their authors write them.
+fn authored(diagnostic: Diagnostic, composed: &Composed) -> Diagnostic {
+    let plain = |text: &str| {
+        let mut text = text.to_owned();
+        for renamed in &composed.renamed {
+            text = text.replace(&format!("`{}`", renamed.written), &format!("`{}`", renamed.name));
+            text = text.replace(&format!("'{}'", renamed.written), &format!("'{}'", renamed.name));
+        }
+        text
+    };
+    let (message, label) = (Message::from(plain(&diagnostic.message)), Message::from(plain(&diagnostic.label)));
+    Diagnostic { message, label, ..diagnostic }
+}
