@@ -291,17 +291,32 @@ pub(super) fn subjects(
     let unstated = |bad: BadHint| anyhow::anyhow!("{}: this comment states no domain: {}", bad.at, bad.why);
     let written = Written::of(&source.file);
     if written != Written::Glsl {
-        let text = match source.module() {
-            Ok(text) => text,
-            Err(ProgramError::Source(errors)) => {
+        let mut left_out = Vec::new();
+        let text = match (source.module(), source.rest()) {
+            (Ok(text), _) => text,
+            (Err(ProgramError::Source(_)), Some(Ok((text, lacking)))) => {
+                left_out.extend(lacking.iter().filter(|one| wanted(&one.name)).map(|one| Subject {
+                    label: one.name.clone(),
+                    at: one.at.clone(),
+                    ready: Err(format!("`{}` is declared nowhere: name its file with `--with FILE`", one.lacks)),
+                    stated: Vec::new(),
+                }));
+                text
+            }
+            (Err(ProgramError::Source(mut errors)), rest) => {
+                // What is wrong beside what is lacking comes first.
+                if let Some(Err(ProgramError::Source(found))) = rest {
+                    errors.splice(0..0, found);
+                }
                 let errors = errors.into_iter().map(Diagnostic::at_origin).map(|d| source.explained(d)).collect();
                 return Ok((errors, Vec::new()));
             }
-            Err(error) => return Err(error).with_context(|| source.name.clone()),
+            (Err(error), _) => return Err(error).with_context(|| source.name.clone()),
         };
+        known.extend(left_out.iter().map(|one| one.label.clone()));
         known.extend(text.points().into_iter().chain(text.functions()).map(|one| one.name));
         let subjects = fuzz::subjects_of_module(&text, &source.values(&text, define), &wanted).map_err(unstated)?;
-        return Ok((Vec::new(), subjects));
+        return Ok((Vec::new(), subjects.into_iter().chain(left_out).collect()));
     }
     let parsed = source.parsed(define);
     let errors = parsed.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::compose::Given;
 use base::diagnostic::{Diagnostic, Severity};
 use base::text::{Assembly, Shown as _, SourceFile, Span};
+use compose::LeftOut;
 use engine::suite::{Includes, Joined, read_module};
 use program::{ModuleText, ProgramError};
 use syntax::{Parsed, Shader, Stage};
@@ -111,6 +112,14 @@ impl IncludedText {
     /// As of [`read_module`], and what is wrong with the files that it is put together from.
     pub fn module(&self) -> Result<ModuleText, ProgramError> {
         self.joined.as_ref().map_or_else(|| read_module(&self.file), Joined::module)
+    }
+
+    /// What can be run of a text in WGSL that lacks declarations, and what cannot, as of [`Joined::rest`].
+    ///
+    /// # Errors
+    /// As of [`Joined::rest`].
+    pub fn rest(&self) -> Option<Result<(ModuleText, &[LeftOut]), ProgramError>> {
+        self.joined.as_ref()?.rest()
     }
 
     /// Values for the `override` constants of the module, from those that are given.

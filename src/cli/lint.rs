@@ -5,6 +5,7 @@ mod diff;
 mod files;
 mod groups;
 mod known;
+mod modules;
 #[cfg(feature = "run")]
 mod prove;
 mod summary;

@@ -47,7 +47,7 @@ fn errors_stand_in_the_file_of_their_author() {
     let wrong = ("light.wesl", "// first\nfn shade(x: f32) -> f32 {\n  return x + vec2(1.0);\n}\n");
     let (status, _, err) = run(&[main, wrong], &["translate", "--to", "wgsl", "--entry", "f"]);
     assert_eq!(status, Some(1));
-    assert!(err.contains("light.wesl:2:") && !err.contains("main.wesl"), "{err}");
+    assert!(err.contains("light.wesl:3:") && !err.contains("main.wesl"), "{err}");
     let gone = ("main.wesl", "import super::light::shad;\nfn f(x: f32) -> f32 { return shad(x); }\n");
     let (status, _, err) = run(&[gone, light], &["translate", "--to", "wgsl", "--entry", "f"]);
     assert_eq!(status, Some(1));
@@ -99,4 +99,78 @@ fn a_suite_chooses_features_of_its_shader() {
     let wrong = suite.1.replace("HARD = [\"true\"]", "HARD = [\"false\"]");
     let (status, ..) = run(&[(suite.0, &wrong), main, LIGHT, truth], &args);
     assert_eq!(status, Some(1));
+}
+
+const COLOUR: (&str, &str) = ("colour.wesl", "fn tint(x: f32) -> vec4f {\n  let y = x / 0.0;\n  return vec4f(x);\n}\n");
+
+#[test]
+fn what_is_linted_knows_what_it_imports() {
+    let main = |count: &str| {
+        format!(
+            "import super::colour::tint;\n@fragment fn main() -> @location(0) vec4f {{\n  return vec4f(tint(1.0){count}, 1.0);\n}}\n"
+        )
+    };
+    let (wrong, right) = (main(""), main(".rgb"));
+    let (status, out, _) = run(&[("main.wesl", &wrong), COLOUR], &["lint", "--format", "concise"]);
+    assert_eq!(status, Some(1));
+    // What another file has is told where that one is linted.
+    assert!(out.starts_with("main.wesl:3:10: error[E902]") && out.lines().count() == 1, "{out}");
+    let (status, out, _) = run(&[("main.wesl", &right), COLOUR], &["lint", "--format", "concise"]);
+    assert_eq!((status, out.as_str()), (Some(0), ""));
+    let (_, out, _) = run(&[("main.wesl", &right), COLOUR], &["lint", "colour.wesl", "--format", "concise"]);
+    assert!(out.lines().count() == out.matches("colour.wesl:2:").count() && out.contains("N009"), "{out}");
+}
+
+#[test]
+fn repairs_and_comments_hold_in_a_text_with_imports() {
+    let text = "// shadercheck: ignore-file[D006] of the template\nimport super::colour::tint;\n\
+                fn f(a: vec2f) -> vec4f {\n  let left = 1.0;\n  return tint(atan(a.y / a.x));\n}\n";
+    let (_, out, _) = run(&[("main.wesl", text), COLOUR], &["lint", "--level", "heuristic", "--format", "concise"]);
+    assert!(out.contains("main.wesl:5:15") && !out.contains("D006"), "{out}");
+    let (_, out, _) =
+        run(&[("main.wesl", text), COLOUR], &["lint", "--diff", "--unsafe-fixes", "--level", "heuristic"]);
+    assert!(out.contains("+  return tint(atan2(a.y, a.x));") && !out.contains("-import"), "{out}");
+}
+
+#[test]
+fn what_conditions_leave_out_is_no_reason_to_report() {
+    let text = "import super::colour::tint;\nfn f(x: f32) -> f32 {\n  let a = x;\n  let b = x;\n  let c = tint(x).x;\n\
+                @if(A && !B) return a;\n@if(B && !A)\n  return b;\n@else\n  return x;\n}\n";
+    let (_, out, _) = run(&[("main.wesl", text), COLOUR], &["lint", "--format", "concise"]);
+    assert!(out.starts_with("main.wesl:5:7: info[D006") && out.lines().count() == 1, "{out}");
+    // An error under features that a host may never state is told on request.
+    let text = "import super::colour::tint;\nfn f(x: f32) -> f32 {\n  @if(A) return tint(x);\n  @else return x;\n}\n";
+    let (status, out, _) = run(&[("main.wesl", text), COLOUR], &["lint", "--format", "concise"]);
+    assert_eq!((status, out.as_str()), (Some(0), ""));
+    let (_, out, _) = run(&[("main.wesl", text), COLOUR], &["lint", "--level", "strict", "--format", "concise"]);
+    assert!(out.contains("main.wesl:3:") && out.contains("E902"), "{out}");
+}
+
+#[test]
+fn functions_that_stand_alone_are_run_where_others_lack_something() {
+    let text = "fn half(x: f32) -> f32 { return 0.5 * x; }\nfn g(x: f32) -> f32 { return half(x) * GAIN; }\n\
+                fn h(x: f32) -> f32 { return g(x); }\n";
+    let (status, out, err) = run(&[("part.wgsl", text)], &["fuzz", "--samples", "256", "--lane", "embedded"]);
+    assert!(out.contains("half") && out.contains("1 functions run, 2 not run"), "{status:?} {out}{err}");
+    assert!(out.matches("`GAIN` is declared nowhere").count() == 2, "{out}");
+    // Where it lacks nothing, all of them are run.
+    let whole = format!("const GAIN = 2.0;\n{text}");
+    let (status, out, _) = run(&[("part.wgsl", &whole)], &["fuzz", "--samples", "256", "--lane", "embedded"]);
+    assert!(status == Some(0) && out.contains("3 functions run"), "{status:?} {out}");
+    // What is wrong beside it is told first.
+    let wrong = format!("{text}fn k(x: f32) -> f32 {{ return vec2f(x); }}\n");
+    let (status, out, err) = run(&[("part.wgsl", &wrong)], &["fuzz", "--lane", "embedded"]);
+    let told = format!("{out}{err}");
+    let place = |code: &str| told.find(code).unwrap_or(usize::MAX);
+    assert!(status == Some(1) && place("E902") < place("E074") && told.contains("part.wgsl:4:30"), "{told}");
+}
+
+#[test]
+fn early_drafts_of_the_language_are_told_as_such() {
+    let old = "[[group(0), binding(0)]] var<uniform> a: f32;\nfn f(x: f32) -> f32 { return x * a; }\n";
+    let (_, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
+    assert!(format!("{out}{err}").contains("`@group(0) @binding(1)` now"), "{out}{err}");
+    let old = "let a = 1.0;\nfn f(x: f32) -> f32 { return x * a; }\n";
+    let (_, out, err) = run(&[("old.wgsl", old)], &["fuzz", "--lane", "embedded"]);
+    assert!(format!("{out}{err}").contains("early drafts of WGSL had `let`"), "{out}{err}");
 }

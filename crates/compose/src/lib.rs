@@ -12,6 +12,7 @@
 
 mod condition;
 mod declaration;
+mod features;
 mod import;
 mod link;
 mod module;
@@ -25,6 +26,7 @@ mod tests;
 
 use base::diagnostic::{Code, Diagnostic, Severity};
 use base::text::{SourceFile, Span};
+pub use features::features;
 pub use import::{ModulePath, Origin};
 use syntax::errors;
 pub use syntax::include::Wanted;
@@ -72,6 +74,28 @@ pub struct Composed {
     pub warnings: Vec<Diagnostic>,
     /// Names of [`Options::defines`] that one of the files mentions.
     pub stated: Vec<String>,
+    /// The text without what lacks a declaration, where it lacks some and functions are left.
+    pub rest: Option<Rest>,
+}
+
+/// What stands alone of a text that lacks declarations.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// The text.
+    pub file: SourceFile,
+    /// Functions of the file that go with what is lacking, in the order of the file.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// A function that needs a name that nothing declares.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Its name.
+    pub name: String,
+    /// `file:line:column` of its name.
+    pub at: String,
+    /// The name that it needs.
+    pub lacks: String,
 }
 
 /// A declaration under another name.
@@ -116,6 +140,11 @@ impl Composed {
     /// What to tell where the text lacks declarations: which names, and what to do. None where it lacks none.
     pub fn fragment(&self) -> Option<Diagnostic> {
         let first = self.undeclared.first()?;
+        if self.file.text()[..first.span.start].trim_end().ends_with("[[") {
+            let message = "attributes in double brackets are of an early draft of WGSL";
+            let new = Diagnostic::new(errors::FRAGMENT, Severity::Error, &self.file, first.span, message);
+            return Some(new.with_help("`[[group(0), binding(1)]]` is `@group(0) @binding(1)` now").at_origin());
+        }
         let names: Vec<String> = self.undeclared.iter().map(|u| format!("`{}`", u.name)).collect();
         let (shown, more) = names.split_at(names.len().min(5));
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };

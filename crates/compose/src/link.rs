@@ -11,7 +11,7 @@ use crate::declaration::{Role, Use};
 use crate::import::{ModulePath, Origin};
 use crate::module::Module;
 use crate::naming;
-use crate::{Composed, Guessed, Library, Options, Problems, Undeclared, predeclared};
+use crate::{Composed, Guessed, LeftOut, Library, Options, Problems, Rest, Undeclared, predeclared};
 
 /// A declaration: the module, and its number there.
 pub(crate) type Item = (usize, usize);
@@ -54,13 +54,53 @@ pub(crate) fn link(
         undeclared: Vec::new(),
         warnings: Vec::new(),
         arrows: Vec::new(),
+        lacking: HashMap::new(),
     };
     linker.run(root);
-    let Linker { linked, guessed, undeclared, paths, warnings, .. } = linker;
+    let Linker { mut linked, guessed, undeclared, paths, warnings, lacking, .. } = linker;
     let composed = naming::write(root, &linked, &paths, options, undeclared);
+    let rest = if lacking.is_empty() { None } else { linked.without(lacking) };
+    let rest =
+        rest.map(|left_out| Rest { file: naming::write(root, &linked, &paths, options, Vec::new()).file, left_out });
     let mentioned = |name: &str| linked.modules.iter().any(|module| mentions(&module.author, name));
     let stated = options.defines.iter().map(|(name, _)| name).filter(|name| mentioned(name)).cloned().collect();
-    Composed { guessed, warnings, stated, ..composed }
+    Composed { guessed, warnings, stated, rest, ..composed }
+}
+
+impl Linked {
+    /// Leaves out what lacks a name, and what needs that: the functions of the first module that go with it, each with
+    /// such a name. None where no function is left.
+    fn without(&mut self, mut lacking: HashMap<Item, String>) -> Option<Vec<LeftOut>> {
+        loop {
+            let needs = |item: &Item| {
+                let uses = &self.modules[item.0].declarations[item.1].uses;
+                uses.iter().find_map(|used| lacking.get(self.targets.get(&(item.0, used.tokens.start))?).cloned())
+            };
+            let open = self.reached.iter().filter(|item| !lacking.contains_key(item));
+            let more: Vec<(Item, String)> = open.filter_map(|item| Some((*item, needs(item)?))).collect();
+            if more.is_empty() {
+                break;
+            }
+            lacking.extend(more);
+        }
+        self.reached.retain(|item| !lacking.contains_key(item));
+        let function = |&(module, at): &Item| {
+            let (module, declaration) = (&self.modules[module], &self.modules[module].declarations[at]);
+            let (name, token) = declaration.name.as_ref()?;
+            (module.word(token.checked_sub(1)?) == "fn").then(|| (name.clone(), module.tokens[*token].span))
+        };
+        if !self.reached.iter().any(|item| item.0 == 0 && function(item).is_some()) {
+            return None;
+        }
+        let mut items: Vec<(Item, String)> = lacking.into_iter().filter(|(item, _)| item.0 == 0).collect();
+        items.sort_unstable();
+        let left_out = items.into_iter().filter_map(|(item, lacks)| {
+            let (name, span) = function(&item)?;
+            let (file, span) = self.modules[0].file.origin(span);
+            Some(LeftOut { name, at: file.locate(span.start), lacks })
+        });
+        Some(left_out.collect())
+    }
 }
 
 /// True where a name stands in a file as a whole word.
@@ -89,6 +129,8 @@ struct Linker<'a> {
     warnings: Vec<Diagnostic>,
     /// Directives by which one module imports another, with the place.
     arrows: Vec<(usize, usize, SourceFile, Span)>,
+    /// Declarations that use a name that nothing declares.
+    lacking: HashMap<Item, String>,
 }
 
 /// What a path of names leads to.
@@ -292,6 +334,7 @@ impl Linker<'_> {
             self.linked.free[item.0].remove(&name);
             return Some(only);
         }
+        self.lacking.entry(item).or_insert_with(|| name.clone());
         if !self.undeclared.iter().any(|(_, _, u)| u.name == name) {
             let files = candidates.iter().map(|at| self.linked.modules[at.0].author.name().to_owned());
             let left_out = self.linked.modules.iter().flat_map(|module| &module.left_out);

@@ -26,6 +26,7 @@ pub(crate) fn write(
             undeclared: Vec::new(),
             warnings,
             stated: Vec::new(),
+            rest: None,
         };
     };
     let unbound = if options.assign_bindings { unbound(linked) } else { Vec::new() };
@@ -38,6 +39,7 @@ pub(crate) fn write(
     let mut renamed: Vec<Renamed> = renamed.collect();
     renamed.sort_by(|a, b| a.written.cmp(&b.written));
     let alone = linked.reached.iter().all(|(module, _)| *module == 0) && renamed.is_empty();
+    let alone = alone && linked.reached.len() == first.declarations.len();
     let whole = alone && unbound.is_empty() && linked.modules[0].declarations.iter().all(|d| d.dropped.is_none());
     let mut starts: HashMap<(usize, usize), usize> = HashMap::new();
     let file = if whole { first.file.clone() } else { joined(root, linked, &names, &unbound, &mut starts) };
@@ -47,7 +49,7 @@ pub(crate) fn write(
         Undeclared { span: Span::new(start, start + token.len()), ..undeclared }
     });
     let undeclared = placed.collect();
-    Composed { file, renamed, guessed, undeclared, warnings, stated: Vec::new() }
+    Composed { file, renamed, guessed, undeclared, warnings, stated: Vec::new(), rest: None }
 }
 
 fn name_of(linked: &Linked, (module, at): Item) -> Option<&str> {

@@ -56,6 +56,7 @@ impl Modules {
     /// # Errors
     /// [`ComposeError`]
     pub fn compose(&mut self, file: &SourceFile, options: &Options) -> Result<Composed, ComposeError> {
+        self.left = MOST_BYTES;
         let composed = compose::compose(file, options, self);
         match self.failed.take() {
             Some((path, why)) => Err(ComposeError::Unreadable(path, why)),

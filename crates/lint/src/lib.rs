@@ -4,6 +4,7 @@
 //! drawing messages is the work of `cli` and `report`.
 
 pub mod baseline;
+mod composed;
 mod conditions;
 mod config;
 mod context;
@@ -31,6 +32,7 @@ mod variants;
 mod version;
 mod wgsl;
 
+pub use composed::{Composed, Composer};
 pub use config::{Config, ProgramEntry, Range, Wrapped, Wrapper};
 pub use document::{DOCUMENT_EXTENSIONS, Printed, is_document, printed_shaders};
 pub use host::stage_of_file;
@@ -129,6 +131,8 @@ fn run_rules(files: &[Input], settings: &Settings, rules: &[&'static Rule]) -> V
         }
         *diagnostic = diagnostic.clone().in_expansion();
     }
+    composed::to_origin(&mut all);
+    composed::add_refused(&project, &mut all);
     // What the host puts around a text is not the author's.
     let around: HashMap<&str, &ShaderFile> =
         project.shaders().filter(|s| s.has_prelude()).map(|s| (s.file.name(), s)).collect();

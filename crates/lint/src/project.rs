@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use base::text::SourceFile;
 use syntax::Stage;
 
+use super::composed::Composer;
 use super::config::Config;
 use super::context;
 use super::document::{Document, Listing};
@@ -55,6 +56,7 @@ pub const SHADER_EXTENSIONS: &[&str] = &[
     "eval",
     "shader",
     "wgsl",
+    "wesl",
 ];
 
 /// Endings of host files that a folder is searched for.
@@ -92,7 +94,7 @@ pub fn language_of(name: &str) -> Option<Language> {
     if SCRIPT_EXTENSIONS.contains(&ending.as_str()) {
         return Some(Language::Script);
     }
-    if ending == "wgsl" {
+    if ["wgsl", "wesl"].contains(&ending.as_str()) {
         return Some(Language::Wgsl);
     }
     // Several shaders in one file; the ending says no stage.
@@ -141,12 +143,14 @@ pub struct Input {
     /// The syntax tree of a host file, once it has been asked for: companions are looked for before
     /// rules run, and the text is parsed once for both.
     tree: HostTree,
+    /// What joins a text in WGSL with what it imports.
+    composer: Option<Composer>,
 }
 
 impl Input {
     /// A text whose diagnostics are wanted.
     pub fn new(file: SourceFile) -> Self {
-        Self { file, reported: true, named: false, stage: None, tree: HostTree::default() }
+        Self { file, reported: true, named: false, stage: None, tree: HostTree::default(), composer: None }
     }
 
     /// A text that others refer to; nothing is reported on it.
@@ -166,6 +170,12 @@ impl Input {
         Self { stage: Some(stage), ..self }
     }
 
+    /// The same text, with what joins it with its imports.
+    #[must_use]
+    pub fn composed_by(self, composer: Composer) -> Self {
+        Self { composer: Some(composer), ..self }
+    }
+
     /// The same text, reported or not.
     #[must_use]
     pub fn with_reported(&self, reported: bool) -> Self {
@@ -175,7 +185,8 @@ impl Input {
     /// Another text under the same name.
     #[must_use]
     pub fn with_file(&self, file: SourceFile) -> Self {
-        Self { reported: self.reported, named: self.named, stage: self.stage, ..Self::new(file) }
+        let composer = self.composer.clone();
+        Self { reported: self.reported, named: self.named, stage: self.stage, composer, ..Self::new(file) }
     }
 
     fn script(&self) -> HostFile {

@@ -1,7 +1,7 @@
 //! naga's validator, contained, with its errors told about the author's text.
 
-use naga::valid::{EntryPointError, ExpressionError, FunctionError, ModuleInfo, ValidationError};
-use naga::{Handle, Module, SwitchValue, WithSpan};
+use naga::valid::{CallError, EntryPointError, ExpressionError, FunctionError, ModuleInfo, ValidationError};
+use naga::{Block, Handle, Module, Statement, SwitchValue, WithSpan};
 
 use super::{ProgramError, contain, validator};
 use base::diagnostic::{Code, Diagnostic, Severity};
@@ -63,10 +63,31 @@ fn validation_error(file: &SourceFile, module: &Module, error: &WithSpan<Validat
         Some((function, FunctionError::InvalidReturnType { expression, .. })) => {
             let name = function.name.as_deref().unwrap_or("main");
             match expression {
+                Some(value) if function.result.is_none() => {
+                    span = Some(function.expressions.get_span(*value)).filter(|s| s.is_defined()).or(span);
+                    format!("`{name}` returns a value, and none is declared for it")
+                }
                 Some(value) => {
+                    span = Some(function.expressions.get_span(*value)).filter(|s| s.is_defined()).or(span);
                     format!("`{}` is not of the type that `{name}` returns", text_of(function, *value))
                 }
                 None => format!("`{name}` can end without returning a value"),
+            }
+        }
+        Some((function, FunctionError::InvalidCall { function: called, error })) => {
+            let name = module.functions[*called].name.as_deref().unwrap_or("the function");
+            span = call(&function.body, *called).or(span);
+            match error {
+                CallError::ArgumentCount { required, seen } => {
+                    format!("`{name}` takes {required} arguments, and {seen} are given")
+                }
+                CallError::ArgumentType { index, seen_expression, .. } => {
+                    let own = function.expressions.get_span(*seen_expression);
+                    span = Some(own).filter(|s| s.is_defined()).or(span);
+                    let argument = text_of(function, *seen_expression);
+                    format!("argument {} of `{name}` is `{argument}`, which is of another type", index + 1)
+                }
+                other => format!("the call of `{name}` is not valid: {}", without_handles(&other.to_string())),
             }
         }
         Some((_, FunctionError::ConflictingSwitchCase(value))) => {
@@ -93,6 +114,18 @@ fn validation_error(file: &SourceFile, module: &Module, error: &WithSpan<Validat
         }
     };
     diagnostic(file, span, lowercase_first(&message))
+}
+
+/// The place of the first call of a function.
+fn call(body: &Block, called: Handle<naga::Function>) -> Option<naga::Span> {
+    body.span_iter().find_map(|(statement, span)| match statement {
+        Statement::Call { function, .. } if *function == called => Some(*span).filter(|s| s.is_defined()),
+        Statement::Block(block) => call(block, called),
+        Statement::If { accept, reject, .. } => call(accept, called).or_else(|| call(reject, called)),
+        Statement::Switch { cases, .. } => cases.iter().find_map(|case| call(&case.body, called)),
+        Statement::Loop { body, continuing, .. } => call(body, called).or_else(|| call(continuing, called)),
+        _ => None,
+    })
 }
 
 /// Removes naga's arena indices (`[21]`), which mean nothing to the author.

@@ -233,6 +233,15 @@ impl Shader {
         wgsl::read(file)
     }
 
+    /// The same module, as one of several that an engine makes of a text.
+    #[must_use]
+    pub fn varying(mut self) -> Self {
+        if let Some(module) = &mut self.wgsl {
+            (module.composed, module.varies) = (true, true);
+        }
+        self
+    }
+
     /// What a module of WGSL has beside its tree; none for GLSL.
     pub fn wgsl(&self) -> Option<&wgsl::Module> {
         self.wgsl.as_deref()

@@ -19,6 +19,7 @@ use lint::{
 };
 use syntax::Stage;
 
+use super::modules;
 use super::write::{WriteError, replace};
 
 /// Headers include headers: how far they are followed.
@@ -202,6 +203,7 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
             fresh.push((path, named));
         }
     }
+    let composer = modules::composer();
     let texts: Vec<_> = fresh.par_iter().map(|(path, _)| read(path)).collect();
     for ((path, named), text) in fresh.into_iter().zip(texts) {
         let language = language_of(&name(&path));
@@ -229,6 +231,10 @@ fn take(wanted: Vec<(PathBuf, bool)>, loaded: &mut Loaded) {
                 let stage = stage.filter(|_| is_shader(&file));
                 let input = Input::new(file);
                 let input = if named { input.named() } else { input };
+                let input = match language {
+                    Some(Language::Wgsl) => input.composed_by(composer.clone()),
+                    _ => input,
+                };
                 loaded.inputs.push(match stage {
                     Some(stage) => input.with_stage(stage),
                     None => input,

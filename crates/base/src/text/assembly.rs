@@ -71,6 +71,20 @@ impl Assembly {
 }
 
 impl SourceFile {
+    /// True for a text that is put together from parts of files.
+    pub fn is_assembled(&self) -> bool {
+        self.parts().is_some()
+    }
+
+    /// The bytes of a file that a span of an assembled text copies; none where it has bytes of something else.
+    pub fn copied(&self, span: Span) -> Option<(SourceFile, Span)> {
+        let parts = self.parts()?;
+        let last = parts.partition_point(|p| p.span.start <= span.start).checked_sub(1)?;
+        let part = parts.get(last).filter(|p| p.copied && span.end <= p.span.end)?;
+        let start = part.at + (span.start - part.span.start);
+        Some((part.file.clone(), Span::new(start, start + span.len())))
+    }
+
     /// The file and place that a span of an assembled text comes from; this file and the span itself for
     /// a text that was not assembled. A span over several parts ends with the first of them.
     pub fn origin(&self, span: Span) -> (SourceFile, Span) {
@@ -130,6 +144,19 @@ mod tests {
         assembly.replace("other", &file, Span::new(at, at + 6));
         let (origin, span) = assembly.finish("c").origin(Span::new(0, 5));
         assert_eq!((origin.name(), origin.slice(span)), ("b.glsl", "wanted"));
+    }
+
+    #[test]
+    fn what_is_copied_whole_is_known() {
+        let file = joined();
+        assert!(file.is_assembled() && !SourceFile::new("a", "b").is_assembled());
+        let at = file.text().find("wanted").unwrap();
+        let (origin, span) = file.copied(Span::new(at, at + 6)).unwrap();
+        assert_eq!((origin.name(), origin.slice(span)), ("b.glsl", "wanted"));
+        assert!(file.copied(Span::new(at, file.text().len())).is_none());
+        let mut assembly = Assembly::new();
+        assembly.replace("other", &file, Span::new(at, at + 6));
+        assert!(assembly.finish("c").copied(Span::new(0, 5)).is_none());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use base::diagnostic::{Diagnostic, Message};
 use base::text::SourceFile;
-use compose::{Composed, Options};
+use compose::{Composed, LeftOut, Options};
 use disk::{ComposeError, Modules};
 use program::{ModuleText, ProgramError, Written};
 
@@ -49,11 +49,20 @@ impl Joined {
         let composed = self.composed.as_ref().map_err(|found| ProgramError::Source(found.clone()))?;
         ModuleText::read(&composed.file, Written::Wgsl).map_err(|error| match (error, composed.fragment()) {
             (ProgramError::Source(_), Some(fragment)) => ProgramError::Source(vec![fragment]),
-            (ProgramError::Source(found), None) => {
-                ProgramError::Source(found.into_iter().map(|found| authored(found, composed)).collect())
-            }
-            (error, _) => error,
+            (error, _) => authored_error(error, composed),
         })
+    }
+
+    /// Of a text that lacks declarations: what stands alone, and the functions that do not. None where nothing is lacking,
+    /// or nothing is left.
+    ///
+    /// # Errors
+    /// As of [`ModuleText::read`]: what is wrong beside what is lacking.
+    pub fn rest(&self) -> Option<Result<(ModuleText, &[LeftOut]), ProgramError>> {
+        let composed = self.composed.as_ref().ok()?;
+        let rest = composed.rest.as_ref()?;
+        let text = ModuleText::read(&rest.file, Written::Wgsl).map_err(|error| authored_error(error, composed));
+        Some(text.map(|text| (text, &rest.left_out[..])))
     }
 
     /// Values for the `override` constants of a module: those that mean nothing else.
@@ -71,6 +80,11 @@ impl Joined {
         let unused = composed.warnings.iter().map(|w| format!("{}: {}", w.file.locate(w.span.start), &*w.message));
         taken.chain(unused).collect()
     }
+}
+
+fn authored_error(error: ProgramError, composed: &Composed) -> ProgramError {
+    let ProgramError::Source(found) = error else { return error };
+    ProgramError::Source(found.into_iter().map(|found| authored(found, composed)).collect())
 }
 
 /// A diagnostic with names as their authors write them.

@@ -9,12 +9,14 @@ use syntax::ast::ItemKind;
 use syntax::{Parsed, Shader, Stage, TokenPlace, errors};
 
 use super::{Input, Project};
+use crate::composed::Composed;
 use crate::document::{Listing, Place};
 use crate::embedded::Origin;
 use crate::flow::Flow;
 use crate::host::{Embedded, HostFile, Literal};
 use crate::prelude::{self, Between, Wanted};
 use crate::range::Observed;
+use crate::rule::Level;
 use crate::{conditions, context, script, variants, version};
 
 /// Readings of one text with names defined at most.
@@ -51,6 +53,10 @@ pub struct ShaderFile {
     around: [Span; 2],
     /// Errors that hold unless the host puts something around the text that is not seen.
     pub on_request: Vec<Diagnostic>,
+    /// The text as it stands in its file, where what it imports is joined with it.
+    pub author: Option<SourceFile>,
+    /// What another reader of the language says of the text.
+    pub refused: Vec<(Level, Diagnostic)>,
     /// Ranges of its expressions, found out when the first rule asks.
     observed: Mutex<Option<Arc<Observed>>>,
     flow: Mutex<Option<Arc<Flow>>>,
@@ -68,7 +74,25 @@ impl ShaderFile {
 
     /// A module in WGSL.
     pub(super) fn wgsl(input: &Input) -> Self {
-        let mut shader = Self::read(input, Shader::parse_wgsl(&input.file));
+        let alone = Shader::parse_wgsl(&input.file);
+        let varies = alone.shader.wgsl().is_some_and(|module| module.varies);
+        let joined = input.composer.as_ref().and_then(|composer| composer.join(&input.file));
+        let mut shader = match joined {
+            None => Self::read(input, alone),
+            Some(Composed { file, refused }) => {
+                let Parsed { shader, diagnostics } = Shader::parse_wgsl(&file);
+                let shader = if varies { shader.varying() } else { shader };
+                let mut shader = Self::read(input, Parsed { shader, diagnostics });
+                shader.author = shader.file.is_assembled().then(|| input.file.clone());
+                shader.refused = refused;
+                if varies {
+                    // The host may state other features.
+                    shader.on_request = std::mem::take(&mut shader.front_end);
+                    shader.refused.iter_mut().for_each(|(level, _)| *level = Level::Strict);
+                }
+                shader
+            }
+        };
         shader.conditional = false;
         shader
     }
@@ -95,6 +119,8 @@ impl ShaderFile {
             named: input.named,
             around: [Span::default(); 2],
             on_request: Vec::new(),
+            author: None,
+            refused: Vec::new(),
             observed: Mutex::default(),
             flow: Mutex::default(),
         }

@@ -15,8 +15,9 @@ use base::text::{SourceFile, Span};
 
 use super::embedded::Origin;
 use super::host::{HostFile, comments};
-use super::project::Project;
+use super::project::{Project, ShaderFile};
 use super::rule::Rule;
+use syntax::Shader;
 
 pub(super) use parse::{Cause, Fault};
 
@@ -72,9 +73,14 @@ pub(super) struct Suppressions {
 impl Suppressions {
     /// Reads the comments. `rules` are those that can be silenced.
     pub fn of(project: &Project, rules: &[&'static Rule]) -> Self {
-        let shaders = project.shaders().filter(|s| s.reported && has_mark(&s.file)).map(|s| {
-            let spans: Vec<Span> = s.shader.comments().iter().map(|c| c.span).collect();
-            let comments = Comments::of(&s.file, &spans, rules);
+        let own = |s: &ShaderFile| s.author.clone().unwrap_or_else(|| s.file.clone());
+        let shaders = project.shaders().filter(|s| s.reported && has_mark(&own(s))).map(|s| {
+            let spans = |shader: &Shader| shader.comments().iter().map(|c| c.span).collect::<Vec<Span>>();
+            let spans = match &s.author {
+                Some(author) => spans(&Shader::parse_wgsl(author).shader),
+                None => spans(&s.shader),
+            };
+            let comments = Comments::of(&own(s), &spans, rules);
             // Findings in a listing are told at its place in the document.
             comments.moved(s.origin.as_ref().filter(|_| s.place.is_some()))
         });

@@ -82,6 +82,8 @@ pub(super) fn read(text: &str) -> Pieces {
     // Whether each open `#if` is in its first branch; nothing is read in the others.
     let mut branches: Vec<bool> = Vec::new();
     let (mut at_start, mut directive, mut braces) = (true, false, 0usize);
+    // Inside of an `import` of WESL, which ends with a semicolon; and how many brackets are open around the token.
+    let (mut importing, mut depth) = (false, 0usize);
     while let Some(lex) = lexer.next() {
         let span = Span::new(lexer.span().start, lexer.span().end);
         let kind = match lex {
@@ -124,6 +126,19 @@ pub(super) fn read(text: &str) -> Pieces {
         {
             (pieces.composed, pieces.varies, pieces.filled) = (true, true, true);
         }
+        let last = &text[last.range()];
+        match &text[span.range()] {
+            "{" | "(" | "[" => depth += 1,
+            "}" | ")" | "]" => depth = depth.saturating_sub(1),
+            "import" if depth == 0 && !directive && matches!(last, "" | ";" | "}" | ")") => {
+                (importing, pieces.composed) = (true, true);
+            }
+            "if" | "elif" | "else" if last == "@" => {
+                // Both branches are read, and what they declare has one name.
+                (pieces.composed, pieces.varies, pieces.filled) = (true, true, true);
+            }
+            _ => {}
+        }
         if directive {
             match &text[span.range()] {
                 "{" => braces += 1,
@@ -131,13 +146,14 @@ pub(super) fn read(text: &str) -> Pieces {
                 _ => {}
             }
         }
-        let place = if directive {
+        let place = if directive || importing {
             TokenPlace::Directive
         } else if branches.iter().all(|first| *first) {
             TokenPlace::Text
         } else {
             TokenPlace::Inactive
         };
+        importing &= &text[span.range()] != ";";
         let token = Token { kind, span, place };
         pieces.all.push(token);
         if place == TokenPlace::Text {

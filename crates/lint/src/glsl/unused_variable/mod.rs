@@ -7,7 +7,7 @@ use base::diagnostic::{Code, Severity, message};
 use base::text::Span;
 use syntax::ast::StmtKind;
 use syntax::symbols::{Access, SymbolKind};
-use syntax::{TokenKind, TokenPlace};
+use syntax::{Token, TokenKind, TokenPlace};
 
 use super::walk::statements;
 use crate::rule::{Check, Findings, Level, Pages, Rule};
@@ -67,7 +67,14 @@ fn check(file: &ShaderFile, findings: &mut Findings<'_>) {
 pub(super) fn hidden_words(file: &ShaderFile) -> BTreeSet<&str> {
     let tokens = file.shader.tokens().iter();
     let hidden = tokens.filter(|t| t.kind == TokenKind::Word && t.place != TokenPlace::Text);
-    hidden.map(|t| file.file.slice(t.span)).collect()
+    let hidden = hidden.map(|t| file.file.slice(t.span));
+    let Some(author) = &file.author else { return hidden.collect() };
+    // Where a text is joined with its imports, what conditions leave out stands in the author's text alone.
+    let seen =
+        |t: &Token| file.file.copied(t.span).filter(|(own, _)| own.name() == author.name()).map(|(_, s)| s.start);
+    let seen: BTreeSet<usize> = file.shader.tokens().iter().filter_map(seen).collect();
+    let all = syntax::wgsl::tokens(author.text()).into_iter().filter(|t| t.kind == TokenKind::Word);
+    hidden.chain(all.filter(|t| !seen.contains(&t.span.start)).map(|t| author.slice(t.span))).collect()
 }
 
 /// True when a name is not just what a statement of its own assigns to, increments or decrements.

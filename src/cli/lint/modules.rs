@@ -1,0 +1,42 @@
+//! Texts in WGSL with what they import, and what a reader of the language says of them.
+
+use std::sync::{Mutex, PoisonError};
+
+use base::diagnostic::Diagnostic;
+use base::text::SourceFile;
+use compose::{Options, features};
+use disk::Modules;
+use lint::{Composed, Composer, Level};
+
+/// What joins texts in WGSL with the files that they import. Where one is missing, they are linted as they are.
+pub fn composer() -> Composer {
+    let modules = Mutex::new(Modules::new(Vec::new()));
+    Composer::new(move |file| {
+        let features = features(file);
+        // With all features on, most of a text is seen. Where they exclude each other, it is read as without any.
+        let sets = [features.into_iter().map(|name| (name, String::new())).collect(), Vec::new()];
+        let whole = |defines| {
+            let options = Options { defines, ..Options::default() };
+            let composed = modules.lock().unwrap_or_else(PoisonError::into_inner).compose(file, &options).ok()?;
+            composed.undeclared.is_empty().then_some(composed.file)
+        };
+        let file = sets.into_iter().find_map(whole)?;
+        let refused = refused(&file);
+        Some(Composed { file, refused })
+    })
+}
+
+/// Why naga refuses a text. It stops at the first error. What its parser does not take may be newer than this parser.
+#[cfg(feature = "run")]
+fn refused(file: &SourceFile) -> Vec<(Level, Diagnostic)> {
+    use program::{ModuleText, ProgramError, Written};
+    let Err(ProgramError::Source(found)) = ModuleText::read(file, Written::Wgsl) else { return Vec::new() };
+    let level = |d: &Diagnostic| if d.code == program::VALIDATOR { Level::Default } else { Level::Strict };
+    found.into_iter().map(|d| (level(&d), d)).collect()
+}
+
+/// Without what runs shaders there is no reader but our own.
+#[cfg(not(feature = "run"))]
+fn refused(_: &SourceFile) -> Vec<(Level, Diagnostic)> {
+    Vec::new()
+}
