@@ -11,6 +11,7 @@ pub mod check;
 pub mod compare;
 #[cfg(feature = "run")]
 mod compose;
+#[cfg(feature = "run")]
 mod document;
 pub mod explain;
 #[cfg(feature = "run")]
