@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use base::text::SourceFile;
+use base::text::{SourceFile, Span};
 use syntax::Stage;
 
 use super::composed::Composer;
@@ -334,7 +334,9 @@ impl Project {
                 host.embedded().iter().enumerate().map(move |(index, embedded)| {
                     let file = SourceFile::new(embedded.name.as_str(), embedded.literal.text.as_str());
                     let input = if host.reported { Input::new(file) } else { Input::context(file) };
-                    let mut shader = if host.is_script() {
+                    let mut shader = if embedded.wgsl {
+                        ShaderFile::wgsl(&input)
+                    } else if host.is_script() {
                         ShaderFile::in_script(host, &input, embedded, wanted)
                     } else {
                         ShaderFile::new(&input, embedded.stage)
@@ -385,6 +387,12 @@ impl Project {
             }
             ShaderRef::Embedded(index) => self.embedded.get(&(normalise(host.file.name()), *index)),
         }
+    }
+
+    /// The module in WGSL that is the string at a place of a host file.
+    pub fn module_at(&self, host: &HostFile, place: Span) -> Option<&ShaderFile> {
+        let index = host.embedded().iter().position(|e| e.wgsl && e.place == place)?;
+        self.embedded.get(&(normalise(host.file.name()), index))
     }
 
     /// All programs whose stages are known for certain.

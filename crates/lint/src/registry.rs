@@ -148,6 +148,9 @@ pub const RULES: &[&Rule] = &[
     &wgsl::override_without_value::RULE,
     &wgsl::unknown_entry_point::RULE,
     &wgsl::structure_laid_out_differently::RULE,
+    &wgsl::vertex_attribute_differs::RULE,
+    &wgsl::binding_layout_differs::RULE,
+    &wgsl::dispatch_counts_items::RULE,
     // X. Comments that silence rules.
     &suppress::unused_suppression::RULE,
     &suppress::bad_suppression::RULE,

@@ -9,7 +9,7 @@ mod numeric;
 #[cfg(test)]
 mod testing;
 mod variable;
-mod walk;
+pub(crate) mod walk;
 
 pub(super) use walk::has_errors;
 

@@ -29,6 +29,8 @@ pub struct Embedded {
     pub place: Span,
     /// True when a template fills something in, or other texts are joined to it.
     pub partial: bool,
+    /// True for a module in WGSL.
+    pub wgsl: bool,
 }
 
 impl Embedded {
@@ -98,7 +100,7 @@ pub fn find(host: &HostFile) -> Vec<Embedded> {
         if found.iter().any(|e| e.name == name) {
             name = format!("{name}:{line}");
         }
-        found.push(Embedded { name, variable, stage, created_as, literal, place, partial: false });
+        found.push(Embedded { name, variable, stage, created_as, literal, place, partial: false, wgsl: false });
     }
     found
 }

@@ -25,7 +25,8 @@ pub struct Code<'t> {
     inside: Vec<Option<usize>>,
     /// Values that variables get.
     pub writes: Vec<Write>,
-    functions: Vec<Function>,
+    /// Its functions, in the order of their bodies.
+    pub functions: Vec<Function>,
 }
 
 /// A variable that gets a value.
@@ -40,9 +41,12 @@ pub struct Write {
     pub declares: bool,
 }
 
-struct Function {
-    parameters: Range<usize>,
-    body: Range<usize>,
+/// A function with a body.
+pub struct Function {
+    /// From the parenthesis that opens its parameters to the one that closes them.
+    pub parameters: Range<usize>,
+    /// From the first to behind the last brace.
+    pub body: Range<usize>,
 }
 
 /// A call.
@@ -257,7 +261,13 @@ impl<'t> Code<'t> {
         if self.language == Language::Java {
             return None;
         }
-        for at in (end.saturating_sub(8)..=end).rev() {
+        let mut at = end + 1;
+        for _ in 0..=8 {
+            at = at.checked_sub(1)?;
+            // `[T; N]`
+            if self.language == Language::Rust && self.is_mark(at, ']') {
+                at = self.other(at)?;
+            }
             match self.tokens.get(at)? {
                 Token::Mark(':') => {
                     let name = at.checked_sub(1)?;
@@ -272,7 +282,8 @@ impl<'t> Code<'t> {
         None
     }
 
-    fn end_of_value(&self, start: usize) -> usize {
+    /// Where the value ends that begins at a token.
+    pub fn end_of_value(&self, start: usize) -> usize {
         let own = start.checked_sub(1).and_then(|at| self.bracket(at));
         // Languages in which the end of a line ends a statement, where nothing shows that it goes on.
         let by_line = matches!(self.language, Language::Python | Language::JavaScript | Language::Kotlin);

@@ -18,7 +18,7 @@ mod token;
 pub mod webgpu;
 
 use base::diagnostic::{Code as ErrorCode, Diagnostic};
-use base::text::SourceFile;
+use base::text::{SourceFile, Span};
 use syntax::{BuiltinFunction, Stage, errors};
 
 use super::host::{Embedded, HostPrograms, Lookup, ProgramSource, ShaderRef, marks};
@@ -60,11 +60,14 @@ impl Script {
         };
         let code = Code::new(file, language);
         let webgpu = if webgpu::may_say(text) { webgpu::read(&code) } else { WebGpu::default() };
-        let shaders = if may_hold(text) { shaders(&code) } else { Vec::new() };
+        let mut shaders = if may_hold(text) { shaders(&code) } else { Vec::new() };
+        // Those in GLSL come first: the others are no part of programs.
+        let of_programs = shaders.len();
+        modules(&code, &webgpu.texts, &mut shaders);
         if !may_feed(text) {
             return Self { shaders, webgpu, ..Self::default() };
         }
-        let programs = Programs { code: &code, shaders: &shaders };
+        let programs = Programs { code: &code, shaders: &shaders[..of_programs] };
         let (tables, named) = table::find(&programs);
         let mut lookups = lookup::find(&programs);
         lookups.extend(named);
@@ -106,9 +109,34 @@ fn shaders(code: &Code<'_>) -> Vec<Embedded> {
         }
         let partial = text.partial || stage == Stage::Library;
         let Text { literal, place, .. } = text;
-        found.push(Embedded { name, variable: None, stage, created_as: None, literal, place, partial });
+        found.push(Embedded { name, variable: None, stage, created_as: None, literal, place, partial, wgsl: false });
     }
     found
+}
+
+/// Adds the modules in WGSL whose texts begin at these places and stand there as a whole.
+fn modules(code: &Code<'_>, places: &[Span], into: &mut Vec<Embedded>) {
+    let file = code.file;
+    for text in strings::modules(file, &code.tokens, places) {
+        let line = file.position(text.place.start).line;
+        let called = text.names.first().cloned().unwrap_or_else(|| line.to_string());
+        let mut name = format!("{}#{called}", file.name());
+        if into.iter().any(|f| f.name == name) {
+            name = format!("{name}:{line}");
+        }
+        let Text { literal, place, .. } = text;
+        let stage = Stage::Library;
+        into.push(Embedded {
+            name,
+            variable: None,
+            stage,
+            created_as: None,
+            literal,
+            place,
+            partial: false,
+            wgsl: true,
+        });
+    }
 }
 
 /// Words of code that feeds shaders.

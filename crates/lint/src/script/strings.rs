@@ -38,6 +38,24 @@ pub fn texts(file: &SourceFile, language: Language, tokens: &[Token<'_>]) -> Vec
     found
 }
 
+/// The strings at these places that are texts by themselves, with nothing filled in.
+pub fn modules(file: &SourceFile, tokens: &[Token<'_>], places: &[Span]) -> Vec<Text> {
+    let whole = |(at, token): (usize, &Token<'_>)| {
+        let Token::String { place, inner, form } = *token else { return None };
+        places.contains(&place).then_some(())?;
+        let mut literal = Literal::default();
+        match form {
+            Form::Line | Form::Escaped => literal.escaped(file, inner)?,
+            Form::Raw => literal.verbatim_raw(file, inner),
+            Form::Template => (!template(&mut literal, file, inner, true)?).then_some(())?,
+            Form::RawTemplate | Form::Braces | Form::Character => return None,
+        }
+        let chain = Chain { start: at, end: at + 1, parts: vec![at], between: "", partial: false };
+        Some(Text { literal, place, names: names(file, tokens, &chain), partial: false })
+    };
+    tokens.iter().enumerate().filter_map(whole).collect()
+}
+
 /// Tokens that make one text.
 struct Chain {
     /// The first token.

@@ -1,9 +1,12 @@
 //! Rules on what WGSL alone has.
 
+mod interface;
 mod uniformity;
 
 // Rules: each in a folder with its name, with its pages.
 pub(super) mod atomic_in_read_only_storage;
+pub(super) mod binding_layout_differs;
+pub(super) mod dispatch_counts_items;
 pub(super) mod non_uniform_control_flow;
 pub(super) mod override_without_value;
 pub(super) mod pixel_centre_rounded;
@@ -11,6 +14,7 @@ pub(super) mod private_variable_never_set;
 pub(super) mod structure_laid_out_differently;
 pub(super) mod unknown_entry_point;
 pub(super) mod unused_binding;
+pub(super) mod vertex_attribute_differs;
 
 use syntax::Shader;
 use syntax::ast::{ExprId, ExprKind};

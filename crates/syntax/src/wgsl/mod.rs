@@ -42,6 +42,8 @@ pub struct Module {
     pub entry_points: Vec<EntryPoint>,
     /// Structures that host and shader can share, by name.
     pub layouts: HashMap<String, Layout>,
+    /// Bytes of variables that host and shader share, by their symbols; of a runtime-sized array with one element.
+    extents: HashMap<SymbolId, Extent>,
     /// True when an engine or a script puts more into the text, or takes parts away.
     pub composed: bool,
     /// True when parts are left out or filled in, and not only names are declared elsewhere.
@@ -74,6 +76,11 @@ impl Module {
             ModuleItem::Variable(variable) => Some((variable, *self.symbols.get(&index)?)),
             _ => None,
         })
+    }
+
+    /// Size and alignment of a variable at module scope, where host and shader can share it.
+    pub fn extent(&self, variable: SymbolId) -> Option<Extent> {
+        self.extents.get(&variable).copied()
     }
 
     /// The function of an item.
@@ -139,7 +146,13 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
     });
     let mut layouts =
         layout::Layouts { items: &items, values: &values, text: file.text(), done: HashMap::new(), depth: 0 };
-    let placed = structures.filter_map(|name| layouts.structure(&name).map(|l| (name, l))).collect();
+    let placed: HashMap<String, Layout> =
+        structures.filter_map(|name| layouts.structure(&name).map(|l| (name, l))).collect();
+    let sized = items.iter().enumerate().filter_map(|(index, item)| match item {
+        ModuleItem::Variable(VariableSyntax { ty: Some(ty), .. }) => Some((*globals.get(&index)?, layouts.extent(ty)?)),
+        _ => None,
+    });
+    let extents = sized.collect();
     let entry_points = items
         .iter()
         .enumerate()
@@ -147,6 +160,7 @@ pub(super) fn read(file: &SourceFile) -> super::Parsed {
         .collect();
     let module = Module {
         layouts: placed,
+        extents,
         entry_points,
         composed: pieces.composed,
         varies: pieces.varies,

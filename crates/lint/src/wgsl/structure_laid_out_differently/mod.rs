@@ -58,20 +58,6 @@ fn shared(project: &Project) -> Vec<Shared<'_>> {
     found
 }
 
-/// Offsets of the fields with known types in front of them, and the size of the whole.
-fn places(structure: &Structure) -> (Vec<(&Field, u64)>, Option<u64>) {
-    let (mut found, mut at, mut most) = (Vec::new(), 0u64, 1u64);
-    for field in &structure.fields {
-        let Some((size, align)) = field.extent else { return (found, None) };
-        at = at.next_multiple_of(align);
-        most = most.max(align);
-        found.push((field, at));
-        let Some(next) = at.checked_add(size) else { return (found, None) };
-        at = next;
-    }
-    (found, Some(at.next_multiple_of(most)))
-}
-
 /// True when one stands for the other: the same name, or all members of one name with one name the beginning of the other.
 fn is_same(structure: &Structure, shared: &Shared<'_>) -> bool {
     let (a, b) = (structure.name.as_str(), shared.name);
@@ -86,11 +72,12 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     let all = shared(project);
     for structure in &webgpu.structures {
         let same: Vec<&Shared<'_>> = all.iter().filter(|s| is_same(structure, s)).collect();
-        let (placed, size) = places(structure);
+        let (placed, whole) = structure.places();
+        let size = whole.map(|w| w.size);
         let differs = |s: &Shared<'_>| difference(structure, &placed, size, s);
         // Where several modules have one of the name, one that agrees is the one that is meant.
         let Some((shared, (place, what))) = same.first().and_then(|s| Some((*s, differs(s)?))) else { continue };
-        if same.iter().any(|s| differs(s).is_none()) {
+        if same.iter().any(|s| differs(s).is_none()) || another_agrees(project, structure, &same) {
             continue;
         }
         let (name, layout) = (&structure.name, shown(shared));
@@ -109,6 +96,15 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
                 )),
         );
     }
+}
+
+/// True where another structure of the host has the name and the layout of the shader: that one is meant.
+fn another_agrees(project: &Project, structure: &Structure, shared: &[&Shared<'_>]) -> bool {
+    let others = project.hosts().filter_map(|h| h.webgpu()).flat_map(|w| &w.structures);
+    others.filter(|o| o.name == structure.name && !std::ptr::eq(*o, structure)).any(|other| {
+        let (placed, whole) = other.places();
+        shared.iter().any(|s| difference(other, &placed, whole.map(|w| w.size), s).is_none())
+    })
 }
 
 /// The first place where the two differ.

@@ -1,9 +1,15 @@
-//! W010: the name of an entry point that no module has.
+//! W010: the name of an entry point that its module does not have.
 
 use crate::host::HostFile;
-use crate::project::{Project, ShaderFile, folder, normalise};
+use crate::project::{Project, ShaderFile};
 use crate::rule::{Check, Findings, Level, Pages, Rule};
-use base::diagnostic::{Code, Severity, message};
+use crate::script::webgpu::{StageUse, Start};
+use base::diagnostic::{Code, Message, Severity, message};
+use base::text::Span;
+use syntax::Stage;
+use syntax::wgsl::Module;
+
+use super::interface::{beside, module_of, started};
 
 /// The rule.
 pub const RULE: Rule = Rule {
@@ -16,16 +22,87 @@ pub const RULE: Rule = Rule {
 };
 
 fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
-    let Some(webgpu) = host.webgpu().filter(|w| !w.entry_points.is_empty() && !w.modules.is_empty()) else { return };
+    let Some(webgpu) = host.webgpu() else { return };
+    for stage in &webgpu.stages {
+        if let Some((file, module)) = module_of(project, host, &stage.source) {
+            of_stage(host, stage, file, module, findings);
+        }
+    }
+    // Names beside a module that is not seen are held against all that the file names.
+    let seen = |place: Span| webgpu.stages.iter().any(|s| matches!(s.start, Start::Named(_, p) if p == place));
+    let open: Vec<&(String, Span)> = webgpu.entry_points.iter().filter(|(_, place)| !seen(*place)).collect();
+    if !open.is_empty() && webgpu.modules_are_known {
+        in_any(host, project, &open, findings);
+    }
+}
+
+fn of_stage(host: &HostFile, stage: &StageUse, file: &ShaderFile, module: &Module, findings: &mut Findings<'_>) {
+    if started(module, stage).is_some() {
+        return;
+    }
+    let of_stage: Vec<&str> =
+        module.entry_points.iter().filter(|e| e.stage == stage.stage).map(|e| e.name.name.as_str()).collect();
+    let kind = stage.stage.name();
+    let (place, what) = match &stage.start {
+        Start::Named(name, place) => {
+            let other = module.entry_points.iter().find(|e| e.name.name == *name).map(|e| e.stage);
+            let what = match other.map(Stage::name) {
+                Some(other) => message!(
+                    "`{name}` is an entry point of the {other} stage, not of the {kind} stage",
+                    "`{name}` は {kind} ステージではなく {other} ステージのエントリポイントです"
+                ),
+                None => message!(
+                    "the module has no entry point `{name}`",
+                    "モジュールにエントリポイント `{name}` がありません"
+                ),
+            };
+            (*place, what)
+        }
+        Start::Only if of_stage.is_empty() => (
+            stage.place,
+            message!(
+                "the module has no entry point of the {kind} stage",
+                "モジュールに {kind} ステージのエントリポイントがありません"
+            ),
+        ),
+        Start::Only => (
+            stage.place,
+            message!(
+                "no entry point is named, and the module has several of the {kind} stage",
+                "エントリポイントの指定がなく、モジュールには {kind} ステージのものが複数あります"
+            ),
+        ),
+    };
+    let (list, all) = (of_stage.join("`, `"), module.entry_points.iter().map(|e| e.name.name.as_str()));
+    let all = all.collect::<Vec<&str>>().join("`, `");
+    let help = match (of_stage.is_empty(), all.is_empty()) {
+        (false, _) => message!("name one of `{list}`", "`{list}` のどれかを指定してください"),
+        (true, false) => message!("the module has `{all}`", "モジュールにあるのは `{all}` です"),
+        (true, true) => message!("the module has no entry points", "モジュールにエントリポイントがありません"),
+    };
+    let first = module.entry_points.first().map_or(Span::at(0), |e| e.name.span);
+    let d = findings.at(&host.file, place, what).with_label(message!("not in the module", "モジュールにない"));
+    let related = message!("the module", "モジュール");
+    findings.push(explained(d.with_related(&file.file, first, related), help));
+}
+
+fn explained(d: base::diagnostic::Diagnostic, help: Message) -> base::diagnostic::Diagnostic {
+    d.with_why(message!(
+        "a pipeline whose entry point is missing is refused",
+        "エントリポイントのないパイプラインは拒否されます"
+    ))
+    .with_help(help)
+}
+
+/// Names that none of the modules has which the file names.
+fn in_any(host: &HostFile, project: &Project, open: &[&(String, Span)], findings: &mut Findings<'_>) {
+    let Some(webgpu) = host.webgpu().filter(|w| !w.modules.is_empty()) else { return };
     let text = host.file.text();
     // A module that comes from elsewhere may have the name.
     if ["&wgpu::ShaderModule", "&ShaderModule", ": wgpu::ShaderModule", "GPUShaderModule"]
         .iter()
         .any(|w| text.contains(w))
     {
-        return;
-    }
-    if !webgpu.modules_are_known {
         return;
     }
     let mut modules: Vec<&ShaderFile> = Vec::new();
@@ -40,7 +117,7 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
         .filter_map(|m| m.shader.wgsl())
         .flat_map(|m| m.entry_points.iter().map(|e| e.name.name.as_str()))
         .collect();
-    for (name, place) in &webgpu.entry_points {
+    for (name, place) in open {
         // A module in a string of this file has it.
         if names.contains(&name.as_str())
             || text.contains(&format!("fn {name}(")) && text.contains("@fragment")
@@ -49,39 +126,12 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
             continue;
         }
         let list = names.join("`, `");
-        findings.push(
-            findings
-                .at(
-                    &host.file,
-                    *place,
-                    message!(
-                        "no module has an entry point `{name}`",
-                        "エントリポイント `{name}` を持つモジュールがありません"
-                    ),
-                )
-                .with_label(message!("not in the module", "モジュールにない"))
-                .with_why(message!(
-                    "a pipeline whose entry point is missing is refused",
-                    "エントリポイントのないパイプラインは拒否されます"
-                ))
-                .with_help(message!(
-                    "the modules named here have `{list}`",
-                    "ここで使うモジュールにあるのは `{list}` です"
-                )),
-        );
+        let what =
+            message!("no module has an entry point `{name}`", "エントリポイント `{name}` を持つモジュールがありません");
+        let help = message!("the modules named here have `{list}`", "ここで使うモジュールにあるのは `{list}` です");
+        let d = findings.at(&host.file, *place, what);
+        findings.push(explained(d.with_label(message!("not in the module", "モジュールにない")), help));
     }
-}
-
-/// The file that a path means which is written in a host file: from its folder, or as the end of one path alone.
-fn beside<'p>(project: &'p Project, host: &str, path: &str) -> Option<&'p ShaderFile> {
-    let wanted = normalise(&format!("{}/{path}", folder(host)));
-    let mut all = project.shader_files();
-    if let Some((_, file)) = all.find(|(p, _)| *p == wanted.trim_start_matches('/') || *p == wanted) {
-        return Some(file);
-    }
-    let end = format!("/{}", path.trim_start_matches(['.', '/', '@', '~']));
-    let mut found = project.shader_files().filter(|(p, _)| p.ends_with(&end));
-    found.next().filter(|_| found.next().is_none()).map(|(_, file)| file)
 }
 
 #[cfg(test)]

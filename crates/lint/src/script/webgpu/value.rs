@@ -1,0 +1,578 @@
+//! What an expression of a host stands for, as far as simple paths lead: a variable with one value, a parameter with the
+//! argument of a call in the same file, the result of a function of the file. Where there are two answers there is none.
+
+use std::ops::Range;
+use std::rc::Rc;
+
+use crate::script::code::{Call, Code, Function, Write};
+use crate::script::language::Language;
+use crate::script::token::Token;
+
+/// Variables, parameters and functions that are followed one behind the other.
+const DEEPEST: usize = 12;
+
+/// Calls of one function that are followed.
+const MOST_CALLS: usize = 16;
+
+/// Calls inside of calls that are followed.
+const MOST_OUTER: usize = 3;
+
+/// A call that leads into a function of the file.
+pub struct Frame {
+    /// Index of the function.
+    function: usize,
+    call: Call,
+    outer: Option<Rc<Self>>,
+}
+
+/// Tokens of an expression, with the call through which its function was entered.
+#[derive(Clone)]
+pub struct Value {
+    pub tokens: Range<usize>,
+    pub frame: Option<Rc<Frame>>,
+}
+
+/// What an object says under a key.
+pub enum Entry {
+    /// Nothing, and nothing else can say it.
+    Absent,
+    /// Perhaps something: other objects are joined to this one, or a condition is in front.
+    Unknown,
+    Value(Value),
+}
+
+impl Entry {
+    /// The value, if there is one.
+    pub fn value(self) -> Option<Value> {
+        match self {
+            Self::Value(value) => Some(value),
+            Self::Absent | Self::Unknown => None,
+        }
+    }
+}
+
+/// The expressions of a file.
+#[derive(Clone, Copy)]
+pub struct Values<'c, 't> {
+    pub code: &'c Code<'t>,
+}
+
+impl<'t> Values<'_, 't> {
+    /// The ways in which the function around a token is entered: one without a call where the file has none.
+    pub fn frames(&self, at: usize) -> Vec<Option<Rc<Frame>>> {
+        self.frames_within(at, MOST_OUTER)
+    }
+
+    fn frames_within(&self, at: usize, depth: usize) -> Vec<Option<Rc<Frame>>> {
+        let Some(function) = self.function_around(at).filter(|_| depth > 0) else { return vec![None] };
+        let mut found = Vec::new();
+        for call in self.calls_of(function) {
+            for outer in self.frames_within(call.name, depth - 1) {
+                found.push(Some(Rc::new(Frame { function, call, outer })));
+                if found.len() >= MOST_CALLS {
+                    return found;
+                }
+            }
+        }
+        if found.is_empty() { vec![None] } else { found }
+    }
+
+    /// The innermost function around a token.
+    fn function_around(&self, at: usize) -> Option<usize> {
+        let all = self.code.functions.iter().enumerate().filter(|(_, f)| f.body.contains(&at));
+        all.min_by_key(|(_, f)| f.body.len()).map(|(index, _)| index)
+    }
+
+    /// The name of a function, with its token.
+    fn name_of(&self, function: &Function) -> Option<(&'t str, usize)> {
+        let code = self.code;
+        let before = function.parameters.start.checked_sub(1)?;
+        if code.language == Language::Rust {
+            let start = before.saturating_sub(16);
+            let at = (start..=before).rev().find(|at| code.word(*at) == Some("fn"))? + 1;
+            return code.word(at).map(|name| (name, at));
+        }
+        match code.word(before) {
+            Some("function" | "async") => {}
+            Some(name) => return Some((name, before)),
+            None => {}
+        }
+        // `const name = async (…) => {`
+        let equals = (before.saturating_sub(2)..=before).rev().find(|at| code.is_mark(*at, '='))?;
+        let at = equals.checked_sub(1)?;
+        code.word(at).map(|name| (name, at))
+    }
+
+    fn parameters(&self, function: &Function) -> Vec<Range<usize>> {
+        self.code.elements(function.parameters.start)
+    }
+
+    fn takes_self(&self, function: &Function) -> bool {
+        let first = self.parameters(function).into_iter().next();
+        self.code.language == Language::Rust && first.is_some_and(|mut p| p.any(|t| self.code.word(t) == Some("self")))
+    }
+
+    fn calls_of(&self, index: usize) -> Vec<Call> {
+        let code = self.code;
+        let function = &code.functions[index];
+        let Some((name, defined)) = self.name_of(function) else { return Vec::new() };
+        // Two functions of one name are not told apart.
+        let same = |f: &Function| self.name_of(f).is_some_and(|(n, _)| n == name);
+        if code.functions.iter().filter(|f| same(f)).count() > 1 {
+            return Vec::new();
+        }
+        let of_object = |call: &Call| call.name > 0 && code.is_mark(call.name - 1, '.');
+        let own = |call: &Call| call.name >= 2 && matches!(code.word(call.name - 2), Some("self" | "this"));
+        let fits = |call: &Call| match code.language {
+            Language::Rust => of_object(call) == self.takes_self(function),
+            _ => !of_object(call) || own(call),
+        };
+        let here = |call: &Call| code.word(call.name) == Some(name) && call.name != defined;
+        code.calls().filter(here).filter(fits).collect()
+    }
+
+    /// The expression that this one comes to; none where a variable on the way is not known.
+    pub fn resolve(&self, value: &Value) -> Option<Value> {
+        let mut value = value.clone();
+        for _ in 0..DEEPEST {
+            value.tokens = self.stripped(value.tokens.clone());
+            if value.tokens.is_empty() {
+                return None;
+            }
+            value = match (self.name(&value.tokens), self.call(&value.tokens)) {
+                (Some(name), _) => self.variable(&name, &value)?,
+                (None, Some(call)) => match self.result(call, &value) {
+                    Some(result) => result,
+                    None => return Some(value),
+                },
+                (None, None) => return Some(value),
+            };
+        }
+        None
+    }
+
+    /// The expression without what does not change what it stands for.
+    fn stripped(&self, mut range: Range<usize>) -> Range<usize> {
+        let code = self.code;
+        loop {
+            let before = range.clone();
+            let word = |at: usize| code.word(at);
+            while range.start < range.end
+                && (code.is_mark(range.start, '&')
+                    || code.is_mark(range.start, '*')
+                    || (range.len() > 1 && matches!(word(range.start), Some("mut" | "await"))))
+            {
+                range.start += 1;
+            }
+            let whole = |open: usize, range: &Range<usize>| code.other(open) == range.end.checked_sub(1);
+            if range.len() > 2 && code.is_mark(range.start, '(') && whole(range.start, &range) {
+                range = range.start + 1..range.end - 1;
+            }
+            while range.len() > 1 && ['?', '!'].iter().any(|c| code.is_mark(range.end - 1, *c)) {
+                range.end -= 1;
+            }
+            if range.len() > 2 && word(range.end - 1) == Some("await") && code.is_mark(range.end - 2, '.') {
+                range.end -= 2;
+            }
+            let own = range.start.checked_sub(1).and_then(|_| code.bracket(range.start));
+            let cast = |at: &usize| matches!(word(*at), Some("as" | "satisfies")) && code.bracket(*at) == own;
+            if let Some(at) = range.clone().skip(1).find(cast) {
+                range.end = at;
+            }
+            if range.len() > 4
+                && code.is_mark(range.end - 1, ')')
+                && let Some(open) = code.other(range.end - 1).filter(|open| *open > range.start + 1)
+                && code.is_mark(open - 2, '.')
+                && matches!(
+                    word(open - 1),
+                    Some(
+                        "into"
+                            | "clone"
+                            | "as_ref"
+                            | "as_str"
+                            | "as_slice"
+                            | "unwrap"
+                            | "to_string"
+                            | "to_owned"
+                            | "to_vec"
+                            | "expect"
+                            | "borrow"
+                            | "deref"
+                            | "trim"
+                    )
+                )
+            {
+                range.end = open - 2;
+            }
+            if let Some(call) = self.call(&range)
+                && matches!(word(call.name), Some("Some" | "Borrowed" | "Owned" | "Ok" | "from" | "new"))
+                && (!matches!(word(call.name), Some("from" | "new"))
+                    || call
+                        .name
+                        .checked_sub(3)
+                        .and_then(word)
+                        .is_some_and(|t| ["Cow", "String", "Arc", "Rc", "Box"].contains(&t)))
+                && let [only] = code.elements(call.open).as_slice()
+            {
+                range = only.clone();
+            }
+            if range == before {
+                return range;
+            }
+        }
+    }
+
+    /// The variable that all tokens are: `name`, `self.name`, `Self::NAME`, `object.name`.
+    fn name(&self, range: &Range<usize>) -> Option<String> {
+        let code = self.code;
+        let mut text = String::new();
+        for at in range.clone() {
+            match code.tokens[at] {
+                Token::Word(word) => text.push_str(word),
+                Token::Mark(c @ ('.' | ':')) => text.push(c),
+                Token::Mark('?' | '!') => {}
+                Token::Mark(_) | Token::String { .. } => return None,
+            }
+        }
+        let first = text.chars().next()?;
+        (first.is_alphabetic() || first == '_').then_some(text)
+    }
+
+    /// The call that all tokens are, be it of a path or of a method.
+    pub fn call(&self, range: &Range<usize>) -> Option<Call> {
+        let code = self.code;
+        let close = range.end.checked_sub(1).filter(|at| code.is_mark(*at, ')'))?;
+        let open = code.other(close).filter(|open| *open > range.start)?;
+        code.word(open - 1)?;
+        let path = |at: usize| {
+            matches!(code.tokens[at], Token::Word(_) | Token::Mark('.' | ':' | '?' | '!' | '(' | ')' | '&' | '<' | '>'))
+                || code.bracket(at) != code.bracket(range.start)
+        };
+        (range.start..open).all(path).then_some(Call { name: open - 1, open })
+    }
+
+    /// The value of a variable where it stands.
+    fn variable(&self, name: &str, from: &Value) -> Option<Value> {
+        let code = self.code;
+        let at = from.tokens.start;
+        if let Some(member) = name.strip_prefix("self.").or_else(|| name.strip_prefix("this.")) {
+            return self.member(member, at);
+        }
+        if let Some((path, last)) = name.rsplit_once("::") {
+            return self.constant(path.rsplit("::").next().unwrap_or(path), last, at);
+        }
+        if let Some((object, key)) = name.rsplit_once('.') {
+            let object = self.variable_or_none(object, from)?;
+            let object = self.resolve(&object)?;
+            return self.field(&object, key).value();
+        }
+        let all: Vec<&Write> =
+            code.writes.iter().filter(|w| w.target == name && !self.is_of_self(w) && !w.value.contains(&at)).collect();
+        for body in code.around(at) {
+            if self.is_bound_otherwise(name, &body, at) {
+                return None;
+            }
+            let inside: Vec<&Write> = all.iter().copied().filter(|w| body.contains(&w.at)).collect();
+            let reaches = |w: &&Write| {
+                w.declares
+                    && w.value.end <= at
+                    && code
+                        .bracket(w.at)
+                        .is_none_or(|open| code.other(open).is_some_and(|close| open < at && at < close))
+            };
+            let declared = inside.iter().copied().filter(reaches).next_back();
+            let from_there = declared.map_or(body.start, |w| w.at);
+            let written: Vec<&Write> = inside.iter().copied().filter(|w| !w.declares && w.at > from_there).collect();
+            match (declared, written.as_slice()) {
+                (Some(only), []) | (None, &[only]) => {
+                    return Some(Value { tokens: only.value.clone(), frame: from.frame.clone() });
+                }
+                (None, []) => {}
+                _ => return None,
+            }
+            if code.has_parameter(&body, name) {
+                return self.argument(name, &body, from);
+            }
+        }
+        let outside: Vec<&&Write> = all.iter().filter(|w| code.around(w.at).is_empty()).collect();
+        match outside.as_slice() {
+            [only] => Some(Value { tokens: only.value.clone(), frame: None }),
+            _ => None,
+        }
+    }
+
+    fn variable_or_none(&self, name: &str, from: &Value) -> Option<Value> {
+        let parts = name.chars().all(|c| c.is_alphanumeric() || "_.".contains(c));
+        parts.then(|| self.variable(name, from)).flatten()
+    }
+
+    /// True for `self.name = …`.
+    fn is_of_self(&self, write: &Write) -> bool {
+        let dot = write.at.checked_sub(1).filter(|at| self.code.is_mark(*at, '.'));
+        dot.and_then(|at| at.checked_sub(1)).is_some_and(|at| matches!(self.code.word(at), Some("self" | "this")))
+    }
+
+    /// True where a pattern, a loop or a closure gives the name a value that is not seen.
+    fn is_bound_otherwise(&self, name: &str, body: &Range<usize>, at: usize) -> bool {
+        let code = self.code;
+        (body.start..at).filter(|t| code.word(*t) == Some(name)).any(|t| {
+            let before = |back: usize| t.checked_sub(back).and_then(|b| code.tokens.get(b)).copied();
+            let in_pattern =
+                code.bracket(t).filter(|open| body.contains(open) && *open > body.start).is_some_and(|open| {
+                    let mut start = open;
+                    // `let Some((a, b)) =`, `let Self { a, b } =`
+                    while let Some(earlier) = start
+                        .checked_sub(1)
+                        .filter(|b| {
+                            code.word(*b).is_some_and(|w| !["let", "const", "var", "for"].contains(&w))
+                                || code.is_mark(*b, ':')
+                                || code.is_mark(*b, '(')
+                                || code.is_mark(*b, '[')
+                                || code.is_mark(*b, '{')
+                        })
+                        .filter(|b| *b > body.start && start - b < 2 && open - b < 8)
+                    {
+                        start = earlier;
+                    }
+                    start.checked_sub(1).is_some_and(|b| matches!(code.word(b), Some("let" | "const" | "var" | "for")))
+                });
+            let looped = matches!(before(1), Some(Token::Word("for")))
+                || (matches!(before(1), Some(Token::Word("const" | "let" | "var")))
+                    && matches!(before(2), Some(Token::Mark('(')))
+                    && matches!(before(3), Some(Token::Word("for" | "await"))));
+            in_pattern || looped || (code.language == Language::Rust && self.is_closure_parameter(t))
+        })
+    }
+
+    /// True between the bars of a closure.
+    fn is_closure_parameter(&self, at: usize) -> bool {
+        let bar = |at: usize| self.code.is_mark(at, '|');
+        let before = (at.saturating_sub(6)..at)
+            .rev()
+            .take_while(|t| matches!(self.code.tokens[*t], Token::Word(_) | Token::Mark('|' | ',' | '&' | ':')));
+        before.into_iter().any(|t| {
+            bar(t)
+                && t.checked_sub(1)
+                    .is_some_and(|b| matches!(self.code.tokens[b], Token::Mark('(' | ',' | '=') | Token::Word("move")))
+        })
+    }
+
+    /// A member of the object whose method this is: the one value that the file gives it.
+    fn member(&self, name: &str, at: usize) -> Option<Value> {
+        let code = self.code;
+        if name.contains('.') {
+            return None;
+        }
+        let assigned = code.writes.iter().filter(|w| w.target == name && self.is_of_self(w)).map(|w| w.value.clone());
+        let mut found: Vec<Range<usize>> = assigned.collect();
+        for open in (0..code.tokens.len()).filter(|t| code.is_mark(*t, '{')) {
+            let made = open.checked_sub(1).and_then(|b| code.word(b));
+            let owner = || self.implemented(at);
+            let is_struct =
+                open.checked_sub(2).is_some_and(|b| matches!(code.word(b), Some("struct" | "for" | "impl")));
+            if code.language == Language::Rust && !is_struct && made.is_some_and(|m| m == "Self" || owner() == Some(m))
+            {
+                found.extend(code.property(open, name));
+            }
+        }
+        match found.as_slice() {
+            [only] => Some(Value { tokens: only.clone(), frame: None }),
+            _ => None,
+        }
+    }
+
+    /// The type whose `impl` a token stands in.
+    fn implemented(&self, at: usize) -> Option<&'t str> {
+        let code = self.code;
+        let mut open = code.bracket(at);
+        while let Some(brace) = open {
+            let start = brace.saturating_sub(16);
+            let head = (start..brace).rev().take_while(|t| !code.is_mark(*t, '}') && !code.is_mark(*t, ';'));
+            if let Some(at) = head.into_iter().find(|t| code.word(*t) == Some("impl")) {
+                let last = (at..brace).rev().find(|t| code.word(*t) == Some("for")).unwrap_or(at);
+                return (last + 1..brace).filter(|t| code.bracket(*t) == code.bracket(brace)).find_map(|t| {
+                    code.word(t).filter(|w| w.starts_with(char::is_uppercase) && !code.is_mark(t + 1, ':'))
+                });
+            }
+            open = code.bracket(brace);
+        }
+        None
+    }
+
+    /// A constant of a type or a module.
+    fn constant(&self, owner: &str, name: &str, at: usize) -> Option<Value> {
+        let code = self.code;
+        let owner = if owner == "Self" { self.implemented(at)? } else { owner };
+        let of_owner = |w: &&Write| w.target == name && code.around(w.at).is_empty();
+        let all: Vec<&Write> = code.writes.iter().filter(of_owner).collect();
+        let own: Vec<&&Write> = all.iter().filter(|w| self.implemented(w.at) == Some(owner)).collect();
+        match (own.as_slice(), owner.starts_with(char::is_lowercase), all.as_slice()) {
+            ([only], _, _) => Some(Value { tokens: only.value.clone(), frame: None }),
+            ([], true, [only]) if ["self", "super"].contains(&owner) => {
+                Some(Value { tokens: only.value.clone(), frame: None })
+            }
+            _ => None,
+        }
+    }
+
+    /// What a call gives for a parameter.
+    fn argument(&self, name: &str, body: &Range<usize>, from: &Value) -> Option<Value> {
+        let code = self.code;
+        let frame = from.frame.as_ref()?;
+        let function = &code.functions[frame.function];
+        if function.body != *body {
+            return None;
+        }
+        let parameters = self.parameters(function);
+        let skipped = usize::from(self.takes_self(function));
+        let arguments = code.elements(frame.call.open);
+        for (index, parameter) in parameters.iter().skip(skipped).enumerate() {
+            let argument = || {
+                let tokens = arguments.get(index)?.clone();
+                Some(Value { tokens, frame: frame.outer.clone() })
+            };
+            let first = if code.word(parameter.start) == Some("mut") { parameter.start + 1 } else { parameter.start };
+            if code.word(first) == Some(name) {
+                // A default, or an argument that is left out.
+                return argument();
+            }
+            if code.is_mark(first, '{') && code.property(first, name).is_some() {
+                let object = self.resolve(&argument()?)?;
+                return self.field(&object, name).value();
+            }
+        }
+        None
+    }
+
+    /// What a call of a function of the file gives back.
+    fn result(&self, call: Call, from: &Value) -> Option<Value> {
+        let code = self.code;
+        let name = code.word(call.name)?;
+        let named = |f: &Function| self.name_of(f).is_some_and(|(n, _)| n == name);
+        let path = |back: usize| call.name.checked_sub(back);
+        let owner = path(3).filter(|_| path(1).is_some_and(|b| code.is_mark(b, ':'))).and_then(|b| code.word(b));
+        let owner = if owner == Some("Self") { self.implemented(call.name) } else { owner };
+        let method = path(1).is_some_and(|b| code.is_mark(b, '.'));
+        let of_self = path(2).is_some_and(|b| matches!(code.word(b), Some("self" | "this")));
+        if method && !of_self {
+            return None;
+        }
+        let fits = |f: &Function| match owner {
+            Some(owner) => self.implemented(f.body.start) == Some(owner),
+            None => method || code.language != Language::Rust || self.implemented(f.body.start).is_none(),
+        };
+        let mut all = code.functions.iter().enumerate().filter(|(_, f)| named(f) && fits(f));
+        let (index, function) = all.next().filter(|_| all.next().is_none())?;
+        let returns: Vec<usize> = function
+            .body
+            .clone()
+            .filter(|t| code.word(*t) == Some("return") && self.function_around(*t) == Some(index))
+            .collect();
+        let close = function.body.end - 1;
+        let tokens = match (code.language, returns.as_slice()) {
+            (_, [only]) if code.bracket(*only) == Some(function.body.start) => only + 1..code.end_of_value(only + 1),
+            (Language::Rust, []) => {
+                let open = function.body.start;
+                let last = (open + 1..close).rev().find(|t| code.is_mark(*t, ';') && code.bracket(*t) == Some(open));
+                last.unwrap_or(open) + 1..close
+            }
+            _ => return None,
+        };
+        (!tokens.is_empty())
+            .then(|| Value { tokens, frame: Some(Rc::new(Frame { function: index, call, outer: from.frame.clone() })) })
+    }
+
+    /// The brace of the object that a value comes to.
+    pub fn object(&self, value: &Value) -> Option<(usize, Value)> {
+        let code = self.code;
+        let value = self.resolve(value)?;
+        let close = value.tokens.end.checked_sub(1).filter(|at| code.is_mark(*at, '}'))?;
+        let open = code.other(close).filter(|open| value.tokens.contains(open))?;
+        let path = |at: usize| matches!(code.tokens[at], Token::Word(_) | Token::Mark(':'));
+        let keyword = |at: usize| {
+            matches!(code.word(at), Some("if" | "match" | "unsafe" | "loop" | "for" | "while" | "async" | "function"))
+        };
+        (value.tokens.start..open).all(|at| path(at) && !keyword(at)).then_some((open, value))
+    }
+
+    /// What an object says under a key of Rust; JavaScript has the same keys in its own spelling.
+    pub fn field(&self, object: &Value, key: &str) -> Entry {
+        match self.object(object) {
+            Some((open, object)) => self.entry(open, &object, key),
+            None => Entry::Unknown,
+        }
+    }
+
+    /// The same for the object that a brace opens.
+    pub fn entry(&self, open: usize, object: &Value, key: &str) -> Entry {
+        let code = self.code;
+        let camel = camel(key);
+        let key = if code.language == Language::Rust { key } else { camel.as_str() };
+        let elements = code.elements(open);
+        let mut unknown = false;
+        for element in &elements {
+            let at = element.start;
+            if code.is_mark(at, '.') || code.is_mark(at, '#') || code.is_mark(at, '[') {
+                unknown = true;
+            }
+            if code.key(at) == Some(key) && code.is_mark(at + 1, ':') {
+                return Entry::Value(Value { tokens: at + 2..element.end, frame: object.frame.clone() });
+            }
+            if code.key(at) == Some(key) && element.len() == 1 {
+                return Entry::Value(Value { tokens: element.clone(), frame: object.frame.clone() });
+            }
+        }
+        if unknown { Entry::Unknown } else { Entry::Absent }
+    }
+
+    /// The elements of a list in brackets; none where not all are seen.
+    pub fn list(&self, value: &Value) -> Option<Vec<Value>> {
+        let code = self.code;
+        let value = self.resolve(value)?;
+        let close = value.tokens.end.checked_sub(1).filter(|at| code.is_mark(*at, ']'))?;
+        let open = code.other(close).filter(|open| value.tokens.contains(open))?;
+        let vec = code.word(value.tokens.start) == Some("vec") && code.is_mark(value.tokens.start + 1, '!');
+        if open != value.tokens.start + if vec { 2 } else { 0 } {
+            return None;
+        }
+        let elements = code.elements(open);
+        let spread = |e: &Range<usize>| {
+            code.is_mark(e.start, '.')
+                || code.is_mark(e.start, '#')
+                || e.clone().any(|t| code.is_mark(t, ';') && code.bracket(t) == Some(open))
+        };
+        if elements.iter().any(spread) {
+            return None;
+        }
+        Some(elements.into_iter().map(|tokens| Value { tokens, frame: value.frame.clone() }).collect())
+    }
+
+    /// The last word of a path: `wgpu::VertexFormat::Float32x3`; in JavaScript, the string that stands for it.
+    pub fn word(&self, value: &Value) -> Option<&'t str> {
+        let code = self.code;
+        let tokens = self.stripped(value.tokens.clone());
+        if let Some((text, _)) = code.string(&tokens) {
+            return Some(text);
+        }
+        let path = tokens.clone().all(|at| matches!(code.tokens[at], Token::Word(_) | Token::Mark(':' | '.')));
+        let last = code.word(tokens.end.checked_sub(1)?).filter(|_| path)?;
+        let plain = tokens.len() > 1 || matches!(last, "true" | "false") || last.starts_with(char::is_uppercase);
+        if plain && !last.chars().all(|c| c.is_uppercase() || c == '_' || c.is_ascii_digit()) {
+            return Some(last);
+        }
+        let resolved = self.resolve(value).filter(|v| v.tokens != tokens)?;
+        self.word(&resolved)
+    }
+}
+
+/// `entry_point` as JavaScript spells it.
+fn camel(key: &str) -> String {
+    let mut parts = key.split('_');
+    let mut text = parts.next().unwrap_or("").to_owned();
+    for part in parts {
+        let mut letters = part.chars();
+        text.extend(letters.next().map(|c| c.to_ascii_uppercase()));
+        text.push_str(letters.as_str());
+    }
+    text
+}
