@@ -350,3 +350,23 @@ fn the_tour_of_the_book_and_of_the_readme_is_what_the_tool_says() {
     let shown: Vec<&str> = readme.lines().filter(|line| line.starts_with("fixtures/tour/")).collect();
     assert!(!shown.is_empty() && shown.iter().all(|line| ran.out.lines().any(|said| said == *line)), "{shown:?}");
 }
+
+#[test]
+fn mistakes_of_a_host_of_wgpu_are_found_and_its_twin_is_clean() {
+    let found = |name: &str| {
+        let ran = run_in(root(), &format!("lint --lang en --format json fixtures/webgpu/{name}"));
+        let value: Value = serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{e}\n{ran:?}"));
+        let told = value.as_array().unwrap().iter().map(|d| d["message"].as_str().unwrap().to_owned());
+        told.collect::<Vec<String>>()
+    };
+    assert_eq!(
+        found("wrong"),
+        [
+            "`gravity` is at byte 4 here, and at byte 16 in the shader",
+            "`Float32` is read as f32, and `kind` in the shader is of u32",
+            "the layout has a read-only storage buffer, and the shader declares a storage buffer that is written",
+            "the module has no entry point `color`",
+        ]
+    );
+    assert!(found("right").is_empty());
+}

@@ -121,7 +121,9 @@ fn entry(values: &Values<'_, '_>, value: &Value) -> Option<LayoutEntry> {
         Entry::Unknown => false,
     };
     let kind = if single { kind } else { Kind::Unknown };
-    let place = values.code.span(&binding.tokens);
+    // What a function makes is told where it is called.
+    let here = value.tokens.contains(&open);
+    let place = values.code.span(if here { &binding.tokens } else { &value.tokens });
     Some(LayoutEntry { binding: number(values, &binding)?, place, visibility, kind })
 }
 

@@ -98,12 +98,16 @@ fn check(host: &HostFile, project: &Project, findings: &mut Findings<'_>) {
     }
 }
 
-/// True where another structure of the host has the name and the layout of the shader: that one is meant.
+/// True where another structure of a host has the layout of the shader, with its name or all of its members: that one is
+/// meant.
 fn another_agrees(project: &Project, structure: &Structure, shared: &[&Shared<'_>]) -> bool {
     let others = project.hosts().filter_map(|h| h.webgpu()).flat_map(|w| &w.structures);
-    others.filter(|o| o.name == structure.name && !std::ptr::eq(*o, structure)).any(|other| {
+    others.filter(|o| !std::ptr::eq(*o, structure)).any(|other| {
         let (placed, whole) = other.places();
-        shared.iter().any(|s| difference(other, &placed, whole.map(|w| w.size), s).is_none())
+        let has = |name: &str| other.fields.iter().any(|f| f.name == name);
+        let stands_for = |s: &Shared<'_>| other.name == structure.name || s.members.iter().all(|m| has(&m.name.name));
+        let agrees = |s: &Shared<'_>| difference(other, &placed, whole.map(|w| w.size), s).is_none();
+        shared.iter().any(|s| stands_for(s) && agrees(s))
     })
 }
 
@@ -167,6 +171,41 @@ mod tests {
         let found_here = found("kind: u32, place: [f32; 3],", "kind: u32, place: vec3f,", UNIFORM);
         assert_eq!(found_here, ["`place` is at byte 4 here, and at byte 16 in the shader"]);
         assert_eq!(found("place: [f32; 4], kind: u32,", "place: vec4f, kind: u32,", ARRAY).len(), 1);
+    }
+
+    #[test]
+    fn another_structure_that_agrees_is_the_one_that_is_meant() {
+        let pod = |name: &str, fields: &str| format!("#[repr(C)]\n#[derive(Pod)]\npub struct {name} {{ {fields} }}\n");
+        let wrong = pod("Time", "time: f32, frame: u32,");
+        let right = "time: f32, delta: f32, frame: u32,";
+        let module = format!("struct Time {{ {right} }}\n@group(0) @binding(0) var<uniform> t: Time;\n");
+        let count = |other: &str| {
+            let files = [("a.rs", wrong.as_str()), ("b.rs", other), ("a.wgsl", module.as_str())];
+            let inputs: Vec<Input> = files.iter().map(|(n, t)| Input::new(SourceFile::new(*n, *t))).collect();
+            run(&inputs).iter().filter(|d| d.code.0 == "W011").count()
+        };
+        assert_eq!(count(&pod("Other", "a: f32,")), 1);
+        assert_eq!(count(&pod("Time", right)), 0);
+        assert_eq!(count(&pod("ComputeTime", right)), 0, "by all of its members");
+    }
+
+    #[test]
+    fn vectors_of_libraries_have_their_sizes() {
+        let with = |fields: &str, members: &str| {
+            let host = format!("use glam::Vec3;\n#[repr(C)]\n#[derive(Pod)]\npub struct Light {{ {fields} }}\n");
+            let module = format!("struct Light {{ {members} }}\n@group(0) @binding(0) {UNIFORM}\n");
+            let files = [("a.rs", host.as_str()), ("a.wgsl", module.as_str())];
+            let inputs: Vec<Input> = files.iter().map(|(n, t)| Input::new(SourceFile::new(*n, *t))).collect();
+            run(&inputs).iter().filter(|d| d.code.0 == "W011").map(|d| d.message.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            with("a: Vec3, b: Vec3, c: f32,", "a: vec3f, b: vec3f, c: f32,"),
+            ["`b` is at byte 12 here, and at byte 16 in the shader"]
+        );
+        assert!(with("a: Vec3, p: f32, b: Vec3, c: f32,", "a: vec3f, p: f32, b: vec3f, c: f32,").is_empty());
+        assert!(with("a: f32, m: Mat4,", "a: f32, m: mat4x4f,").is_empty(), "the alignment depends on the target");
+        assert_eq!(with("v: glam::Mat4, a: Vec3, b: Vec3,", "v: mat4x4f, a: vec3f, b: vec3f,").len(), 1);
+        assert!(with("a: Own, b: Vec3, c: f32,", "a: vec3f, b: vec3f, c: f32,").is_empty());
     }
 
     #[test]
